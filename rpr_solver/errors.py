@@ -1,0 +1,37 @@
+"""What can go wrong in the solver.
+
+ValueError
+└── InputError      the caller gave something that is no manipulator, slice or number
+Exception
+└── SolverError     the input is right, and this version cannot prove an answer
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class FieldProblem:
+    """One thing wrong with one input field: its dotted name, and what would be right."""
+
+    field: str
+    message: str
+
+
+class InputError(ValueError):
+    """Bad input. ``problems`` names every field at fault; the text is one line."""
+
+    def __init__(self, problems: Sequence[FieldProblem]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("; ".join(f"{p.field}: {p.message}" for p in self.problems))
+
+    @classmethod
+    def of(cls, field: str, message: str) -> InputError:
+        """The error of a single field."""
+        return cls([FieldProblem(field, message)])
+
+
+class SolverError(Exception):
+    """An honest refusal: no answer could be proved for this slice. Nothing was guessed."""
