@@ -97,9 +97,10 @@ def shown(value: object) -> str:
 
 
 def _bounded(x: Fraction, field: str, max_digits: int) -> Fraction:
-    limit = 10**max_digits
-    if abs(x.numerator) >= limit or x.denominator >= limit:
-        raise _too_long(field, max_digits)
+    for part in (abs(x.numerator), x.denominator):
+        # 10**n has more than 3 n bits, so most numbers need no power
+        if part.bit_length() > 3 * max_digits and part >= 10**max_digits:
+            raise _too_long(field, max_digits)
     return x
 
 

@@ -1,0 +1,261 @@
+"""The eliminant Q(u, L): every cusp of every slice, as one polynomial over ℤ[ω].
+
+Eliminating t = tan(α/2) gives (method.md section 3), with u = tan(θ/2) and all degrees formal,
+
+    Res_t(J, E) = c · w(u)² · (u²+1)⁹ · q(u, L) · Q(u, L),     48 = 4 + 18 + 2 + 24
+
+- w: the fixed leg lies along the base line to leg f; at both such poses ∇f = 0, so E = 0 says nothing;
+- q: leg f has length 0; again ∇f = 0;
+- u² + 1: the circular points. As Laurent polynomials in exp(iα), exp(iθ), J and E have Newton
+  polygons so small that the resultant spans the exponents −15…15 of exp(iθ), not −24…24: a factor
+  (u²+1)⁹ for every geometry;
+- Q: degree 24 in u, 10 in L.
+
+The first three are factors for every geometry, since each of their zeros is a common zero of J
+and E identically in the parameters. So Q is determined by its values on a 25 × 11 grid, computed
+modulo primes; enough primes are taken to exceed a proved bound on its coefficients.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import count, islice
+from typing import TypeVar
+
+from flint import fmpz, fmpz_mat, fmpz_poly, nmod_mat, nmod_poly
+
+from rpr_solver.errors import SolverError
+from rpr_solver.geometry import Manipulator
+from rpr_solver.surface import BiForm, Pair, Surface
+
+T = TypeVar("T")
+
+DEGREE_U = 24
+DEGREE_L = 10
+SOLVER_VERSION = "1"
+"""Part of every cache key: raised whenever an answer could change."""
+
+
+@dataclass(frozen=True)
+class Eliminant:
+    """Q(u, L) of one manipulator and one fixed leg, as A + ω B with integer coefficients.
+
+    ``a`` and ``b`` are matrices of 25 rows (powers of u) and 11 columns (powers of the scaled
+    L, see :class:`Surface`). The common content is removed.
+    """
+
+    manipulator: Manipulator
+    surface: Surface
+    a: fmpz_mat
+    b: fmpz_mat
+
+    def at(self, length: Fraction) -> Pair:
+        """Q at one scaled L, primitive: A(u) + ω B(u); zero if J and E share a curve there."""
+        n, d = fmpz(length.numerator), fmpz(length.denominator)
+        powers = fmpz_mat(DEGREE_L + 1, 1, [n**k * d ** (DEGREE_L - k) for k in range(DEGREE_L + 1)])
+        return primitive_pair(fmpz_poly((self.a * powers).entries()), fmpz_poly((self.b * powers).entries()))
+
+    @cached_property
+    def check_primes(self) -> list[tuple[int, int]]:
+        """A few primes with ω modulo each, for proofs of coprimality."""
+        return list(islice(self.surface.primes(), 4))
+
+    def to_json(self) -> dict[str, object]:
+        """A plain form to keep in a cache (about 100 kB); :meth:`from_json` reads it back."""
+        return {
+            "solver_version": SOLVER_VERSION,
+            "geometry": self.manipulator.to_json(),
+            "fixed_leg": self.surface.fixed_leg,
+            "a": " ".join(str(x) for x in self.a.entries()),
+            "b": " ".join(str(x) for x in self.b.entries()),
+        }
+
+    @classmethod
+    def from_json(cls, obj: Mapping[str, object]) -> Eliminant:
+        """The inverse of :meth:`to_json`.
+
+        Raises:
+            ValueError: made by another version of the solver.
+        """
+        if obj["solver_version"] != SOLVER_VERSION:
+            raise ValueError(f"eliminant of solver version {obj['solver_version']}, not {SOLVER_VERSION}")
+        geometry, leg = obj["geometry"], obj["fixed_leg"]
+        if not isinstance(geometry, Mapping) or not isinstance(leg, int):
+            raise ValueError("not an eliminant")
+        manipulator = Manipulator.from_json(geometry, max_digits=1 << 20)
+        a, b = (
+            fmpz_mat(DEGREE_U + 1, DEGREE_L + 1, [fmpz(x) for x in str(obj[part]).split()]) for part in "ab"
+        )
+        return cls(manipulator, Surface.of(manipulator, leg), a, b)
+
+
+def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
+    """Compute Q(u, L), once per manipulator and fixed leg.
+
+    Raises:
+        InputError: ``fixed_leg`` is not 1, 2 or 3.
+    """
+    surface = Surface.of(manipulator, fixed_leg)
+    grid = _Grid.of(surface)
+    bound = _coefficient_bound(surface)
+    modulus = 1
+    images: list[tuple[int, list[int]]] = []
+    for p, omega in surface.primes():
+        if (image := grid.image(p, omega, check=not images)) is not None:
+            images.append((p, image))
+            modulus *= p
+            if modulus > 2 * bound:
+                break
+    else:
+        raise SolverError("the coefficients of the eliminant are too large for this version")
+    values = _chinese_remainder(images, modulus)
+    content = fmpz(0)
+    for x in values:
+        content = content.gcd(x)
+    if content:
+        values = [x // content for x in values]
+    half = len(values) // 2
+    a, b = (
+        fmpz_mat(DEGREE_L + 1, DEGREE_U + 1, part).transpose() for part in (values[:half], values[half:])
+    )
+    return Eliminant(manipulator, surface, a, b)
+
+
+def primitive_pair(a: fmpz_poly, b: fmpz_poly) -> Pair:
+    """A + ω B without its rational content."""
+    content = a.content().gcd(b.content()) if a or b else fmpz(1)
+    return a / content if content != 1 else a, b / content if content != 1 else b
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """The points (u, L) at which the resultant is taken; no known factor vanishes at any."""
+
+    surface: Surface
+    us: tuple[int, ...]
+    ls: tuple[int, ...]
+    known: tuple[tuple[int, ...], ...]
+    """The product of the known factors at each point, a row for each L."""
+
+    @classmethod
+    def of(cls, surface: Surface) -> _Grid:
+        along = surface.collinear()
+        # one spare point in each direction checks the interpolation
+        us = tuple(islice((u for u in count(2) if along(u) != 0), DEGREE_U + 2))
+        ls: list[int] = []
+        known: list[tuple[int, ...]] = []
+        for length in count(1):
+            closed = surface.closed_leg(Fraction(length))
+            row = tuple(int(closed(u) * along(u) ** 2 * fmpz(u * u + 1) ** 9) for u in us)
+            if all(row):
+                ls.append(length)
+                known.append(row)
+                if len(ls) == DEGREE_L + 2:
+                    return cls(surface, us, tuple(ls), tuple(known))
+        raise AssertionError("unreachable: the count is endless")
+
+    def image(self, p: int, omega: int, *, check: bool) -> list[int] | None:
+        """The coefficients of A, then B, modulo p; None if p divides a known factor."""
+        if any(x % p == 0 for row in self.known for x in row):
+            return None
+        positive = self._interpolate(p, omega, check)
+        zero = [0] * len(positive)
+        if self.surface.rational:
+            return positive + zero
+        negative = self._interpolate(p, -omega, check)
+        half, slope = pow(2, -1, p), pow(2 * omega, -1, p)
+        a = [(x + y) * half % p for x, y in zip(positive, negative, strict=True)]
+        b = [(x - y) * slope % p for x, y in zip(positive, negative, strict=True)]
+        return a + b
+
+    def _interpolate(self, p: int, omega: int, check: bool) -> list[int]:
+        us, ls = self.us[:-1], self.ls[:-1]
+        j, e = (_Residue(form, p, omega) for form in (self.surface.singular, self.surface.coalescence))
+
+        def values(length: int, row: Sequence[int], us: Sequence[int]) -> list[int]:
+            j_at, e_at = j.at(length), e.at(length)
+            return [
+                _resultant(j_at, e_at, u, p) * pow(k, -1, p) % p
+                for u, k in zip(us, row[: len(us)], strict=True)
+            ]
+
+        samples = [values(length, row, us) for length, row in zip(ls, self.known[:-1], strict=True)]
+        in_u, in_l = _vandermonde(us, p), _vandermonde(ls, p)
+        flat = [x for row in samples for x in row]
+        result = in_l.inv() * nmod_mat(len(ls), len(us), flat, p) * in_u.inv().transpose()
+        if check:
+            spare_u, spare_l = self.us[-1], self.ls[-1]
+            (*_, expected) = values(spare_l, self.known[-1], self.us)
+            row = nmod_mat(1, len(ls), [pow(spare_l, k, p) for k in range(len(ls))], p) * result
+            column = nmod_mat(len(us), 1, [pow(spare_u, k, p) for k in range(len(us))], p)
+            if int((row * column)[0, 0]) != expected:
+                raise SolverError("the resultant does not have the known factors; please report this geometry")
+        return [int(x) for x in result.entries()]
+
+
+class _Residue:
+    """A form modulo p, with a value chosen for ω."""
+
+    def __init__(self, form: BiForm, p: int, omega: int) -> None:
+        self._rows = [
+            [nmod_poly([int(x) % p for x in a.coeffs()], p) + nmod_poly([int(x) % p for x in b.coeffs()], p) * omega
+             for a, b in row]
+            for row in form.coefficients
+        ]  # fmt: skip
+
+    def at(self, length: int) -> list[nmod_poly]:
+        """The coefficients of tⁱ at one L, polynomials in u."""
+        result = []
+        for row in self._rows:
+            total = row[-1]
+            for term in reversed(row[:-1]):
+                total = total * length + term
+            result.append(total)
+        return result
+
+
+def _resultant(j: list[nmod_poly], e: list[nmod_poly], u: int, p: int) -> int:
+    """Res_t at one u with the formal degrees, so that a common zero at t = ∞ counts."""
+    j_t, e_t = [int(c(u)) for c in j], [int(c(u)) for c in e]
+    if j_t[-1] and e_t[-1]:
+        return int(nmod_poly(j_t, p).resultant(nmod_poly(e_t, p)))
+    return int(nmod_mat(sylvester(j_t, e_t, 0), p).det())
+
+
+def sylvester(j: Sequence[T], e: Sequence[T], zero: T) -> list[list[T]]:
+    """Rows of the Sylvester matrix of two forms given by ascending coefficients."""
+    m, n = len(j) - 1, len(e) - 1
+    rows = [[zero] * i + [*reversed(j)] + [zero] * (n - 1 - i) for i in range(n)]
+    return rows + [[zero] * i + [*reversed(e)] + [zero] * (m - 1 - i) for i in range(m)]
+
+
+def _vandermonde(points: Sequence[int], p: int) -> nmod_mat:
+    n = len(points)
+    return nmod_mat(n, n, [pow(x, k, p) for x in points for k in range(n)], p)
+
+
+def _coefficient_bound(surface: Surface) -> int:
+    """A bound on the coefficients of A and B.
+
+    The Mahler measure is multiplicative, at most the 1-norm, and at least 1 for the known
+    factors; a coefficient is at most 2^(degrees) times it. |A| ≤ max |A ± ωB|, and B likewise
+    since ω ≥ 1. The 1-norm of the resultant is at most ‖J‖⁶ ‖E‖⁴.
+    """
+    omega = int(fmpz(surface.radicand).isqrt()) + 1
+    j, e = surface.singular, surface.coalescence
+    return (j.norm1(omega) ** e.degree_t * e.norm1(omega) ** j.degree_t) << (DEGREE_U + DEGREE_L)
+
+
+def _chinese_remainder(images: list[tuple[int, list[int]]], modulus: int) -> list[fmpz]:
+    weights = []
+    for p, _ in images:
+        rest = modulus // p
+        weights.append(rest * pow(rest, -1, p))
+    values = []
+    for residues in zip(*(image for _, image in images), strict=True):
+        x = sum(w * r for w, r in zip(weights, residues, strict=True)) % modulus
+        values.append(fmpz(x - modulus if 2 * x > modulus else x))
+    return values
