@@ -1,0 +1,10 @@
+"""The worker layer: results and jobs in Redis, and the RQ worker processes that compute them."""
+
+from worker.connection import connect
+from worker.queue import JobQueue
+from worker.records import JobView
+from worker.requests import TableRequest
+from worker.settings import WorkerSettings
+from worker.store import ResultStore
+
+__all__ = ["JobQueue", "JobView", "ResultStore", "TableRequest", "WorkerSettings", "connect"]

@@ -1,0 +1,26 @@
+"""`python -m worker`: one worker process; the Redis URL comes from the environment."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+from worker.process import run_worker
+
+
+def main() -> int:
+    """Run one worker."""
+    parser = argparse.ArgumentParser(prog="python -m worker", description=__doc__)
+    parser.add_argument("--redis-url", default=os.environ.get("RPR_CUSPS_REDIS_URL"))
+    parser.add_argument("--name")
+    parser.add_argument("--parent-pid", type=int, help="end when this parent process is gone")
+    parser.add_argument("--burst", action="store_true", help="leave when the queue is empty")
+    args = parser.parse_args()
+    if not args.redis_url:
+        parser.error("no Redis URL: give --redis-url or set RPR_CUSPS_REDIS_URL")
+    return run_worker(args.redis_url, name=args.name, parent_pid=args.parent_pid, burst=args.burst)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

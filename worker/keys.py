@@ -1,0 +1,68 @@
+"""The names of all Redis keys."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rpr_solver import SOLVER_VERSION
+
+
+@dataclass(frozen=True)
+class JobKeys:
+    """The keys of one job."""
+
+    record: str
+    chunks: str
+    bits: str
+    errors: str
+    events: str
+
+
+@dataclass(frozen=True)
+class Keys:
+    """Key names under one prefix. Keys of results carry the solver's version."""
+
+    prefix: str
+
+    def slice(self, geometry_hash: str, fixed_leg: int, digits: int, l1: str) -> str:
+        """One slice result; its content never changes."""
+        return f"{self._content('slice', geometry_hash, fixed_leg)}:{digits}:{l1}"
+
+    def digits(self, geometry_hash: str, fixed_leg: int) -> str:
+        """The set of the numbers of digits for which a geometry has slice results."""
+        return self._content("digits", geometry_hash, fixed_leg)
+
+    def eliminant(self, geometry_hash: str, fixed_leg: int) -> str:
+        """The cached eliminant of a geometry."""
+        return self._content("eliminant", geometry_hash, fixed_leg)
+
+    def eliminant_lock(self, geometry_hash: str, fixed_leg: int) -> str:
+        """Held while one worker computes the eliminant."""
+        return self._content("eliminant-lock", geometry_hash, fixed_leg)
+
+    def job(self, job_id: str) -> JobKeys:
+        """The keys of the job `job_id`."""
+        base = f"{self.prefix}:job:{job_id}"
+        return JobKeys(base, f"{base}:chunks", f"{base}:bits", f"{base}:errors", f"{base}:events")
+
+    def beat(self, chunk_id: str) -> str:
+        """Sign of life of a running chunk."""
+        return f"{self.prefix}:beat:{chunk_id}"
+
+    @property
+    def active(self) -> str:
+        """Sorted set of the jobs that are queued or running."""
+        return f"{self.prefix}:active"
+
+    @property
+    def suspects(self) -> str:
+        """Chunks that nobody seems to work on, with the time at which that was first seen."""
+        return f"{self.prefix}:suspects"
+
+    @property
+    def sweep_lock(self) -> str:
+        """Limits the search for lost chunks to one at a time in the whole installation."""
+        return f"{self.prefix}:sweep-lock"
+
+    def _content(self, kind: str, geometry_hash: str, fixed_leg: int) -> str:
+        return f"{self.prefix}:{kind}:{SOLVER_VERSION}:{geometry_hash.removeprefix('sha256:')}:{fixed_leg}"
