@@ -1,0 +1,77 @@
+"""Chunks that misbehave, for tests of the worker process. Each runs in a forked work horse only."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from typing import Any
+
+import flint
+
+from worker import tasks
+
+# A proof that this is a prime takes minutes, in one C call that holds the interpreter's lock.
+HARD_PRIME = 10**1000 + 453
+
+
+def endless(**chunk: Any) -> None:
+    """A long C call."""
+    _run(lambda: flint.fmpz(HARD_PRIME).is_prime(), chunk)
+
+
+def greedy(**chunk: Any) -> None:
+    """More memory than there is."""
+    _run(lambda: flint.fmpz(3) ** (10**10), chunk)
+
+
+def greedy_python(**chunk: Any) -> None:
+    """More memory than there is, outside of FLINT."""
+    _run(lambda: bytearray(1 << 40), chunk)
+
+
+def crash(**chunk: Any) -> None:
+    """A segmentation fault."""
+    _run(lambda: os.kill(os.getpid(), signal.SIGSEGV), chunk)
+
+
+def killed(**chunk: Any) -> None:
+    """Killed from outside, each time."""
+    _run(lambda: os.kill(os.getpid(), signal.SIGKILL), chunk)
+
+
+def broken(**chunk: Any) -> None:
+    """An error that nobody foresaw, before any slice."""
+
+    def fail(*_: Any) -> None:
+        raise ZeroDivisionError
+
+    tasks.eliminant_of = fail  # type: ignore[assignment]
+    tasks.run_chunk(**chunk)
+
+
+def slow(**chunk: Any) -> None:
+    """A tenth of a second for a slice."""
+    _run(lambda: time.sleep(0.1), chunk)
+
+
+def slow_once(**chunk: Any) -> None:
+    """The first attempt is a long C call, a later one works."""
+    _run(lambda: chunk["attempt"] or flint.fmpz(HARD_PRIME).is_prime(), chunk)
+
+
+def _run(act: Callable[[], object], chunk: dict[str, Any]) -> None:
+    def solve(_eliminant: object, l1: str, _request: object) -> dict[str, Any]:
+        act()
+        return {
+            "l1": l1,
+            "count": 0,
+            "cusps": [],
+            "degenerate_points": [],
+            "certificate": {"pid": os.getpid()},
+        }
+
+    tasks.solve = solve  # type: ignore[assignment]
+    tasks.eliminant_of = lambda *_: None  # type: ignore[assignment]
+    tasks.run_chunk(**chunk)
