@@ -1,0 +1,255 @@
+"""The documents of the contract as models: what OpenAPI and its examples are made of.
+
+Requests are read by :mod:`service.table_requests`, which keeps every number exact; a test holds the two
+together.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, WithJsonSchema
+
+NUMBER_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?\s*$|^\s*[+-]?\d+/\d+\s*$"
+
+Exact = Annotated[
+    Any,
+    WithJsonSchema(
+        {
+            "oneOf": [{"type": "number"}, {"type": "string", "pattern": NUMBER_PATTERN}],
+            "description": "An exact number: a JSON number, or a string with a decimal or a quotient. Every "
+            "digit counts; nothing is rounded to a binary float.",
+            "examples": [17.04, "17.04", "426/25", "1.704e1"],
+        }
+    ),
+]
+Digits = Annotated[str, Field(description="A decimal with as many significant digits as were asked for.")]
+
+
+class Document(BaseModel):
+    """Base of the models."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class Geometry(Document):
+    """A planar 3-RPR manipulator: base points A1 = (0, 0), A2 = (a2x, 0), A3 = (a3x, a3y), and a platform
+    B1B2B3 with sides d1 = |B1B2|, d2 = |B2B3|, d3 = |B3B1|. All lengths in one unit of your choice."""
+
+    a2x: Exact = Field(description="x of the base point A2; not 0.")
+    a3x: Exact = Field(description="x of the base point A3.")
+    a3y: Exact = Field(description="y of the base point A3.")
+    d1: Exact = Field(description="|B1B2|, a side of the platform; > 0.")
+    d2: Exact = Field(description="|B2B3|, a side of the platform; > 0.")
+    d3: Exact = Field(description="|B3B1|, a side of the platform; > 0.")
+    orientation: Literal["ccw", "cw"] = Field(
+        "ccw", description="Whether B1, B2, B3 run counter-clockwise or clockwise."
+    )
+
+
+class SliceRange(Document):
+    """The values start, start + step, …, up to stop, which is included when it is hit exactly."""
+
+    start: Exact
+    stop: Exact
+    step: Exact = Field(description="> 0")
+
+
+class CuspTableRequest(Document):
+    """One manipulator, and the slices of its joint space in which the cusps are wanted."""
+
+    geometry: Geometry
+    l1: Exact | list[Exact] | SliceRange | None = Field(
+        None,
+        description="The slices: the fixed length L1 as one number, as a list, or as a range. With "
+        "`fixed_leg` 2 or 3 it is called `l2` or `l3`. A value that is given twice counts once.",
+        examples=["14.98", ["14.98", 27], {"start": "0.1", "stop": "50.1", "step": "0.1"}],
+    )
+    l2: Exact | list[Exact] | SliceRange | None = Field(None, description="The slices when `fixed_leg` is 2.")
+    l3: Exact | list[Exact] | SliceRange | None = Field(None, description="The slices when `fixed_leg` is 3.")
+    digits: int = Field(90, ge=15, le=1000, description="Significant digits of every number in the answer.")
+    fixed_leg: Literal[1, 2, 3] = Field(1, description="The leg whose length is fixed in a slice.")
+
+
+class GeometryText(Document):
+    """The geometry in its canonical form: each number as a plain decimal, or as p/q when that does not
+    end."""
+
+    a2x: str
+    a3x: str
+    a3y: str
+    d1: str
+    d2: str
+    d3: str
+    orientation: Literal["ccw", "cw"]
+
+
+class Cusp(BaseModel):
+    """One cusp of the slice. With `fixed_leg` 2 or 3 the angle and the free lengths are named accordingly."""
+
+    model_config = ConfigDict(extra="allow")
+
+    alpha_deg: Digits = Field(description="Orientation of the platform, degrees in (−180, 180].")
+    theta1_deg: Digits = Field(description="Angle of leg 1, degrees in (−180, 180].")
+    l2: Digits = Field(description="Length of leg 2, in the unit of the geometry.")
+    l3: Digits = Field(description="Length of leg 3, in the unit of the geometry.")
+
+
+class DegeneratePoint(BaseModel):
+    """A point at which the cusp equations hold but which is no ordinary cusp."""
+
+    model_config = ConfigDict(extra="allow")
+
+    kind: str = Field(description="For example swallowtail, beak-to-beak, lips, node, quadruple.")
+
+
+class SliceErrorDetail(BaseModel):
+    """Why one slice has no answer."""
+
+    type: str
+    detail: str
+
+
+class Slice(BaseModel):
+    """The cusps of one slice, sorted by theta1; or the error of this slice, which does not spoil the
+    others."""
+
+    model_config = ConfigDict(extra="allow")
+
+    l1: str | None = Field(None, description="The fixed length, exactly (l2 or l3 with another fixed leg).")
+    count: int | None = Field(None, description="Number of cusps.")
+    cusps: list[Cusp] | None = None
+    degenerate_points: list[DegeneratePoint] | None = None
+    certificate: dict[str, Any] | None = Field(None, description="How the answer was proved.")
+    error: SliceErrorDetail | None = Field(None, description="Only when the slice has no answer.")
+
+
+class CuspTable(BaseModel):
+    """The answer. Every decimal has `digits` significant digits and an error under one unit in the last."""
+
+    geometry: GeometryText
+    geometry_hash: str = Field(
+        pattern="^sha256:[0-9a-f]{64}$", description="Names the geometry, in any spelling."
+    )
+    fixed_leg: Literal[1, 2, 3]
+    digits: int
+    solver_version: str = Field(description="Changes whenever an answer could.")
+    slices: list[Slice] = Field(description="In the order in which they were asked for.")
+
+
+class Progress(BaseModel):
+    """How far a job is."""
+
+    done: int = Field(description="Slices that are done.")
+    total: int = Field(description="Slices of the job.")
+
+
+class JobError(BaseModel):
+    """Why a job failed."""
+
+    type: str = Field(description="timeout, worker-lost, resource-exhausted, solver-error, input-error, …")
+    detail: str
+
+
+class JobLinks(BaseModel):
+    """Where the parts of a job are."""
+
+    self: str
+    result: str
+    events: str
+
+
+class Job(BaseModel):
+    """A table that is being computed, or was."""
+
+    id: str
+    status: Literal["queued", "running", "succeeded", "failed", "canceled"]
+    progress: Progress
+    created_at: str = Field(description="ISO 8601, UTC.", json_schema_extra={"format": "date-time"})
+    started_at: str | None = Field(description="ISO 8601, UTC; null before.")
+    finished_at: str | None = Field(description="ISO 8601, UTC; null before.")
+    error: JobError | None = Field(description="Only when the job failed.")
+    links: JobLinks
+
+
+class FieldError(BaseModel):
+    """One field at fault."""
+
+    field: str = Field(description="Its dotted name, for example geometry.d1.")
+    message: str = Field(description="What is wrong with it and what would be right.")
+
+
+class LimitInfo(BaseModel):
+    """The limit that was exceeded."""
+
+    name: str
+    value: int
+
+
+class ProblemDocument(BaseModel):
+    """An error (RFC 9457)."""
+
+    model_config = ConfigDict(extra="allow", title="Problem")
+
+    type: str = Field(description="Names the kind of problem; its page documents it.")
+    title: str
+    status: int
+    detail: str
+    errors: list[FieldError]
+    instance: str | None = Field(None, description="The path that was asked for.")
+    limit: LimitInfo | None = Field(None, description="Only when a limit was exceeded.")
+
+
+class Health(BaseModel):
+    """The process runs."""
+
+    status: Literal["ok"]
+
+
+class Readiness(BaseModel):
+    """Requests can be served."""
+
+    status: Literal["ready"]
+    workers: int = Field(description="Workers that are alive.")
+
+
+class Version(BaseModel):
+    """What computes the answers."""
+
+    service: str
+    solver_version: str
+    python: str
+    libraries: dict[str, str | None]
+
+
+class Limit(BaseModel):
+    """One limit."""
+
+    value: int
+    description: str
+
+
+class LimitsDocument(BaseModel):
+    """All limits of requests."""
+
+    model_config = ConfigDict(title="Limits")
+
+    max_slices: Limit
+    min_digits: Limit
+    max_digits: Limit
+    default_digits: Limit
+    max_number_digits: Limit
+    max_body_bytes: Limit
+    max_wait_seconds: Limit
+
+
+MODELS: dict[str, type[BaseModel]] = {
+    "CuspTableRequest": CuspTableRequest,
+    "CuspTable": CuspTable,
+    "Job": Job,
+    "Problem": ProblemDocument,
+    "Health": Health,
+    "Readiness": Readiness,
+    "Version": Version,
+    "Limits": LimitsDocument,
+}

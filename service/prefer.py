@@ -1,0 +1,55 @@
+"""The Prefer header (RFC 7240)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+_TOKEN = r"[!#$%&'*+\-.^_`|~0-9A-Za-z]+"
+_QUOTED = r'"(?:[^"\\]|\\.)*"'
+_PAIR = re.compile(rf"\s*({_TOKEN})\s*(?:=\s*({_TOKEN}|{_QUOTED})?)?\s*", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Preferences:
+    """What a client prefers: to be answered at once, and how many seconds it is ready to wait."""
+
+    respond_async: bool = False
+    wait: int | None = None
+
+    def applied(self, waited: int | None, accepted: bool) -> str | None:
+        """The Preference-Applied header, for an answer after `waited` seconds at most."""
+        parts = [f"wait={waited}"] if waited is not None else []
+        if self.respond_async and accepted:
+            parts.insert(0, "respond-async")
+        return ", ".join(parts) or None
+
+
+def parse_prefer(headers: Iterable[str]) -> Preferences:
+    """Read all Prefer headers of a request.
+
+    The first of two equal preferences counts, names are case-insensitive, and what is unknown or malformed is
+    ignored, as the RFC demands.
+
+    >>> parse_prefer(['respond-async; x="1,2", Wait = 10', "wait=3"])
+    Preferences(respond_async=True, wait=10)
+    """
+    found: dict[str, str] = {}
+    for header in headers:
+        for preference in _split(header, ","):
+            first = _split(preference, ";")[0]
+            if match := _PAIR.fullmatch(first):
+                found.setdefault(match[1].lower(), _unquoted(match[2] or ""))
+    wait = found.get("wait", "")
+    seconds = int(wait[:10]) if wait.isascii() and wait.isdigit() else None
+    return Preferences("respond-async" in found, seconds)
+
+
+def _split(text: str, separator: str) -> list[str]:
+    """Split at a separator that is not inside a quoted string."""
+    return re.findall(rf'(?:[^{separator}"]|{_QUOTED}|")+', text) or [""]
+
+
+def _unquoted(value: str) -> str:
+    return re.sub(r"\\(.)", r"\1", value[1:-1]) if value.startswith('"') else value
