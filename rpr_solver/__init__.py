@@ -1,0 +1,48 @@
+"""Certified cusp points of planar 3-RPR parallel manipulators.
+
+>>> from rpr_solver import EXAMPLES, cusp_table
+>>> [table] = cusp_table(EXAMPLES["innocenti"], ["14.98"], digits=15)
+>>> table.count, table.cusps[0].theta_deg
+(6, '-69.1293760614883')
+"""
+
+from rpr_solver.cusps import (
+    DEFAULT_DIGITS,
+    MAX_DIGITS,
+    MIN_DIGITS,
+    JointPoint,
+    SliceTable,
+    cusp_table,
+    slice_error_json,
+    solve_slice,
+    table_json,
+)
+from rpr_solver.eliminant import SOLVER_VERSION, Eliminant, eliminate
+from rpr_solver.errors import FieldProblem, InputError, SolverError
+from rpr_solver.geometry import EXAMPLES, Manipulator
+from rpr_solver.numbers import exact_str, parse_exact
+from rpr_solver.tables import shorten_slice, table_csv
+
+__all__ = [
+    "DEFAULT_DIGITS",
+    "EXAMPLES",
+    "MAX_DIGITS",
+    "MIN_DIGITS",
+    "SOLVER_VERSION",
+    "Eliminant",
+    "FieldProblem",
+    "InputError",
+    "JointPoint",
+    "Manipulator",
+    "SliceTable",
+    "SolverError",
+    "cusp_table",
+    "eliminate",
+    "exact_str",
+    "parse_exact",
+    "shorten_slice",
+    "slice_error_json",
+    "solve_slice",
+    "table_csv",
+    "table_json",
+]

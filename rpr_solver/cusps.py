@@ -1,0 +1,349 @@
+"""The cusp table of a slice: counted exactly, printed to proved digits, with its certificate.
+
+Two ways lead to a slice's cusps. If Q(u) is squarefree and prime to the spurious factors, each real
+root is one transversal crossing of J = 0 and E = 0, and balls settle everything. Otherwise the roots
+are taken apart exactly (degenerate.py) and each special pose is classified over a number field.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cmp_to_key
+
+from flint import arb, ctx, fmpz_poly, nmod_poly
+
+from rpr_solver.decimals import round_ball, round_fraction
+from rpr_solver.degenerate import (
+    CUSP,
+    ExactPose,
+    exact_roots,
+    norm_factors,
+    poses_above,
+    poses_at_half_turn,
+)
+from rpr_solver.eliminant import DEGREE_U, SOLVER_VERSION, Eliminant, eliminate
+from rpr_solver.errors import InputError, SolverError
+from rpr_solver.geometry import Manipulator
+from rpr_solver.numbers import exact_str, parse_exact
+from rpr_solver.poses import CuspProof, HalfTangent, SlicePoses
+from rpr_solver.roots import MAX_BITS, RealPolynomial, RealRoot, real_roots
+from rpr_solver.shared_curves import Plane, without_shared_curves
+from rpr_solver.surface import Pair
+
+DEFAULT_DIGITS = 90
+MIN_DIGITS, MAX_DIGITS = 15, 10_000
+_ROUNDS_BEFORE_EXACT = 4
+
+
+@dataclass(frozen=True)
+class JointPoint:
+    """A point of a slice as correctly rounded decimals: angles in degrees, lengths in the user's unit.
+
+    ``theta_deg`` is the angle of the fixed leg; ``first`` and ``second`` are the lengths of the
+    other two legs in the order of their numbers.
+    """
+
+    alpha_deg: str
+    theta_deg: str
+    first: str
+    second: str
+
+    def to_json(self, fixed_leg: int) -> dict[str, str]:
+        """The contract's object: ``alpha_deg``, ``theta1_deg``, ``l2``, ``l3`` for leg 1."""
+        first, second = free_legs(fixed_leg)
+        return {
+            "alpha_deg": self.alpha_deg,
+            f"theta{fixed_leg}_deg": self.theta_deg,
+            f"l{first}": self.first,
+            f"l{second}": self.second,
+        }
+
+
+@dataclass(frozen=True)
+class SliceTable:
+    """All cusps of one slice, sorted by the fixed leg's angle, and the degenerate points beside them."""
+
+    fixed_leg: int
+    length: Fraction
+    digits: int
+    cusps: tuple[JointPoint, ...]
+    degenerate_points: tuple[Mapping[str, str], ...]
+    certificate: Mapping[str, object] = field(repr=False)
+
+    @property
+    def count(self) -> int:
+        """The number of cusps."""
+        return len(self.cusps)
+
+    def to_json(self) -> dict[str, object]:
+        """The contract's slice object."""
+        return {
+            f"l{self.fixed_leg}": exact_str(self.length),
+            "count": self.count,
+            "cusps": [cusp.to_json(self.fixed_leg) for cusp in self.cusps],
+            "degenerate_points": [dict(point) for point in self.degenerate_points],
+            "certificate": dict(self.certificate),
+        }
+
+
+def cusp_table(
+    manipulator: Manipulator,
+    lengths: Sequence[int | str | Fraction],
+    *,
+    digits: int = DEFAULT_DIGITS,
+    fixed_leg: int = 1,
+) -> list[SliceTable]:
+    """The cusps of several slices of one manipulator.
+
+    Args:
+        manipulator: the geometry.
+        lengths: the lengths of the fixed leg, exact (see :func:`parse_exact`), all > 0.
+        digits: significant digits of every printed number, 15 to 10000.
+        fixed_leg: which leg is held, 1, 2 or 3.
+
+    Raises:
+        InputError: a length, ``digits`` or ``fixed_leg`` is out of range.
+        SolverError: a slice could not be decided.
+    """
+    eliminant = eliminate(manipulator, fixed_leg)
+    name = f"l{fixed_leg}"
+    return [solve_slice(eliminant, parse_exact(x, name), digits) for x in lengths]
+
+
+def solve_slice(eliminant: Eliminant, length: Fraction, digits: int = DEFAULT_DIGITS) -> SliceTable:
+    """All cusps of the slice in which the eliminant's fixed leg has this length (user's unit).
+
+    Raises:
+        InputError: ``length`` is not positive, or ``digits`` is out of range.
+        SolverError: the slice could not be decided; nothing was guessed.
+    """
+    leg = eliminant.surface.fixed_leg
+    if length <= 0:
+        raise InputError.of(
+            f"l{leg}", f"is {exact_str(length)}; a slice needs a leg length > 0 (at 0 its angle is undefined)"
+        )
+    if not MIN_DIGITS <= digits <= MAX_DIGITS:
+        raise InputError.of("digits", f"is {digits}; give {MIN_DIGITS} to {MAX_DIGITS}")
+    return _Slice(eliminant, length, digits).solve()
+
+
+def free_legs(fixed_leg: int) -> tuple[int, int]:
+    """The other two legs, in the order of their numbers."""
+    first, second = (leg for leg in (1, 2, 3) if leg != fixed_leg)
+    return first, second
+
+
+def slice_error_json(length: Fraction, fixed_leg: int, kind: str, detail: str) -> dict[str, object]:
+    """The slice object of a slice that has no answer; its neighbours are not touched."""
+    return {f"l{fixed_leg}": exact_str(length), "error": {"type": kind, "detail": detail}}
+
+
+def table_json(
+    manipulator: Manipulator, fixed_leg: int, digits: int, slices: Sequence[Mapping[str, object]]
+) -> dict[str, object]:
+    """The contract's cusp table document."""
+    return {
+        "geometry": manipulator.to_json(),
+        "geometry_hash": manipulator.geometry_hash,
+        "fixed_leg": fixed_leg,
+        "digits": digits,
+        "solver_version": SOLVER_VERSION,
+        "slices": [dict(s) for s in slices],
+    }
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A classified point with its sort key (θ, α in degrees)."""
+
+    kind: str
+    theta: arb
+    alpha: arb
+    point: JointPoint
+    proof: Mapping[str, str]
+    bits: int
+
+
+class _Slice:
+    def __init__(self, eliminant: Eliminant, length: Fraction, digits: int) -> None:
+        self.eliminant = eliminant
+        self.surface = eliminant.surface
+        self.length = length
+        self.scaled = length * self.surface.scale
+        self.digits = digits
+        self.digit_bits = digits * 3322 // 1000 + 16
+
+    def solve(self) -> SliceTable:
+        q = self.eliminant.at(self.scaled)
+        if self._generic(q):
+            roots = real_roots(RealPolynomial(*q, self.surface.radicand))
+            found = self._by_balls(roots)
+            if found is not None:
+                return self._table(found, len(roots), [(DEGREE_U, 1)], "balls")
+        return self._exactly(q)
+
+    def _generic(self, q: Pair) -> bool:
+        """Proof that all 24 roots are finite, simple and not spurious: coprime modulo a prime."""
+        a, b = q
+        spurious = self.surface.collinear() * self.surface.closed_leg(self.scaled) * fmpz_poly([1, 0, 1])
+        for p, omega in self.eliminant.check_primes:
+            residue = _modulo(a, p) + _modulo(b, p) * omega
+            if (
+                residue.degree() == DEGREE_U
+                and residue.gcd(residue.derivative()).degree() == 0
+                and residue.gcd(_modulo(spurious, p)).degree() == 0
+            ):
+                return True
+        return False
+
+    def _by_balls(self, roots: list[RealRoot]) -> list[_Found] | None:
+        """The cusps above simple roots; None where balls alone do not come to an end."""
+        bits = self.digit_bits + 192
+        found: list[_Found] = []
+        for _ in range(_ROUNDS_BEFORE_EXACT):
+            poses = SlicePoses(self.surface, self.scaled, bits)
+            for root in roots[len(found) :]:
+                if (cusp := self._cusp(poses, root)) is None:
+                    break
+                found.append(cusp)
+            else:
+                return found
+            bits *= 2
+        return None
+
+    def _cusp(self, poses: SlicePoses, root: RealRoot) -> _Found | None:
+        u = root.refined(poses.bits - 64)
+        with ctx.workprec(poses.bits):
+            t = poses.alpha(u)
+            cusp = t and poses.cusp(u, t)
+            if not cusp:
+                return None
+            balls = (cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second)
+            texts = [round_ball(x, self.digits) for x in balls]
+            if None in texts:
+                return None
+            return _Found(CUSP, cusp.theta_deg, cusp.alpha_deg, _point(texts), _proof_json(cusp.proof), poses.bits)
+
+    def _exactly(self, q: Pair) -> SliceTable:
+        """Take every root apart over ℚ(ω); simple ones still go the way of balls where they can."""
+        spurious = self.surface.collinear() * self.surface.closed_leg(self.scaled)
+        if q[0] or q[1]:
+            plane, turned = Plane.of(self.surface, self.scaled), Plane.of(self.surface, -self.scaled)
+        else:
+            plane, q = without_shared_curves(self.surface, self.scaled)
+            turned, _ = without_shared_curves(self.surface, -self.scaled)
+        found: list[_Found] = []
+        factors = norm_factors(q, self.surface.radicand)
+        roots = list(exact_roots(factors))
+        for root in roots:
+            simple = root.multiplicity == 1 and not plane.shared
+            if simple and spurious.gcd(root.root.polynomial.a).degree() == 0:
+                cusps = self._by_balls([root.root])
+                if cusps is not None:
+                    found += cusps
+                    continue
+            found += map(self._exact_point, poses_above(self.surface, self.scaled, plane, root))
+        at_infinity = DEGREE_U - max(q[0].degree(), q[1].degree())
+        if at_infinity or plane.shared:
+            found += map(self._exact_point, poses_at_half_turn(self.surface, self.scaled, turned))
+        shapes: dict[int, int] = {at_infinity: 1} if at_infinity and not plane.shared else {}
+        for degree, multiplicity in (shape for factor in factors for shape in factor.shape):
+            shapes[multiplicity] = shapes.get(multiplicity, 0) + degree
+        shape = [(degree, multiplicity) for multiplicity, degree in sorted(shapes.items())]
+        curves = [
+            {"kind": "curve", "equation": curve.equation(self.surface.fixed_leg)} for curve in plane.shared
+        ]
+        return self._table(found, len(roots), shape, "exact", curves)
+
+    def _exact_point(self, pose: ExactPose) -> _Found:
+        exact: list[Fraction | None] = [None, None, *pose.exact_lengths()]
+        bits = self.digit_bits + 128
+        while bits <= MAX_BITS:
+            balls = pose.coordinates(bits)
+            with ctx.workprec(bits):
+                texts = [
+                    round_fraction(x, self.digits) if x is not None else round_ball(ball, self.digits)
+                    for x, ball in zip(exact, balls, strict=True)
+                ]
+            if None not in texts:
+                proof = {"field_degree": str(pose.u.field.degree)}
+                return _Found(pose.kind, balls[1], balls[0], _point(texts), proof, bits)
+            bits *= 2
+        raise SolverError(f"the digits of a {pose.kind} could not be decided")
+
+    def _table(
+        self,
+        found: list[_Found],
+        real_roots: int,
+        cusp_factors: list[tuple[int, int]],
+        method: str,
+        curves: Sequence[Mapping[str, str]] = (),
+    ) -> SliceTable:
+        leg = self.surface.fixed_leg
+        found = sorted(found, key=cmp_to_key(_by_angle))
+        cusps = [x for x in found if x.kind == CUSP]
+        degenerate = [{"kind": x.kind, **x.point.to_json(leg)} for x in found if x.kind != CUSP]
+        certificate = {
+            "eliminant_degree": sum(degree * multiplicity for degree, multiplicity in cusp_factors),
+            "real_roots": real_roots,
+            "factors": _factor_table(self.eliminant, cusp_factors, shared=bool(curves)),
+            "method": method,
+            "working_bits": max((x.bits for x in found), default=0),
+            "proofs": [dict(x.proof) for x in cusps],
+        }
+        return SliceTable(
+            leg, self.length, self.digits, tuple(x.point for x in cusps), (*curves, *degenerate), certificate
+        )
+
+
+def _factor_table(
+    eliminant: Eliminant, cusp_factors: list[tuple[int, int]], *, shared: bool
+) -> list[dict[str, object]]:
+    """The factors of Res_t(J, E), a form of degree 48 in u, each with where it comes from."""
+    cusps: list[dict[str, object]] = [
+        {"degree": degree, "multiplicity": multiplicity, "origin": "cusps"} for degree, multiplicity in cusp_factors
+    ]
+    if shared:
+        return cusps
+    leg = eliminant.surface.fixed_leg
+    closed, _ = free_legs(leg)
+    return [
+        {"degree": 2, "multiplicity": 1, "origin": f"L{closed}=0"},
+        {"degree": 2, "multiplicity": 2, "origin": f"leg {leg} along A{min(leg, closed)}A{max(leg, closed)}"},
+        {"degree": 2, "multiplicity": 9, "origin": "circular"},
+        *cusps,
+    ]
+
+
+def _modulo(polynomial: fmpz_poly, p: int) -> nmod_poly:
+    return nmod_poly([int(c) % p for c in polynomial.coeffs()], p)
+
+
+def _point(texts: Sequence[str | None]) -> JointPoint:
+    alpha, theta, first, second = (text or "" for text in texts)
+    return JointPoint(_half_open(alpha), _half_open(theta), first, second)
+
+
+def _half_open(angle: str) -> str:
+    """An angle that rounds to −180 is printed as 180: the table's range is (−180, 180]."""
+    return angle[1:] if angle.startswith("-180") else angle
+
+
+def _proof_json(proof: CuspProof) -> dict[str, str]:
+    return {
+        "rank_1": proof.rank.str(5),
+        "grad_J": proof.gradient.str(5),
+        "v_grad_E": proof.transversal.str(5),
+    }
+
+
+def _by_angle(x: _Found, y: _Found) -> int:
+    """Order by θ, then by α; angles whose balls overlap at full precision are equal."""
+    for first, second in ((x.theta, y.theta), (x.alpha, y.alpha)):
+        if first < second:
+            return -1
+        if first > second:
+            return 1
+    return 0

@@ -1,0 +1,257 @@
+"""Poses that balls cannot decide, decided exactly: multiple roots, spurious coincidences, shared curves.
+
+Every candidate becomes a pose over a real number field, where derivatives are zero or not by exact
+arithmetic, and is told apart by the conditions of method.md section 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb, ctx, fmpq, fmpq_poly, fmpz, fmpz_poly
+
+from rpr_solver.algebraic import (
+    Algebraic,
+    Field,
+    adjoin_real_roots,
+    evaluate,
+    poly_gcd,
+    squarefree_part,
+    trimmed,
+)
+from rpr_solver.errors import SolverError
+from rpr_solver.jets import LocalMap, Pose
+from rpr_solver.poses import HalfTangent
+from rpr_solver.roots import RealPolynomial, RealRoot, real_roots
+from rpr_solver.shared_curves import Plane
+from rpr_solver.surface import Pair, Surface
+
+CUSP = "cusp"
+_NOTHING = fmpz_poly([])
+
+
+@dataclass(frozen=True)
+class NormFactor:
+    """An irreducible factor M over ℚ of the norm of A + ω B, and how it divides A + ω B.
+
+    M divides both parts ``common`` times. Where ``extra`` > 0, M = P P̄ splits over ℚ(ω), P divides
+    ``extra`` times more, and ω is a polynomial in a root of P, given as ``omega``.
+    """
+
+    polynomial: fmpz_poly
+    common: int
+    extra: int
+    omega: fmpq_poly | None
+
+    @property
+    def shape(self) -> list[tuple[int, int]]:
+        """(degree, multiplicity) of the factors of A + ω B that M stands for."""
+        degree = int(self.polynomial.degree())
+        if not self.extra:
+            return [(degree, self.common)]
+        parts = [(degree // 2, self.common + self.extra), (degree // 2, self.common)]
+        return [part for part in parts if part[1]]
+
+
+@dataclass(frozen=True)
+class ExactRoot:
+    """A real root u of the eliminant: a root of an irreducible rational polynomial.
+
+    ``omega`` is ω as a polynomial in u where u determines it, else None.
+    """
+
+    root: RealRoot
+    multiplicity: int
+    omega: fmpq_poly | None
+
+
+@dataclass(frozen=True)
+class ExactPose:
+    """A classified pose, exact: tan(α/2), or None at α = 180°, tan(θ/2), and f, g in one field."""
+
+    kind: str
+    t: Algebraic | None
+    u: Algebraic
+    theta_offset: int
+    f: Algebraic
+    g: Algebraic
+    surface: Surface
+
+    def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
+        """α and θ in degrees and the two free lengths in the user's unit, as balls."""
+        u, f, g = (x.ball(bits) for x in (self.u, self.f, self.g))
+        with ctx.workprec(bits):
+            alpha = arb(180) if self.t is None else HalfTangent(self.t.ball(bits), arb(1)).degrees()
+            theta = HalfTangent(u, arb(1)).degrees(self.theta_offset)
+            scale = arb(self.surface.scale.numerator) / self.surface.scale.denominator
+            lengths = [arb(0) if x.is_zero else b.sqrt() / scale for x, b in ((self.f, f), (self.g, g))]
+            return alpha, theta, lengths[0], lengths[1]
+
+    def exact_lengths(self) -> tuple[Fraction | None, Fraction | None]:
+        """The two free lengths in the user's unit where they are rational, else None."""
+        first, second = (_rational_sqrt(x.rational) for x in (self.f, self.g))
+        scale = self.surface.scale
+        return first and first / scale, second and second / scale
+
+
+def norm_factors(pair: Pair, radicand: int) -> list[NormFactor]:
+    """The factors of A + ω B, found by factoring A² − ω² B² over ℚ."""
+    a, b = pair
+    if not b:
+        return [NormFactor(factor, exponent, 0, None) for factor, exponent in a.factor()[1]]
+    norm = a * a - radicand * b * b
+    result = []
+    for factor, exponent in norm.factor()[1]:
+        rest_a, rest_b, common = a, b, 0
+        while not rest_a % factor and not rest_b % factor:
+            rest_a, rest_b, common = rest_a / factor, rest_b / factor, common + 1
+        extra = exponent - 2 * common
+        omega = None
+        if extra:
+            modulus = fmpq_poly(factor)
+            _, inverse, _ = (fmpq_poly(rest_b) % modulus).xgcd(modulus)
+            omega = -(fmpq_poly(rest_a) * inverse) % modulus
+        result.append(NormFactor(factor, common, extra, omega))
+    return result
+
+
+def exact_roots(factors: list[NormFactor]) -> Iterator[ExactRoot]:
+    """The real roots u ≠ ∞ of A + ω B with their multiplicities."""
+    for factor in factors:
+        for root in real_roots(RealPolynomial(factor.polynomial, _NOTHING, 1)):
+            omega = factor.omega
+            if omega is not None and Algebraic(Field.of_root(root), omega).sign < 0:
+                omega = None  # a root of the conjugate P̄
+            if multiplicity := factor.common + (factor.extra if omega is not None else 0):
+                yield ExactRoot(root, multiplicity, omega)
+
+
+def poses_above(
+    surface: Surface, length: Fraction, plane: Plane, root: ExactRoot, *, theta_offset: int = 0
+) -> Iterator[ExactPose]:
+    """All real poses with J = E = 0 at one root u, classified; ordinary singular poses are left out.
+
+    With ``theta_offset`` 180 the surface is turned by half a turn, so that u = 0 is θ = 180°;
+    ``length`` is then −L.
+    """
+    field = Field.of_root(root.root)
+    if root.omega is not None:
+        yield from _poses(surface, length, plane, field.generator, field(root.omega), theta_offset)
+    elif surface.rational:
+        yield from _poses(surface, length, plane, field.generator, field(1), theta_offset)
+    else:
+        square = [field(-surface.radicand), field(0), field(1)]
+        for extension in adjoin_real_roots(field, square):
+            if extension.root.sign > 0:
+                yield from _poses(
+                    surface, length, plane, extension.generator, extension.root, theta_offset
+                )
+
+
+def poses_at_half_turn(surface: Surface, length: Fraction, turned: Plane) -> Iterator[ExactPose]:
+    """The poses with J = E = 0 at θ = 180° exactly, where u is infinite; ``turned`` belongs to −L."""
+    zero = real_roots(RealPolynomial(fmpz_poly([0, 1]), _NOTHING, 1))[0]
+    return poses_above(surface, -length, turned, ExactRoot(zero, 1, None), theta_offset=180)
+
+
+def _poses(
+    surface: Surface, length: Fraction, plane: Plane, u: Algebraic, omega: Algebraic, theta_offset: int
+) -> Iterator[ExactPose]:
+    j, e = ([_at(pair, u, omega) for pair in form] for form in (plane.singular, plane.coalescence))
+    if j[-1].is_zero and e[-1].is_zero:
+        yield from _classified(surface, length, plane, None, u, omega, theta_offset)
+    common = poly_gcd(trimmed(j), trimmed(e))
+    if not common:
+        raise SolverError("the singular curve holds a whole line theta = const")
+    if len(common) == 1:
+        return
+    for extension in adjoin_real_roots(u.field, squarefree_part(common)):
+        yield from _classified(
+            surface, length, plane, extension.root, extension.lift(u), extension.lift(omega), theta_offset
+        )
+
+
+def _classified(
+    surface: Surface,
+    length: Fraction,
+    plane: Plane,
+    t: Algebraic | None,
+    u: Algebraic,
+    omega: Algebraic,
+    theta_offset: int,
+) -> Iterator[ExactPose]:
+    if any(curve.holds(t, u) for curve in plane.shared):
+        return
+    field = u.field
+    cos_a, sin_a = (field(-1), field(0)) if t is None else _cos_sin(t)
+    cos_t, sin_t = _cos_sin(u)
+    pose = Pose(cos_a, sin_a, cos_t, sin_t, field(length), omega)
+    local = LocalMap.at(surface, pose, 4)
+    kind = _kind(surface, pose, local)
+    if kind is not None:
+        f, g = local.squared_lengths(surface, pose)
+        yield ExactPose(kind, t, u, theta_offset, f, g, surface)
+
+
+def _kind(surface: Surface, pose: Pose[Algebraic], local: LocalMap[Algebraic]) -> str | None:
+    """The name of the pose, or None if it is an ordinary singular pose (or not singular at all)."""
+    gradients = {leg: (leg.alpha.value, leg.theta.value) for leg in (local.f, local.g)}
+    regular = [leg for leg, slopes in gradients.items() if not all(x.is_zero for x in slopes)]
+    if not regular:
+        return "quadruple" if _hessians_independent(local) else "higher"
+    leg = regular[0]
+    j = local.singularity()
+    if not j.value.is_zero:
+        return None
+    e = local.along(leg, j)
+    if not e.value.is_zero:
+        return None
+    second = local.along(leg, e)
+    if j.alpha.value.is_zero and j.theta.value.is_zero:
+        aa, at, tt = j.alpha.alpha.value, j.alpha.theta.value, j.theta.theta.value
+        hessian = (aa * tt - at * at).sign
+        # J is L (J0 + L J1); with J = 0, its value at twice the length is a multiple of J1
+        doubled = Pose(pose.cos_alpha, pose.sin_alpha, pose.cos_theta, pose.sin_theta, pose.length * 2, pose.omega)  # fmt: skip
+        moves = not LocalMap.at(surface, doubled, 1).singularity().value.is_zero
+        generic = moves and not second.value.is_zero
+        if hessian > 0:
+            return "lips" if generic else "isolated-point"
+        if hessian < 0:
+            return "beak-to-beak" if generic else "node"
+        return "higher"
+    if not second.value.is_zero:
+        return CUSP
+    return "swallowtail" if not local.along(leg, second).value.is_zero else "higher"
+
+
+def _hessians_independent(local: LocalMap[Algebraic]) -> bool:
+    """Whether the quadratic parts of f and g have no common zero: then exactly 4 poses coalesce."""
+    f, g = (
+        (leg.alpha.alpha.value, leg.alpha.theta.value * 2, leg.theta.theta.value)
+        for leg in (local.f, local.g)
+    )
+    crossed = [f[i] * g[k] - f[k] * g[i] for i, k in ((0, 2), (0, 1), (1, 2))]
+    return not (crossed[0] * crossed[0] - crossed[1] * crossed[2]).is_zero
+
+
+def _at(pair: Pair, u: Algebraic, omega: Algebraic) -> Algebraic:
+    a, b = ([u.field(fmpq(c)) for c in part.coeffs()] for part in pair)
+    total = evaluate(a, u)
+    return total + evaluate(b, u) * omega if b else total
+
+
+def _cos_sin(half: Algebraic) -> tuple[Algebraic, Algebraic]:
+    square = half * half
+    norm = (square + 1).inverse()
+    return (-square + 1) * norm, half * 2 * norm
+
+
+def _rational_sqrt(x: Fraction | None) -> Fraction | None:
+    if x is None or x < 0:
+        return None
+    n, d = fmpz(x.numerator), fmpz(x.denominator)
+    if not (n.is_square() and d.is_square()):
+        return None
+    return Fraction(int(n.isqrt()), int(d.isqrt()))

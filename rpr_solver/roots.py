@@ -1,0 +1,118 @@
+"""Certified real roots of polynomials over ℤ[ω], to any accuracy (method.md section 4).
+
+A root is called real only by proof: it is alone in a disc, and the mirror image of the disc meets
+no other root's disc, so the root is its own conjugate. Precision doubles until every root is decided.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from flint import acb_poly, arb, arb_poly, ctx, fmpz_poly
+
+from rpr_solver.errors import SolverError
+
+MAX_BITS = 1 << 18
+"""Beyond this working precision a polynomial is taken to have been meant squarefree and not to be."""
+_NEWTON_STEPS = 64
+
+
+@lru_cache(maxsize=256)
+def omega_ball(radicand: int, bits: int) -> arb:
+    """√radicand as a ball."""
+    with ctx.workprec(bits):
+        return arb(radicand).sqrt()
+
+
+@dataclass(frozen=True)
+class RealPolynomial:
+    """A(x) + ω B(x), exact, with balls for its coefficients at any precision."""
+
+    a: fmpz_poly
+    b: fmpz_poly
+    radicand: int
+
+    def ball(self, bits: int) -> arb_poly:
+        """The polynomial with coefficients as balls of ``bits`` bits."""
+        with ctx.workprec(bits):
+            if not self.b:
+                return arb_poly(self.a)
+            return arb_poly(self.a) + omega_ball(self.radicand, bits) * arb_poly(self.b)
+
+
+@dataclass(frozen=True)
+class RealRoot:
+    """One simple real root: the polynomial, and a ball that holds this root and no other."""
+
+    polynomial: RealPolynomial
+    ball: arb
+
+    def refined(self, bits: int) -> arb:
+        """A ball round the root with ``bits`` correct bits, by interval Newton steps.
+
+        Raises:
+            SolverError: the accuracy cannot be reached within the precision limit.
+        """
+        work = bits + 64
+        while work <= MAX_BITS:
+            polynomial = self.polynomial.ball(work)
+            with ctx.workprec(work):
+                slope, x = polynomial.derivative(), self.ball
+                for _ in range(_NEWTON_STEPS):
+                    mid = x.mid()
+                    y = mid - polynomial(mid) / slope(x)
+                    if not y.is_finite():
+                        break
+                    if y.rel_accuracy_bits() >= bits:
+                        return y
+                    if not 2 * y.rad() < x.rad():
+                        break
+                    x = y
+            work *= 2
+        raise SolverError(f"a root could not be refined to {bits} bits")
+
+
+def real_roots(polynomial: RealPolynomial) -> list[RealRoot]:
+    """All real roots of a squarefree polynomial, ascending, each with its isolating ball.
+
+    The leading coefficient must not be zero.
+
+    Raises:
+        SolverError: the roots cannot be told apart within the precision limit.
+    """
+    if max(polynomial.a.degree(), polynomial.b.degree()) < 1:
+        return []
+    bits = 192
+    tolerance_bits = 0
+    while bits <= MAX_BITS:
+        found = _isolate(polynomial, bits, tolerance_bits)
+        if found is not None:
+            return found
+        tolerance_bits = bits // 4
+        bits *= 2
+    raise SolverError("two roots of the eliminant could not be told apart; it should have been squarefree")
+
+
+def _isolate(polynomial: RealPolynomial, bits: int, tolerance_bits: int) -> list[RealRoot] | None:
+    """The real roots, or None where this precision does not decide."""
+    ball = polynomial.ball(bits)
+    with ctx.workprec(bits):
+        try:
+            tolerance = arb(2) ** -tolerance_bits if tolerance_bits else None
+            roots = acb_poly(ball).roots(tol=tolerance, maxprec=bits)
+        except ValueError:
+            return None
+        slope = ball.derivative()
+        found = []
+        for i, root in enumerate(roots):
+            if not root.imag.contains(0):
+                continue
+            mirror = root.conjugate()
+            if any(mirror.overlaps(other) for j, other in enumerate(roots) if j != i):
+                return None
+            if slope(root.real).contains(0):
+                return None
+            found.append(RealRoot(polynomial, root.real))
+        found.sort(key=lambda r: r.ball.mid())
+        return found
