@@ -77,7 +77,8 @@ def table_response(
     found = {
         "ETag": etag,
         "Cache-Control": REVALIDATE if any("error" in part for part in table["slices"]) else IMMUTABLE,
-        "Vary": "Accept, Accept-Encoding",
+        # the middleware says the same of what it could have compressed
+        "Vary": "Accept, Accept-Encoding" if compressed else "Accept",
         **(headers or {}),
     }
     if request.method in ("GET", "HEAD") and _matches(request.headers.getlist("if-none-match"), tag):

@@ -114,7 +114,7 @@ def slice_values(value: object, field: str, limits: Limits) -> list[Fraction]:
 
 def fixed_leg(value: object) -> int:
     """Read the number of the leg whose length is fixed in a slice."""
-    found = _integer(value, "fixed_leg", "1, 2 or 3")
+    found = whole(value, "fixed_leg", "1, 2 or 3")
     if found not in FIXED_LEGS:
         raise InputError.of("fixed_leg", f"is {str(value)[:40]}; it must be 1, 2 or 3")
     return found
@@ -210,7 +210,8 @@ def _check_keys(value: Mapping[str, object], known: Collection[str], prefix: str
         raise InputError(problems[:20])
 
 
-def _integer(value: object, field: str, wanted: str) -> int:
+def whole(value: object, field: str, wanted: str) -> int:
+    """Read a whole number."""
     if not isinstance(value, JsonNumber):
         raise InputError.of(field, f"is {kind_of(value)}; give the number {wanted}")
     try:
@@ -223,7 +224,7 @@ def _integer(value: object, field: str, wanted: str) -> int:
 
 
 def _digits(value: object, limits: Limits) -> int:
-    return digits_in_range(_integer(value, "digits", f"{limits.min_digits} to {limits.max_digits}"), limits)
+    return digits_in_range(whole(value, "digits", f"{limits.min_digits} to {limits.max_digits}"), limits)
 
 
 def _short(number: int) -> str:

@@ -1,0 +1,117 @@
+"""A small HTTP client of the service."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from types import TracebackType
+from typing import Any, Self
+
+import httpx
+
+_FIRST_WAIT = 1
+_TRIES = 5
+_TIMEOUT = httpx.Timeout(60.0, connect=5.0)
+
+
+class ServiceError(Exception):
+    """The service refused, failed, or cannot be reached; the message is for the user."""
+
+    def __init__(self, message: str, *, is_input: bool = False) -> None:
+        super().__init__(message)
+        self.is_input = is_input
+
+
+class ServiceClient:
+    """Talks to one service.
+
+    Raises:
+        ServiceError: the address is no HTTP address.
+    """
+
+    def __init__(self, url: str) -> None:
+        self.url = url
+        try:
+            parsed = httpx.URL(url)
+        except (httpx.InvalidURL, TypeError) as error:
+            raise ServiceError(f"--url {url!r} is not an address: {error}", is_input=True) from None
+        if parsed.scheme not in ("http", "https") or not parsed.host:
+            raise ServiceError(
+                f"--url {url!r} is not an HTTP address; give for example http://127.0.0.1:8000", is_input=True
+            )
+        self._http = httpx.Client(base_url=url, timeout=_TIMEOUT)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._http.close()
+
+    def cusp_table(
+        self, request: Mapping[str, object], on_progress: Callable[[int, int], None]
+    ) -> dict[str, Any]:
+        """Post a request and follow its job to the table.
+
+        Raises:
+            ServiceError: naming what went wrong.
+        """
+        answer = self._send("POST", "/v1/cusp-tables", json=dict(request), prefer=f"wait={_FIRST_WAIT}")
+        if answer.status_code == 200:
+            return _object(answer)
+        job = _object(answer)
+        pause = 0.05
+        while job["status"] in ("queued", "running"):
+            on_progress(job["progress"]["done"], job["progress"]["total"])
+            time.sleep(pause)
+            pause = min(1.5 * pause, 0.5)
+            job = _object(self._send("GET", job["links"]["self"]))
+        on_progress(job["progress"]["done"], job["progress"]["total"])
+        return _object(self._send("GET", job["links"]["result"]))
+
+    def _send(
+        self, method: str, path: str, *, json: object = None, prefer: str | None = None
+    ) -> httpx.Response:
+        """One request, tried again while the service is out of reach for a moment."""
+        headers = {"Accept": "application/json", **({"Prefer": prefer} if prefer else {})}
+        for attempt in range(_TRIES):
+            try:
+                answer = self._http.request(method, path, json=json, headers=headers)
+            except httpx.ConnectError as error:
+                raise ServiceError(f"no service answers at {self.url}: {error}") from None
+            except httpx.HTTPError as error:
+                if attempt + 1 < _TRIES:
+                    time.sleep(0.2 * 2**attempt)
+                    continue
+                raise ServiceError(f"{self.url}: {error or type(error).__name__}") from None
+            if answer.status_code in (429, 503) and attempt + 1 < _TRIES:
+                time.sleep(_retry_after(answer))
+                continue
+            break
+        if answer.status_code >= 400:
+            raise ServiceError(_detail(answer), is_input=answer.status_code < 500)
+        return answer
+
+
+def _object(answer: httpx.Response) -> dict[str, Any]:
+    try:
+        document = answer.json()
+    except ValueError:
+        document = None
+    if not isinstance(document, dict):
+        raise ServiceError(f"{answer.url} does not answer as an rpr-cusps service")
+    return document
+
+
+def _detail(answer: httpx.Response) -> str:
+    try:
+        document = answer.json()
+        return str(document["detail"])
+    except (ValueError, KeyError, TypeError):
+        return f"{answer.url} answers {answer.status_code} {answer.reason_phrase}"
+
+
+def _retry_after(answer: httpx.Response) -> float:
+    value = answer.headers.get("retry-after", "")
+    return min(10.0, float(value)) if value.isdigit() else 1.0
