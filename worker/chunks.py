@@ -19,6 +19,8 @@ from worker.settings import WorkerSettings
 STOP_PATIENCE = 1.0
 """Seconds in which a stop command is repeated; afterwards the worker's own look at the record must do."""
 
+_LEFTOVER_TTL = 600
+
 
 def queue_names(settings: WorkerSettings) -> tuple[str, str]:
     """The queue of jobs of one chunk, which is served first, and the queue of larger ones."""
@@ -72,12 +74,7 @@ class ChunkQueue:
 
     def withdraw(self, entries: Iterable[ChunkEntry]) -> None:
         """Take chunks out of the queue, and stop the workers of those that are running."""
-        running = []
-        for entry in entries:
-            if entry.state == "queued":
-                self.discard(entry.ref)
-            else:
-                running.append(entry.ref)
+        running = [entry.ref for entry in entries if entry.state != "queued" or not self._take_out(entry.ref)]
         deadline = time.monotonic() + STOP_PATIENCE
         while running:
             running = [ref for ref in running if not self._stop(ref)]
@@ -87,12 +84,26 @@ class ChunkQueue:
                 time.sleep(0.02)
 
     def discard(self, ref: ChunkRef) -> None:
-        """Forget the RQ job of a chunk."""
+        """Forget the RQ job of a chunk that nobody works on."""
+        if not self._take_out(ref):
+            self._delete(ref)
+
+    def _take_out(self, ref: ChunkRef) -> bool:
+        """Take a chunk out of the queue; False when it is not there (any more)."""
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.lrem(self.small.key, 1, ref.rq_id)
             pipe.lrem(self.bulk.key, 1, ref.rq_id)
             pipe.hdel(self.keys.suspects, ref.rq_id)
-            pipe.execute()
+            removed = sum(pipe.execute()[:2])
+        if removed:
+            self._delete(ref)
+        else:
+            # A worker has just taken it. RQ needs the job until that worker has seen that there is nothing
+            # to do, and deletes it then; if the worker died in between, it runs out by itself.
+            self.redis.expire(Job.key_for(ref.rq_id), _LEFTOVER_TTL)
+        return bool(removed)
+
+    def _delete(self, ref: ChunkRef) -> None:
         try:
             job = Job.fetch(ref.rq_id, connection=self.redis, serializer=JSONSerializer)
         except NoSuchJobError:

@@ -13,7 +13,6 @@ import signal
 import socket
 import sys
 import time
-from datetime import datetime
 from types import FrameType
 from typing import Any
 
@@ -82,13 +81,15 @@ class CuspWorker(Worker):
 
     def run_maintenance_tasks(self) -> None:
         """Between two looks at the queue: search for lost chunks, and at times RQ's own maintenance."""
-        if os.getppid() != self._parent_pid:
-            raise StopRequested  # orphaned, on a system where the kernel does not see to it
+        # A stop may have come where the exception was caught, and an orphan has nobody to stop it where the
+        # kernel does not.
+        if self._stop_requested or os.getppid() != self._parent_pid:
+            raise StopRequested
         self.sweeper.sweep()
         if self.last_cleaned_at is None or time.monotonic() - self._cleaned > _RQ_MAINTENANCE:
             self._cleaned = time.monotonic()
             super().run_maintenance_tasks()  # type: ignore[no-untyped-call]
-        self.last_cleaned_at: datetime | None = now()
+        self.last_cleaned_at = now()  # type: ignore[assignment]
 
     # -- one chunk ---------------------------------------------------------------------------------
 
@@ -239,6 +240,13 @@ class CuspWorker(Worker):
         """Second signal: the same without any grace."""
         self._hurry = True
         self._wake()
+
+    def unsubscribe(self) -> None:
+        """Stop listening for commands. RQ's order of steps lets its thread go to sleep once more."""
+        if self.pubsub_thread is not None and self.pubsub is not None:
+            self.pubsub_thread.stop()
+            self.pubsub.unsubscribe()
+            self.pubsub_thread.join(timeout=1)
 
     def _wake(self) -> None:
         with contextlib.suppress(BlockingIOError):

@@ -156,7 +156,7 @@ class JobRecords:
                 settings.error_ttl if failed else settings.result_ttl, settings.job_ttl,
             ],
         )  # fmt: skip
-        return reply == 1
+        return bool(reply == 1)
 
     def fail(self, ref: ChunkRef, kind: str, detail: str) -> list[ChunkEntry] | None:
         """End the job because of this chunk; returns its open chunks, None when it was out of date."""

@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+import os
+import signal
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from processes import ROOT, environment, is_running, until
+
+from service.embedded import EmbeddedError, EmbeddedValkey, default_data_dir
+from worker import connect
+
+HOLD = """
+import sys, time
+from pathlib import Path
+from service.embedded import EmbeddedValkey
+server = EmbeddedValkey(Path(sys.argv[1])).start()
+print(server.pid, flush=True)
+time.sleep(60)
+"""
+
+
+def test_private_durable_and_without_a_port(tmp_path: Path) -> None:
+    data = tmp_path / "data"
+    with EmbeddedValkey(data) as server, connect(server.url) as redis:
+        pid = server.pid
+        socket = Path(server.url.removeprefix("unix://"))
+        assert stat.S_IMODE(socket.parent.stat().st_mode) == 0o700
+        assert stat.S_IMODE(data.stat().st_mode) == 0o700
+        config = redis.config_get("*")
+        assert (config["port"], config["appendonly"], config["appendfsync"]) == ("0", "yes", "everysec")
+        assert (config["maxmemory-policy"], config["save"]) == ("noeviction", "")
+        redis.set("key", "value")
+    assert not is_running(pid)
+    assert not socket.parent.exists()
+    assert server.log_file.exists()
+    with EmbeddedValkey(data) as server, connect(server.url) as redis:
+        assert redis.get("key") == b"value"
+
+
+def test_data_survives_a_kill(tmp_path: Path) -> None:
+    with EmbeddedValkey(tmp_path) as server, connect(server.url) as redis:
+        redis.set("key", "value")
+        redis.waitaof(1, 0, 5000)
+        os.kill(server.pid, signal.SIGKILL)
+        until(lambda: not server.is_alive())
+        server.launch()
+        assert redis.get("key") == b"value"
+
+
+def test_a_data_directory_has_one_server(tmp_path: Path) -> None:
+    with EmbeddedValkey(tmp_path), pytest.raises(EmbeddedError, match=f"in use by process {os.getpid()}"):
+        EmbeddedValkey(tmp_path).start()
+    with EmbeddedValkey(tmp_path):
+        pass
+
+
+def test_the_server_ends_with_its_owner(tmp_path: Path) -> None:
+    owner = subprocess.Popen(
+        [sys.executable, "-c", HOLD, str(tmp_path)], stdout=subprocess.PIPE, env=environment(), cwd=ROOT
+    )
+    with owner:
+        assert owner.stdout is not None
+        pid = int(owner.stdout.readline())
+        owner.kill()
+    until(lambda: not is_running(pid))
+    with EmbeddedValkey(tmp_path):  # at once, with the lock and the socket's directory left behind
+        pass
+
+
+def test_a_long_path_is_no_obstacle(tmp_path: Path) -> None:
+    data = tmp_path / ("x" * 120)
+    with EmbeddedValkey(data) as server, connect(server.url) as redis:
+        assert redis.ping()
+
+
+def test_an_unusable_directory_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(EmbeddedError, match=r"cannot use the data directory .*file"):
+        EmbeddedValkey(tmp_path / "file").start()
+
+
+def test_a_spoiled_file_is_told(tmp_path: Path) -> None:
+    with EmbeddedValkey(tmp_path) as server, connect(server.url) as redis:
+        redis.set("key", "value")
+    manifest = next((tmp_path / "appendonlydir").glob("*.manifest"))
+    manifest.write_text("nonsense\n")
+    with pytest.raises(EmbeddedError, match="did not start"):
+        EmbeddedValkey(tmp_path).start()
+
+
+def test_default_place(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv("XDG_DATA_HOME", raising=False)
+    assert default_data_dir() == tmp_path / ".local" / "share" / "rpr-cusps"
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "xdg"))
+    assert default_data_dir() == tmp_path / "xdg" / "rpr-cusps"
+    monkeypatch.setenv("XDG_DATA_HOME", "relative")  # to be ignored, says the specification
+    assert default_data_dir() == tmp_path / ".local" / "share" / "rpr-cusps"
+    monkeypatch.setattr(sys, "platform", "darwin")
+    assert default_data_dir() == tmp_path / "Library" / "Application Support" / "rpr-cusps"

@@ -1,0 +1,232 @@
+"""What can go wrong in a worker, and what becomes of the job."""
+
+from __future__ import annotations
+
+import os
+import signal
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+from processes import Workers, descendants, is_running, until
+from redis import Redis
+
+from rpr_solver import EXAMPLES
+from worker import JobQueue, JobView, TableRequest, WorkerSettings
+
+
+def a_request(*l1: str, digits: int = 30) -> TableRequest:
+    manipulator = EXAMPLES["innocenti"]
+    return TableRequest(manipulator.to_json(), manipulator.geometry_hash, 1, digits, l1)
+
+
+def jobs(redis: Redis, task: str = "", **settings: object) -> JobQueue:
+    """The queue as an API process sees it; with `task`, its chunks run one of the hard tasks."""
+    name = f"hard_tasks.{task}" if task else "worker.tasks.run_chunk"
+    return JobQueue(redis, WorkerSettings.model_validate({"task": name, **settings}))
+
+
+def ended(queue: JobQueue, job_id: str, seconds: float = 30.0) -> JobView:
+    view = queue.wait(job_id, seconds)
+    assert view is not None
+    assert view.is_terminal, view
+    return view
+
+
+def is_at_work(queue: JobQueue, view: JobView) -> bool:
+    now = queue.get(view.id)
+    return now is not None and now.status == "running"
+
+
+def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
+    workers.start()
+    queue = jobs(redis)
+    request = a_request("14.98", "0.5", "27")
+    view = ended(queue, queue.submit(request).id)
+    assert view.status == "succeeded"
+    table = queue.result(view.id)
+    assert table is not None
+    assert [s["l1"] for s in table["slices"]] == ["14.98", "0.5", "27"]
+    assert table["slices"][0]["count"] == 6
+    workers.stop()
+    assert workers.log.read_text() == ""
+    left = {key.decode() for key in redis.keys("rq:*")} - {"rq:queues", "rq:workers"}
+    assert not {key for key in left if not key.startswith("rq:worker:")}
+
+
+def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers) -> None:
+    worker = workers.start(deadline=0.7)
+    request = a_request("1")
+    view = ended(jobs(redis), jobs(redis, "endless").submit(request).id)
+    assert view.status == "failed"
+    assert view.error == {
+        "type": "timeout",
+        "detail": "The computation was stopped after the limit of 0.7 s.",
+    }
+    assert descendants(worker.pid) == []
+    # the failure is in nobody's way, and the worker is the same
+    again = jobs(redis).submit(request)
+    assert again.status in ("queued", "running")
+    assert ended(jobs(redis), again.id).status == "succeeded"
+    assert worker.poll() is None
+
+
+@pytest.mark.parametrize(
+    ("task", "kind"),
+    [
+        ("greedy", "resource-exhausted"),
+        ("greedy_python", "resource-exhausted"),
+        ("crash", "worker-crashed"),
+        ("killed", "worker-crashed"),
+        ("broken", "internal-error"),
+    ],
+)
+def test_how_a_job_failed_is_told(redis: Redis, workers: Workers, task: str, kind: str) -> None:
+    worker = workers.start(memory_limit_mb=1024, max_losses=2, task=f"hard_tasks.{task}")
+    queue = jobs(redis, task)
+    view = ended(queue, queue.submit(a_request("1", "2")).id)
+    assert view.error is not None
+    assert (view.status, view.error["type"]) == ("failed", kind)
+    assert "Traceback" not in view.error["detail"]
+    assert "waitpid" not in view.error["detail"]
+    assert worker.poll() is None
+    assert redis.zcard(queue.records.keys.active) == 0
+
+
+def test_another_worker_takes_over_from_a_dead_one(redis: Redis, workers: Workers) -> None:
+    first = workers.start(task="hard_tasks.slow_once")
+    queue = jobs(redis, "slow_once")
+    view = queue.submit(a_request("1", "2"))
+    until(lambda: is_at_work(queue, view))
+    second = workers.start(task="hard_tasks.slow_once")
+    (horse,) = descendants(first.pid)
+    first.kill()
+    first.wait()
+    until(lambda: not is_running(horse))  # no orphan goes on
+    assert ended(queue, view.id, seconds=15).status == "succeeded"
+    assert second.poll() is None
+
+
+def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers) -> None:
+    first = workers.start(shutdown_grace=0.2, max_losses=0, task="hard_tasks.slow_once")
+    queue = jobs(redis, "slow_once")
+    view = queue.submit(a_request("1", "2"))
+    until(lambda: is_at_work(queue, view))
+    (horse,) = descendants(first.pid)
+    first.terminate()
+    assert first.wait(10) == 0
+    assert not is_running(horse)
+    assert queue.depth() == 1
+    workers.start()
+    assert ended(queue, view.id).status == "succeeded"
+
+
+def test_a_stopped_worker_finishes_what_is_short(redis: Redis, workers: Workers) -> None:
+    worker = workers.start(shutdown_grace=20)
+    queue = jobs(redis, "slow")
+    view = queue.submit(a_request("1", "2", "3", "4"))
+    until(lambda: is_at_work(queue, view))
+    worker.send_signal(signal.SIGINT)
+    assert worker.wait(10) == 0
+    done = queue.get(view.id)
+    assert done is not None
+    assert done.status == "succeeded"
+
+
+def test_a_second_signal_hurries(redis: Redis, workers: Workers) -> None:
+    worker = workers.start(shutdown_grace=60)
+    queue = jobs(redis, "endless")
+    view = queue.submit(a_request("1"))
+    until(lambda: is_at_work(queue, view))
+    # again and again, as signals that come too close are one
+    until(lambda: worker.poll() is not None or worker.terminate())
+    assert worker.returncode == 0
+    assert queue.depth() == 1
+
+
+def test_cancel_while_running(redis: Redis, workers: Workers) -> None:
+    worker = workers.start()
+    queue = jobs(redis, "endless")
+    view = queue.submit(a_request("1"))
+    until(lambda: is_at_work(queue, view))
+    canceled = queue.cancel(view.id)
+    assert canceled is not None
+    assert canceled.status == "canceled"
+    until(lambda: descendants(worker.pid) == [])
+    assert queue.get(view.id) == canceled
+    assert ended(jobs(redis), jobs(redis).submit(a_request("2")).id).status == "succeeded"
+    assert queue.get(view.id) == canceled
+    assert ended(jobs(redis), jobs(redis).submit(a_request("1")).id).status == "succeeded"
+
+
+def test_a_worker_that_missed_the_stop_command_looks_for_itself(redis: Redis, workers: Workers) -> None:
+    worker = workers.start()
+    queue = jobs(redis, "endless")
+    view = queue.submit(a_request("1"))
+    until(lambda: is_at_work(queue, view))
+    queue.records.cancel(view.id)
+    until(lambda: descendants(worker.pid) == [])
+    now = queue.get(view.id)
+    assert now is not None
+    assert now.status == "canceled"
+
+
+def test_cancel_at_any_moment(redis: Redis, workers: Workers) -> None:
+    """Among them jobs that were just taken from the queue, without a worker's name yet."""
+    worker = workers.start()
+    queue = jobs(redis, "slow")
+    for i in range(1, 13):
+        view = queue.submit(a_request(*map(str, range(100 * i, 100 * i + 20))))
+        until(lambda: queue.depth() == 0)
+        canceled = queue.cancel(view.id)
+        assert canceled is not None
+        assert canceled.status == "canceled"
+        assert queue.get(view.id) == canceled
+    assert ended(jobs(redis), jobs(redis).submit(a_request("2")).id).status == "succeeded"
+    assert worker.poll() is None
+    workers.stop()
+    assert workers.log.read_text() == ""
+
+
+def test_a_queued_job_that_is_canceled_never_runs(redis: Redis, workers: Workers) -> None:
+    queue = jobs(redis)
+    request = a_request("1")
+    queue.cancel(queue.submit(request).id)
+    workers.start()
+    other = queue.submit(a_request("2"))
+    assert ended(queue, other.id).status == "succeeded"
+    view = queue.get(request.job_id)
+    assert view is not None
+    assert (view.status, view.started_at) == ("canceled", None)
+    assert queue.store.get_slices(request) == {}
+
+
+def test_many_at_once_is_one_computation(redis: Redis, workers: Workers) -> None:
+    for _ in range(2):
+        workers.start()
+    request = a_request(*map(str, range(1, 13)))
+    queue = jobs(redis, "slow", chunk_size=4)
+    with ThreadPoolExecutor(8) as pool:
+        views = list(pool.map(lambda _: jobs(redis, "slow", chunk_size=4).submit(request), range(8)))
+    assert len({view.run for view in views}) == 1
+    assert ended(queue, request.job_id).status == "succeeded"
+    events = redis.xrange(queue.records.keys.job(request.job_id).events)
+    assert sum(fields[b"type"] == b"slice" for _, fields in events) == 12
+    table = queue.result(request.job_id)
+    assert table is not None
+    horses = {s["certificate"]["pid"] for s in table["slices"]}
+    assert len(horses) == 3
+    assert os.getpid() not in horses
+
+
+def test_overlapping_requests_compute_what_is_missing(redis: Redis, workers: Workers) -> None:
+    workers.start()
+    queue = jobs(redis, "slow")
+    first = a_request("1", "2", "3")
+    ended(queue, queue.submit(first).id)
+    second = a_request("2", "3", "4")
+    ended(queue, queue.submit(second).id)
+    one, two = queue.result(first.job_id), queue.result(second.job_id)
+    assert one is not None
+    assert two is not None
+    assert one["slices"][1:] == two["slices"][:2]
+    assert two["slices"][2]["certificate"] != one["slices"][0]["certificate"]
