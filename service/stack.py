@@ -158,8 +158,9 @@ class _Signals:
             self._before[number] = signal.signal(number, self._handle)
 
     def __exit__(self, *_: object) -> None:
+        # When it was a signal that ended the stack, one more must not spoil the last steps of the process.
         for number, handler in self._before.items():
-            signal.signal(number, handler)
+            signal.signal(number, signal.SIG_IGN if self.count else handler)
 
     def _handle(self, _number: int, _frame: FrameType | None) -> None:
         self.count += 1

@@ -1,0 +1,240 @@
+"""`serve`: the whole stack, started and ended as a user would."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx
+import pytest
+from processes import ROOT, descendants, environment, is_running, until
+from redis import Redis
+
+from rpr_solver import EXAMPLES
+from service.embedded import EmbeddedValkey, runtime_dir
+from worker import JobQueue, TableRequest, WorkerSettings, connect
+
+SERVE = """
+import sys
+from pathlib import Path
+from service.stack import ServeSettings, serve
+_, port, workers, data, url = sys.argv
+settings = ServeSettings(port=int(port), workers=int(workers), data_dir=Path(data), redis_url=url or None)
+sys.exit(serve(settings))
+"""
+
+
+@dataclass
+class Stack:
+    """A running stack."""
+
+    process: subprocess.Popen[str]
+    announcement: str
+    data: Path
+
+    @property
+    def base(self) -> str:
+        found = re.search(r"http://\S+", self.announcement)
+        assert found is not None
+        return found.group()
+
+    def redis(self) -> Redis:
+        return connect(f"unix://{runtime_dir(self.data)}/valkey.sock")
+
+    def parts(self) -> list[int]:
+        found = descendants(self.process.pid)
+        assert found
+        return found
+
+    def workers(self) -> list[int]:
+        with self.redis() as redis:
+            keys = [f"rq:worker:{name.decode()}" for name in redis.smembers("rq:workers")]
+            return [
+                int(pid)
+                for key in keys
+                if (pid := redis.hget(key.replace("rq:worker:rq:worker:", "rq:worker:"), "pid"))
+            ]
+
+
+def command(data: Path, *, port: int = 0, workers: int = 1, url: str = "") -> list[str]:
+    return [sys.executable, "-c", SERVE, str(port), str(workers), str(data), url]
+
+
+@contextmanager
+def running(data: Path, *, workers: int = 1, url: str = "", **settings: object) -> Iterator[Stack]:
+    process = subprocess.Popen(
+        command(data, workers=workers, url=url),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment(**settings),
+        cwd=ROOT,
+    )
+    with process:
+        try:
+            assert process.stdout is not None
+            yield Stack(process, process.stdout.readline(), data)
+        finally:
+            if process.poll() is None:
+                process.terminate()
+                try:
+                    process.wait(20)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+
+
+def a_request(*l1: str) -> TableRequest:
+    manipulator = EXAMPLES["innocenti"]
+    return TableRequest(manipulator.to_json(), manipulator.geometry_hash, 1, 30, l1)
+
+
+def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
+    with running(tmp_path, workers=2) as stack:
+        assert re.fullmatch(
+            r"rpr-cusps is ready at http://127\.0\.0\.1:\d+ "
+            rf"\(2 workers, data in {re.escape(str(tmp_path))}\); Ctrl-C stops it\n",
+            stack.announcement,
+        )
+        parts = stack.parts()
+        assert len(parts) == 3
+        assert httpx.get(f"{stack.base}/healthz").status_code == 200
+        body = {"geometry": dict(a_request("1").geometry), "l1": "14.98", "digits": 30}
+        answer = httpx.post(
+            f"{stack.base}/v1/cusp-tables", json=body, headers={"Prefer": "wait=20"}, timeout=30
+        )
+        assert answer.status_code == 200, answer.text
+        assert answer.json()["slices"][0]["count"] == 6
+        stack.process.send_signal(signal.SIGINT)
+        assert stack.process.wait(10) == 0
+        assert [pid for pid in parts if is_running(pid)] == []
+        assert stack.process.stderr is not None
+        assert stack.process.stderr.read() == ""
+    assert not (tmp_path / "valkey.sock").exists()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None:
+    with running(tmp_path, workers=2, task="hard_tasks.slow_once") as stack, stack.redis() as redis:
+        queue = JobQueue(redis, WorkerSettings(task="hard_tasks.slow_once"))
+        view = queue.submit(a_request("1"))
+        until(lambda: len(stack.parts()) == 4)  # with the work horse
+        parts = stack.parts()
+        stack.process.send_signal(number)
+        assert stack.process.wait(10) == (0 if number == signal.SIGTERM else -number)
+        until(lambda: not any(is_running(pid) for pid in parts), seconds=5)
+    # and nothing is lost either
+    with running(tmp_path) as stack, stack.redis() as redis:
+        done = JobQueue(redis).wait(view.id, 20)
+        assert done is not None
+        assert (done.run, done.status) == (view.run, "succeeded")
+
+
+def test_queued_jobs_are_there_again(tmp_path: Path) -> None:
+    requests = [a_request(str(i)) for i in range(1, 4)]
+    with running(tmp_path, workers=0) as stack, stack.redis() as redis:
+        for request in requests:
+            JobQueue(redis).submit(request)
+        stack.process.terminate()
+        assert stack.process.wait(10) == 0
+    with running(tmp_path, workers=2) as stack, stack.redis() as redis:
+        for request in requests:
+            done = JobQueue(redis).wait(request.job_id, 20)
+            assert done is not None
+            assert done.status == "succeeded"
+
+
+def test_a_second_signal_hurries(tmp_path: Path) -> None:
+    settings = {"task": "hard_tasks.endless", "shutdown_grace": 60}
+    with running(tmp_path, **settings) as stack, stack.redis() as redis:
+        JobQueue(redis, WorkerSettings(task="hard_tasks.endless")).submit(a_request("1"))
+        until(lambda: len(stack.parts()) == 3)
+        parts = stack.parts()
+        until(lambda: stack.process.poll() is not None or stack.process.terminate(), seconds=10)
+        assert stack.process.returncode == 0
+        assert not any(is_running(pid) for pid in parts)
+
+
+def test_a_dead_worker_is_replaced(tmp_path: Path) -> None:
+    with running(tmp_path) as stack, stack.redis() as redis:
+        (worker,) = stack.workers()
+        os.kill(worker, signal.SIGKILL)
+        done = JobQueue(redis).submit(a_request("1"))
+        result = JobQueue(redis).wait(done.id, 20)
+        assert result is not None
+        assert result.status == "succeeded"
+        assert not is_running(worker)
+        stack.process.terminate()
+        stack.process.wait(10)
+        assert stack.process.stderr is not None
+        assert stack.process.stderr.read() == "rpr-cusps serve: a worker ended (SIGKILL); starting another\n"
+
+
+def test_a_dead_server_is_replaced(tmp_path: Path) -> None:
+    with running(tmp_path) as stack, stack.redis() as redis:
+        request = a_request("1")
+        JobQueue(redis).wait(JobQueue(redis).submit(request).id, 20)
+        redis.waitaof(1, 0, 5000)
+        server = int(redis.info("server")["process_id"])
+        os.kill(server, signal.SIGKILL)
+        until(lambda: not is_running(server))
+        until(lambda: (runtime_dir(tmp_path) / "valkey.sock").exists())
+        until(lambda: httpx.get(f"{stack.base}/readyz").status_code == 200)
+        done = JobQueue(redis).wait(JobQueue(redis).submit(a_request("1", "2")).id, 20)
+        assert done is not None
+        assert done.status == "succeeded"
+
+
+def test_with_a_server_of_ones_own(tmp_path: Path, valkey: EmbeddedValkey, redis: Redis) -> None:
+    data = tmp_path / "unused"
+    with running(data, url=valkey.url) as stack:
+        assert "data in the given Redis" in stack.announcement
+        done = JobQueue(redis).wait(JobQueue(redis).submit(a_request("1")).id, 20)
+        assert done is not None
+        assert done.status == "succeeded"
+        stack.process.terminate()
+        assert stack.process.wait(10) == 0
+    assert valkey.is_alive()
+    assert not data.exists()
+
+
+def failure(data: Path, **options: object) -> str:
+    ended = subprocess.run(
+        command(data, **options),  # type: ignore[arg-type]
+        env=environment(),
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=20,
+        check=False,
+    )
+    assert ended.returncode == 1
+    assert ended.stdout == ""
+    assert ended.stderr.count("\n") == 1
+    return ended.stderr
+
+
+def test_a_port_that_is_taken(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert f"cannot listen on 127.0.0.1 port {port}: Address already in use" in failure(
+            tmp_path, port=port
+        )
+    assert not (tmp_path / "appendonlydir").exists()
+
+
+def test_a_data_directory_that_is_taken(tmp_path: Path) -> None:
+    with EmbeddedValkey(tmp_path):
+        assert f"is in use by process {os.getpid()}" in failure(tmp_path)
+
+
+def test_a_server_that_does_not_answer(tmp_path: Path) -> None:
+    assert "cannot reach Redis" in failure(tmp_path, url=f"unix://{tmp_path}/nothing.sock")
+    assert "cannot reach Redis" in failure(tmp_path, url="nonsense://")
