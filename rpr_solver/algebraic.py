@@ -218,7 +218,7 @@ def _squarefree_norm(field: Field, polynomial: Polynomial) -> tuple[int, fmpq_po
         total = x * 0
         for c in reversed(polynomial):
             total = total * step + sum((a * x**i for i, a in enumerate(c.poly.coeffs())), x * 0)
-        norm_xy = m.resultant(total, "x") if total.degrees()[0] else total ** field.degree
+        norm_xy = m.resultant(total, "x") if total.degrees()[0] else total**field.degree
         norm = fmpq_poly([norm_xy[0, i] for i in range(norm_xy.degrees()[1] + 1)])
         if norm.gcd(norm.derivative()).degree() == 0:
             return shift, norm
@@ -236,9 +236,7 @@ def _real_balls(polynomial: Polynomial) -> list[_BallRoot]:
                 roots = None
             if roots is not None:
                 real = [r for r in roots if r.imag.contains(0)]
-                if not any(
-                    r.conjugate().overlaps(other) for r in real for other in roots if other is not r
-                ):
+                if not any(r.conjugate().overlaps(other) for r in real for other in roots if other is not r):
                     real.sort(key=lambda r: r.real.mid())
                     return [_BallRoot(polynomial, r.real) for r in real]
         bits *= 2

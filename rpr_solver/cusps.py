@@ -27,7 +27,7 @@ from rpr_solver.eliminant import DEGREE_U, SOLVER_VERSION, Eliminant, eliminate
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.geometry import Manipulator
 from rpr_solver.numbers import exact_str, parse_exact
-from rpr_solver.poses import CuspProof, HalfTangent, SlicePoses
+from rpr_solver.poses import CuspProof, SlicePoses
 from rpr_solver.roots import MAX_BITS, RealPolynomial, RealRoot, real_roots
 from rpr_solver.shared_curves import Plane, without_shared_curves
 from rpr_solver.surface import Pair
@@ -173,6 +173,8 @@ class _Slice:
         self.length = length
         self.scaled = length * self.surface.scale
         self.digits = digits
+        self._collinear = self.surface.collinear()
+        self._closed = self.surface.closed_leg(self.scaled)
         self.digit_bits = digits * 3322 // 1000 + 16
 
     def solve(self) -> SliceTable:
@@ -186,8 +188,10 @@ class _Slice:
 
     def _generic(self, q: Pair) -> bool:
         """Proof that all 24 roots are finite, simple and not spurious: coprime modulo a prime."""
+        if self._touching() is not None:
+            return False
         a, b = q
-        spurious = self.surface.collinear() * self.surface.closed_leg(self.scaled) * fmpz_poly([1, 0, 1])
+        spurious = self._collinear * self._closed * fmpz_poly([1, 0, 1])
         for p, omega in self.eliminant.check_primes:
             residue = _modulo(a, p) + _modulo(b, p) * omega
             if (
@@ -197,6 +201,18 @@ class _Slice:
             ):
                 return True
         return False
+
+    def _touching(self) -> fmpz_poly | None:
+        """The common root of both spurious factors (1 if it is u = ∞), or None if they share none.
+
+        Elsewhere a spurious pose that is no root of Q is an ordinary one: its whole intersection
+        number, 1, comes from ∇f = 0. Where leg f closes while stretched along its base line the two
+        factors meet, that count says less, and the poses are looked at exactly.
+        """
+        common = self._collinear.gcd(self._closed)
+        if common.degree() > 0 or max(self._collinear.degree(), self._closed.degree()) < 2:
+            return common
+        return None
 
     def _by_balls(self, roots: list[RealRoot]) -> list[_Found] | None:
         """The cusps above simple roots; None where balls alone do not come to an end."""
@@ -224,11 +240,13 @@ class _Slice:
             texts = [round_ball(x, self.digits) for x in balls]
             if None in texts:
                 return None
-            return _Found(CUSP, cusp.theta_deg, cusp.alpha_deg, _point(texts), _proof_json(cusp.proof), poses.bits)
+            return _Found(
+                CUSP, cusp.theta_deg, cusp.alpha_deg, _point(texts), _proof_json(cusp.proof), poses.bits
+            )
 
     def _exactly(self, q: Pair) -> SliceTable:
         """Take every root apart over ℚ(ω); simple ones still go the way of balls where they can."""
-        spurious = self.surface.collinear() * self.surface.closed_leg(self.scaled)
+        spurious, touching = self._collinear * self._closed, self._touching()
         if q[0] or q[1]:
             plane, turned = Plane.of(self.surface, self.scaled), Plane.of(self.surface, -self.scaled)
         else:
@@ -237,7 +255,9 @@ class _Slice:
         found: list[_Found] = []
         factors = norm_factors(q, self.surface.radicand)
         roots = list(exact_roots(factors))
-        for root in roots:
+        extra = [] if touching is None else list(exact_roots(norm_factors((touching, fmpz_poly([])), 1)))
+        known = [root.root.polynomial.a for root in roots]
+        for root in roots + [root for root in extra if root.root.polynomial.a not in known]:
             simple = root.multiplicity == 1 and not plane.shared
             if simple and spurious.gcd(root.root.polynomial.a).degree() == 0:
                 cusps = self._by_balls([root.root])
@@ -246,7 +266,8 @@ class _Slice:
                     continue
             found += map(self._exact_point, poses_above(self.surface, self.scaled, plane, root))
         at_infinity = DEGREE_U - max(q[0].degree(), q[1].degree())
-        if at_infinity or plane.shared:
+        touches_infinity = touching is not None and touching.degree() < 1
+        if at_infinity or plane.shared or touches_infinity:
             found += map(self._exact_point, poses_at_half_turn(self.surface, self.scaled, turned))
         shapes: dict[int, int] = {at_infinity: 1} if at_infinity and not plane.shared else {}
         for degree, multiplicity in (shape for factor in factors for shape in factor.shape):
@@ -303,7 +324,8 @@ def _factor_table(
 ) -> list[dict[str, object]]:
     """The factors of Res_t(J, E), a form of degree 48 in u, each with where it comes from."""
     cusps: list[dict[str, object]] = [
-        {"degree": degree, "multiplicity": multiplicity, "origin": "cusps"} for degree, multiplicity in cusp_factors
+        {"degree": degree, "multiplicity": multiplicity, "origin": "cusps"}
+        for degree, multiplicity in cusp_factors
     ]
     if shared:
         return cusps

@@ -7,7 +7,7 @@ arithmetic, and is told apart by the conditions of method.md section 2.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz, fmpz_poly
@@ -57,7 +57,7 @@ class NormFactor:
 
 @dataclass(frozen=True)
 class ExactRoot:
-    """A real root u of the eliminant: a root of an irreducible rational polynomial.
+    """A real root u of the eliminant, as a root of an irreducible rational polynomial.
 
     ``omega`` is ω as a polynomial in u where u determines it, else None.
     """
@@ -145,9 +145,7 @@ def poses_above(
         square = [field(-surface.radicand), field(0), field(1)]
         for extension in adjoin_real_roots(field, square):
             if extension.root.sign > 0:
-                yield from _poses(
-                    surface, length, plane, extension.generator, extension.root, theta_offset
-                )
+                yield from _poses(surface, length, plane, extension.generator, extension.root, theta_offset)
 
 
 def poses_at_half_turn(surface: Surface, length: Fraction, turned: Plane) -> Iterator[ExactPose]:
@@ -213,7 +211,7 @@ def _kind(surface: Surface, pose: Pose[Algebraic], local: LocalMap[Algebraic]) -
         aa, at, tt = j.alpha.alpha.value, j.alpha.theta.value, j.theta.theta.value
         hessian = (aa * tt - at * at).sign
         # J is L (J0 + L J1); with J = 0, its value at twice the length is a multiple of J1
-        doubled = Pose(pose.cos_alpha, pose.sin_alpha, pose.cos_theta, pose.sin_theta, pose.length * 2, pose.omega)  # fmt: skip
+        doubled = replace(pose, length=pose.length * 2)
         moves = not LocalMap.at(surface, doubled, 1).singularity().value.is_zero
         generic = moves and not second.value.is_zero
         if hessian > 0:

@@ -118,9 +118,7 @@ def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
     if content:
         values = [x // content for x in values]
     half = len(values) // 2
-    a, b = (
-        fmpz_mat(DEGREE_L + 1, DEGREE_U + 1, part).transpose() for part in (values[:half], values[half:])
-    )
+    a, b = (fmpz_mat(DEGREE_L + 1, DEGREE_U + 1, part).transpose() for part in (values[:half], values[half:]))
     return Eliminant(manipulator, surface, a, b)
 
 
@@ -192,7 +190,9 @@ class _Grid:
             row = nmod_mat(1, len(ls), [pow(spare_l, k, p) for k in range(len(ls))], p) * result
             column = nmod_mat(len(us), 1, [pow(spare_u, k, p) for k in range(len(us))], p)
             if int((row * column)[0, 0]) != expected:
-                raise SolverError("the resultant does not have the known factors; please report this geometry")
+                raise SolverError(
+                    "the resultant does not have the known factors; please report this geometry"
+                )
         return [int(x) for x in result.entries()]
 
 
@@ -200,11 +200,10 @@ class _Residue:
     """A form modulo p, with a value chosen for ω."""
 
     def __init__(self, form: BiForm, p: int, omega: int) -> None:
-        self._rows = [
-            [nmod_poly([int(x) % p for x in a.coeffs()], p) + nmod_poly([int(x) % p for x in b.coeffs()], p) * omega
-             for a, b in row]
-            for row in form.coefficients
-        ]  # fmt: skip
+        def residue(part: fmpz_poly) -> nmod_poly:
+            return nmod_poly([int(x) % p for x in part.coeffs()], p)
+
+        self._rows = [[residue(a) + residue(b) * omega for a, b in row] for row in form.coefficients]
 
     def at(self, length: int) -> list[nmod_poly]:
         """The coefficients of tⁱ at one L, polynomials in u."""
@@ -246,7 +245,8 @@ def _coefficient_bound(surface: Surface) -> int:
     """
     omega = int(fmpz(surface.radicand).isqrt()) + 1
     j, e = surface.singular, surface.coalescence
-    return (j.norm1(omega) ** e.degree_t * e.norm1(omega) ** j.degree_t) << (DEGREE_U + DEGREE_L)
+    bound: int = j.norm1(omega) ** e.degree_t * e.norm1(omega) ** j.degree_t
+    return bound << (DEGREE_U + DEGREE_L)
 
 
 def _chinese_remainder(images: list[tuple[int, list[int]]], modulus: int) -> list[fmpz]:

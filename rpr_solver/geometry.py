@@ -52,7 +52,9 @@ class Manipulator:
             InputError: naming every field that is missing, unknown or wrong.
         """
         if not isinstance(obj, Mapping):
-            raise InputError.of("geometry", f"{shown(obj)} is not an object with the fields {', '.join(_LENGTHS)}")
+            raise InputError.of(
+                "geometry", f"{shown(obj)} is not an object with the fields {', '.join(_LENGTHS)}"
+            )
         problems = [
             FieldProblem(f"geometry.{name}", f"unknown field; known are {', '.join(_LENGTHS)}, orientation")
             for name in obj

@@ -132,9 +132,7 @@ def _variable_part(leg: Leg, pose: Pose[R], order: int) -> Jet[R]:
     both = _sinusoid(pose.length * (cos * leg.m - n * sin), pose.length * (-(sin * leg.m) - n * cos))
     x, y = ca * leg.m - n * sa, sa * leg.m + n * ca
     platform = _sinusoid(x * leg.ax + y * leg.ay, x * leg.ay - y * leg.ax)
-    base = _sinusoid(
-        pose.length * (ct * leg.ax + st * leg.ay), pose.length * (ct * leg.ay - st * leg.ax)
-    )
+    base = _sinusoid(pose.length * (ct * leg.ax + st * leg.ay), pose.length * (ct * leg.ay - st * leg.ax))
 
     def entry(i: int, j: int) -> R:
         value = both[(i + j) % 4] if j % 2 == 0 else -both[(i + j) % 4]

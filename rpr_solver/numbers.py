@@ -57,7 +57,8 @@ def parse_exact(
     decimal = _DECIMAL.fullmatch(text)
     if decimal is None or not (decimal[2] or decimal[3]):
         raise InputError.of(
-            field, f'{shown(text)} is not a finite number; write a decimal such as "17.04" or a quotient "426/25"'
+            field,
+            f'{shown(text)} is not a finite number; write a decimal such as "17.04" or a quotient "426/25"',
         )
     sign, whole, part, exponent = decimal[1], decimal[2] or "", decimal[3] or "", int(decimal[4] or 0)
     significand = int(whole + part)

@@ -32,10 +32,9 @@ class HalfTangent:
         """The angle in degrees, in (−180, 180] for the exact value; ``offset`` is 0 or 180."""
         n, d = self.numerator, self.denominator
         if abs(n) < abs(d):
-            half = (n / d).atan()
-        else:
-            half = (1 if n * d > 0 else -1) * arb.pi() / 2 - (d / n).atan()
-        return half * 360 / arb.pi() + offset
+            return (n / d).atan() * 360 / arb.pi() + offset
+        side = 180 if n * d > 0 else -180
+        return side - (d / n).atan() * 360 / arb.pi() + offset
 
 
 @dataclass(frozen=True)
@@ -120,8 +119,8 @@ def _common_root(j: Sequence[arb], e: Sequence[arb]) -> HalfTangent | None:
     full = sylvester(j, e, arb(0))
     # t^(n−2)J … J, t^(m−2)E … E: one row less of each, and the columns t^(m+n−2) … 1
     rows = [row[1:] for i, row in enumerate(full) if i not in (0, len(e) - 1)]
-    s1 = arb_mat([row[: size - 1] + [row[size - 1]] for row in rows]).det()
-    s0 = arb_mat([row[: size - 1] + [row[size]] for row in rows]).det()
+    s1 = arb_mat([row[:size] for row in rows]).det()
+    s0 = arb_mat([[*row[: size - 1], row[size]] for row in rows]).det()
     return None if s1.contains(0) else HalfTangent(-s0, s1)
 
 

@@ -98,7 +98,7 @@ class _Form:
     @classmethod
     def of(cls, rows: Sequence[Pair]) -> _Form:
         def whole(part: int) -> fmpz_mpoly:
-            terms = {
+            terms: dict[tuple[int, ...], int | fmpz] = {
                 (i, k, 0): c for i, row in enumerate(rows) for k, c in enumerate(row[part].coeffs()) if c
             }
             return _RING.from_dict(terms)
@@ -122,7 +122,9 @@ class _Form:
 
     def leading(self) -> fmpz_mpoly:
         a, b = _by_power(self.parts, self.degree)[self.actual]
-        terms = {(0, k, w): c for w, part in ((0, a), (1, b)) for k, c in enumerate(part.coeffs()) if c}
+        terms: dict[tuple[int, ...], int | fmpz] = {
+            (0, k, w): c for w, part in ((0, a), (1, b)) for k, c in enumerate(part.coeffs()) if c
+        }
         return _RING.from_dict(terms)
 
     def rows(self) -> tuple[Pair, ...]:

@@ -114,9 +114,7 @@ class Surface:
         base = [(x // common, y // common) for x, y in base]
         platform = [(x // common, y // common) for x, y in platform]
         (ox, oy), (om, on) = base.pop(fixed_leg - 1), platform.pop(fixed_leg - 1)
-        f, g = (
-            Leg(m - om, n - on, x - ox, y - oy) for (m, n), (x, y) in zip(platform, base, strict=True)
-        )
+        f, g = (Leg(m - om, n - on, x - ox, y - oy) for (m, n), (x, y) in zip(platform, base, strict=True))
         return cls(fixed_leg, Fraction(unit * double, common), radicand, f, g)
 
     @property
@@ -214,6 +212,4 @@ def _half_angles(p: fmpz_mpoly, order: int, radicand: int) -> BiForm:
         for degree, weight in enumerate(monomial[i, j].coeffs()):
             if weight:
                 table[degree][power][part] += in_u * weight
-    return BiForm(
-        2 * order, 2 * order, tuple(tuple((pair[0], pair[1]) for pair in row) for row in table)
-    )
+    return BiForm(2 * order, 2 * order, tuple(tuple((pair[0], pair[1]) for pair in row) for row in table))

@@ -31,7 +31,7 @@ def shorten_slice(slice_json: Mapping[str, Any], have_digits: int, digits: int) 
 
 
 def table_csv(table: Mapping[str, Any]) -> str:
-    """A cusp table document as CSV, a cusp a line; slices without cusps, or with an error, have one line too."""
+    """A cusp table document as CSV, a cusp a line; a slice without cusps, or with an error, has one line."""
     leg = table["fixed_leg"]
     first, second = (i for i in (1, 2, 3) if i != leg)
     angle = f"theta{leg}_deg"
