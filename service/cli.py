@@ -201,9 +201,14 @@ def _add_demo(commands: argparse._SubParsersAction[_Parser]) -> None:
 
 
 def _add_redis_url(parser: argparse.ArgumentParser, text: str) -> None:
+    # argparse also checks a default that is a string, so the environment is held to the same
     default = os.environ.get("RPR_CUSPS_REDIS_URL") or None
     parser.add_argument(
-        "--redis-url", default=default, metavar="URL", help=f"{text}; also RPR_CUSPS_REDIS_URL"
+        "--redis-url",
+        type=_redis_url,
+        default=default,
+        metavar="URL",
+        help=f"{text}; also RPR_CUSPS_REDIS_URL",
     )
 
 
@@ -271,6 +276,14 @@ def _whole(what: str, low: int, high: int) -> Callable[[str], int]:
         return int(text)
 
     return parse
+
+
+def _redis_url(text: str) -> str:
+    if not text.startswith(("redis://", "rediss://", "unix://")):
+        raise argparse.ArgumentTypeError(
+            "the address must begin with redis://, rediss:// or unix://, for example redis://127.0.0.1:6379/0"
+        )
+    return text
 
 
 def _fail(name: str, message: str, status: int) -> int:

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from prometheus_client import CollectorRegistry, Counter, Histogram, generate_latest
+from prometheus_client import CollectorRegistry, Counter, Histogram, disable_created_metrics, generate_latest
 from prometheus_client.core import GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 from redis.exceptions import RedisError
@@ -25,6 +25,7 @@ class Metrics:
     """The metrics of one API process."""
 
     def __init__(self, queue: JobQueue) -> None:
+        disable_created_metrics()
         self.registry = CollectorRegistry()
         labels = ("method", "route")
         self.requests = Counter(
@@ -44,7 +45,7 @@ class Metrics:
 
     def observe(self, scope: Mapping[str, Any], method: str, status: int, seconds: float) -> None:
         """Count one request."""
-        route = getattr(scope.get("route"), "path", None) or "unmatched"
+        route = getattr(scope.get("route"), "path", None) or ("/static" if _is_static(scope) else "unmatched")
         method = method if method in _METHODS else "other"
         self.requests.labels(method, route, str(status)).inc()
         self.seconds.labels(method, route).observe(seconds)
@@ -81,6 +82,10 @@ class _QueueCollector(Collector):
     def _active(self) -> int:
         count: Any = self.queue.redis.zcard(self.queue.records.keys.active)
         return int(count)
+
+
+def _is_static(scope: Mapping[str, Any]) -> bool:
+    return str(scope.get("path", "")).startswith("/static/")
 
 
 def _gauge(name: str, text: str, value: float, **labels: str) -> GaugeMetricFamily:

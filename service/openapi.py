@@ -55,11 +55,9 @@ def document(app: FastAPI) -> dict[str, Any]:
         title=app.title,
         version=app.version,
         openapi_version="3.1.0",
-        summary="Certified cusp points of planar 3-RPR parallel manipulators",
         description=DESCRIPTION,
         tags=cast(Any, TAGS),
         license_info={"name": "MIT", "identifier": "MIT"},
-        servers=[{"url": "/", "description": "This service"}],
         routes=app.routes,
     )
     schemas = found.setdefault("components", {}).setdefault("schemas", {})
@@ -68,10 +66,7 @@ def document(app: FastAPI) -> dict[str, Any]:
         schemas.pop(unused, None)
     for path in found["paths"].values():
         for operation in path.values():
-            responses = operation["responses"]
-            for status in [s for s, answer in responses.items() if not answer.get("description")]:
-                del responses[status]
-            _drop_undeclared(responses)
+            _drop_undeclared(operation["responses"])
     return found
 
 
@@ -150,11 +145,14 @@ def _renamed(value: Any, names: dict[str, str]) -> Any:
 
 
 def _drop_undeclared(responses: dict[str, Any]) -> None:
-    """Remove the empty schema that the framework adds to an answer that declares another type."""
-    for answer in responses.values():
+    """Remove what the framework adds: its own 422, and an empty schema beside a declared type."""
+    for status, answer in list(responses.items()):
         content = answer.get("content", {})
-        if len(content) > 1 and content.get("application/json", {}).get("schema") == {}:
+        schema = content.get("application/json", {}).get("schema")
+        if schema == {} and len(content) > 1:
             del content["application/json"]
+        elif schema is not None and str(schema.get("$ref", "")).endswith("/HTTPValidationError"):
+            del responses[status]
 
 
 if __name__ == "__main__":

@@ -98,9 +98,9 @@ def _write_rich(table: dict[str, Any], console: Console) -> None:
             width = max(_LEAST_WIDTH, (console.width - 2) // len(rows[0]) - _COLUMN_PADDING)
             shown = Table(box=box.ROUNDED)
             for key in rows[0]:
-                shown.add_column(key, no_wrap=True)
+                shown.add_column(Text(key), no_wrap=True)
             for row in rows[1:]:
-                shown.add_row(*(_fit(cell, width) for cell in row))
+                shown.add_row(*(Text(_fit(cell, width)) for cell in row))
             shortened = shortened or any(len(cell) > width for row in rows[1:] for cell in row)
             console.print(shown)
         for point in part.get("degenerate_points", ()):

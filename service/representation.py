@@ -81,8 +81,8 @@ def table_response(
         "Vary": "Accept, Accept-Encoding" if compressed else "Accept",
         **(headers or {}),
     }
-    if request.method in ("GET", "HEAD") and _matches(request.headers.getlist("if-none-match"), tag):
-        return Response(status_code=304, headers=found)
+    if request.method == "GET" and (known := _matching(request.headers.getlist("if-none-match"), tag, etag)):
+        return Response(status_code=304, headers={**found, "ETag": known, "Vary": "Accept, Accept-Encoding"})
     if compressed:
         found["Content-Encoding"] = "gzip"
         body = gzip.compress(body, compresslevel=5, mtime=0)
@@ -100,9 +100,12 @@ def accepts_gzip(request: Request) -> bool:
     return qualities.get("gzip", qualities.get("*", 0.0)) > 0
 
 
-def _matches(headers: Sequence[str], tag: str) -> bool:
-    sent = [part.strip().removeprefix("W/") for header in headers for part in header.split(",")]
-    return bool({"*", f'"{tag}"', f'"{tag}-gzip"'} & set(sent))
+def _matching(headers: Sequence[str], tag: str, preferred: str) -> str | None:
+    """The validator that the client has already, in whichever encoding."""
+    sent = {part.strip().removeprefix("W/") for header in headers for part in header.split(",")}
+    if "*" in sent:
+        return preferred
+    return next((known for known in (preferred, f'"{tag}"', f'"{tag}-gzip"') if known in sent), None)
 
 
 def _media_range(text: str) -> tuple[str, float]:

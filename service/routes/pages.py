@@ -28,7 +28,8 @@ _POLICY = (
 @router.get("/")
 async def index(request: Request) -> Response:
     """What this is, and a first request to copy."""
-    return _page("index.html", base=str(request.base_url).rstrip("/"), example=json.dumps(EXAMPLE_REQUEST))
+    example = {key: json.dumps(value) for key, value in EXAMPLE_REQUEST.items()}
+    return _page("index.html", base=str(request.base_url).rstrip("/"), **example)
 
 
 @router.get("/docs")

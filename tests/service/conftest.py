@@ -1,0 +1,86 @@
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Iterator
+
+import httpx
+import pytest
+from redis import Redis
+from service_server import serving
+
+from service.embedded import EmbeddedValkey
+from service.settings import Limits, Settings
+from worker import JobQueue, connect
+from worker.pool import WorkerPool
+
+
+@pytest.fixture(scope="session")
+def valkey(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedValkey]:
+    with EmbeddedValkey(tmp_path_factory.mktemp("valkey")) as server:
+        yield server
+
+
+@pytest.fixture(scope="session")
+def worker(valkey: EmbeddedValkey) -> Iterator[None]:
+    """One real worker process."""
+    pool = WorkerPool(1, valkey.url)
+    pool.start()
+    while not pool.is_ready():
+        time.sleep(0.01)
+    yield
+    pool.stop()
+
+
+@pytest.fixture(scope="session")
+def idle_url(valkey: EmbeddedValkey) -> Iterator[str]:
+    """A service whose queue nobody works on, with small limits."""
+    with connect(f"{valkey.url}?db=1") as client:
+        client.flushdb()
+    limits = Limits(
+        max_slices=5, max_digits=100, max_number_digits=30, max_body_bytes=2000, max_wait_seconds=1
+    )
+    with serving(Settings(redis_url=f"{valkey.url}?db=1", keepalive_seconds=0.3, limits=limits)) as url:
+        yield url
+
+
+@pytest.fixture(scope="session")
+def base_url(valkey: EmbeddedValkey, worker: None) -> Iterator[str]:  # noqa: ARG001
+    with serving(Settings(redis_url=valkey.url)) as url:
+        yield url
+
+
+@pytest.fixture
+def api(base_url: str) -> Iterator[httpx.Client]:
+    """A client of a service with a worker."""
+    with httpx.Client(base_url=base_url, timeout=30) as client:
+        yield client
+
+
+@pytest.fixture
+def idle(idle_url: str) -> Iterator[httpx.Client]:
+    """A client of the service without a worker."""
+    with httpx.Client(base_url=idle_url, timeout=30) as client:
+        yield client
+
+
+@pytest.fixture
+def idle_queue(valkey: EmbeddedValkey) -> Iterator[JobQueue]:
+    """The queue behind `idle`."""
+    with connect(f"{valkey.url}?db=1") as client:
+        yield JobQueue(client)
+
+
+@pytest.fixture
+def redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
+    with connect(valkey.url) as client:
+        yield client
+
+
+_slices = itertools.count(20_000)
+
+
+@pytest.fixture
+def fresh() -> Callable[[], str]:
+    """Gives a slice that no other test has asked for."""
+    return lambda: f"{next(_slices) / 1000:.3f}"
