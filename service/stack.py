@@ -16,12 +16,13 @@ from types import FrameType
 from typing import Any
 
 import uvicorn
+from pydantic import ValidationError
 from redis.exceptions import RedisError
 
 from service.embedded import EmbeddedError, EmbeddedValkey
 from worker.connection import connect
 from worker.pool import WorkerPool
-from worker.settings import WorkerSettings
+from worker.settings import WorkerSettings, settings_problem
 from worker.sweeper import Sweeper
 
 AppFactory = Callable[[str], Any]
@@ -44,7 +45,7 @@ class ServeSettings:
     workers: int | None = None  # None: one for each core that this process may use
     redis_url: str | None = None  # None: an embedded Valkey
     data_dir: Path | None = None  # None: the platform's place for a user's data
-    log_level: str = "warning"
+    log_level: str | None = None  # None: as RPR_CUSPS_LOG_LEVEL says, else warnings
 
     @property
     def worker_count(self) -> int:
@@ -61,7 +62,6 @@ def serve(settings: ServeSettings, app_factory: AppFactory | None = None) -> int
 
     Call it in the main thread. A second signal shortens the goodbye.
     """
-    logging.basicConfig(level=settings.log_level.upper(), format="%(levelname)s %(name)s: %(message)s")
     signals = _Signals()
     try:
         with signals, ExitStack() as stack:
@@ -73,6 +73,9 @@ def serve(settings: ServeSettings, app_factory: AppFactory | None = None) -> int
 
 
 def _run(settings: ServeSettings, app_factory: AppFactory, signals: _Signals, stack: ExitStack) -> None:
+    worker_settings = _worker_settings()
+    level = (settings.log_level or worker_settings.log_level).upper()
+    logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s")
     listener = stack.enter_context(_bind(settings.host, settings.port))
     valkey = None
     if settings.redis_url is None:
@@ -80,15 +83,15 @@ def _run(settings: ServeSettings, app_factory: AppFactory, signals: _Signals, st
     url = settings.redis_url if valkey is None else valkey.url
     assert url is not None
     _check_redis(url)
-    pool = WorkerPool(settings.worker_count, url, settings.log_level)
+    pool = WorkerPool(settings.worker_count, url, level)
     stack.callback(lambda: pool.stop(hurry=lambda: signals.count > 1))
     pool.start()  # before the application is imported: the workers import at the same time
-    _start_sweeper(url, stack)
+    _start_sweeper(url, worker_settings, stack)
     server = _Server(
         uvicorn.Config(
             app_factory(url),
             log_config=None,
-            log_level=settings.log_level.lower(),
+            log_level=level.lower(),
             access_log=False,
             timeout_graceful_shutdown=_CLOSE_PATIENCE,
         ),
@@ -171,9 +174,9 @@ class _Signals:
 
 def _bind(host: str, port: int) -> socket.socket:
     try:
-        family, kind, proto, _, address = socket.getaddrinfo(
-            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
-        )[0]
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        # of the two addresses of "localhost" the one that most clients try first
+        family, kind, proto, _, address = min(found, key=lambda info: info[0] != socket.AF_INET)
         listener = socket.socket(family, kind, proto)
     except OSError as error:
         raise StackError(f"cannot listen on {host}: {error.strerror or error}") from error
@@ -188,6 +191,13 @@ def _bind(host: str, port: int) -> socket.socket:
     return listener
 
 
+def _worker_settings() -> WorkerSettings:
+    try:
+        return WorkerSettings()
+    except ValidationError as error:
+        raise StackError(settings_problem(error)) from error
+
+
 def _check_redis(url: str) -> None:
     try:
         with connect(url) as redis:
@@ -196,10 +206,10 @@ def _check_redis(url: str) -> None:
         raise StackError(f"cannot reach Redis: {error}") from error
 
 
-def _start_sweeper(url: str, stack: ExitStack) -> None:
+def _start_sweeper(url: str, settings: WorkerSettings, stack: ExitStack) -> None:
     redis, stop = connect(url), threading.Event()
     stack.callback(redis.close)
-    thread = threading.Thread(target=Sweeper(redis, WorkerSettings()).run, args=(stop,), daemon=True)
+    thread = threading.Thread(target=Sweeper(redis, settings).run, args=(stop,), daemon=True)
     stack.callback(thread.join, 2.0)
     stack.callback(stop.set)
     thread.start()

@@ -39,13 +39,13 @@ class _Member:
 class WorkerPool:
     """`count` workers. Use it from one thread that lives as long as the workers shall."""
 
-    def __init__(self, count: int, redis_url: str, log_level: str = "warning") -> None:
+    def __init__(self, count: int, redis_url: str, log_level: str = "WARNING") -> None:
         self.count = count
         self._redis = connect(redis_url)
         self._environment = {
             **os.environ,
             "RPR_CUSPS_REDIS_URL": redis_url,
-            "RPR_CUSPS_LOG_LEVEL": log_level.upper(),
+            "RPR_CUSPS_LOG_LEVEL": log_level,
         }
         self._members: list[_Member] = []
 

@@ -17,7 +17,9 @@ from types import FrameType
 from typing import Any
 
 import flint  # noqa: F401  # loaded before the fork, so that no work horse has to
+from pydantic import ValidationError
 from redis import Redis
+from redis.client import Pipeline
 from redis.exceptions import RedisError
 from rq import Queue, Worker
 from rq.exceptions import StopRequested
@@ -31,7 +33,7 @@ from worker.chunks import ChunkQueue, queue_names
 from worker.connection import connect
 from worker.process_limits import die_with_parent, limit_memory
 from worker.records import ChunkRef, JobRecords
-from worker.settings import WorkerSettings
+from worker.settings import WorkerSettings, settings_problem
 from worker.sweeper import Sweeper
 from worker.tasks import Context, set_context
 from worker.verdict import Retry, verdict
@@ -40,6 +42,7 @@ log = logging.getLogger("rpr_cusps.worker")
 
 _RQ_MAINTENANCE = 60.0
 _WATCHDOG_MARGIN = 15.0
+_REGISTER_TTL = 15
 
 
 class CuspWorker(Worker):
@@ -51,7 +54,13 @@ class CuspWorker(Worker):
     - notices by itself when the job it works on was canceled.
     """
 
-    def __init__(self, redis: Redis, settings: WorkerSettings, name: str | None = None) -> None:
+    def __init__(
+        self,
+        redis: Redis,
+        settings: WorkerSettings,
+        name: str | None = None,
+        parent_pid: int | None = None,
+    ) -> None:
         super().__init__(
             [Queue(q, connection=redis, serializer=JSONSerializer) for q in queue_names(settings)],
             name=name or f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(3)}",
@@ -65,7 +74,7 @@ class CuspWorker(Worker):
         self.chunks = ChunkQueue(redis, settings)
         self.sweeper = Sweeper(redis, settings)
         self.log_job_description = False
-        self._parent_pid = os.getppid()
+        self._parent_pid = parent_pid
         self._horse_pipe = -1
         self._hurry = False
         self._cleaned = time.monotonic()
@@ -83,13 +92,20 @@ class CuspWorker(Worker):
         """Between two looks at the queue: search for lost chunks, and at times RQ's own maintenance."""
         # A stop may have come where the exception was caught, and an orphan has nobody to stop it where the
         # kernel does not.
-        if self._stop_requested or os.getppid() != self._parent_pid:
+        if self._stop_requested or self._is_orphan():
             raise StopRequested
         self.sweeper.sweep()
         if self.last_cleaned_at is None or time.monotonic() - self._cleaned > _RQ_MAINTENANCE:
             self._cleaned = time.monotonic()
             super().run_maintenance_tasks()  # type: ignore[no-untyped-call]
         self.last_cleaned_at = now()  # type: ignore[assignment]
+
+    def heartbeat(self, timeout: int | None = None, pipeline: Pipeline | None = None) -> None:  # noqa: ARG002
+        """RQ would list a dead worker for minutes; these beats come every second."""
+        super().heartbeat(_REGISTER_TTL, pipeline=pipeline)
+
+    def _is_orphan(self) -> bool:
+        return self._parent_pid is not None and os.getppid() != self._parent_pid
 
     # -- one chunk ---------------------------------------------------------------------------------
 
@@ -178,6 +194,7 @@ class CuspWorker(Worker):
                 ended_for, stop_at, self._hurry = ended_for or "shutdown", moment + 1.0, False
             elif moment >= next_beat:
                 next_beat = moment + settings.beat_interval
+                self._stop_requested = self._stop_requested or self._is_orphan()
                 if not self._still_wanted(ref, job):
                     ended_for = ended_for or "canceled"
             if ended_for is not None:
@@ -265,7 +282,11 @@ def run_worker(
 
     With `parent_pid` the worker ends at once when that process, its parent, is gone.
     """
-    settings = settings or WorkerSettings()
+    try:
+        settings = settings or WorkerSettings()
+    except ValidationError as error:
+        print(f"rpr-cusps worker: {settings_problem(error)}", file=sys.stderr)
+        return 2
     logging.basicConfig(level=settings.log_level, format="%(asctime)s %(name)s %(levelname)s %(message)s")
     if parent_pid is not None:
         die_with_parent(parent_pid)
@@ -277,7 +298,7 @@ def run_worker(
         return 1
     set_context(Context(redis, settings))
     try:
-        worker = CuspWorker(redis, settings, name)
+        worker = CuspWorker(redis, settings, name, parent_pid)
         gc.collect()
         gc.freeze()  # the horses share this memory; a collection in one would copy it
         worker.work(burst=burst, logging_level=settings.log_level)

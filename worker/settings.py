@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from pydantic import Field, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 
@@ -52,3 +52,10 @@ class WorkerSettings(BaseSettings):
         default=1.0, ge=0, description="seconds a running chunk may still use at a stop"
     )
     log_level: str = Field(default="WARNING", description="log level of worker processes")
+
+
+def settings_problem(error: ValidationError) -> str:
+    """One line that names the variables that are wrong."""
+    return "; ".join(
+        f"RPR_CUSPS_{'_'.join(map(str, item['loc'])).upper()}: {item['msg']}" for item in error.errors()
+    )

@@ -205,10 +205,10 @@ def test_with_a_server_of_ones_own(tmp_path: Path, valkey: EmbeddedValkey, redis
     assert not data.exists()
 
 
-def failure(data: Path, **options: object) -> str:
+def failure(data: Path, environ: dict[str, str] | None = None, **options: object) -> str:
     ended = subprocess.run(
         command(data, **options),  # type: ignore[arg-type]
-        env=environment(),
+        env={**environment(), **(environ or {})},
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -238,3 +238,8 @@ def test_a_data_directory_that_is_taken(tmp_path: Path) -> None:
 def test_a_server_that_does_not_answer(tmp_path: Path) -> None:
     assert "cannot reach Redis" in failure(tmp_path, url=f"unix://{tmp_path}/nothing.sock")
     assert "cannot reach Redis" in failure(tmp_path, url="nonsense://")
+
+
+def test_a_setting_that_makes_no_sense(tmp_path: Path) -> None:
+    told = failure(tmp_path, {"RPR_CUSPS_DEADLINE": "-1"})
+    assert told.startswith("rpr-cusps serve: RPR_CUSPS_DEADLINE: ")
