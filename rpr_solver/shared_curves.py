@@ -74,7 +74,7 @@ def without_shared_curves(surface: Surface, length: Fraction) -> tuple[Plane, Pa
         shared.append(Curve(None))
         j, e = _Form(j.parts, j.degree - j.drop), _Form(e.parts, e.degree - drop)
     while (common := _common_factor(*j.parts, *e.parts)) is not None:
-        shared.append(Curve(common))
+        shared += _real_curves(common)
         j, e = j.divided(common), e.divided(common)
         # a component that J holds more often than E must not come back as an isolated zero
         while (again := _common_factor(*j.parts, common)) is not None:
@@ -136,6 +136,12 @@ def _common_factor(*polynomials: fmpz_mpoly) -> fmpz_mpoly | None:
     for p in polynomials:
         common = common.gcd(p)
     return None if common.is_constant() else common
+
+
+def _real_curves(common: fmpz_mpoly) -> list[Curve]:
+    """The irreducible curves of a common factor, without t² + 1 and u² + 1, which are no poses."""
+    imaginary = (_T**2 + 1, _U**2 + 1)
+    return [Curve(factor) for factor, _ in common.factor()[1] if factor not in imaginary]
 
 
 def _by_power(parts: _Parts, degree: int) -> tuple[Pair, ...]:

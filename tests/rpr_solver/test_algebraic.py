@@ -3,7 +3,15 @@ from fractions import Fraction
 import pytest
 from flint import arb, ctx, fmpz_poly
 
-from rpr_solver.algebraic import Algebraic, Field, adjoin_real_roots, evaluate, poly_gcd, poly_mod, squarefree_part
+from rpr_solver.algebraic import (
+    Algebraic,
+    Field,
+    adjoin_real_roots,
+    evaluate,
+    poly_gcd,
+    poly_mod,
+    squarefree_part,
+)
 from rpr_solver.roots import RealPolynomial, real_roots
 
 

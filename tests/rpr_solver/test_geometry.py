@@ -17,7 +17,14 @@ def problems(**changes: object) -> dict[str, str]:
 
 
 def test_equal_geometries_have_one_hash() -> None:
-    written = {"a2x": Decimal("15.910"), "a3x": 0, "a3y": "1e1", "d1": "426/25", "d2": "16.54", "d3": "020.84"}
+    written = {
+        "a2x": Decimal("15.910"),
+        "a3x": 0,
+        "a3y": "1e1",
+        "d1": "426/25",
+        "d2": "16.54",
+        "d3": "020.84",
+    }
     assert Manipulator.from_json(written) == EXAMPLES["innocenti"]
     assert Manipulator.from_json(written).geometry_hash == EXAMPLES["innocenti"].geometry_hash
 
@@ -41,7 +48,11 @@ def test_canonical_json_reads_back() -> None:
 
 
 def test_every_wrong_field_is_named() -> None:
-    assert problems(d1="absent", a3x="x", colour="red").keys() == {"geometry.d1", "geometry.a3x", "geometry.colour"}
+    assert problems(d1="absent", a3x="x", colour="red").keys() == {
+        "geometry.d1",
+        "geometry.a3x",
+        "geometry.colour",
+    }
     assert "A1 and A2 coincide" in problems(a2x=0)["geometry.a2x"]
     assert "A1 and A3 coincide" in problems(a3x=0, a3y=0)["geometry.a3x"]
     assert "A2 and A3 coincide" in problems(a3x="15.91", a3y=0)["geometry.a3x"]

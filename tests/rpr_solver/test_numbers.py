@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 from rpr_solver import InputError, exact_str, parse_exact
 
 
-@pytest.mark.parametrize("text", ["17.04", "17.040", "1.704e1", "1704E-2", "426/25", "852/50", "+17.04", " 17.04 "])
+@pytest.mark.parametrize(
+    "text", ["17.04", "17.040", "1.704e1", "1704E-2", "426/25", "852/50", "+17.04", " 17.04 "]
+)
 def test_every_way_of_writing_a_number_is_the_same_number(text: str) -> None:
     assert parse_exact(text, "d1") == Fraction(426, 25)
 

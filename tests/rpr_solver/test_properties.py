@@ -1,0 +1,157 @@
+"""What must hold for every manipulator and every slice."""
+
+import math
+from collections import Counter
+from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
+
+import mpmath as mp
+import pytest
+from article import coalescence, pose, singularity
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from newton import count_cusps, distance
+from strategies import lengths, manipulators
+
+from rpr_solver import (
+    EXAMPLES,
+    Manipulator,
+    SliceTable,
+    eliminate,
+    exact_str,
+    parse_exact,
+    shorten_slice,
+    solve_slice,
+)
+
+LEGS = st.sampled_from([1, 2, 3])
+ANY_MANIPULATOR = st.one_of(manipulators(), manipulators(size=4, denominators=(1,)))
+ANY_LENGTH = st.one_of(lengths(), lengths(size=8, denominators=(1, 2)))
+
+
+def solve(m: Manipulator, length: Fraction, leg: int = 1, digits: int = 30) -> SliceTable:
+    return solve_slice(eliminate(m, leg), length, digits)
+
+
+def kinds(table: SliceTable) -> Counter[str]:
+    return Counter(p["kind"] for p in table.degenerate_points)
+
+
+def scaled(m: Manipulator, factor: Fraction) -> Manipulator:
+    names = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+    return replace(m, **{name: getattr(m, name) * factor for name in names})
+
+
+def mirrored(m: Manipulator) -> Manipulator:
+    return replace(m, a3y=-m.a3y, orientation="cw" if m.orientation == "ccw" else "ccw")
+
+
+def swapped_legs_2_and_3(m: Manipulator) -> Manipulator | None:
+    """The same machine with legs 2 and 3 renamed, where A3 lies on the x-axis."""
+    if m.a3y != 0:
+        return None
+    side = "cw" if m.orientation == "ccw" else "ccw"
+    return Manipulator(m.a3x, m.a2x, Fraction(0), m.d3, m.d2, m.d1, side)
+
+
+@given(ANY_MANIPULATOR, ANY_LENGTH, LEGS, st.sampled_from([Fraction(3), Fraction(1, 7), Fraction(10) ** 12]))
+@settings(max_examples=40)
+def test_scale(m: Manipulator, length: Fraction, leg: int, factor: Fraction) -> None:
+    table, other = solve(m, length, leg), solve(scaled(m, factor), length * factor, leg)
+    assert [(c.alpha_deg, c.theta_deg) for c in other.cusps] == [
+        (c.alpha_deg, c.theta_deg) for c in table.cusps
+    ]
+    assert kinds(other) == kinds(table)
+    for a, b in zip(table.cusps, other.cusps, strict=True):
+        ratio = Fraction(Decimal(b.first)) / Fraction(Decimal(a.first)) / factor
+        assert abs(ratio - 1) < Fraction(1, 10**28)
+
+
+@given(ANY_MANIPULATOR, ANY_LENGTH, LEGS)
+@settings(max_examples=40)
+def test_mirror(m: Manipulator, length: Fraction, leg: int) -> None:
+    def turned(angle: str) -> str:
+        return (
+            angle[1:]
+            if angle.startswith("-")
+            else angle
+            if angle == "0" or angle.startswith("180")
+            else f"-{angle}"
+        )
+
+    table, other = solve(m, length, leg), solve(mirrored(m), length, leg)
+    assert sorted(
+        (turned(c.alpha_deg), turned(c.theta_deg), c.first, c.second) for c in table.cusps
+    ) == sorted((c.alpha_deg, c.theta_deg, c.first, c.second) for c in other.cusps)
+    assert kinds(other) == kinds(table)
+
+
+@given(st.one_of(manipulators(), manipulators(size=6, denominators=(1,))), ANY_LENGTH)
+@settings(max_examples=40)
+def test_renaming_legs(m: Manipulator, length: Fraction) -> None:
+    if m.a3x == 0:
+        return
+    flat = replace(m, a3y=Fraction(0)) if m.a3x != m.a2x else None
+    other = flat and swapped_legs_2_and_3(flat)
+    if flat is None or other is None:
+        return
+    table, swapped = solve(flat, length), solve(other, length)
+    assert sorted((c.theta_deg, c.second, c.first) for c in swapped.cusps) == sorted(
+        (c.theta_deg, c.first, c.second) for c in table.cusps
+    )
+
+
+@given(manipulators(), lengths())
+@settings(max_examples=25)
+def test_the_three_choices_of_fixed_leg_agree(m: Manipulator, length: Fraction) -> None:
+    """A cusp of the slice L1 = c at (L2, L3) is one of the slice L2 = that, within the digits of that."""
+    for cusp in solve(m, length, 1, 60).cusps[:2]:
+        for leg, own, other in ((2, cusp.first, cusp.second), (3, cusp.second, cusp.first)):
+            nearby = solve(m, parse_exact(own, f"l{leg}"), leg).cusps
+            assert any(
+                abs(float(Fraction(c.first) / length) - 1) < 1e-15
+                and abs(float(Fraction(c.second) / Fraction(other)) - 1) < 1e-15
+                for c in nearby
+            )
+
+
+@given(ANY_MANIPULATOR, ANY_LENGTH)
+@settings(max_examples=40)
+def test_every_cusp_satisfies_the_articles_equations(m: Manipulator, length: Fraction) -> None:
+    with mp.workdps(60):
+        for cusp in solve(m, length, 1, 50).cusps:
+            at = pose(m, exact_str(length), cusp.alpha_deg, cusp.theta_deg)
+            assert abs(singularity(m, at)) < mp.mpf(10) ** -35 * max(map(abs, at.lengths)) * 100
+            assert abs(coalescence(m, at)) < mp.mpf(10) ** -25
+
+
+@given(manipulators(size=20), lengths(size=30))
+@settings(max_examples=12)
+def test_nothing_that_floating_point_newton_finds_is_missing(m: Manipulator, length: Fraction) -> None:
+    """Newton may lose cusps; whatever it finds must be in the table, and no more than that is asked of it."""
+    table = solve(m, length)
+    ours = [(math.radians(float(c.alpha_deg)), math.radians(float(c.theta_deg))) for c in table.cusps]
+    for point in count_cusps(m, float(length), starts=10):
+        assert any(distance(point, x) < 1e-4 for x in ours), (point, ours)
+
+
+@pytest.mark.parametrize(
+    ("name", "l1"), [("innocenti", "14.98"), ("innocenti", "28.1"), ("twelve-cusps", "8.3")]
+)
+def test_newton_counts_the_same_where_it_loses_nothing(name: str, l1: str) -> None:
+    table = solve(EXAMPLES[name], parse_exact(l1, "l1"))
+    assert len(count_cusps(EXAMPLES[name], float(l1), starts=24)) == table.count
+
+
+@given(ANY_MANIPULATOR, ANY_LENGTH, LEGS)
+@settings(max_examples=25)
+def test_more_digits_only_add_digits(m: Manipulator, length: Fraction, leg: int) -> None:
+    eliminant = eliminate(m, leg)
+    long, short = (solve_slice(eliminant, length, digits).to_json() for digits in (70, 20))
+    shortened = shorten_slice(long, 70, 20)
+    assert shortened is not None
+    assert (shortened["cusps"], shortened["degenerate_points"]) == (
+        short["cusps"],
+        short["degenerate_points"],
+    )

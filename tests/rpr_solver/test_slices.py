@@ -1,0 +1,165 @@
+"""Slices that are special: at transitions and beside them, degenerate families, extremes, bad input."""
+
+import csv
+import io
+from collections import Counter
+from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
+
+import pytest
+
+from rpr_solver import (
+    EXAMPLES,
+    InputError,
+    Manipulator,
+    SliceTable,
+    cusp_table,
+    eliminate,
+    slice_error_json,
+    solve_slice,
+    table_csv,
+    table_json,
+)
+
+INNOCENTI = EXAMPLES["innocenti"]
+
+
+def manipulator(
+    a2x: object, a3x: object, a3y: object, d1: object, d2: object, d3: object, side: str
+) -> Manipulator:
+    return Manipulator.from_json(
+        {"a2x": a2x, "a3x": a3x, "a3y": a3y, "d1": d1, "d2": d2, "d3": d3, "orientation": side}
+    )
+
+
+def kinds(table: SliceTable) -> dict[str, int]:
+    return dict(Counter(p["kind"] for p in table.degenerate_points))
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "counts"),
+    [("26.78638", "26.78639", (6, 8)), ("28.09489", "28.0949", (8, 10)), ("30.94691", "30.94692", (6, 4))],
+)
+@pytest.mark.parametrize("places", [9, 30])
+def test_slices_beside_a_transition(low: str, high: str, counts: tuple[int, int], places: int) -> None:
+    """Bisection with exact counts closes in on the transition; the counts never waver."""
+    eliminant = eliminate(INNOCENTI)
+    a, b = Fraction(low), Fraction(high)
+    assert (solve_slice(eliminant, a, 15).count, solve_slice(eliminant, b, 15).count) == counts
+    while b - a > Fraction(1, 10**places):
+        middle = Fraction(round((a + b) / 2 * 10 ** (places + 2)), 10 ** (places + 2))
+        count = solve_slice(eliminant, middle, 15).count
+        assert count in counts
+        a, b = (middle, b) if count == counts[0] else (a, middle)
+    merging = {c.theta_deg for c in solve_slice(eliminant, a if counts[0] > counts[1] else b, 40).cusps}
+    assert len(merging) == max(counts)
+
+
+def test_similar_triangles_have_nodes_and_no_cusps() -> None:
+    eliminant = eliminate(manipulator(30, 0, 40, 15, 25, 20, "ccw"))
+    for length in (2, 9, 60):
+        table = solve_slice(eliminant, Fraction(length))
+        assert table.count == 0
+        assert kinds(table).keys() == {"node"}
+
+
+def test_congruent_triangles_share_a_whole_curve() -> None:
+    table = solve_slice(eliminate(manipulator(30, 0, 40, 30, 50, 40, "ccw")), Fraction(5))
+    assert table.count == 0
+    assert table.degenerate_points[0] == {"kind": "curve", "equation": "alpha = 0 deg"}
+
+
+def test_congruent_isosceles_triangles() -> None:
+    table = solve_slice(eliminate(manipulator(6, 3, 4, 6, 5, 5, "ccw")), Fraction(7, 2))
+    assert table.degenerate_points[0] == {"kind": "curve", "equation": "alpha = 0 deg"}
+
+
+def test_a_flat_machine_has_quadruple_poses_and_no_cusps() -> None:
+    flat = manipulator(20, 6, 0, 7, 9, 16, "ccw")
+    for length in (3, 11, 30):
+        table = solve_slice(eliminate(flat), Fraction(length))
+        assert (table.count, kinds(table)) == (0, {"quadruple": 4})
+        angles = {(p["alpha_deg"], p["theta1_deg"]) for p in table.degenerate_points}
+        half_turn = "180." + "0" * 87
+        assert angles == {(a, t) for a in ("0", half_turn) for t in ("0", half_turn)}
+
+
+@pytest.mark.parametrize("places", [3, 9, 30, 60])
+def test_a_slice_exactly_at_a_rational_transition(places: int) -> None:
+    """A swallowtail at L1 = 1: four cusps before and at it, six after, however near."""
+    eliminant = eliminate(manipulator(2, -4, 4, 1, 4, 3, "cw"))
+    step = Fraction(1, 10**places)
+    before, at, after = (solve_slice(eliminant, 1 + d) for d in (-step, Fraction(0), step))
+    assert (before.count, at.count, after.count) == (4, 4, 6)
+    assert (kinds(before), kinds(at), kinds(after)) == ({}, {"swallowtail": 1}, {})
+    factors = at.certificate["factors"]
+    assert {"degree": 1, "multiplicity": 2, "origin": "cusps"} in factors  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("exponent", [-30, 30])
+def test_extreme_scales_give_the_same_digits(exponent: int) -> None:
+    factor = Fraction(10) ** exponent
+    names = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+    huge = replace(INNOCENTI, **{name: getattr(INNOCENTI, name) * factor for name in names})
+    [table] = cusp_table(INNOCENTI, ["14.98"])
+    [scaled] = cusp_table(huge, [Fraction("14.98") * factor])
+    for cusp, other in zip(table.cusps, scaled.cusps, strict=True):
+        assert (cusp.alpha_deg, cusp.theta_deg) == (other.alpha_deg, other.theta_deg)
+        assert Fraction(other.first) == Fraction(cusp.first) * factor
+
+
+def test_digits_from_15_to_1000() -> None:
+    eliminant = eliminate(INNOCENTI)
+    long = solve_slice(eliminant, Fraction("14.98"), 1000)
+    for digits in (15, 90, 317):
+        for cusp, exact in zip(
+            solve_slice(eliminant, Fraction("14.98"), digits).cusps, long.cusps, strict=True
+        ):
+            error = abs(Fraction(Decimal(cusp.first)) - Fraction(Decimal(exact.first)))
+            assert 2 * error <= Fraction(10) ** (Decimal(cusp.first).adjusted() + 1 - digits)
+
+
+def test_the_certificate_accounts_for_the_whole_resultant() -> None:
+    for name, length in (("innocenti", "14.98"), ("zein-flat", "3")):
+        certificate = solve_slice(eliminate(EXAMPLES[name]), Fraction(length)).certificate
+        factors = certificate["factors"]
+        assert sum(f["degree"] * f["multiplicity"] for f in factors) == 48  # type: ignore[attr-defined]
+        assert certificate["eliminant_degree"] == 24
+        assert len(certificate["proofs"]) == certificate["real_roots"]  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
+def test_names_follow_the_fixed_leg(fixed_leg: int) -> None:
+    slice_json = solve_slice(eliminate(INNOCENTI, fixed_leg), Fraction(15), 20).to_json()
+    others = [f"l{i}" for i in (1, 2, 3) if i != fixed_leg]
+    assert f"l{fixed_leg}" in slice_json
+    for cusp in slice_json["cusps"]:  # type: ignore[attr-defined]
+        assert list(cusp) == ["alpha_deg", f"theta{fixed_leg}_deg", *others]
+
+
+def test_cusps_come_in_the_order_of_theta() -> None:
+    for length in ("14.98", "27", "28.1"):
+        [table] = cusp_table(INNOCENTI, [length])
+        angles = [Decimal(c.theta_deg) for c in table.cusps]
+        assert angles == sorted(angles)
+        assert all(-180 < a <= 180 for a in angles)
+
+
+@pytest.mark.parametrize(
+    ("length", "digits", "field"),
+    [("0", 90, "l1"), ("-1", 90, "l1"), ("5", 14, "digits"), ("5", 10_001, "digits")],
+)
+def test_bad_slices_are_named(length: str, digits: int, field: str) -> None:
+    with pytest.raises(InputError) as caught:
+        solve_slice(eliminate(EXAMPLES["zein-flat"]), Fraction(length), digits)
+    assert [p.field for p in caught.value.problems] == [field]
+
+
+def test_csv_has_a_line_for_every_cusp_and_every_empty_slice() -> None:
+    tables = cusp_table(INNOCENTI, ["0.1", "14.98"], digits=15)
+    slices = [t.to_json() for t in tables] + [slice_error_json(Fraction(3), 1, "undecided", "too, hard")]
+    rows = list(csv.DictReader(io.StringIO(table_csv(table_json(INNOCENTI, 1, 15, slices)))))
+    assert [r["l1"] for r in rows] == ["0.1"] + ["14.98"] * 6 + ["3"]
+    assert rows[1]["l2"] == tables[1].cusps[0].first
+    assert rows[-1]["error"] == "too, hard"
