@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import signal
@@ -134,6 +135,15 @@ class _Server(uvicorn.Server):
             self._look_after_the_others(counter)
         return await super().on_tick(counter)
 
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Let the application answer those who wait, if it can; whoever is still there then is cut off."""
+        state = getattr(self.config.app, "state", None)
+        begin = getattr(state, "begin_shutdown", None)
+        if begin is not None:
+            begin()
+        logging.getLogger("uvicorn.error").addFilter(_is_no_cut_connection)
+        await super().shutdown(sockets)
+
     def _look_after_the_others(self, counter: int) -> None:
         if self.valkey is not None and not self.valkey.is_alive():
             print("rpr-cusps serve: the embedded Valkey ended; starting it again", file=sys.stderr)
@@ -146,6 +156,12 @@ class _Server(uvicorn.Server):
         if self.announcement and (counter >= _ANNOUNCE_PATIENCE or self.pool.is_ready()):
             print(self.announcement, flush=True)
             self.announcement = ""
+
+
+def _is_no_cut_connection(record: logging.LogRecord) -> bool:
+    error = record.exc_info[1] if record.exc_info else None
+    cut = isinstance(error, asyncio.CancelledError) or "timeout graceful shutdown" in record.getMessage()
+    return not cut
 
 
 class _Signals:

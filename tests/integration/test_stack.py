@@ -9,6 +9,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -203,6 +204,27 @@ def test_with_a_server_of_ones_own(tmp_path: Path, valkey: EmbeddedValkey, redis
         assert stack.process.wait(10) == 0
     assert valkey.is_alive()
     assert not data.exists()
+
+
+def test_clients_that_wait_do_not_hold_the_end(tmp_path: Path) -> None:
+    with running(tmp_path, workers=0) as stack, ThreadPoolExecutor(2) as pool:
+        with stack.redis() as redis:
+            view = JobQueue(redis).submit(a_request("1"))
+        body = {"geometry": dict(a_request("1").geometry), "l1": "1", "digits": 30}
+        waiting = pool.submit(
+            httpx.post,
+            f"{stack.base}/v1/cusp-tables",
+            json=body,
+            headers={"Prefer": "wait=30"},
+            timeout=60,
+        )
+        with httpx.stream("GET", f"{stack.base}/v1/jobs/{view.id}/events", timeout=60) as events:
+            assert next(events.iter_lines())
+            stack.process.terminate()
+            assert stack.process.wait(10) == 0
+        wait([waiting], 10)  # answered or cut off, but not left alone
+        assert stack.process.stderr is not None
+        assert stack.process.stderr.read() == ""
 
 
 def failure(data: Path, environ: dict[str, str] | None = None, **options: object) -> str:
