@@ -11,7 +11,7 @@ Docs = dict[int | str, dict[str, Any]]
 
 EXAMPLE_JOB_ID = "ct-0f343b0931126a20f133d67c2b018a3b5c1f6d3e"
 EXAMPLE_GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
-EXAMPLE_REQUEST = {"geometry": EXAMPLE_GEOMETRY, "l1": 14.98}
+EXAMPLE_REQUEST: dict[str, Any] = {"geometry": EXAMPLE_GEOMETRY, "l1": 14.98}
 
 _RANGE = {"start": "0.1", "stop": "50.1", "step": "0.1"}
 _JOB = {

@@ -25,7 +25,7 @@ class Metrics:
     """The metrics of one API process."""
 
     def __init__(self, queue: JobQueue) -> None:
-        disable_created_metrics()
+        disable_created_metrics()  # type: ignore[no-untyped-call]
         self.registry = CollectorRegistry()
         labels = ("method", "route")
         self.requests = Counter(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import json
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from string import Template
@@ -29,7 +30,7 @@ _POLICY = (
 async def index(request: Request) -> Response:
     """What this is, and a first request to copy."""
     example = {key: json.dumps(value) for key, value in EXAMPLE_REQUEST.items()}
-    return _page("index.html", base=str(request.base_url).rstrip("/"), **example)
+    return _page("index.html", text={"base": str(request.base_url).rstrip("/"), **example})
 
 
 @router.get("/docs")
@@ -61,14 +62,14 @@ async def problem(slug: str) -> Response:
     for info in _infos():
         if info.slug == slug:
             example = ProblemError(ProblemType(info), "…", errors=[("…", "…")]).document("/v1/…")
-            return _page(
-                "problem.html",
-                slug=info.slug,
-                title=info.title,
-                status=str(info.status),
-                meaning=info.meaning,
-                example=json.dumps(example, indent=2, ensure_ascii=False),
-            )
+            text = {
+                "slug": info.slug,
+                "title": info.title,
+                "status": str(info.status),
+                "meaning": info.meaning,
+                "example": json.dumps(example, indent=2, ensure_ascii=False),
+            }
+            return _page("problem.html", text=text)
     raise ProblemError(ProblemType.NOT_FOUND, f"There is no problem type {slug[:80]!r}; /problems lists all.")
 
 
@@ -76,8 +77,10 @@ def _infos() -> list[TypeInfo]:
     return sorted((kind.value for kind in ProblemType), key=lambda info: (info.status, info.slug))
 
 
-def _page(name: str, markup: dict[str, str] | None = None, **text: str) -> Response:
-    escaped = {key: html.escape(value) for key, value in text.items()}
+def _page(
+    name: str, *, text: Mapping[str, str] | None = None, markup: Mapping[str, str] | None = None
+) -> Response:
+    escaped = {key: html.escape(value) for key, value in (text or {}).items()}
     body = _template(name).substitute(version=__version__, **escaped, **(markup or {}))
     headers = {
         "Content-Security-Policy": _POLICY,
