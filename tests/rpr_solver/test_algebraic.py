@@ -88,7 +88,7 @@ def test_adjoining_a_root_with_irrational_coefficients() -> None:
 
 def test_real_roots_are_decided_however_close() -> None:
     gap = 10**40
-    # (g x − 1)(g x − 1 + 1)(x² + 1) scaled: two real roots 1e-40 apart; and a pair that misses the axis by as little
+    # two real roots 1e-40 apart; and a pair that misses the real axis by as little
     close = fmpz_poly([-1, gap]) * fmpz_poly([0, 1]) * fmpz_poly([1, 0, 1])
     missed = fmpz_poly([1, 0, gap**2]) * fmpz_poly([-3, 1])
     assert len(real_roots(RealPolynomial(close, fmpz_poly([]), 1))) == 2
