@@ -16,6 +16,7 @@ from rpr_solver.errors import SolverError
 MAX_BITS = 1 << 18
 """Beyond this working precision a polynomial is taken to have been meant squarefree and not to be."""
 _NEWTON_STEPS = 64
+_FIRST_BITS = 192
 
 
 @lru_cache(maxsize=256)
@@ -83,13 +84,13 @@ def real_roots(polynomial: RealPolynomial) -> list[RealRoot]:
     """
     if max(polynomial.a.degree(), polynomial.b.degree()) < 1:
         return []
-    bits = 192
-    tolerance_bits = 0
+    bits = _FIRST_BITS
     while bits <= MAX_BITS:
-        found = _isolate(polynomial, bits, tolerance_bits)
-        if found is not None:
-            return found
-        tolerance_bits = bits // 4
+        # the first discs that FLINT finds are cheap and often good enough
+        for tolerance_bits in (0, bits // 4) if bits == _FIRST_BITS else (bits // 4,):
+            found = _isolate(polynomial, bits, tolerance_bits)
+            if found is not None:
+                return found
         bits *= 2
     raise SolverError("two roots of the eliminant could not be told apart; it should have been squarefree")
 

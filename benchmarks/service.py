@@ -1,0 +1,92 @@
+"""The whole service over HTTP: a long scan, and cached answers against the lightest call there is.
+
+    python benchmarks/service.py
+
+Starts the real stack (embedded Valkey, a worker for each core, uvicorn) on a free port of 127.0.0.1 with
+an empty data directory, and stops it at the end.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+
+import httpx
+
+GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"}
+SCAN = {"geometry": GEOMETRY, "l1": {"start": "0.1", "stop": "50.1", "step": "0.1"}}
+ONE = {"geometry": GEOMETRY, "l1": "14.98"}
+CALLS = 200
+
+
+def milliseconds(call: Callable[[], httpx.Response]) -> float:
+    """Median wall time of a call."""
+    samples = []
+    for _ in range(CALLS):
+        start = time.perf_counter()
+        call().raise_for_status()
+        samples.append(1000 * (time.perf_counter() - start))
+    return statistics.median(samples)
+
+
+def scan(client: httpx.Client) -> tuple[float, int, int]:
+    """Seconds for 501 slices, how many were answered, and how often progress was seen meanwhile."""
+    start = time.perf_counter()
+    job = client.post("/v1/cusp-tables", json=SCAN).raise_for_status().json()
+    seen = set()
+    while job["status"] in ("queued", "running"):
+        time.sleep(0.05)
+        job = client.get(job["links"]["self"]).raise_for_status().json()
+        if 0 < job["progress"]["done"] < job["progress"]["total"]:
+            seen.add(job["progress"]["done"])
+    table = client.get(job["links"]["result"]).raise_for_status().json()
+    return time.perf_counter() - start, len(table["slices"]), len(seen)
+
+
+def main() -> None:
+    """Print the table."""
+    with tempfile.TemporaryDirectory() as data:
+        command = [sys.executable, "-m", "service", "serve", "--port", "0", "--data-dir", data]
+        begin = time.perf_counter()
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as stack:
+            try:
+                assert stack.stdout is not None
+                url = None
+                while url is None:
+                    line = stack.stdout.readline()
+                    if not line:
+                        raise SystemExit("the service did not start")
+                    url = re.search(r"http://[\d.]+:\d+", line)
+                print(f"ready after {time.perf_counter() - begin:.2f} s, {os.cpu_count()} cores")
+                with httpx.Client(base_url=url[0], timeout=60) as client:
+                    seconds, slices, seen = scan(client)
+                    print(f"{slices} slices at 90 digits: {seconds:.2f} s, progress seen {seen} times")
+                    seconds, slices = cached_scan(client)
+                    print(f"the same {slices} slices from the cache: {seconds:.2f} s")
+                    health = milliseconds(lambda: client.get("/healthz"))
+                    cached = milliseconds(lambda: client.post("/v1/cusp-tables", json=ONE))
+                    ratio = cached / health
+                    print(
+                        f"POST of a cached slice: {cached:.2f} ms, {ratio:.1f} × GET /healthz ({health:.2f} ms)"
+                    )
+            finally:
+                stack.send_signal(signal.SIGTERM)
+
+
+def cached_scan(client: httpx.Client) -> tuple[float, int]:
+    """The scan again: one POST answers it."""
+    start = time.perf_counter()
+    response = client.post("/v1/cusp-tables", json=SCAN)
+    assert response.status_code == 200, response.status_code
+    return time.perf_counter() - start, len(response.json()["slices"])
+
+
+if __name__ == "__main__":
+    main()
