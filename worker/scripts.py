@@ -18,6 +18,7 @@ _FINISH = """
 local function finish(record, chunks, bits, errors, events, active, job_id, status, problem, ttl)
     redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
     redis.call('ZREM', active, job_id)
+    redis.call('HDEL', record, 'todo')
     redis.call('DEL', chunks, bits)
     redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'status', 'status', status)
     for _, key in ipairs({record, errors, events}) do redis.call('EXPIRE', key, ttl) end

@@ -27,8 +27,8 @@ class WorkerSettings(BaseSettings):
         default=2, ge=0, description="how often a chunk is run again after its worker was lost"
     )
 
-    result_ttl: int = Field(default=30 * 86400, ge=1, description="seconds a slice result is kept")
-    job_ttl: int = Field(default=30 * 86400, ge=1, description="seconds a succeeded job is kept")
+    result_ttl: int = Field(default=7 * 86400, ge=1, description="seconds a slice result is kept")
+    job_ttl: int = Field(default=7 * 86400, ge=1, description="seconds a succeeded job is kept")
     failure_ttl: int = Field(default=86400, ge=1, description="seconds a failed or canceled job is kept")
     error_ttl: int = Field(
         default=600, ge=1, description="seconds a slice's own error is kept for other jobs"

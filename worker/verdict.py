@@ -30,7 +30,11 @@ class Retry:
     detail: str = ""
 
 
-def verdict(status: int | None, ended_for: str | None, settings: WorkerSettings) -> Fail | Retry | None:
+Outcome = Fail | Retry
+"""How a chunk ended that its work horse could not record itself."""
+
+
+def verdict(status: int | None, ended_for: str | None, settings: WorkerSettings) -> Outcome | None:
     """Judge a wait status; `ended_for` is why the worker ended the horse itself, if it did.
 
     None: the horse came to its end by itself and has recorded everything.

@@ -88,7 +88,7 @@ def test_a_spoiled_file_is_told(tmp_path: Path) -> None:
         redis.set("key", "value")
     manifest = next((tmp_path / "appendonlydir").glob("*.manifest"))
     manifest.write_text("nonsense\n")
-    with pytest.raises(EmbeddedError, match="did not start"):
+    with pytest.raises(EmbeddedError, match="did not start: Invalid AOF manifest"):
         EmbeddedValkey(tmp_path).start()
 
 
