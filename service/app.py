@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from pathlib import Path
 
 import anyio.to_thread
 from fastapi import FastAPI
@@ -13,13 +12,12 @@ from starlette.staticfiles import StaticFiles
 
 from service import __version__
 from service.context import Context
+from service.documentation import WEB
 from service.errors import add_error_handlers
 from service.middleware import Surround
 from service.openapi import describe, operation_id
 from service.routes import cusp_tables, jobs, operations, pages
 from service.settings import Settings
-
-WEB = Path(__file__).parent / "web"
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from service.problems import MEDIA_TYPE, ProblemType
 
+WEB = Path(__file__).parent / "web"
 Docs = dict[int | str, dict[str, Any]]
 
 EXAMPLE_JOB_ID = "ct-0f343b0931126a20f133d67c2b018a3b5c1f6d3e"
 EXAMPLE_GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
 EXAMPLE_REQUEST: dict[str, Any] = {"geometry": EXAMPLE_GEOMETRY, "l1": 14.98}
+
+EXAMPLE_TABLE: dict[str, Any] = json.loads((WEB / "example-table.json").read_text(encoding="utf-8"))
+"""The answer for the article's first manipulator at L1 = 0.2 and 15 digits."""
 
 _RANGE = {"start": "0.1", "stop": "50.1", "step": "0.1"}
 _JOB = {
@@ -75,7 +81,7 @@ def _table(description: str) -> dict[str, Any]:
         "description": description,
         "headers": _ETAG,
         "content": {
-            "application/json": {"schema": ref("CuspTable")},
+            "application/json": {"schema": ref("CuspTable"), "example": EXAMPLE_TABLE},
             "text/csv": {
                 "schema": {"type": "string", "description": "A header line, then one line for each cusp."}
             },

@@ -11,6 +11,7 @@ import secrets
 import time
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.metrics import Metrics
@@ -59,6 +60,8 @@ class Surround:
 
         try:
             await self.app(scope, receive, send_on)
+        except ClientDisconnect:
+            log.debug("request %s: the client went away", request_id)
         except Exception:
             log.exception("request %s failed: %s %s", request_id, scope["method"], scope["path"])
             if started:

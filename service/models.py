@@ -12,18 +12,28 @@ from pydantic import BaseModel, ConfigDict, Field, WithJsonSchema
 
 NUMBER_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?\s*$|^\s*[+-]?\d+/\d+\s*$"
 
-Exact = Annotated[
-    Any,
-    WithJsonSchema(
-        {
-            "oneOf": [{"type": "number"}, {"type": "string", "pattern": NUMBER_PATTERN}],
-            "description": "An exact number: a JSON number, or a string with a decimal or a quotient. Every "
-            "digit counts; nothing is rounded to a binary float.",
-            "examples": [17.04, "17.04", "426/25", "1.704e1"],
-        }
-    ),
-]
-Digits = Annotated[str, Field(description="A decimal with as many significant digits as were asked for.")]
+EXACT_NUMBER: dict[str, Any] = {
+    "oneOf": [{"type": "number"}, {"type": "string", "pattern": NUMBER_PATTERN}],
+    "description": "An exact number: a JSON number, or a string with a decimal or a quotient. Every "
+    "digit counts; nothing is rounded to a binary float.",
+    "examples": [17.04, "17.04", "426/25", "1.704e1"],
+}
+"""The schema of every number in a request."""
+
+Exact = Annotated[Any, WithJsonSchema(EXACT_NUMBER)]
+Digits = str
+"""A decimal with as many significant digits as were asked for."""
+
+
+def _without_null(schema: dict[str, Any]) -> None:
+    """Say that a field may be missing; it is never null."""
+    del schema["default"]
+    [given] = [part for part in schema.pop("anyOf") if part != {"type": "null"}]
+    schema.update({key: value for key, value in given.items() if key not in schema})
+
+
+def _optional(description: str) -> Any:
+    return Field(default=None, description=description, json_schema_extra=_without_null)
 
 
 class Document(BaseModel):
@@ -55,20 +65,47 @@ class SliceRange(Document):
     step: Exact = Field(description="> 0")
 
 
+def _without_default(schema: dict[str, Any]) -> None:
+    del schema["default"]
+
+
+Slices = Exact | Annotated[list[Exact], Field(min_length=1)] | SliceRange
+
+
+def _slices(description: str, **more: Any) -> Any:
+    return Field(default=None, description=description, json_schema_extra=_without_default, **more)
+
+
+def _one_leg(leg: int) -> dict[str, Any]:
+    """The schema of requests with this fixed leg: its slices are there, and those of no other leg."""
+    own = [f"l{leg}"] if leg == 1 else [f"l{leg}", "fixed_leg"]
+    return {
+        "title": f"fixed_leg {leg}",
+        "properties": {"fixed_leg": {"const": leg}},
+        "required": own,
+        "not": {"anyOf": [{"required": [f"l{other}"]} for other in (1, 2, 3) if other != leg]},
+    }
+
+
 class CuspTableRequest(Document):
     """One manipulator, and the slices of its joint space in which the cusps are wanted."""
 
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"oneOf": [_one_leg(1), _one_leg(2), _one_leg(3)]}
+    )
+
     geometry: Geometry
-    l1: Exact | list[Exact] | SliceRange | None = Field(
-        None,
-        description="The slices: the fixed length L1 as one number, as a list, or as a range. With "
-        "`fixed_leg` 2 or 3 it is called `l2` or `l3`. A value that is given twice counts once.",
+    l1: Slices = _slices(
+        "The slices: the fixed length L1 as one number, as a list, or as a range. With `fixed_leg` 2 or 3 it "
+        "is called `l2` or `l3`. A value that is given twice counts once.",
         examples=["14.98", ["14.98", 27], {"start": "0.1", "stop": "50.1", "step": "0.1"}],
     )
-    l2: Exact | list[Exact] | SliceRange | None = Field(None, description="The slices when `fixed_leg` is 2.")
-    l3: Exact | list[Exact] | SliceRange | None = Field(None, description="The slices when `fixed_leg` is 3.")
-    digits: int = Field(90, ge=15, le=1000, description="Significant digits of every number in the answer.")
-    fixed_leg: Literal[1, 2, 3] = Field(1, description="The leg whose length is fixed in a slice.")
+    l2: Slices = _slices("The slices when `fixed_leg` is 2.")
+    l3: Slices = _slices("The slices when `fixed_leg` is 3.")
+    digits: int = Field(
+        default=90, ge=15, le=1000, description="Significant digits of every number in the answer."
+    )
+    fixed_leg: Literal[1, 2, 3] = Field(default=1, description="The leg whose length is fixed in a slice.")
 
 
 class GeometryText(Document):
@@ -84,23 +121,28 @@ class GeometryText(Document):
     orientation: Literal["ccw", "cw"]
 
 
-class Cusp(BaseModel):
-    """One cusp of the slice. With `fixed_leg` 2 or 3 the angle and the free lengths are named accordingly."""
+class Point(BaseModel):
+    """A point of a slice. The angle is that of the fixed leg, the lengths are those of the other two:
+    theta1_deg, l2, l3 with `fixed_leg` 1."""
 
-    model_config = ConfigDict(extra="allow")
+    alpha_deg: Digits | None = _optional("Orientation of the platform, degrees in (−180, 180].")
+    theta1_deg: Digits | None = _optional("Angle of leg 1, degrees in (−180, 180].")
+    theta2_deg: Digits | None = _optional("Angle of leg 2, when it is the fixed one.")
+    theta3_deg: Digits | None = _optional("Angle of leg 3, when it is the fixed one.")
+    l1: Digits | None = _optional("Length of leg 1, in the unit of the geometry.")
+    l2: Digits | None = _optional("Length of leg 2, in the unit of the geometry.")
+    l3: Digits | None = _optional("Length of leg 3, in the unit of the geometry.")
 
-    alpha_deg: Digits = Field(description="Orientation of the platform, degrees in (−180, 180].")
-    theta1_deg: Digits = Field(description="Angle of leg 1, degrees in (−180, 180].")
-    l2: Digits = Field(description="Length of leg 2, in the unit of the geometry.")
-    l3: Digits = Field(description="Length of leg 3, in the unit of the geometry.")
+
+class Cusp(Point):
+    """One cusp of the slice."""
 
 
-class DegeneratePoint(BaseModel):
-    """A point at which the cusp equations hold but which is no ordinary cusp."""
-
-    model_config = ConfigDict(extra="allow")
+class DegeneratePoint(Point):
+    """A point, or a curve, at which the cusp equations hold but which is no ordinary cusp."""
 
     kind: str = Field(description="For example swallowtail, beak-to-beak, lips, node, quadruple.")
+    equation: str | None = _optional("Of a whole curve of such points.")
 
 
 class SliceErrorDetail(BaseModel):
@@ -110,18 +152,39 @@ class SliceErrorDetail(BaseModel):
     detail: str
 
 
-class Slice(BaseModel):
-    """The cusps of one slice, sorted by theta1; or the error of this slice, which does not spoil the
-    others."""
+class Factor(BaseModel):
+    """A factor of the resultant, and where it comes from."""
+
+    degree: int
+    multiplicity: int
+    origin: str = Field(description="cusps, or the reason why its roots are none.")
+
+
+class Certificate(BaseModel):
+    """How the answer was proved."""
 
     model_config = ConfigDict(extra="allow")
 
-    l1: str | None = Field(None, description="The fixed length, exactly (l2 or l3 with another fixed leg).")
-    count: int | None = Field(None, description="Number of cusps.")
-    cusps: list[Cusp] | None = None
-    degenerate_points: list[DegeneratePoint] | None = None
-    certificate: dict[str, Any] | None = Field(None, description="How the answer was proved.")
-    error: SliceErrorDetail | None = Field(None, description="Only when the slice has no answer.")
+    eliminant_degree: int
+    real_roots: int
+    factors: list[Factor]
+    method: str
+    working_bits: int = Field(description="Precision at which everything could be decided.")
+    proofs: list[dict[str, str]] = Field(description="For each cusp the balls, none of which holds zero.")
+
+
+class Slice(BaseModel):
+    """The cusps of one slice, sorted by the angle of the fixed leg; or the error of this slice, which does
+    not spoil the others."""
+
+    l1: str | None = _optional("The fixed length, exactly.")
+    l2: str | None = _optional("The fixed length, when `fixed_leg` is 2.")
+    l3: str | None = _optional("The fixed length, when `fixed_leg` is 3.")
+    count: int | None = _optional("Number of cusps.")
+    cusps: list[Cusp] | None = _optional("The cusps.")
+    degenerate_points: list[DegeneratePoint] | None = _optional("What is no ordinary cusp.")
+    certificate: Certificate | None = _optional("How the answer was proved.")
+    error: SliceErrorDetail | None = _optional("Only when the slice has no answer.")
 
 
 class CuspTable(BaseModel):
@@ -196,8 +259,9 @@ class ProblemDocument(BaseModel):
     status: int
     detail: str
     errors: list[FieldError]
-    instance: str | None = Field(None, description="The path that was asked for.")
-    limit: LimitInfo | None = Field(None, description="Only when a limit was exceeded.")
+    instance: str | None = _optional("The path that was asked for.")
+    limit: LimitInfo | None = _optional("Only when a limit was exceeded.")
+    job: str | None = _optional("The job that this is about.")
 
 
 class Health(BaseModel):

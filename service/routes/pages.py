@@ -6,19 +6,17 @@ import html
 import json
 from collections.abc import Mapping
 from functools import cache
-from pathlib import Path
 from string import Template
 
 from fastapi import APIRouter, Request, Response
 
 from service import __version__
-from service.documentation import EXAMPLE_REQUEST
+from service.documentation import EXAMPLE_REQUEST, WEB
 from service.problems import ProblemError, ProblemType, TypeInfo
 from service.representation import JSON, json_bytes
 
 router = APIRouter(include_in_schema=False)
 
-_WEB = Path(__file__).parents[1] / "web"
 # The documentation's style is partly inline; nothing may come from, or go to, any other place.
 _POLICY = (
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; "
@@ -92,4 +90,4 @@ def _page(
 
 @cache
 def _template(name: str) -> Template:
-    return Template((_WEB / name).read_text(encoding="utf-8"))
+    return Template((WEB / name).read_text(encoding="utf-8"))
