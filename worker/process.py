@@ -91,7 +91,7 @@ class CuspWorker(Worker):
         """Between two looks at the queue: search for lost chunks, and at times RQ's own maintenance."""
         # A stop may have come where the exception was caught, and an orphan has nobody to stop it where the
         # kernel does not.
-        if self._stop_requested or self._is_orphan():
+        if self.is_stopping:
             raise StopRequested
         self.sweeper.sweep()
         if self.last_cleaned_at is None or time.monotonic() - self._cleaned > _RQ_MAINTENANCE:
@@ -257,6 +257,11 @@ class CuspWorker(Worker):
         self._hurry = True
         self._wake()
 
+    @property
+    def is_stopping(self) -> bool:
+        """Whether the worker was told to stop."""
+        return self._stop_requested or self._is_orphan()
+
     def unsubscribe(self) -> None:
         """Stop listening for commands. RQ's order of steps lets its thread go to sleep once more."""
         if self.pubsub_thread is not None and self.pubsub is not None:
@@ -289,10 +294,10 @@ def run_worker(
     logging.basicConfig(level=settings.log_level, format="%(asctime)s %(name)s %(levelname)s %(message)s")
     if parent_pid is not None:
         die_with_parent(parent_pid)
-    redis = connect(redis_url)
     try:
+        redis = connect(redis_url)
         redis.ping()
-    except RedisError as error:
+    except (RedisError, ValueError) as error:
         print(f"rpr-cusps worker: cannot reach Redis: {error}", file=sys.stderr)
         return 1
     set_context(Context(redis, settings))
@@ -301,9 +306,10 @@ def run_worker(
         gc.collect()
         gc.freeze()  # the horses share this memory; a collection in one would copy it
         worker.work(burst=burst, logging_level=settings.log_level)
+        # RQ's loop also ends, and logs why, when something else than a stop ended it.
+        return 0 if burst or worker.is_stopping else 1
     except KeyboardInterrupt:
         return 130
     except RedisError as error:
         print(f"rpr-cusps worker: lost the connection to Redis: {error}", file=sys.stderr)
         return 1
-    return 0

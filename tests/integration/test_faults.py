@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
-from processes import Workers, descendants, is_running, until
+from processes import ROOT, Workers, descendants, environment, is_running, until
 from redis import Redis
 
 from rpr_solver import EXAMPLES
@@ -230,3 +233,28 @@ def test_overlapping_requests_compute_what_is_missing(redis: Redis, workers: Wor
     assert two is not None
     assert one["slices"][1:] == two["slices"][:2]
     assert two["slices"][2]["certificate"] != one["slices"][0]["certificate"]
+
+
+def test_workers_on_one_geometry_eliminate_once(redis: Redis, workers: Workers) -> None:
+    for _ in range(3):
+        workers.start()
+    queue = jobs(redis, "counted", chunk_size=1)
+    request = a_request("14.98", "15", "16", "17", "18", "19")
+    assert ended(queue, queue.submit(request).id).status == "succeeded"
+    assert redis.get("eliminations") == b"1"
+
+
+def test_a_worker_without_its_server_says_so(tmp_path: Path) -> None:
+    for url in (f"unix://{tmp_path}/nothing.sock", "nonsense://"):
+        ended_worker = subprocess.run(
+            [sys.executable, "-m", "worker", "--redis-url", url],
+            env=environment(),
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            timeout=20,
+            check=False,
+        )
+        assert ended_worker.returncode == 1
+        assert ended_worker.stderr.startswith("rpr-cusps worker: cannot reach Redis: ")
+        assert ended_worker.stderr.count("\n") == 1

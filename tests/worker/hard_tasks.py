@@ -10,6 +10,7 @@ from typing import Any
 
 import flint
 
+import rpr_solver
 from worker import tasks
 
 # A proof that this is a prime takes minutes, in one C call that holds the interpreter's lock.
@@ -54,6 +55,19 @@ def broken(**chunk: Any) -> None:
 def slow(**chunk: Any) -> None:
     """A tenth of a second for a slice."""
     _run(lambda: time.sleep(0.1), chunk)
+
+
+def counted(**chunk: Any) -> None:
+    """Counts how often an eliminant is computed."""
+    eliminate = rpr_solver.eliminate
+
+    def count(manipulator: rpr_solver.Manipulator, fixed_leg: int = 1) -> rpr_solver.Eliminant:
+        assert tasks._context is not None
+        tasks._context.redis.incr("eliminations")
+        return eliminate(manipulator, fixed_leg)
+
+    rpr_solver.eliminate = count
+    tasks.run_chunk(**chunk)
 
 
 def slow_once(**chunk: Any) -> None:
