@@ -44,6 +44,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         generate_unique_id_function=operation_id,
     )
     app.state.context = context
+    app.state.begin_shutdown = context.events.stop
     for part in (cusp_tables, jobs, operations, pages):
         app.include_router(part.router)
     app.mount("/static", StaticFiles(directory=WEB), name="static")

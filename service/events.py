@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import json
+import logging
 import time
 from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
+import anyio
 import anyio.to_thread
 from redis.asyncio import Redis
+from redis.exceptions import RedisError
 
 from service.job_view import job_json
 from service.settings import Settings
 from worker import JobQueue, JobView
+
+log = logging.getLogger("rpr_cusps.service")
 
 _BATCH = 200
 _MARGIN = 10.0
@@ -34,6 +39,8 @@ class JobEvents:
         self.redis = redis
         self.queue = queue
         self.keepalive = keepalive
+        self._stopping = False
+        self._reads: set[anyio.CancelScope] = set()
 
     @classmethod
     def of(cls, settings: Settings, queue: JobQueue) -> JobEvents:
@@ -48,8 +55,15 @@ class JobEvents:
         )
         return cls(redis, queue, settings.keepalive_seconds)
 
+    def stop(self) -> None:
+        """End all streams and waits now, for a server that is about to end; call it in the event loop."""
+        self._stopping = True
+        for read in list(self._reads):
+            read.cancel()
+
     async def close(self) -> None:
         """Close the connections."""
+        self.stop()
         await self.redis.aclose()
 
     async def wait(self, job_id: str, seconds: float) -> JobView | None:
@@ -59,11 +73,11 @@ class JobEvents:
             last = await self._last(job_id)
             view = await self._view(job_id)
             left = end - time.monotonic()
-            if view is None or view.is_terminal or left <= 0:
+            if view is None or view.is_terminal or left <= 0 or self._stopping:
                 return view
             block_end = time.monotonic() + min(left, self.keepalive)
             ended = False
-            while not ended and (left := block_end - time.monotonic()) > 0:
+            while not (ended or self._stopping) and (left := block_end - time.monotonic()) > 0:
                 batch = await self._read(job_id, last, left)
                 last = batch[-1].id if batch else last
                 ended = any(_is_terminal(event) for event in batch)
@@ -76,10 +90,22 @@ class JobEvents:
         return [Event(*entry) for entry in found]
 
     async def follow(self, job_id: str, last_id: str) -> AsyncIterator[bytes]:
-        """The stream as text/event-stream, from after `last_id` up to the end of the job."""
+        """The stream as text/event-stream, from after `last_id` up to the end of the job.
+
+        Without Redis it ends early; a client that comes back goes on where it was.
+        """
+        try:
+            async for part in self._follow(job_id, last_id):
+                yield part
+        except RedisError as error:
+            log.warning("the events of %s end early: %s", job_id, error)
+
+    async def _follow(self, job_id: str, last_id: str) -> AsyncIterator[bytes]:
         yield b"retry: 1000\n\n"
         while True:
             batch = await self._read(job_id, last_id, self.keepalive)
+            if self._stopping:
+                return
             if not batch:
                 view = await self._view(job_id)
                 if view is None or view.is_terminal:
@@ -88,6 +114,8 @@ class JobEvents:
                 continue
             slices = await self._slices(job_id, batch)
             for event in batch:
+                if self._stopping:
+                    return
                 last_id = event.id
                 yield await self._encode(job_id, event, slices)
                 if _is_terminal(event):
@@ -123,7 +151,13 @@ class JobEvents:
 
     async def _read(self, job_id: str, last_id: str, seconds: float) -> list[Event]:
         block = max(1, int(seconds * 1000))
-        reply: Any = await self.redis.xread({self._key(job_id): last_id}, count=_BATCH, block=block)
+        reply: Any = None
+        with anyio.CancelScope() as scope:
+            self._reads.add(scope)
+            try:
+                reply = await self.redis.xread({self._key(job_id): last_id}, count=_BATCH, block=block)
+            finally:
+                self._reads.discard(scope)
         return [Event(*entry) for entry in reply[0][1]] if reply else []
 
     def _key(self, job_id: str) -> str:

@@ -13,10 +13,13 @@ from concurrent.futures import ThreadPoolExecutor
 import httpx
 import pytest
 from redis import Redis
-from service_server import GEOMETRY
+from service_server import GEOMETRY, serving_app
 
 from rpr_solver import EXAMPLES, exact_str, parse_exact
+from service.app import create_app
 from service.documentation import EXAMPLE_REQUEST
+from service.embedded import EmbeddedValkey
+from service.settings import Settings
 from worker import JobQueue, TableRequest
 
 Fresh = Callable[[], str]
@@ -277,3 +280,22 @@ def test_limits_and_version(api: httpx.Client, idle: httpx.Client) -> None:
     assert api.get("/v1/limits").json()["max_slices"]["value"] == 2000
     assert idle.get("/v1/limits").json()["max_slices"]["value"] == 5
     assert set(api.get("/version").json()) == {"service", "solver_version", "python", "libraries"}
+
+
+def test_streams_end_when_the_server_does(valkey: EmbeddedValkey, fresh: Fresh) -> None:
+    """A stream with nothing to tell for a long time does not hold up the end of the service."""
+    app = create_app(Settings(redis_url=f"{valkey.url}?db=1", keepalive_seconds=600))
+
+    @app.post("/stop")
+    async def stop() -> None:
+        app.state.begin_shutdown()
+
+    with serving_app(app) as url, httpx.Client(base_url=url) as client:
+        job_id = post(client, fresh(), wait=None).json()["id"]
+        with client.stream("GET", f"/v1/jobs/{job_id}/events", timeout=30) as stream:
+            lines = stream.iter_lines()
+            while "queued" not in next(lines):
+                pass
+            httpx.post(f"{url}/stop")
+            assert not any(line.startswith("data") for line in lines)
+        client.delete(f"/v1/jobs/{job_id}")
