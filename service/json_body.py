@@ -53,17 +53,13 @@ def parse_json(body: bytes) -> object:
     return value
 
 
-async def read_json(request: Request, max_bytes: int) -> object:
-    """Read and parse the body of a request.
+async def read_json_body(request: Request, max_bytes: int) -> bytes:
+    """Read the body of a request, for :func:`parse_json` (which may take long, so not in the event loop).
 
     Raises:
-        ProblemError: 415 for another content type, 413 for a body over the limit, 400 for bad JSON.
+        ProblemError: 415 for another content type, 413 for a body over the limit.
     """
     _check_headers(request)
-    return parse_json(await _read(request, max_bytes))
-
-
-async def _read(request: Request, max_bytes: int) -> bytes:
     declared = request.headers.get("content-length", "")
     if declared.isascii() and declared.isdigit() and (len(declared) > 18 or int(declared) > max_bytes):
         raise _too_large(max_bytes, f"{declared[:40]} bytes were announced")

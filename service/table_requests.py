@@ -179,6 +179,7 @@ class _Collector:
 
 
 _MISSING = object()
+_LISTED = 20
 
 
 def _range(value: Mapping[str, object], field: str, limits: Limits) -> list[Fraction]:
@@ -200,6 +201,8 @@ def _check_keys(value: Mapping[str, object], known: Collection[str], prefix: str
     for name in value:
         if name in known or (leg is None and name in ("l2", "l3")):
             continue
+        if len(problems) == _LISTED:
+            break
         if not prefix and name in ("l1", "l2", "l3"):
             hint = f"with fixed_leg {leg} the slices are l{leg}"
         else:
@@ -207,7 +210,7 @@ def _check_keys(value: Mapping[str, object], known: Collection[str], prefix: str
             hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
         problems.append(FieldProblem(f"{prefix}{name[:60]}", f"unknown field; {hint}"))
     if problems:
-        raise InputError(problems[:20])
+        raise InputError(problems)
 
 
 def whole(value: object, field: str, wanted: str) -> int:

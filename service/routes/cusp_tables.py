@@ -7,7 +7,7 @@ from fastapi import APIRouter, Request, Response
 from service import documentation as doc
 from service.context import Context, ContextDep, in_thread
 from service.job_view import job_json
-from service.json_body import read_json
+from service.json_body import parse_json, read_json_body
 from service.prefer import parse_prefer
 from service.problems import ProblemError
 from service.representation import FORMS, JSON, Table, choose, json_bytes, table_response
@@ -34,7 +34,7 @@ async def post_cusp_table(request: Request, context: ContextDep) -> Response:
     """
     settings = context.settings
     choose(request.headers.getlist("accept"), (*FORMS, JSON))
-    body = await read_json(request, settings.limits.max_body_bytes)
+    body = await read_json_body(request, settings.limits.max_body_bytes)
     prefer = parse_prefer(request.headers.getlist("prefer"))
     found = await in_thread(_begin, context, body)
     waited: int | None = None
@@ -57,8 +57,8 @@ async def post_cusp_table(request: Request, context: ContextDep) -> Response:
     return await in_thread(table_response, request, found, headers=headers, min_gzip=settings.gzip_bytes)
 
 
-def _begin(context: Context, body: object) -> Table | JobView:
-    wanted = table_request(body, context.settings.limits)
+def _begin(context: Context, body: bytes) -> Table | JobView:
+    wanted = table_request(parse_json(body), context.settings.limits)
     table = context.queue.table(wanted)
     if table is not None:
         return table
