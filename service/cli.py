@@ -54,6 +54,9 @@ examples:
   rpr-cusps serve
   rpr-cusps serve --port 8080 --workers 8 --data-dir /var/lib/rpr-cusps
   rpr-cusps serve --host 0.0.0.0 --workers 0 --redis-url redis://queue:6379/0    only the API; see worker
+
+Settings come from the environment: RPR_CUSPS_MAX_SLICES and the other limits that /v1/limits shows,
+RPR_CUSPS_DEADLINE (seconds that a part of a job may take) and more.
 """
 _WORKER = "Run one worker that takes jobs from a Redis or Valkey server, on this or another machine."
 _DEMO = """\

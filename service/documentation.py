@@ -132,6 +132,7 @@ CUSP_TABLES_RESPONSES: Docs = {
     **problems(
         ProblemType.INVALID_JSON,
         ProblemType.NOT_ACCEPTABLE,
+        ProblemType.JOB_CANCELED,
         ProblemType.BODY_TOO_LARGE,
         ProblemType.UNSUPPORTED_MEDIA_TYPE,
         ProblemType.INVALID_REQUEST,

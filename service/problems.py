@@ -189,6 +189,12 @@ class ProblemError(Exception):
         return cls(kind, error.get("detail", "The job failed."), extra={"job": f"/v1/jobs/{job_id}"})
 
     @classmethod
+    def of_cancel(cls, job_id: str) -> ProblemError:
+        """That a job was canceled, as an answer to the question for its result."""
+        detail = "The job was canceled; post the request again to start it afresh."
+        return cls(ProblemType.JOB_CANCELED, detail, extra={"job": f"/v1/jobs/{job_id}"})
+
+    @classmethod
     def of_status(cls, status: int, detail: str, headers: Mapping[str, str] | None = None) -> ProblemError:
         """A problem of the framework, of which only the status is known."""
         kind = _OF_STATUS.get(status, ProblemType.INTERNAL if status >= 500 else ProblemType.INVALID_HEADER)

@@ -197,7 +197,7 @@ def _range(value: Mapping[str, object], field: str, limits: Limits) -> list[Frac
 
 
 def _check_keys(value: Mapping[str, object], known: Collection[str], prefix: str, leg: int | None) -> None:
-    problems = []
+    problems: list[FieldProblem] = []
     for name in value:
         if name in known or (leg is None and name in ("l2", "l3")):
             continue

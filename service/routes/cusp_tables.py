@@ -66,8 +66,10 @@ def _begin(context: Context, body: bytes) -> Table | JobView:
 
 
 def _finished(context: Context, view: JobView) -> Table | JobView:
-    """The table of a job that has succeeded, the problem of one that has failed, else the job."""
+    """The table of a job that has succeeded, the problem of one that will have none, else the job."""
     if view.status == "failed":
         raise ProblemError.of_job(view.id, view.error)
+    if view.status == "canceled":
+        raise ProblemError.of_cancel(view.id)
     table = context.queue.result(view.id) if view.status == "succeeded" else None
     return view if table is None else table

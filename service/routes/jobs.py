@@ -61,9 +61,7 @@ def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response
     if view.status == "failed":
         raise ProblemError.of_job(job_id, view.error)
     if view.status == "canceled":
-        raise ProblemError(
-            ProblemType.JOB_CANCELED, "The job was canceled; post the request again to start it afresh."
-        )
+        raise ProblemError.of_cancel(job_id)
     table = context.queue.result(job_id)
     if table is None:
         raise ProblemError(

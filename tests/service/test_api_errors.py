@@ -80,9 +80,9 @@ def test_a_body_that_announces_to_be_too_large(idle_url: str) -> None:
     with socket.create_connection((host, int(port)), timeout=10) as raw:
         raw.sendall(
             b"POST /v1/cusp-tables HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n"
-            b"Content-Length: 99999999999999999999\r\n\r\n"
+            b"Content-Length: 2001\r\n\r\n"
         )
-        assert raw.recv(65536).startswith((b"HTTP/1.1 413", b"HTTP/1.1 400"))
+        assert raw.recv(65536).startswith(b"HTTP/1.1 413")
 
 
 def test_a_body_that_turns_out_to_be_too_large(idle: httpx.Client) -> None:

@@ -11,7 +11,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import httpx
@@ -173,16 +172,34 @@ def test_a_broken_pipe_is_quiet() -> None:
 
 
 def test_ctrl_c_is_quiet_and_status_130() -> None:
+    main, side = pty.openpty()
     with subprocess.Popen(
         command("solve", "innocenti", "--l1-range", "1:20:0.0001", "--digits", "1000"),
         stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        env=ENVIRONMENT,
+        stderr=side,
+        env={**ENVIRONMENT, "TERM": "xterm"},
     ) as process:
-        time.sleep(1.0)
+        os.close(side)
+        seen = b""
+        while b"slices" not in seen:
+            seen += os.read(main, 4096)
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=30)
-    assert (process.returncode, out, err) == (130, b"", b"")
+        seen += read_to_the_end(main)
+        assert process.stdout is not None
+        out = process.stdout.read()
+    assert (process.returncode, out) == (130, b"")
+    assert b"Traceback" not in seen
+
+
+def read_to_the_end(terminal: int) -> bytes:
+    seen = b""
+    try:
+        while part := os.read(terminal, 65536):
+            seen += part
+    except OSError:  # how Linux says that the other end is closed
+        pass
+    os.close(terminal)
+    return seen
 
 
 def test_on_a_terminal_there_is_a_table_that_fits_and_a_progress_bar() -> None:
@@ -194,13 +211,7 @@ def test_on_a_terminal_there_is_a_table_that_fits_and_a_progress_bar() -> None:
         env={**ENVIRONMENT, "TERM": "xterm"},
     ) as process:
         os.close(side)
-        seen = b""
-        try:
-            while part := os.read(main, 65536):
-                seen += part
-        except OSError:  # how Linux says that the other end is closed
-            pass
-    os.close(main)
+        seen = read_to_the_end(main)
     assert process.returncode == 0
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", seen.decode())
     assert "slices" in text
