@@ -306,6 +306,10 @@ def run_worker(
         gc.collect()
         gc.freeze()  # the horses share this memory; a collection in one would copy it
         worker.work(burst=burst, logging_level=settings.log_level)
+        if worker.is_stopping:
+            # One more signal must not spoil the last steps of the process.
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, signal.SIG_IGN)
         # RQ's loop also ends, and logs why, when something else than a stop ended it.
         return 0 if burst or worker.is_stopping else 1
     except KeyboardInterrupt:

@@ -41,7 +41,7 @@ class WorkerSettings(BaseSettings):
     beat_interval: float = Field(
         default=1.0, gt=0, description="seconds between two signs of life of a chunk"
     )
-    beat_ttl: float = Field(default=5.0, gt=0, description="seconds after which a silent chunk is suspected")
+    beat_ttl: float = Field(default=4.0, gt=0, description="seconds after which a silent chunk is suspected")
     sweep_interval: float = Field(
         default=1.5, gt=0, description="seconds between two searches for lost chunks"
     )
