@@ -23,15 +23,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import count, islice
-from typing import TypeVar
 
 from flint import fmpz, fmpz_mat, fmpz_poly, nmod_mat, nmod_poly
 
 from rpr_solver.errors import SolverError
 from rpr_solver.geometry import Manipulator
+from rpr_solver.modular import formal_resultant, reconstruct, vandermonde
 from rpr_solver.surface import BiForm, Pair, Surface
-
-T = TypeVar("T")
 
 DEGREE_U = 24
 DEGREE_L = 10
@@ -100,25 +98,8 @@ def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
     """
     surface = Surface.of(manipulator, fixed_leg)
     grid = _Grid.of(surface)
-    bound = _coefficient_bound(surface)
-    modulus = 1
-    images: list[tuple[int, list[int]]] = []
-    for p, omega in surface.primes():
-        if (image := grid.image(p, omega, check=not images)) is not None:
-            images.append((p, image))
-            modulus *= p
-            if modulus > 2 * bound:
-                break
-    else:
-        raise SolverError("the coefficients of the eliminant are too large for this version")
-    values = _chinese_remainder(images, modulus)
-    content = fmpz(0)
-    for x in values:
-        content = content.gcd(x)
-    if content:
-        values = [x // content for x in values]
-    half = len(values) // 2
-    a, b = (fmpz_mat(DEGREE_L + 1, DEGREE_U + 1, part).transpose() for part in (values[:half], values[half:]))
+    parts = reconstruct(surface.primes(), grid.image, _coefficient_bound(surface), rational=surface.rational)
+    a, b = (fmpz_mat(DEGREE_L + 1, DEGREE_U + 1, part).transpose() for part in parts)
     return Eliminant(manipulator, surface, a, b)
 
 
@@ -155,21 +136,10 @@ class _Grid:
                     return cls(surface, us, tuple(ls), tuple(known))
         raise AssertionError("unreachable: the count is endless")
 
-    def image(self, p: int, omega: int, *, check: bool) -> list[int] | None:
-        """The coefficients of A, then B, modulo p; None if p divides a known factor."""
+    def image(self, p: int, omega: int, check: bool) -> list[int] | None:
+        """The coefficients of Q modulo p, powers of L first; None if p divides a known factor."""
         if any(x % p == 0 for row in self.known for x in row):
             return None
-        positive = self._interpolate(p, omega, check)
-        zero = [0] * len(positive)
-        if self.surface.rational:
-            return positive + zero
-        negative = self._interpolate(p, -omega, check)
-        half, slope = pow(2, -1, p), pow(2 * omega, -1, p)
-        a = [(x + y) * half % p for x, y in zip(positive, negative, strict=True)]
-        b = [(x - y) * slope % p for x, y in zip(positive, negative, strict=True)]
-        return a + b
-
-    def _interpolate(self, p: int, omega: int, check: bool) -> list[int]:
         us, ls = self.us[:-1], self.ls[:-1]
         j, e = (_Residue(form, p, omega) for form in (self.surface.singular, self.surface.coalescence))
 
@@ -181,7 +151,7 @@ class _Grid:
             ]
 
         samples = [values(length, row, us) for length, row in zip(ls, self.known[:-1], strict=True)]
-        in_u, in_l = _vandermonde(us, p), _vandermonde(ls, p)
+        in_u, in_l = vandermonde(us, p), vandermonde(ls, p)
         flat = [x for row in samples for x in row]
         result = in_l.inv() * nmod_mat(len(ls), len(us), flat, p) * in_u.inv().transpose()
         if check:
@@ -218,22 +188,7 @@ class _Residue:
 
 def _resultant(j: list[nmod_poly], e: list[nmod_poly], u: int, p: int) -> int:
     """Res_t at one u with the formal degrees, so that a common zero at t = ∞ counts."""
-    j_t, e_t = [int(c(u)) for c in j], [int(c(u)) for c in e]
-    if j_t[-1] and e_t[-1]:
-        return int(nmod_poly(j_t, p).resultant(nmod_poly(e_t, p)))
-    return int(nmod_mat(sylvester(j_t, e_t, 0), p).det())
-
-
-def sylvester(j: Sequence[T], e: Sequence[T], zero: T) -> list[list[T]]:
-    """Rows of the Sylvester matrix of two forms given by ascending coefficients."""
-    m, n = len(j) - 1, len(e) - 1
-    rows = [[zero] * i + [*reversed(j)] + [zero] * (n - 1 - i) for i in range(n)]
-    return rows + [[zero] * i + [*reversed(e)] + [zero] * (m - 1 - i) for i in range(m)]
-
-
-def _vandermonde(points: Sequence[int], p: int) -> nmod_mat:
-    n = len(points)
-    return nmod_mat(n, n, [pow(x, k, p) for x in points for k in range(n)], p)
+    return formal_resultant([int(c(u)) for c in j], [int(c(u)) for c in e], p)
 
 
 def _coefficient_bound(surface: Surface) -> int:
@@ -247,15 +202,3 @@ def _coefficient_bound(surface: Surface) -> int:
     j, e = surface.singular, surface.coalescence
     bound: int = j.norm1(omega) ** e.degree_t * e.norm1(omega) ** j.degree_t
     return bound << (DEGREE_U + DEGREE_L)
-
-
-def _chinese_remainder(images: list[tuple[int, list[int]]], modulus: int) -> list[fmpz]:
-    weights = []
-    for p, _ in images:
-        rest = modulus // p
-        weights.append(rest * pow(rest, -1, p))
-    values = []
-    for residues in zip(*(image for _, image in images), strict=True):
-        x = sum(w * r for w, r in zip(weights, residues, strict=True)) % modulus
-        values.append(fmpz(x - modulus if 2 * x > modulus else x))
-    return values

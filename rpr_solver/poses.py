@@ -8,8 +8,8 @@ from fractions import Fraction
 
 from flint import arb, arb_mat, arb_poly, ctx
 
-from rpr_solver.eliminant import sylvester
 from rpr_solver.jets import LocalMap, Pose
+from rpr_solver.modular import sylvester
 from rpr_solver.roots import RealPolynomial, omega_ball
 from rpr_solver.surface import BiForm, Surface
 
