@@ -30,7 +30,7 @@ from rpr_solver.geometry import CW, Manipulator
 Pair = tuple[fmpz_poly, fmpz_poly]
 """A + ω B, polynomials in u = tan(θ/2)."""
 
-_TRIG = fmpz_mpoly_ctx.get(("cos_alpha", "sin_alpha", "cos_theta", "sin_theta", "L", "omega"), "lex")
+TRIG = fmpz_mpoly_ctx.get(("cos_alpha", "sin_alpha", "cos_theta", "sin_theta", "L", "omega"), "lex")
 _COS_A, _SIN_A, _COS_T, _SIN_T, _L, _OMEGA = range(6)
 _SMALL_PRIMES = tuple(p for p in range(2, 200) if all(p % q for q in range(2, isqrt(p) + 1)))
 
@@ -125,12 +125,12 @@ class Surface:
     @cached_property
     def singular(self) -> BiForm:
         """J / (4 L): degrees 4 in t and u, 1 in L (method.md section 3)."""
-        return _half_angles(self._trigonometric[0], 2, self.radicand)
+        return half_angles(self.trigonometric[0], (2, 2), self.radicand)
 
     @cached_property
     def coalescence(self) -> BiForm:
         """E, up to a factor: degrees 6 in t and u, 2 in L (method.md section 3)."""
-        return _half_angles(self._trigonometric[1], 3, self.radicand)
+        return half_angles(self.trigonometric[1], (3, 3), self.radicand)
 
     def collinear(self) -> fmpz_poly:
         """The quadratic whose roots u put leg i along the base line to leg f, where ∇f may vanish."""
@@ -152,12 +152,13 @@ class Surface:
                 yield p, 1 if self.rational else int((radicand % prime).sqrtmod(prime))
 
     @cached_property
-    def _trigonometric(self) -> tuple[fmpz_mpoly, fmpz_mpoly]:
-        length = _TRIG.gen(_L)
-        f_alpha, f_theta = _slopes(self.f)
-        g_alpha, g_theta = _slopes(self.g)
+    def trigonometric(self) -> tuple[fmpz_mpoly, fmpz_mpoly]:
+        """J / (4 L) and E in cosines and sines of α and θ, L and ω (ring :data:`TRIG`)."""
+        length = TRIG.gen(_L)
+        f_alpha, f_theta = slopes(self.f)
+        g_alpha, g_theta = slopes(self.g)
         j = f_alpha * g_theta - f_theta * g_alpha
-        return j, f_alpha * _d_theta(j) - length * f_theta * _d_alpha(j)
+        return j, f_alpha * d_theta(j) - length * f_theta * d_alpha(j)
 
 
 def _split_square(n: int) -> tuple[int, int]:
@@ -173,9 +174,9 @@ def _split_square(n: int) -> tuple[int, int]:
     return square, n
 
 
-def _slopes(leg: Leg) -> tuple[fmpz_mpoly, fmpz_mpoly]:
+def slopes(leg: Leg) -> tuple[fmpz_mpoly, fmpz_mpoly]:
     """f_α / 2 and f_θ / (2 L) of one leg."""
-    cos_a, sin_a, cos_t, sin_t, length, omega = _TRIG.gens()
+    cos_a, sin_a, cos_t, sin_t, length, omega = TRIG.gens()
     m, n = leg.m, leg.n * omega
     x, y = m * cos_a - n * sin_a, m * sin_a + n * cos_a
     x_alpha, y_alpha = -y, x
@@ -184,32 +185,42 @@ def _slopes(leg: Leg) -> tuple[fmpz_mpoly, fmpz_mpoly]:
     return along, across
 
 
-def _d_alpha(p: fmpz_mpoly) -> fmpz_mpoly:
-    return _TRIG.gen(_COS_A) * p.derivative(_SIN_A) - _TRIG.gen(_SIN_A) * p.derivative(_COS_A)
+def d_alpha(p: fmpz_mpoly) -> fmpz_mpoly:
+    """∂/∂α of a polynomial in cosines and sines."""
+    return TRIG.gen(_COS_A) * p.derivative(_SIN_A) - TRIG.gen(_SIN_A) * p.derivative(_COS_A)
 
 
-def _d_theta(p: fmpz_mpoly) -> fmpz_mpoly:
-    return _TRIG.gen(_COS_T) * p.derivative(_SIN_T) - _TRIG.gen(_SIN_T) * p.derivative(_COS_T)
+def d_theta(p: fmpz_mpoly) -> fmpz_mpoly:
+    """∂/∂θ of a polynomial in cosines and sines."""
+    return TRIG.gen(_COS_T) * p.derivative(_SIN_T) - TRIG.gen(_SIN_T) * p.derivative(_COS_T)
 
 
-def _half_angles(p: fmpz_mpoly, order: int, radicand: int) -> BiForm:
-    """The numerator of a trigonometric polynomial of degree ``order`` in each angle.
+def half_angles(p: fmpz_mpoly, orders: tuple[int, int], radicand: int) -> BiForm:
+    """The numerator of a trigonometric polynomial of the given degrees in α and in θ.
 
     Derivatives were taken before, on cosines and sines, so no term of the chain rule is lost
     (method.md section 7).
     """
+    in_alpha, in_theta = (_half_angle_monomials(order) for order in orders)
+    degree_l = p.degrees()[_L]
+    table = [
+        [[fmpz_poly([0]), fmpz_poly([0])] for _ in range(degree_l + 1)] for _ in range(2 * orders[0] + 1)
+    ]
+    for (i, j, k, m, power, omega), c in p.to_dict().items():
+        in_u = in_theta[k, m] * (c * fmpz(radicand) ** (omega // 2))
+        part = 0 if radicand == 1 else omega % 2
+        for degree, weight in enumerate(in_alpha[i, j].coeffs()):
+            if weight:
+                table[degree][power][part] += in_u * weight
+    rows = tuple(tuple((pair[0], pair[1]) for pair in row) for row in table)
+    return BiForm(2 * orders[0], 2 * orders[1], rows)
+
+
+def _half_angle_monomials(order: int) -> dict[tuple[int, int], fmpz_poly]:
+    """The numerators of cosⁱ sinʲ over (1+x²)^order, x the tangent of half the angle."""
     cos, sin, one = fmpz_poly([1, 0, -1]), fmpz_poly([0, 2]), fmpz_poly([1, 0, 1])
-    monomial = {
+    return {
         (i, j): cos**i * sin**j * one ** (order - i - j)
         for i in range(order + 1)
         for j in range(order + 1 - i)
     }
-    degree_l = p.degrees()[_L]
-    table = [[[fmpz_poly([0]), fmpz_poly([0])] for _ in range(degree_l + 1)] for _ in range(2 * order + 1)]
-    for (i, j, k, m, power, omega), c in p.to_dict().items():
-        in_u = monomial[k, m] * (c * fmpz(radicand) ** (omega // 2))
-        part = 0 if radicand == 1 else omega % 2
-        for degree, weight in enumerate(monomial[i, j].coeffs()):
-            if weight:
-                table[degree][power][part] += in_u * weight
-    return BiForm(2 * order, 2 * order, tuple(tuple((pair[0], pair[1]) for pair in row) for row in table))
