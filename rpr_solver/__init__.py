@@ -20,6 +20,7 @@ from rpr_solver.cusps import (
 from rpr_solver.eliminant import SOLVER_VERSION, Eliminant, eliminate
 from rpr_solver.errors import FieldProblem, InputError, SolverError
 from rpr_solver.geometry import EXAMPLES, Manipulator
+from rpr_solver.kinematics import DirectPolynomial, PlatformPose, PoseTable, poses, poses_of_squares
 from rpr_solver.numbers import exact_str, parse_exact
 from rpr_solver.tables import shorten_slice, table_csv
 
@@ -29,17 +30,22 @@ __all__ = [
     "MAX_DIGITS",
     "MIN_DIGITS",
     "SOLVER_VERSION",
+    "DirectPolynomial",
     "Eliminant",
     "FieldProblem",
     "InputError",
     "JointPoint",
     "Manipulator",
+    "PlatformPose",
+    "PoseTable",
     "SliceTable",
     "SolverError",
     "cusp_table",
     "eliminate",
     "exact_str",
     "parse_exact",
+    "poses",
+    "poses_of_squares",
     "shorten_slice",
     "slice_error_json",
     "solve_slice",

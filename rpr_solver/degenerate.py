@@ -136,16 +136,22 @@ def poses_above(
     With ``theta_offset`` 180 the surface is turned by half a turn, so that u = 0 is θ = 180°;
     ``length`` is then −L.
     """
+    for u, omega in embedded(surface, root):
+        yield from _poses(surface, length, plane, u, omega, theta_offset)
+
+
+def embedded(surface: Surface, root: ExactRoot) -> Iterator[tuple[Algebraic, Algebraic]]:
+    """The root and ω as elements of one real field (exactly one pair)."""
     field = Field.of_root(root.root)
     if root.omega is not None:
-        yield from _poses(surface, length, plane, field.generator, field(root.omega), theta_offset)
+        yield field.generator, field(root.omega)
     elif surface.rational:
-        yield from _poses(surface, length, plane, field.generator, field(1), theta_offset)
+        yield field.generator, field(1)
     else:
         square = [field(-surface.radicand), field(0), field(1)]
         for extension in adjoin_real_roots(field, square):
             if extension.root.sign > 0:
-                yield from _poses(surface, length, plane, extension.generator, extension.root, theta_offset)
+                yield extension.generator, extension.root
 
 
 def poses_at_half_turn(surface: Surface, length: Fraction, turned: Plane) -> Iterator[ExactPose]:

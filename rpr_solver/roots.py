@@ -62,16 +62,25 @@ class RealRoot:
                 slope, x = polynomial.derivative(), self.ball
                 for _ in range(_NEWTON_STEPS):
                     mid = x.mid()
-                    y = mid - polynomial(mid) / slope(x)
-                    if not y.is_finite():
-                        break
-                    if y.rel_accuracy_bits() >= bits:
+                    value = polynomial(mid)
+                    y = mid - value / slope(x)
+                    if y.is_finite() and y.rel_accuracy_bits() >= bits:
                         return y
-                    if not 2 * y.rad() < x.rad():
-                        break
+                    if not (y.is_finite() and 2 * y.rad() < x.rad()):
+                        # the slope varies much across the ball, as in a cluster of roots: halve instead
+                        y = _half(x, value, slope(x))
+                        if y is None:
+                            break
                     x = y
             work *= 2
         raise SolverError(f"a root could not be refined to {bits} bits")
+
+
+def _half(x: arb, value: arb, slope: arb) -> arb | None:
+    """The half of x that holds the root, from the value at its middle and a slope without zero."""
+    if value.contains(0) or slope.contains(0):
+        return None
+    return x.mid().union(x.lower() if value * slope > 0 else x.upper())
 
 
 def real_roots(polynomial: RealPolynomial) -> list[RealRoot]:
