@@ -68,9 +68,10 @@ class RealRoot:
                         return y
                     if not (y.is_finite() and 2 * y.rad() < x.rad()):
                         # the slope varies much across the ball, as in a cluster of roots: halve instead
-                        y = _half(x, value, slope(x))
-                        if y is None:
+                        half = _half(x, value, slope(x))
+                        if half is None:
                             break
+                        y = half
                     x = y
             work *= 2
         raise SolverError(f"a root could not be refined to {bits} bits")
