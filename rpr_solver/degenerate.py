@@ -163,7 +163,7 @@ def poses_at_half_turn(surface: Surface, length: Fraction, turned: Plane) -> Ite
 def _poses(
     surface: Surface, length: Fraction, plane: Plane, u: Algebraic, omega: Algebraic, theta_offset: int
 ) -> Iterator[ExactPose]:
-    j, e = ([_at(pair, u, omega) for pair in form] for form in (plane.singular, plane.coalescence))
+    j, e = ([value_at(pair, u, omega) for pair in form] for form in (plane.singular, plane.coalescence))
     if j[-1].is_zero and e[-1].is_zero:
         yield from _classified(surface, length, plane, None, u, omega, theta_offset)
     common = poly_gcd(trimmed(j), trimmed(e))
@@ -189,17 +189,17 @@ def _classified(
     if any(curve.holds(t, u) for curve in plane.shared):
         return
     field = u.field
-    cos_a, sin_a = (field(-1), field(0)) if t is None else _cos_sin(t)
-    cos_t, sin_t = _cos_sin(u)
+    cos_a, sin_a = (field(-1), field(0)) if t is None else cos_sin(t)
+    cos_t, sin_t = cos_sin(u)
     pose = Pose(cos_a, sin_a, cos_t, sin_t, field(length), omega)
     local = LocalMap.at(surface, pose, 4)
-    kind = _kind(surface, pose, local)
+    kind = classify(surface, pose, local)
     if kind is not None:
         f, g = local.squared_lengths(surface, pose)
         yield ExactPose(kind, t, u, theta_offset, f, g, surface)
 
 
-def _kind(surface: Surface, pose: Pose[Algebraic], local: LocalMap[Algebraic]) -> str | None:
+def classify(surface: Surface, pose: Pose[Algebraic], local: LocalMap[Algebraic]) -> str | None:
     """The name of the pose, or None if it is an ordinary singular pose (or not singular at all)."""
     gradients = {leg: (leg.alpha.value, leg.theta.value) for leg in (local.f, local.g)}
     regular = [leg for leg, slopes in gradients.items() if not all(x.is_zero for x in slopes)]
@@ -240,13 +240,15 @@ def _hessians_independent(local: LocalMap[Algebraic]) -> bool:
     return not (crossed[0] * crossed[0] - crossed[1] * crossed[2]).is_zero
 
 
-def _at(pair: Pair, u: Algebraic, omega: Algebraic) -> Algebraic:
+def value_at(pair: Pair, u: Algebraic, omega: Algebraic) -> Algebraic:
+    """A + ω B at u, exactly."""
     a, b = ([u.field(fmpq(c)) for c in part.coeffs()] for part in pair)
     total = evaluate(a, u)
     return total + evaluate(b, u) * omega if b else total
 
 
-def _cos_sin(half: Algebraic) -> tuple[Algebraic, Algebraic]:
+def cos_sin(half: Algebraic) -> tuple[Algebraic, Algebraic]:
+    """Cosine and sine of the angle whose half has this tangent."""
     square = half * half
     norm = (square + 1).inverse()
     return (-square + 1) * norm, half * 2 * norm

@@ -82,7 +82,7 @@ class SlicePoses:
         """tan(α/2) of the one pose above a simple root u; None if the precision does not tell."""
         j = [p(u) for p in self._singular]
         e = [p(u) for p in self._coalescence]
-        return _common_root(j, e) or _inverse(_common_root(j[::-1], e[::-1]))
+        return common_root(j, e)
 
     def cusp(self, u: arb, t: HalfTangent) -> CuspBalls | None:
         """The cusp at (t, u), or None where a ball is still too wide."""
@@ -113,8 +113,13 @@ def _balls(form: BiForm, surface: Surface, length: Fraction, bits: int) -> list[
     return [RealPolynomial(a, b, surface.radicand).ball(bits) for a, b in form.at(length)]
 
 
-def _common_root(j: Sequence[arb], e: Sequence[arb]) -> HalfTangent | None:
-    """The common root t of two polynomials that share exactly one, from the first subresultant."""
+def common_root(j: Sequence[arb], e: Sequence[arb]) -> HalfTangent | None:
+    """The common root t of two forms that share exactly one; None if the precision does not tell."""
+    return _finite_common_root(j, e) or _inverse(_finite_common_root(j[::-1], e[::-1]))
+
+
+def _finite_common_root(j: Sequence[arb], e: Sequence[arb]) -> HalfTangent | None:
+    """t = −s0/s1 from the first subresultant s1 t + s0, where s1 is proved not to vanish."""
     size = len(j) + len(e) - 4
     full = sylvester(j, e, arb(0))
     # t^(n−2)J … J, t^(m−2)E … E: one row less of each, and the columns t^(m+n−2) … 1

@@ -1,0 +1,325 @@
+"""The poses at which cusps are born or die as the fixed leg's length L passes (method.md section 5).
+
+J is linear in L: J = J0 + L J1, so L = −J0/J1 on the singularity surface, and a degenerate pose is an
+isolated point of the torus (α, θ):
+
+- ∇J = 0 (lips, beak-to-beak): M1 = M2 = 0, the Wronskians of J0 and J1 in α and in θ;
+- v·∇E = 0 (swallowtail): C = W = 0, where E = F_θ C / J1² and v·∇E = J0 F_θ² W / J1³ with L put in.
+
+In half tangents (t, u) their bidegrees are (6, 6), (6, 6), (10, 8) and (8, 8). With all degrees formal,
+
+    Res_t(C, W)   = (u²+1)¹⁶ · Y⁴ · P,    144 = 32 + 48 + 64
+    Res_t(M1, M2) = (u²+1)¹⁰ · Z · P,      72 = 20 + 16 + 36
+
+where Z = Res_t(J0, J1) / (u²+1)² belongs to the poses that are singular for every L, and
+Y = Z / A, A = Res_t(F_θ, G_θ) / (u²+1)² for those of them with three parallel legs. P is what remains.
+These are identities in the parameters; a spare point checks them modulo each prime.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import count, islice
+
+from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly, nmod_mat, nmod_poly
+
+from rpr_solver.errors import SolverError
+from rpr_solver.modular import formal_resultant, reconstruct, vandermonde
+from rpr_solver.roots import RealPolynomial
+from rpr_solver.surface import TRIG, BiForm, Pair, Surface, d_alpha, d_theta, half_angles, slopes
+
+_RING = fmpz_mpoly_ctx.get(("t", "u", "omega"), "lex")
+_OMEGA = _RING.gen(2)
+ELIMINATION_STEPS = 4
+"""How many steps :meth:`EventSystems.of` reports."""
+
+
+class NotGeneric(Exception):  # noqa: N818 - a signal between modules; no error of the user's
+    """An eliminant vanishes identically: the events of this geometry are not all isolated."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """A form A(u) + ω B(u) of formal degree ``degree``: a lower actual degree is a zero at u = ∞."""
+
+    pair: Pair
+    degree: int
+
+    def real(self, radicand: int) -> RealPolynomial:
+        """The form as a polynomial with real coefficients."""
+        return RealPolynomial(*self.pair, radicand)
+
+
+@dataclass(frozen=True)
+class System:
+    """Two forms in (t, u) whose common zeros are events, and their eliminant P(u)."""
+
+    first: BiForm
+    second: BiForm
+    eliminant: Form
+
+
+@dataclass(frozen=True)
+class EventSystems:
+    """Everything about events that depends on the geometry only."""
+
+    surface: Surface
+    j0: BiForm
+    j1: BiForm
+    f_theta: BiForm
+    swallowtails: System
+    critical: System
+    permanent: Form
+    """Z(u): the poses that are singular for every L."""
+
+    @classmethod
+    def of(cls, surface: Surface, progress: Callable[[int, int], None] | None = None) -> EventSystems:
+        """Derive and eliminate; ``progress`` is told the steps done and their number.
+
+        Raises:
+            NotGeneric: an eliminant vanishes identically.
+        """
+        trig = _Trig.of(surface)
+        j0, j1 = trig.form(trig.j0, (2, 1)), trig.form(trig.j1, (1, 2))
+        f_theta, g_theta = (trig.form(slopes(leg)[1], (1, 1)) for leg in (surface.f, surface.g))
+        m1, m2 = (trig.form(trig.j0 * d(trig.j1) - trig.j1 * d(trig.j0), (3, 3)) for d in (d_alpha, d_theta))
+        c, w = _swallowtail_forms(trig, j0, f_theta)
+        _report(progress, 1)
+        parallel = _eliminate(surface, f_theta, g_theta, 2)
+        permanent = _eliminate(surface, j0, j1, 2)
+        y = _form_quotient(permanent, parallel, surface.radicand)
+        _report(progress, 2)
+        critical = System(m1, m2, _eliminate(surface, m1, m2, 10, permanent, 1))
+        _report(progress, 3)
+        swallowtails = System(c, w, _eliminate(surface, c, w, 16, y, 4))
+        _report(progress, 4)
+        return cls(surface, j0, j1, f_theta, swallowtails, critical, permanent)
+
+
+@dataclass(frozen=True)
+class _Trig:
+    """J and E as polynomials in cosines, sines and ω, by powers of L."""
+
+    surface: Surface
+    j0: fmpz_mpoly
+    j1: fmpz_mpoly
+    e: tuple[fmpz_mpoly, ...]
+    along_e: tuple[fmpz_mpoly, ...]
+
+    @classmethod
+    def of(cls, surface: Surface) -> _Trig:
+        radicand = surface.radicand
+        j, e = (_reduced(p, radicand) for p in surface.trigonometric)
+        f_alpha, f_theta = slopes(surface.f)
+        along_e = _reduced(f_alpha * d_theta(e) - TRIG.gen(4) * f_theta * d_alpha(e), radicand)
+        j0, j1 = _by_length(j, 1)
+        return cls(surface, j0, j1, _by_length(e, 2), _by_length(along_e, 3))
+
+    def form(self, p: fmpz_mpoly, orders: tuple[int, int]) -> BiForm:
+        """A polynomial without L as a primitive form in t and u."""
+        form = half_angles(_reduced(p, self.surface.radicand), orders, self.surface.radicand)
+        return _primitive([row[0] for row in form.coefficients], form.degree_u)
+
+    def on_surface(self, coefficients: Sequence[fmpz_mpoly]) -> fmpz_mpoly:
+        """Σ cₖ Lᵏ with L = −J0/J1, times J1 to the degree."""
+        top = len(coefficients) - 1
+        total = TRIG.gen(0) * 0
+        for k, c in enumerate(coefficients):
+            total += c * (-self.j0) ** k * self.j1 ** (top - k)
+        return total
+
+
+def _report(progress: Callable[[int, int], None] | None, done: int) -> None:
+    if progress is not None:
+        progress(done, ELIMINATION_STEPS)
+
+
+def _swallowtail_forms(trig: _Trig, j0: BiForm, f_theta: BiForm) -> tuple[BiForm, BiForm]:
+    """C and W."""
+    radicand = trig.surface.radicand
+    e = _joined(trig.form(trig.on_surface(trig.e), (6, 5)))
+    along_e = _joined(trig.form(trig.on_surface(trig.along_e), (8, 7)))
+    s, j = _joined(f_theta), _joined(j0)
+    if not (e and along_e and s and j):
+        raise NotGeneric
+    c = _divided(e, s, radicand)
+    w = _divided(_divided(_divided(along_e, s, radicand), s, radicand), j, radicand)
+    return _primitive(_rows(c, 10), 8), _primitive(_rows(w, 8), 8)
+
+
+def _eliminate(
+    surface: Surface,
+    first: BiForm,
+    second: BiForm,
+    circular: int,
+    known: Form | None = None,
+    exponent: int = 0,
+) -> Form:
+    """Res_t(first, second) / ((u²+1)^circular · known^exponent), primitive.
+
+    The quotient is multiplied by the conjugate of ``known``, so that only a primitive rational
+    polynomial is divided by, and the coefficients stay in ℤ[ω].
+
+    Raises:
+        NotGeneric: the resultant vanishes identically.
+    """
+    grid = _LineGrid.of(surface, first, second, circular, known, exponent)
+    a, b = reconstruct(surface.primes(), grid.image, grid.bound(), rational=surface.rational)
+    if not (any(a) or any(b)):
+        raise NotGeneric
+    return Form((fmpz_poly(a), fmpz_poly(b)), grid.degree)
+
+
+@dataclass(frozen=True, eq=False)
+class _LineGrid:
+    """The points u at which a resultant is taken and its known factors are divided out."""
+
+    surface: Surface
+    first: BiForm
+    second: BiForm
+    circular: int
+    exponent: int
+    degree: int
+    conjugate: Pair
+    norm: fmpz_poly
+    us: tuple[int, ...]
+
+    @classmethod
+    def of(
+        cls, surface: Surface, first: BiForm, second: BiForm, circular: int, known: Form | None, exponent: int
+    ) -> _LineGrid:
+        degree = first.degree_t * second.degree_u + second.degree_t * first.degree_u - 2 * circular
+        conjugate, norm = (fmpz_poly([1]), fmpz_poly([])), fmpz_poly([1])
+        if known is not None:
+            degree -= exponent * known.degree
+            a, b = known.pair
+            norm = a * a - surface.radicand * b * b if b else a
+            conjugate = (a, -b) if b else conjugate
+            norm = norm / norm.content()
+        # the last point is a spare one, to check the known factors
+        us = tuple(islice((u for u in count(2) if norm(u) != 0), degree + 2))
+        return cls(surface, first, second, circular, exponent, degree, conjugate, norm, us)
+
+    def bound(self) -> int:
+        """A bound on the coefficients, by Mahler measures as in eliminant.py."""
+        omega = int(fmpz(self.surface.radicand).isqrt()) + 1
+        conjugate = sum(
+            abs(int(c)) * weight
+            for part, weight in zip(self.conjugate, (1, omega), strict=True)
+            for c in part.coeffs()
+        )
+        first, second = self.first.norm1(omega), self.second.norm1(omega)
+        size: int = first**self.second.degree_t * second**self.first.degree_t * conjugate**self.exponent
+        return size << self.degree
+
+    def image(self, p: int, omega: int, _first: bool) -> list[int] | None:
+        """The coefficients modulo p; None if p divides a known factor at a point."""
+        divisors = [
+            int(self.norm(u) ** self.exponent * fmpz(u * u + 1) ** self.circular % p) for u in self.us
+        ]
+        if not all(divisors):
+            return None
+        first, second = (_residues(form, p, omega) for form in (self.first, self.second))
+        conjugate = _residue(self.conjugate, p, omega)
+        values = []
+        for u, divisor in zip(self.us, divisors, strict=True):
+            resultant = formal_resultant([int(c(u)) for c in first], [int(c(u)) for c in second], p)
+            values.append(resultant * pow(int(conjugate(u)), self.exponent, p) * pow(divisor, -1, p) % p)
+        *used, expected = values
+        n = len(used)
+        result = _inverse_vandermonde(self.us[:-1], p) * nmod_mat(n, 1, used, p)
+        coefficients = [int(x) for x in result.entries()]
+        if int(nmod_poly(coefficients, p)(self.us[-1])) != expected:
+            raise SolverError(
+                "an eliminant of the census lacks its known factors; please report this geometry"
+            )
+        return coefficients
+
+
+@lru_cache(maxsize=2)
+def _inverse_vandermonde(us: tuple[int, ...], p: int) -> nmod_mat:
+    return vandermonde(us, p).inv()
+
+
+def _residue(pair: Pair, p: int, omega: int) -> nmod_poly:
+    a, b = (nmod_poly([int(c) % p for c in part.coeffs()], p) for part in pair)
+    return a + b * omega
+
+
+def _residues(form: BiForm, p: int, omega: int) -> list[nmod_poly]:
+    return [_residue(row[0], p, omega) for row in form.coefficients]
+
+
+def _reduced(p: fmpz_mpoly, radicand: int) -> fmpz_mpoly:
+    """With sin² = 1 − cos² and ω² = radicand, so that the degree is the true one."""
+    cos_a, _, cos_t, _, _, _ = TRIG.gens()
+    total = TRIG.gen(0) * 0
+    for (i, j, k, m, power, w), c in p.to_dict().items():
+        term = TRIG.from_dict({(i, j % 2, k, m % 2, power, w % 2): c * fmpz(radicand) ** (w // 2)})
+        total += term * (1 - cos_a**2) ** (j // 2) * (1 - cos_t**2) ** (m // 2)
+    return total
+
+
+def _by_length(p: fmpz_mpoly, top: int) -> tuple[fmpz_mpoly, ...]:
+    """The coefficients of L⁰ … L^top."""
+    rows: list[dict[tuple[int, ...], int | fmpz]] = [{} for _ in range(top + 1)]
+    for (i, j, k, m, power, w), c in p.to_dict().items():
+        rows[power][i, j, k, m, 0, w] = c
+    return tuple(TRIG.from_dict(row) for row in rows)
+
+
+def _joined(form: BiForm) -> fmpz_mpoly:
+    terms: dict[tuple[int, ...], int | fmpz] = {
+        (i, k, w): c
+        for i, row in enumerate(form.coefficients)
+        for w, part in enumerate(row[0])
+        for k, c in enumerate(part.coeffs())
+        if c
+    }
+    return _RING.from_dict(terms)
+
+
+def _rows(p: fmpz_mpoly, degree_t: int) -> list[Pair]:
+    parts: list[tuple[dict[int, fmpz], dict[int, fmpz]]] = [({}, {}) for _ in range(degree_t + 1)]
+    for (i, k, w), c in p.to_dict().items():
+        parts[i][w][k] = c
+
+    def polynomial(terms: dict[int, fmpz]) -> fmpz_poly:
+        return fmpz_poly([terms.get(k, 0) for k in range(max(terms, default=-1) + 1)])
+
+    return [(polynomial(a), polynomial(b)) for a, b in parts]
+
+
+def _primitive(rows: Sequence[Pair], degree_u: int) -> BiForm:
+    content = fmpz(0)
+    for pair in rows:
+        for part in pair:
+            content = content.gcd(part.content())
+    if content > 1:
+        rows = [(a / content, b / content) for a, b in rows]
+    return BiForm(len(rows) - 1, degree_u, tuple((row,) for row in rows))
+
+
+def _divided(p: fmpz_mpoly, q: fmpz_mpoly, radicand: int) -> fmpz_mpoly:
+    """p / q over ℚ(ω), up to a rational factor; q must divide p."""
+    conjugate = q.compose(*_RING.gens()[:2], -_OMEGA)
+    norm = _omega_reduced(q * conjugate, radicand).primitive()[1]
+    quotient: fmpz_mpoly = _omega_reduced(p * conjugate, radicand) / norm
+    return quotient
+
+
+def _omega_reduced(p: fmpz_mpoly, radicand: int) -> fmpz_mpoly:
+    terms: dict[tuple[int, ...], int | fmpz] = {}
+    for (i, k, w), c in p.to_dict().items():
+        key = (i, k, w % 2)
+        terms[key] = terms.get(key, 0) + c * fmpz(radicand) ** (w // 2)
+    return _RING.from_dict(terms)
+
+
+def _form_quotient(p: Form, q: Form, radicand: int) -> Form:
+    """p / q, up to a rational factor; q must divide p."""
+    dividend, divisor = (_joined(BiForm(0, form.degree, ((form.pair,),))) for form in (p, q))
+    [pair] = _rows(_divided(dividend, divisor, radicand), 0)
+    return Form(pair, p.degree - q.degree)
