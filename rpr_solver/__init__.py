@@ -10,7 +10,6 @@ from rpr_solver.cusps import (
     DEFAULT_DIGITS,
     MAX_DIGITS,
     MIN_DIGITS,
-    JointPoint,
     SliceTable,
     cusp_table,
     slice_error_json,
@@ -22,6 +21,7 @@ from rpr_solver.errors import FieldProblem, InputError, SolverError
 from rpr_solver.geometry import EXAMPLES, Manipulator
 from rpr_solver.kinematics import DirectPolynomial, PlatformPose, PoseTable, poses, poses_of_squares
 from rpr_solver.numbers import exact_str, parse_exact
+from rpr_solver.points import JointPoint
 from rpr_solver.tables import shorten_slice, table_csv
 
 __all__ = [

@@ -10,11 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cmp_to_key
 
-from flint import arb, ctx, fmpz_poly, nmod_poly
+from flint import ctx, fmpz_poly, nmod_poly
 
-from rpr_solver.decimals import round_ball, round_fraction
 from rpr_solver.degenerate import (
     CUSP,
     ExactPose,
@@ -24,41 +22,26 @@ from rpr_solver.degenerate import (
     poses_at_half_turn,
 )
 from rpr_solver.eliminant import DEGREE_U, SOLVER_VERSION, Eliminant, eliminate
-from rpr_solver.errors import InputError, SolverError
+from rpr_solver.errors import InputError
 from rpr_solver.geometry import Manipulator
 from rpr_solver.numbers import exact_str, parse_exact
-from rpr_solver.poses import CuspProof, SlicePoses
-from rpr_solver.roots import MAX_BITS, RealPolynomial, RealRoot, real_roots
+from rpr_solver.points import (
+    Found,
+    JointPoint,
+    digit_bits,
+    found_by_balls,
+    found_exactly,
+    free_legs,
+    in_order,
+)
+from rpr_solver.poses import SlicePoses
+from rpr_solver.roots import RealPolynomial, RealRoot, real_roots
 from rpr_solver.shared_curves import Plane, without_shared_curves
 from rpr_solver.surface import Pair
 
 DEFAULT_DIGITS = 90
 MIN_DIGITS, MAX_DIGITS = 15, 10_000
 _ROUNDS_BEFORE_EXACT = 4
-
-
-@dataclass(frozen=True)
-class JointPoint:
-    """A point of a slice as correctly rounded decimals: angles in degrees, lengths in the user's unit.
-
-    ``theta_deg`` is the angle of the fixed leg; ``first`` and ``second`` are the lengths of the
-    other two legs in the order of their numbers.
-    """
-
-    alpha_deg: str
-    theta_deg: str
-    first: str
-    second: str
-
-    def to_json(self, fixed_leg: int) -> dict[str, str]:
-        """The contract's object: ``alpha_deg``, ``theta1_deg``, ``l2``, ``l3`` for leg 1."""
-        first, second = free_legs(fixed_leg)
-        return {
-            "alpha_deg": self.alpha_deg,
-            f"theta{fixed_leg}_deg": self.theta_deg,
-            f"l{first}": self.first,
-            f"l{second}": self.second,
-        }
 
 
 @dataclass(frozen=True)
@@ -129,12 +112,6 @@ def solve_slice(eliminant: Eliminant, length: Fraction, digits: int = DEFAULT_DI
     return _Slice(eliminant, length, digits).solve()
 
 
-def free_legs(fixed_leg: int) -> tuple[int, int]:
-    """The other two legs, in the order of their numbers."""
-    first, second = (leg for leg in (1, 2, 3) if leg != fixed_leg)
-    return first, second
-
-
 def slice_error_json(length: Fraction, fixed_leg: int, kind: str, detail: str) -> dict[str, object]:
     """The slice object of a slice that has no answer; its neighbours are not touched."""
     return {f"l{fixed_leg}": exact_str(length), "error": {"type": kind, "detail": detail}}
@@ -154,18 +131,6 @@ def table_json(
     }
 
 
-@dataclass(frozen=True)
-class _Found:
-    """A classified point with its sort key (θ, α in degrees)."""
-
-    kind: str
-    theta: arb
-    alpha: arb
-    point: JointPoint
-    proof: Mapping[str, str]
-    bits: int
-
-
 class _Slice:
     def __init__(self, eliminant: Eliminant, length: Fraction, digits: int) -> None:
         self.eliminant = eliminant
@@ -175,7 +140,7 @@ class _Slice:
         self.digits = digits
         self._collinear = self.surface.collinear()
         self._closed = self.surface.closed_leg(self.scaled)
-        self.digit_bits = digits * 3322 // 1000 + 16
+        self.digit_bits = digit_bits(digits)
 
     def solve(self) -> SliceTable:
         q = self.eliminant.at(self.scaled)
@@ -214,10 +179,10 @@ class _Slice:
             return common
         return None
 
-    def _by_balls(self, roots: list[RealRoot]) -> list[_Found] | None:
+    def _by_balls(self, roots: list[RealRoot]) -> list[Found] | None:
         """The cusps above simple roots; None where balls alone do not come to an end."""
         bits = self.digit_bits + 192
-        found: list[_Found] = []
+        found: list[Found] = []
         for _ in range(_ROUNDS_BEFORE_EXACT):
             poses = SlicePoses(self.surface, self.scaled, bits)
             for root in roots[len(found) :]:
@@ -229,20 +194,14 @@ class _Slice:
             bits *= 2
         return None
 
-    def _cusp(self, poses: SlicePoses, root: RealRoot) -> _Found | None:
+    def _cusp(self, poses: SlicePoses, root: RealRoot) -> Found | None:
         u = root.refined(poses.bits - 64)
         with ctx.workprec(poses.bits):
             t = poses.alpha(u)
             cusp = t and poses.cusp(u, t)
             if not cusp:
                 return None
-            balls = (cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second)
-            texts = [round_ball(x, self.digits) for x in balls]
-            if None in texts:
-                return None
-            return _Found(
-                CUSP, cusp.theta_deg, cusp.alpha_deg, _point(texts), _proof_json(cusp.proof), poses.bits
-            )
+            return found_by_balls(cusp, self.digits, poses.bits)
 
     def _exactly(self, q: Pair) -> SliceTable:
         """Take every root apart over ℚ(ω); simple ones still go the way of balls where they can."""
@@ -252,7 +211,7 @@ class _Slice:
         else:
             plane, q = without_shared_curves(self.surface, self.scaled)
             turned, _ = without_shared_curves(self.surface, -self.scaled)
-        found: list[_Found] = []
+        found: list[Found] = []
         factors = norm_factors(q, self.surface.radicand)
         roots = list(exact_roots(factors))
         extra = [] if touching is None else list(exact_roots(norm_factors((touching, fmpz_poly([])), 1)))
@@ -264,11 +223,11 @@ class _Slice:
                 if cusps is not None:
                     found += cusps
                     continue
-            found += map(self._exact_point, poses_above(self.surface, self.scaled, plane, root))
+            found += map(self._exactly_found, poses_above(self.surface, self.scaled, plane, root))
         at_infinity = DEGREE_U - max(q[0].degree(), q[1].degree())
         touches_infinity = touching is not None and touching.degree() < 1
         if at_infinity or plane.shared or touches_infinity:
-            found += map(self._exact_point, poses_at_half_turn(self.surface, self.scaled, turned))
+            found += map(self._exactly_found, poses_at_half_turn(self.surface, self.scaled, turned))
         shapes: dict[int, int] = {at_infinity: 1} if at_infinity and not plane.shared else {}
         for degree, multiplicity in (shape for factor in factors for shape in factor.shape):
             shapes[multiplicity] = shapes.get(multiplicity, 0) + degree
@@ -278,32 +237,19 @@ class _Slice:
         ]
         return self._table(found, len(roots), shape, "exact", curves)
 
-    def _exact_point(self, pose: ExactPose) -> _Found:
-        exact: list[Fraction | None] = [None, None, *pose.exact_lengths()]
-        bits = self.digit_bits + 128
-        while bits <= MAX_BITS:
-            balls = pose.coordinates(bits)
-            with ctx.workprec(bits):
-                texts = [
-                    round_fraction(x, self.digits) if x is not None else round_ball(ball, self.digits)
-                    for x, ball in zip(exact, balls, strict=True)
-                ]
-            if None not in texts:
-                proof = {"field_degree": str(pose.u.field.degree)}
-                return _Found(pose.kind, balls[1], balls[0], _point(texts), proof, bits)
-            bits *= 2
-        raise SolverError(f"the digits of a {pose.kind} could not be decided")
+    def _exactly_found(self, pose: ExactPose) -> Found:
+        return found_exactly(pose, self.digits)
 
     def _table(
         self,
-        found: list[_Found],
+        found: list[Found],
         real_roots: int,
         cusp_factors: list[tuple[int, int]],
         method: str,
         curves: Sequence[Mapping[str, str]] = (),
     ) -> SliceTable:
         leg = self.surface.fixed_leg
-        found = sorted(found, key=cmp_to_key(_by_angle))
+        found = in_order(found)
         cusps = [x for x in found if x.kind == CUSP]
         degenerate = [{"kind": x.kind, **x.point.to_json(leg)} for x in found if x.kind != CUSP]
         certificate = {
@@ -341,31 +287,3 @@ def _factor_table(
 
 def _modulo(polynomial: fmpz_poly, p: int) -> nmod_poly:
     return nmod_poly([int(c) % p for c in polynomial.coeffs()], p)
-
-
-def _point(texts: Sequence[str | None]) -> JointPoint:
-    alpha, theta, first, second = (text or "" for text in texts)
-    return JointPoint(_half_open(alpha), _half_open(theta), first, second)
-
-
-def _half_open(angle: str) -> str:
-    """An angle that rounds to −180 is printed as 180: the table's range is (−180, 180]."""
-    return angle[1:] if angle.startswith("-180") else angle
-
-
-def _proof_json(proof: CuspProof) -> dict[str, str]:
-    return {
-        "rank_1": proof.rank.str(5),
-        "grad_J": proof.gradient.str(5),
-        "v_grad_E": proof.transversal.str(5),
-    }
-
-
-def _by_angle(x: _Found, y: _Found) -> int:
-    """Order by θ, then by α; angles whose balls overlap at full precision are equal."""
-    for first, second in ((x.theta, y.theta), (x.alpha, y.alpha)):
-        if first < second:
-            return -1
-        if first > second:
-            return 1
-    return 0

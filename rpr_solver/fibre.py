@@ -21,6 +21,7 @@ from rpr_solver.decimals import round_ball, round_fraction
 from rpr_solver.degenerate import ExactRoot, embedded, exact_roots, norm_factors
 from rpr_solver.errors import SolverError
 from rpr_solver.jets import LocalMap, Pose
+from rpr_solver.points import digit_bits
 from rpr_solver.poses import HalfTangent
 from rpr_solver.roots import MAX_BITS, RealPolynomial, RealRoot, omega_ball, real_roots
 from rpr_solver.surface import Leg
@@ -68,7 +69,7 @@ class _Fibre:
         self.closure = closure
         self.surface = closure.surface
         self.digits = digits
-        self.digit_bits = digits * 3322 // 1000 + 16
+        self.digit_bits = digit_bits(digits)
 
     def solve(self) -> Fibre:
         a, b = self.closure.sextic
