@@ -102,14 +102,23 @@ def solve_slice(eliminant: Eliminant, length: Fraction, digits: int = DEFAULT_DI
         InputError: ``length`` is not positive, or ``digits`` is out of range.
         SolverError: the slice could not be decided; nothing was guessed.
     """
-    leg = eliminant.surface.fixed_leg
+    check_slice(eliminant.surface.fixed_leg, length, digits)
+    return _Slice(eliminant, length, digits).solve()
+
+
+def check_slice(fixed_leg: int, length: Fraction, digits: int) -> None:
+    """Refuse what is no slice.
+
+    Raises:
+        InputError: ``length`` is not positive, or ``digits`` is out of range.
+    """
     if length <= 0:
         raise InputError.of(
-            f"l{leg}", f"is {exact_str(length)}; a slice needs a leg length > 0 (at 0 its angle is undefined)"
+            f"l{fixed_leg}",
+            f"is {exact_str(length)}; a slice needs a leg length > 0 (at 0 its angle is undefined)",
         )
     if not MIN_DIGITS <= digits <= MAX_DIGITS:
         raise InputError.of("digits", f"is {digits}; give {MIN_DIGITS} to {MAX_DIGITS}")
-    return _Slice(eliminant, length, digits).solve()
 
 
 def slice_error_json(length: Fraction, fixed_leg: int, kind: str, detail: str) -> dict[str, object]:
