@@ -6,6 +6,7 @@
 (6, '-69.1293760614883')
 """
 
+from rpr_solver.census import Census, Transition, TransitionPoint, census
 from rpr_solver.cusps import (
     DEFAULT_DIGITS,
     MAX_DIGITS,
@@ -22,7 +23,7 @@ from rpr_solver.geometry import EXAMPLES, Manipulator
 from rpr_solver.kinematics import DirectPolynomial, PlatformPose, PoseTable, poses, poses_of_squares
 from rpr_solver.numbers import exact_str, parse_exact
 from rpr_solver.points import JointPoint
-from rpr_solver.tables import shorten_slice, table_csv
+from rpr_solver.tables import census_csv, restrict_census, shorten_slice, table_csv
 
 __all__ = [
     "DEFAULT_DIGITS",
@@ -30,6 +31,7 @@ __all__ = [
     "MAX_DIGITS",
     "MIN_DIGITS",
     "SOLVER_VERSION",
+    "Census",
     "DirectPolynomial",
     "Eliminant",
     "FieldProblem",
@@ -40,12 +42,17 @@ __all__ = [
     "PoseTable",
     "SliceTable",
     "SolverError",
+    "Transition",
+    "TransitionPoint",
+    "census",
+    "census_csv",
     "cusp_table",
     "eliminate",
     "exact_str",
     "parse_exact",
     "poses",
     "poses_of_squares",
+    "restrict_census",
     "shorten_slice",
     "slice_error_json",
     "solve_slice",

@@ -1,96 +1,159 @@
-"""The events of a manipulator: each pose at which cusps of the slices meet, with its L, proved by balls.
+"""The events of a manipulator: each pose at which cusps of the slices meet, with its L, proved.
 
-An event is a real common zero of one of the systems of transitions.py with L = −J0/J1 > 0. That
-leaves out poses that are singular at every L, which are looked at exactly, one by one.
+An event is a real common zero of one of the systems of transitions.py with L = −J0/J1 > 0, or a pose
+that is singular at every L and degenerate at some. Simple ones are settled by balls; the others, and
+poses that are always singular, exactly (exact_events.py).
+
+Complete by the implicit function theorem: where no pose of a slice is degenerate, every cusp is a
+transversal zero of (J, E) and goes on to the neighbouring slices. A degenerate pose with ∇f ≠ 0,
+J1 ≠ 0 satisfies M1 = M2 = 0 or C = W = 0; J1 = 0 makes it always singular (or L infinite); ∇f = 0
+makes it always singular too, or has leg f closed: there the fibre's order is even, so that such a
+pose is degenerate only where leg f closes while stretched along its base line (:class:`Touching`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 from flint import arb, ctx, fmpz_poly, nmod_poly
 
+from rpr_solver.algebraic import Algebraic, Field
+from rpr_solver.degenerate import exact_roots, norm_factors
 from rpr_solver.errors import SolverError
+from rpr_solver.exact_events import ExactEvent, events_above, permanent_events
 from rpr_solver.jets import LocalMap, Pose
 from rpr_solver.poses import HalfTangent, common_root
 from rpr_solver.roots import RealPolynomial, RealRoot, omega_ball, real_roots
 from rpr_solver.surface import Surface
-from rpr_solver.transitions import EventSystems, Form, NotGeneric, System
+from rpr_solver.transitions import EventSystems, Form, System
 
 _START_BITS = 256
-_MAX_BITS = 1 << 15
+_MAX_BITS = 1 << 12
 _CHECK_PRIMES = 4
 
 
+class Event(Protocol):
+    """A place on the axis of L at which the number of cusps may change (scaled units inside)."""
+
+    @property
+    def kind(self) -> str:
+        """The kind of the degenerate pose; empty where there is none."""
+
+    @property
+    def exact_length(self) -> Algebraic | None:
+        """L (scaled) as an algebraic number, where it is known as one."""
+
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+
+    def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
+        """α and θ in degrees, and the free legs in the user's unit."""
+
+
 @dataclass(frozen=True)
-class EventBalls:
-    """One event at one precision: the fixed length L (scaled), the pose, the squared free legs, the kind."""
-
-    length: arb
-    t: HalfTangent
-    u: arb
-    f: arb
-    g: arb
-    kind: str
-
-
-@dataclass(frozen=True)
-class Event:
-    """A real event; ``balls`` computes it to any precision."""
+class BallEvent:
+    """An event above a simple root of an eliminant, refined on demand."""
 
     surface: Surface
     system: System
     root: RealRoot
-    swallowtail: bool
+    kind: str
 
-    def length(self, bits: int) -> arb | None:
-        """L (scaled), whatever its sign."""
-        located = self._located(bits)
-        return located and located[0]
+    @property
+    def exact_length(self) -> None:
+        """Not known as an algebraic number."""
+        return None
 
-    def balls(self, bits: int) -> EventBalls | None:
-        """The event with about ``bits`` bits, or None where that precision does not prove its kind."""
-        located = self._located(bits)
-        if located is None:
-            return None
-        length, t, u = located
-        with ctx.workprec(bits + 64):
-            pose = _pose(self.surface, t, u, length, bits + 64)
-            local = LocalMap.at(self.surface, pose, 4)
-            kind = _swallowtail(local) if self.swallowtail else _critical(local)
-            f, g = local.squared_lengths(self.surface, pose)
-            if kind is None or not (f > 0 and g > 0):
-                return None
-            return EventBalls(length, t, u, f, g, kind)
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+        return self._refined(bits)[2]
 
-    def _located(self, bits: int) -> tuple[arb, HalfTangent, arb] | None:
-        work = bits + 64
-        u = self.root.refined(bits)
+    def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
+        """α and θ in degrees, and the free legs in the user's unit."""
+        t, u, length, work = self._refined(bits)
         with ctx.workprec(work):
-            first, second = (
-                [RealPolynomial(*row[0], self.surface.radicand).ball(work)(u) for row in form.coefficients]
-                for form in (self.system.first, self.system.second)
-            )
-            t = common_root(first, second)
-            length = t and _length(self.surface, t, u, work)
-            return (length, t, u) if t is not None and length is not None else None
+            pose = _pose(self.surface, t, u, length, work)
+            f, g = LocalMap.at(self.surface, pose, 0).squared_lengths(self.surface, pose)
+            scale = self.surface.scale_ball()
+            return t.degrees(), HalfTangent(u, arb(1)).degrees(), f.sqrt() / scale, g.sqrt() / scale
+
+    def exact(self) -> ExactEvent:
+        """The same event in a number field, for what balls cannot show: an angle of exactly 0, say."""
+        for root in exact_roots(norm_factors(self.system.eliminant.pair, self.surface.radicand)):
+            if root.root.refined(_MAX_BITS).overlaps(self.root.refined(_MAX_BITS)):
+                [event] = events_above(self.surface, self.system.first, self.system.second, root)
+                return event
+        raise SolverError("an event was lost between balls and exact arithmetic")
+
+    def _refined(self, bits: int) -> tuple[HalfTangent, arb, arb, int]:
+        work = bits
+        while True:
+            located = _located(self.surface, self.system, self.root, work)
+            if located is not None and located[2].rel_accuracy_bits() >= bits - 32:
+                return *located, work
+            work *= 2
+
+
+@dataclass(frozen=True)
+class Touching:
+    """A length at which leg f closes while stretched along its base line; mostly nothing happens there."""
+
+    exact_length: Algebraic
+    kind: str = ""
+
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+        return self.exact_length.ball(bits)
+
+    def coordinates(self, _bits: int) -> tuple[arb, arb, arb, arb]:
+        """No pose is meant."""
+        raise NotImplementedError
 
 
 def events(systems: EventSystems) -> Iterator[Event]:
     """All events with L > 0, in no order.
 
     Raises:
-        NotGeneric: an event is not simple, so balls cannot tell it apart.
-        SolverError: the sign of an L could not be decided.
+        NotGeneric: the events are not isolated.
     """
-    for system, swallowtail in ((systems.swallowtails, True), (systems.critical, False)):
-        if not _simple(systems.surface, system.eliminant):
-            raise NotGeneric
-        for root in real_roots(system.eliminant.real(systems.surface.radicand)):
-            event = Event(systems.surface, system, root, swallowtail)
-            if _positive(event):
-                yield event
+    surface = systems.surface
+    yield from _system_events(surface, systems.swallowtails, swallowtail=True)
+    yield from _system_events(surface, systems.critical, swallowtail=False)
+    yield from permanent_events(surface, systems.j0, systems.j1, systems.permanent)
+    yield from touching(surface)
+
+
+def touching(surface: Surface) -> Iterator[Touching]:
+    """The positive L with L = ±|a| ± |m|: a and m the base and platform sides between the legs."""
+    leg = surface.f
+    a2, m2 = leg.ax**2 + leg.ay**2, leg.m**2 + leg.n**2 * surface.radicand
+    quartic = fmpz_poly([(a2 - m2) ** 2, 0, -2 * (a2 + m2), 0, 1])
+    for factor, _ in quartic.factor()[1]:
+        for root in real_roots(RealPolynomial(factor, fmpz_poly([]), 1)):
+            length = Field.of_root(root).generator
+            if length.sign > 0:
+                yield Touching(length)
+
+
+def _system_events(surface: Surface, system: System, *, swallowtail: bool) -> Iterator[Event]:
+    form = system.eliminant
+    if _simple(surface, form):
+        roots = real_roots(form.real(surface.radicand))
+        proved = [_prove(surface, system, root, swallowtail) for root in roots]
+        if "undecided" not in proved:
+            yield from (x for x in proved if isinstance(x, BallEvent))
+            return
+    a, b = form.pair
+    if max(a.degree(), b.degree()) < form.degree:
+        yield from events_above(surface, system.first, system.second, None)
+    for root in exact_roots(norm_factors(form.pair, surface.radicand)):
+        event = _prove(surface, system, root.root, swallowtail) if root.multiplicity == 1 else "undecided"
+        if isinstance(event, BallEvent):
+            yield event
+        elif event == "undecided":
+            yield from events_above(surface, system.first, system.second, root)
 
 
 def _simple(surface: Surface, form: Form) -> bool:
@@ -103,27 +166,49 @@ def _simple(surface: Surface, form: Form) -> bool:
     return False
 
 
-def _positive(event: Event) -> bool:
+def _prove(surface: Surface, system: System, root: RealRoot, swallowtail: bool) -> BallEvent | str:
+    """The event above a simple root; "negative" where L < 0, "undecided" where balls do not tell."""
     bits = _START_BITS
     while bits <= _MAX_BITS:
-        length = event.length(bits)
-        if length is not None and not length.contains(0):
-            return bool(length > 0)
+        located = _located(surface, system, root, bits)
+        if located is not None:
+            t, u, length = located
+            if length < 0:
+                return "negative"
+            with ctx.workprec(bits):
+                local = LocalMap.at(surface, _pose(surface, t, u, length, bits), 4)
+                kind = _swallowtail(local) if swallowtail else _critical(local)
+            if length > 0 and kind is not None:
+                return BallEvent(surface, system, root, kind)
         bits *= 2
-    raise SolverError("the sign of a transition's length could not be decided")
+    return "undecided"
 
 
-def _length(surface: Surface, t: HalfTangent, u: arb, work: int) -> arb | None:
-    """L = −J0/J1, from J at L = 1 and at L = −1."""
-    plus, minus = (
-        LocalMap.at(surface, _pose(surface, t, u, arb(sign), work), 1).singularity().value for sign in (1, -1)
-    )
-    length = (minus - plus) / (plus + minus)
-    return length if length.is_finite() else None
+def _located(
+    surface: Surface, system: System, root: RealRoot, work: int
+) -> tuple[HalfTangent, arb, arb] | None:
+    """t, u and L above a root, or None where the precision does not tell."""
+    u = root.refined(work - 64)
+    with ctx.workprec(work):
+        first, second = (
+            [RealPolynomial(*row[0], surface.radicand).ball(work)(u) for row in form.coefficients]
+            for form in (system.first, system.second)
+        )
+        t = common_root(first, second)
+        if t is None or t.denominator.contains(0):
+            return None
+        # J is L (J0 + L J1)
+        plus, minus = (
+            LocalMap.at(surface, _pose(surface, t, u, arb(sign), work), 1).singularity().value
+            for sign in (1, -1)
+        )
+        length = (minus - plus) / (plus + minus)
+        return (t, u, length) if length.is_finite() else None
 
 
 def _pose(surface: Surface, t: HalfTangent, u: arb, length: arb, work: int) -> Pose[arb]:
-    return Pose(*t.cos_sin(), *HalfTangent(u, arb(1)).cos_sin(), length, omega_ball(surface.radicand, work))
+    (cos_a, sin_a), (cos_t, sin_t) = t.cos_sin(), HalfTangent(u, arb(1)).cos_sin()
+    return Pose(cos_a, sin_a, cos_t, sin_t, length, omega_ball(surface.radicand, work))
 
 
 def _swallowtail(local: LocalMap[arb]) -> str | None:

@@ -101,10 +101,10 @@ def digit_bits(digits: int) -> int:
 
 def _point(texts: Sequence[str | None]) -> JointPoint:
     alpha, theta, first, second = (text or "" for text in texts)
-    return JointPoint(_half_open(alpha), _half_open(theta), first, second)
+    return JointPoint(in_half_open_range(alpha), in_half_open_range(theta), first, second)
 
 
-def _half_open(angle: str) -> str:
+def in_half_open_range(angle: str) -> str:
     """An angle that rounds to −180 is printed as 180: the table's range is (−180, 180]."""
     return angle[1:] if angle.startswith("-180") else angle
 

@@ -50,11 +50,13 @@ class RealRoot:
     ball: arb
 
     def refined(self, bits: int) -> arb:
-        """A ball round the root with ``bits`` correct bits, by interval Newton steps.
+        """A ball round the root with ``bits`` correct bits, by interval Newton steps; 0 is exact.
 
         Raises:
             SolverError: the accuracy cannot be reached within the precision limit.
         """
+        if not (self.polynomial.a[0] or self.polynomial.b[0]) and self.ball.contains(0):
+            return arb(0)
         work = bits + 64
         while work <= MAX_BITS:
             polynomial = self.polynomial.ball(work)

@@ -22,7 +22,7 @@ from fractions import Fraction
 from functools import cached_property
 from math import gcd, isqrt, lcm
 
-from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import arb, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from rpr_solver.errors import InputError
 from rpr_solver.geometry import CW, Manipulator
@@ -131,6 +131,10 @@ class Surface:
     def coalescence(self) -> BiForm:
         """E, up to a factor: degrees 6 in t and u, 2 in L (method.md section 3)."""
         return half_angles(self.trigonometric[1], (3, 3), self.radicand)
+
+    def scale_ball(self) -> arb:
+        """``scale`` as a ball at the working precision."""
+        return arb(self.scale.numerator) / self.scale.denominator
 
     def collinear(self) -> fmpz_poly:
         """The quadratic whose roots u put leg i along the base line to leg f, where ∇f may vanish."""

@@ -1,0 +1,242 @@
+"""Events that balls cannot settle, by exact arithmetic: multiple roots, and poses singular at every L.
+
+Both kinds of pose are the common zeros of two forms in (t, u) above a root u (or u = ∞) of their
+eliminant, found in a number field; J0 and J1, or E and v·∇E as polynomials in L, then say at which L
+the pose is an event.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from flint import arb, ctx, fmpq, fmpz_poly
+
+from rpr_solver.algebraic import (
+    Algebraic,
+    Extension,
+    Field,
+    Polynomial,
+    adjoin_real_roots,
+    poly_gcd,
+    poly_mod,
+    squarefree_part,
+    trimmed,
+)
+from rpr_solver.degenerate import (
+    CUSP,
+    ExactRoot,
+    classify,
+    cos_sin,
+    embedded,
+    exact_roots,
+    norm_factors,
+    value_at,
+)
+from rpr_solver.jets import LocalMap, Pose
+from rpr_solver.poses import HalfTangent
+from rpr_solver.roots import RealPolynomial, real_roots
+from rpr_solver.surface import BiForm, Pair, Surface
+from rpr_solver.transitions import Form, NotGeneric
+
+
+@dataclass(frozen=True)
+class ExactEvent:
+    """An event with L > 0, all of it in one real number field (scaled units)."""
+
+    surface: Surface
+    kind: str
+    pose: Pose[Algebraic]
+
+    @property
+    def exact_length(self) -> Algebraic:
+        """L (scaled)."""
+        return self.pose.length
+
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+        return self.pose.length.ball(bits)
+
+    def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
+        """α and θ in degrees, and the free legs in the user's unit."""
+        p = self.pose
+        alpha, theta = _degrees(p.cos_alpha, p.sin_alpha, bits), _degrees(p.cos_theta, p.sin_theta, bits)
+        squares = LocalMap.at(self.surface, p, 0).squared_lengths(self.surface, p)
+        balls = [x.ball(bits) for x in squares]
+        with ctx.workprec(bits):
+            first, second = (
+                arb(0) if x.is_zero else ball.sqrt() / self.surface.scale_ball()
+                for x, ball in zip(squares, balls, strict=True)
+            )
+        return alpha, theta, first, second
+
+
+def events_above(
+    surface: Surface, first: BiForm, second: BiForm, root: ExactRoot | None
+) -> Iterator[ExactEvent]:
+    """The events among the common zeros of a system above one root u; None is u = ∞."""
+    for pose in _common_poses(surface, first, second, root):
+        plus, minus = (_singularity(surface, pose, sign) for sign in (1, -1))
+        j1 = plus + minus  # twice J1; plus − minus is twice J0
+        if j1.is_zero:
+            continue  # L is infinite, or undetermined at a pose that is singular for every L
+        length = (minus - plus) * j1.inverse()
+        if length.sign > 0:
+            yield from _event(surface, replace(pose, length=length))
+
+
+def permanent_events(surface: Surface, j0: BiForm, j1: BiForm, permanent: Form) -> Iterator[ExactEvent]:
+    """The events at poses that are singular for every L (J0 = J1 = 0).
+
+    Raises:
+        NotGeneric: such a pose is degenerate for every L.
+    """
+    a, b = permanent.pair
+    roots: list[ExactRoot | None] = list(exact_roots(norm_factors((a, b), surface.radicand)))
+    if max(a.degree(), b.degree()) < permanent.degree:
+        roots.append(None)
+    for root in roots:
+        for pose in _common_poses(surface, j0, j1, root):
+            for extension in _degenerate_lengths(surface, pose):
+                if extension.root.sign > 0:
+                    lifted = _lifted(extension, pose)
+                    yield from _event(surface, replace(lifted, length=extension.root))
+
+
+def _lifted(extension: Extension, pose: Pose[Algebraic]) -> Pose[Algebraic]:
+    """The pose in the larger field."""
+    cos_a, sin_a, cos_t, sin_t, length, omega = (extension.lift(x) for x in _entries(pose))
+    return Pose(cos_a, sin_a, cos_t, sin_t, length, omega)
+
+
+def _entries(pose: Pose[Algebraic]) -> tuple[Algebraic, ...]:
+    return pose.cos_alpha, pose.sin_alpha, pose.cos_theta, pose.sin_theta, pose.length, pose.omega
+
+
+def _event(surface: Surface, pose: Pose[Algebraic]) -> Iterator[ExactEvent]:
+    kind = classify(surface, pose, LocalMap.at(surface, pose, 4))
+    if kind not in (None, CUSP):
+        yield ExactEvent(surface, str(kind), pose)
+
+
+def _common_poses(
+    surface: Surface, first: BiForm, second: BiForm, root: ExactRoot | None
+) -> Iterator[Pose[Algebraic]]:
+    """The real poses above a root; their length is a placeholder."""
+    for cos_t, sin_t, omega, rows in _places(surface, first, second, root):
+        field = omega.field
+        a, b = rows
+        if a[-1].is_zero and b[-1].is_zero:
+            yield Pose(field(-1), field(0), cos_t, sin_t, field(1), omega)
+        common = poly_gcd(trimmed(a), trimmed(b))
+        if not common:
+            raise NotGeneric
+        for extension in adjoin_real_roots(field, squarefree_part(common)):
+            yield Pose(
+                *cos_sin(extension.root),
+                extension.lift(cos_t),
+                extension.lift(sin_t),
+                extension.field(1),
+                extension.lift(omega),
+            )
+
+
+def _places(
+    surface: Surface, first: BiForm, second: BiForm, root: ExactRoot | None
+) -> Iterator[tuple[Algebraic, Algebraic, Algebraic, list[list[Algebraic]]]]:
+    """cos θ, sin θ, ω and both forms' coefficients of t, at a root."""
+    if root is not None:
+        for u, omega in embedded(surface, root):
+            rows = [[value_at(row[0], u, omega) for row in form.coefficients] for form in (first, second)]
+            yield *cos_sin(u), omega, rows
+        return
+    origin = real_roots(RealPolynomial(fmpz_poly([0, 1]), fmpz_poly([]), 1))[0]
+    for zero, omega in embedded(surface, ExactRoot(origin, 1, None)):
+        field = zero.field
+        rows = [
+            [_leading(row[0], form.degree_u, omega) for row in form.coefficients] for form in (first, second)
+        ]
+        yield field(-1), field(0), omega, rows
+
+
+def _leading(pair: Pair, degree: int, omega: Algebraic) -> Algebraic:
+    a, b = (omega.field(fmpq(part[degree])) for part in pair)
+    return a + omega * b
+
+
+def _singularity(surface: Surface, pose: Pose[Algebraic], length: int) -> Algebraic:
+    at = replace(pose, length=pose.omega.field(length))
+    return LocalMap.at(surface, at, 1).singularity().value
+
+
+def _degenerate_lengths(surface: Surface, pose: Pose[Algebraic]) -> Iterator[Extension]:
+    """The L at which a pose that is always singular is degenerate as well."""
+    field = pose.omega.field
+    cos_a, sin_a, cos_t, sin_t, _, omega = (_InLength([x]) for x in _entries(pose))
+    symbolic = Pose(cos_a, sin_a, cos_t, sin_t, _InLength([field(0), field(1)]), omega)
+    local: LocalMap[Any] = LocalMap.at(surface, symbolic, 3)
+    j = local.singularity()
+    conditions = [[j.alpha.value, j.theta.value]]
+    for leg in (local.f, local.g):
+        e = local.along(leg, j)
+        conditions.append([e.value, local.along(leg, e).value])
+    slopes = [poly_gcd(*(x.value.coefficients for x in (leg.alpha, leg.theta))) for leg in (local.f, local.g)]
+    if not all(slopes):
+        # ∇f = 0 at every L: only the other leg tells
+        conditions = [conditions[0]] + [c for c, s in zip(conditions[1:], slopes, strict=True) if s]
+        slopes = [s for s in slopes if s]
+    for vanishing, condition in zip([[], *slopes], conditions, strict=True):
+        common = poly_gcd(*(x.coefficients for x in condition))
+        if not common:
+            raise NotGeneric
+        common = _without(_without(common, [field(0), field(1)]), vanishing)
+        yield from adjoin_real_roots(field, squarefree_part(common))
+
+
+def _without(p: Polynomial, factor: Polynomial) -> Polynomial:
+    """p less all that it shares with a factor."""
+    while factor and len(common := poly_gcd(p, factor)) > 1:
+        p = poly_mod(p, common)[0]
+    return p
+
+
+def _degrees(cos: Algebraic, sin: Algebraic, bits: int) -> arb:
+    """The angle in (−180, 180], exact at 0 and 180."""
+    if sin.is_zero:
+        return arb(0) if cos.sign > 0 else arb(180)
+    c, s = cos.ball(bits), sin.ball(bits)
+    with ctx.workprec(bits):
+        return HalfTangent(s, 1 + c).degrees()
+
+
+@dataclass(frozen=True, eq=False)
+class _InLength:
+    """A polynomial in L over a number field: a ring for jets."""
+
+    coefficients: Sequence[Algebraic]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "coefficients", trimmed(self.coefficients))
+
+    def __add__(self, other: _InLength) -> _InLength:
+        a, b = sorted((self.coefficients, other.coefficients), key=len)
+        return _InLength([x + y for x, y in zip(a, b, strict=False)] + list(b[len(a) :]))
+
+    def __neg__(self) -> _InLength:
+        return _InLength([-x for x in self.coefficients])
+
+    def __sub__(self, other: _InLength) -> _InLength:
+        return self + -other
+
+    def __mul__(self, other: _InLength | int) -> _InLength:
+        if isinstance(other, int):
+            return _InLength([x * other for x in self.coefficients])
+        if not self.coefficients or not other.coefficients:
+            return _InLength([])
+        field: Field = self.coefficients[0].field
+        total = [field(0)] * (len(self.coefficients) + len(other.coefficients) - 1)
+        for i, x in enumerate(self.coefficients):
+            for k, y in enumerate(other.coefficients):
+                total[i + k] = total[i + k] + x * y
+        return _InLength(total)
