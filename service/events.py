@@ -16,7 +16,7 @@ from redis.exceptions import RedisError
 
 from service.job_view import job_json
 from service.settings import Settings
-from worker import JobQueue, JobView
+from worker import JobQueue, JobView, TableRequest
 
 log = logging.getLogger("rpr_cusps.service")
 
@@ -127,6 +127,9 @@ class JobEvents:
             l1 = fields["l1"]
             progress = {"done": int(fields["done"]), "total": int(fields["total"])}
             return sse(event.id, "slice", {"l1": l1, "progress": progress, "slice": slices.get(l1)})
+        if fields["type"] == "progress":
+            progress = {"done": int(fields["done"]), "total": int(fields["total"])}
+            return sse(event.id, "progress", {"progress": progress})
         view = await self._view(job_id)
         document = {"id": job_id, "status": fields["status"]} if view is None else job_json(view)
         return sse(event.id, "status", {**document, "status": fields["status"]})
@@ -140,6 +143,8 @@ class JobEvents:
         if found is None:
             return {}
         _, request, errors = found
+        if not isinstance(request, TableRequest):
+            return {}
         return {**self.queue.store.get_slices(request, l1), **errors}
 
     async def _view(self, job_id: str) -> JobView | None:

@@ -3,8 +3,17 @@
 from worker.connection import connect
 from worker.queue import JobQueue
 from worker.records import JobView
-from worker.requests import TableRequest
+from worker.requests import DocumentRequest, JobRequest, TableRequest
 from worker.settings import WorkerSettings
 from worker.store import ResultStore
 
-__all__ = ["JobQueue", "JobView", "ResultStore", "TableRequest", "WorkerSettings", "connect"]
+__all__ = [
+    "DocumentRequest",
+    "JobQueue",
+    "JobRequest",
+    "JobView",
+    "ResultStore",
+    "TableRequest",
+    "WorkerSettings",
+    "connect",
+]

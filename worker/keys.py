@@ -40,6 +40,18 @@ class Keys:
         """Held while one worker computes the eliminant."""
         return self._content("eliminant-lock", geometry_hash, fixed_leg)
 
+    def document(self, content_hash: str) -> str:
+        """A document that was computed in one piece; the hash carries the solver's version."""
+        return f"{self.prefix}:document:{content_hash}"
+
+    def document_lock(self, content_hash: str) -> str:
+        """Held while one worker computes a document that several jobs need."""
+        return f"{self.prefix}:document-lock:{content_hash}"
+
+    def census_digits(self, geometry_hash: str, fixed_leg: int) -> str:
+        """The set of the numbers of digits for which the whole census of a geometry is known."""
+        return self._content("census-digits", geometry_hash, fixed_leg)
+
     def job(self, job_id: str) -> JobKeys:
         """The keys of the job `job_id`."""
         base = f"{self.prefix}:job:{job_id}"

@@ -12,8 +12,9 @@ from redis import Redis
 
 import rpr_solver
 from worker.chunks import ChunkQueue
+from worker.documents import known_document
 from worker.records import JobRecords, JobView
-from worker.requests import TableRequest
+from worker.requests import DocumentRequest, JobRequest, TableRequest
 from worker.settings import WorkerSettings
 from worker.store import ResultStore, SliceJson
 
@@ -30,8 +31,8 @@ class JobQueue:
         self.records = JobRecords(redis, self.settings)
         self.chunks = ChunkQueue(redis, self.settings)
 
-    def submit(self, request: TableRequest) -> JobView:
-        """Have a table computed.
+    def submit(self, request: JobRequest) -> JobView:
+        """Have a table or another document computed.
 
         Joins the job if it is queued or running, or has succeeded and its results are still there. A job
         that failed, was canceled, or lost its results to time is replaced.
@@ -39,16 +40,22 @@ class JobQueue:
         seen = self.records.view(request.job_id)
         if seen is not None and not seen.is_terminal:
             return seen
-        known = self.store.get_slices(request)
-        todo = [l1 for l1 in request.l1 if l1 not in known]
+        todo = self._open_parts(request)
         if seen is not None and seen.status == "succeeded" and not todo:
             return seen
-        self.store.hold_slices(request, known)
         refs = self.records.create(request, todo, seen.run if seen else "")
         if refs:
             self.chunks.enqueue(refs, bulk=len(refs) > 1)
         view = self.records.view(request.job_id)
         return view if view is not None else self.submit(request)
+
+    def known(self, request: JobRequest) -> dict[str, Any] | None:
+        """The complete answer if it is known, else None."""
+        return self.table(request) if isinstance(request, TableRequest) else self.document(request)
+
+    def document(self, request: DocumentRequest) -> dict[str, Any] | None:
+        """The document if it is known or follows from what is."""
+        return known_document(request, self.store)
 
     def table(self, request: TableRequest) -> dict[str, Any] | None:
         """The complete table if every slice is known, else None."""
@@ -59,17 +66,19 @@ class JobQueue:
         """The job as it is now, or None when there is none (any more)."""
         return self.records.view(job_id)
 
-    def request(self, job_id: str) -> TableRequest | None:
+    def request(self, job_id: str) -> JobRequest | None:
         """What a job was asked for."""
         found = self.records.request(job_id)
         return None if found is None else found[1]
 
     def result(self, job_id: str) -> dict[str, Any] | None:
-        """The table of a job that succeeded; None for any other, and when results have expired."""
+        """The answer of a job that succeeded; None for any other, and when results have expired."""
         found = self.records.request(job_id)
         if found is None or found[0].status != "succeeded":
             return None
         _, request, errors = found
+        if isinstance(request, DocumentRequest):
+            return self.document(request)
         known = {**self.store.get_slices(request, [x for x in request.l1 if x not in errors]), **errors}
         return _table(request, known) if len(known) == len(request.l1) else None
 
@@ -100,6 +109,14 @@ class JobQueue:
         """How many workers are alive, by RQ's register."""
         names = cast("set[bytes]", self.redis.smembers("rq:workers"))
         return self.redis.exists(*names) if names else 0
+
+    def _open_parts(self, request: JobRequest) -> list[str]:
+        """What is not known of a request; what is known will last as long as what is new."""
+        if isinstance(request, DocumentRequest):
+            return [] if self.store.hold_document(request) else list(request.parts)
+        known = self.store.get_slices(request)
+        self.store.hold_slices(request, known)
+        return [l1 for l1 in request.l1 if l1 not in known]
 
     def _last_event(self, events: str) -> bytes:
         newest = cast("list[tuple[bytes, Any]]", self.redis.xrevrange(events, count=1))

@@ -13,7 +13,7 @@ from redis import Redis
 
 from worker import scripts
 from worker.keys import JobKeys, Keys
-from worker.requests import TableRequest
+from worker.requests import DocumentRequest, JobRequest, TableRequest, request_from_json
 from worker.settings import WorkerSettings
 from worker.store import dump
 
@@ -69,7 +69,7 @@ class ChunkEntry:
 
 @dataclass(frozen=True)
 class Chunk:
-    """The work of a chunk: the request it belongs to, its slices and their positions in the job."""
+    """Some slices of a table: the request they belong to, and their positions in the job."""
 
     request: TableRequest
     l1: tuple[str, ...]
@@ -86,6 +86,8 @@ class JobRecords:
         self._create = redis.register_script(scripts.CREATE)
         self._start = redis.register_script(scripts.START)
         self._slice = redis.register_script(scripts.SLICE)
+        self._progress = redis.register_script(scripts.PROGRESS)
+        self._document = redis.register_script(scripts.DOCUMENT)
         self._end = redis.register_script(scripts.END)
         self._reopen = redis.register_script(scripts.REOPEN)
 
@@ -94,7 +96,7 @@ class JobRecords:
         fields = self.redis.hmget(self.keys.job(job_id).record, _FIELDS)
         return _view(job_id, cast("list[bytes | None]", fields))
 
-    def request(self, job_id: str) -> tuple[JobView, TableRequest, dict[str, Any]] | None:
+    def request(self, job_id: str) -> tuple[JobView, JobRequest, dict[str, Any]] | None:
         """The job, what it was asked for and the errors of single slices."""
         keys = self.keys.job(job_id)
         with self.redis.pipeline(transaction=False) as pipe:
@@ -105,10 +107,10 @@ class JobRecords:
         if view is None or fields[-1] is None:
             return None
         by_l1 = {raw.decode(): json.loads(error) for raw, error in errors.items()}
-        return view, TableRequest.from_json(fields[-1]), by_l1
+        return view, request_from_json(fields[-1]), by_l1
 
-    def create(self, request: TableRequest, todo: Sequence[str], seen_run: str) -> list[ChunkRef] | None:
-        """Start a job afresh, in place of the run `seen_run` ("" for none).
+    def create(self, request: JobRequest, todo: Sequence[str], seen_run: str) -> list[ChunkRef] | None:
+        """Start a job afresh, in place of the run `seen_run` ("" for none); `todo` are the open parts.
 
         Returns its chunks, or None when another client was faster.
         """
@@ -120,24 +122,26 @@ class JobRecords:
         made = self._create(
             keys=[*_all(keys), self.keys.active],
             args=[
-                request.job_id, run, seen_run, len(request.l1), len(todo),
+                request.job_id, run, seen_run, len(request.parts), len(todo),
                 request.to_json(), dump(list(todo)), size, count, settings.job_ttl,
             ],
         )  # fmt: skip
         return [ChunkRef(request.job_id, run, i, 0) for i in range(count)] if made else None
 
-    def start(self, ref: ChunkRef) -> Chunk | None:
-        """Begin a chunk; None when it is out of date."""
+    def start(self, ref: ChunkRef) -> Chunk | DocumentRequest | None:
+        """Begin a chunk, which is some slices or a whole document; None when it is out of date."""
         keys = self.keys.job(ref.job_id)
         reply = self._start(
             keys=[keys.record, keys.chunks, keys.events], args=[ref.run, ref.index, ref.attempt]
         )
         if not reply:
             return None
-        request, todo, size = reply
+        raw, todo, size = reply
+        request = request_from_json(raw)
+        if isinstance(request, DocumentRequest):
+            return request
         first = ref.index * int(size)
-        l1 = tuple(json.loads(todo)[first : first + int(size)])
-        return Chunk(TableRequest.from_json(request), l1, first)
+        return Chunk(request, tuple(json.loads(todo)[first : first + int(size)]), first)
 
     def put_slice(self, ref: ChunkRef, chunk: Chunk, offset: int, value: Mapping[str, Any]) -> bool:
         """Keep the result of the chunk's slice `offset` and count it; False when the job wants no more."""
@@ -157,6 +161,21 @@ class JobRecords:
             ],
         )  # fmt: skip
         return bool(reply == 1)
+
+    def put_progress(self, ref: ChunkRef, done: int, total: int) -> None:
+        """Tell how far the job of a document is."""
+        keys = self.keys.job(ref.job_id)
+        self._progress(keys=[keys.record, keys.events], args=[ref.run, done, total])
+
+    def put_document(self, ref: ChunkRef, request: DocumentRequest, document: Mapping[str, Any]) -> None:
+        """Keep a document, and end its job if it is still wanted."""
+        self._document(
+            keys=[
+                self.keys.document(request.content_hash),
+                *_all(self.keys.job(ref.job_id)), self.keys.active,
+            ],
+            args=[ref.job_id, ref.run, dump(document), self.settings.result_ttl, self.settings.job_ttl],
+        )  # fmt: skip
 
     def fail(self, ref: ChunkRef, kind: str, detail: str) -> list[ChunkEntry] | None:
         """End the job because of this chunk; returns its open chunks, None when it was out of date."""

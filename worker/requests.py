@@ -8,8 +8,25 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Any, Literal
 
 from rpr_solver import SOLVER_VERSION, Manipulator, exact_str
+
+DocumentKind = Literal["poses", "census", "check", "article-table"]
+Kind = Literal["cusp-table"] | DocumentKind
+
+_PREFIXES: Mapping[Kind, str] = {
+    "cusp-table": "ct-",
+    "poses": "po-",
+    "census": "ce-",
+    "check": "ch-",
+    "article-table": "at-",
+}
+
+
+def kind_of(job_id: str) -> Kind | None:
+    """What a job of this id computes; None when it is no id of a job."""
+    return next((kind for kind, prefix in _PREFIXES.items() if job_id.startswith(prefix)), None)
 
 
 @dataclass(frozen=True)
@@ -38,11 +55,10 @@ class TableRequest:
             l1=tuple(dict.fromkeys(exact_str(x) for x in l1)),
         )
 
-    @classmethod
-    def from_json(cls, text: str | bytes) -> TableRequest:
-        """The inverse of `to_json`."""
-        data = json.loads(text)
-        return cls(**{**data, "l1": tuple(data["l1"])})
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """What is computed and counted one by one: the slices."""
+        return self.l1
 
     def to_json(self) -> str:
         """The request as it is kept in the job's record."""
@@ -61,7 +77,53 @@ class TableRequest:
     def job_id(self) -> str:
         """The id of the job that computes this table: a hash of its content and the solver's version."""
         content = json.dumps([SOLVER_VERSION, self.geometry_hash, self.fixed_leg, self.digits, self.l1])
-        return "ct-" + hashlib.sha256(content.encode()).hexdigest()[:40]
+        return _PREFIXES["cusp-table"] + hashlib.sha256(content.encode()).hexdigest()[:40]
 
     def __hash__(self) -> int:
         return hash(self.job_id)
+
+
+@dataclass(frozen=True)
+class DocumentRequest:
+    """A document that is wanted and computed in one piece.
+
+    `content` is canonical and plain JSON, so equal questions are equal objects.
+    """
+
+    kind: DocumentKind
+    content: Mapping[str, Any]
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """What is computed and counted one by one: only the whole."""
+        return (self.kind,)
+
+    def to_json(self) -> str:
+        """The request as it is kept in the job's record."""
+        return json.dumps({"kind": self.kind, "content": self.content}, separators=(",", ":"))
+
+    @cached_property
+    def content_hash(self) -> str:
+        """Names the question among those that this version of the solver answers."""
+        content = json.dumps([SOLVER_VERSION, self.kind, self.content], sort_keys=True)
+        return hashlib.sha256(content.encode()).hexdigest()
+
+    @property
+    def job_id(self) -> str:
+        """The id of the job that computes this document."""
+        return _PREFIXES[self.kind] + self.content_hash[:40]
+
+    def __hash__(self) -> int:
+        return hash(self.content_hash)
+
+
+JobRequest = TableRequest | DocumentRequest
+"""Whatever a job may be asked for."""
+
+
+def request_from_json(text: str | bytes) -> JobRequest:
+    """The inverse of `to_json`."""
+    data = json.loads(text)
+    if "kind" in data:
+        return DocumentRequest(**data)
+    return TableRequest(**{**data, "l1": tuple(data["l1"])})

@@ -101,6 +101,33 @@ return 2
 """
 )
 
+# KEYS: record events    ARGV: run done total
+# How far a job of one chunk is that counts its own steps. It may start over after an interruption.
+PROGRESS = """
+local job = redis.call('HMGET', KEYS[1], 'run', 'status')
+if job[1] ~= ARGV[1] or job[2] ~= 'running' then return 0 end
+redis.call('HSET', KEYS[1], 'done', ARGV[2], 'total', ARGV[3])
+redis.call('XADD', KEYS[2], 'MAXLEN', '~', 20000, '*', 'type', 'progress', 'done', ARGV[2], 'total', ARGV[3])
+return 1
+"""
+
+# KEYS: document record chunks bits errors events active    ARGV: job_id run json document_ttl job_ttl
+# Keeps a document in any case, the first one if there are several, and ends the job that asked for it.
+DOCUMENT = (
+    _NOW
+    + _FINISH
+    + """
+if not redis.call('SET', KEYS[1], ARGV[3], 'EX', ARGV[4], 'NX') then
+    redis.call('EXPIRE', KEYS[1], ARGV[4])
+end
+local job = redis.call('HMGET', KEYS[2], 'run', 'status', 'total')
+if job[1] ~= ARGV[2] or (job[2] ~= 'queued' and job[2] ~= 'running') then return 0 end
+redis.call('HSET', KEYS[2], 'done', job[3])
+finish(KEYS[2], KEYS[3], KEYS[4], KEYS[5], KEYS[6], KEYS[7], ARGV[1], 'succeeded', '', ARGV[5])
+return 2
+"""
+)
+
 # KEYS: record chunks bits errors events active
 # ARGV: job_id status problem ttl run index attempt
 # With an empty run: whatever the run is (a cancel). Otherwise only if that attempt of that chunk is open.

@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import secrets
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any, cast
 
 from redis import Redis
 
 import rpr_solver
 from worker.keys import Keys
-from worker.requests import TableRequest
+from worker.requests import DocumentRequest, TableRequest
 from worker.settings import WorkerSettings
 
 SliceJson = dict[str, Any]
@@ -22,7 +22,7 @@ _RELEASE = "if redis.call('GET', KEYS[1]) == ARGV[1] then return redis.call('DEL
 
 
 class ResultStore:
-    """Slice results and eliminants. All state is in Redis; an instance is cheap and may be shared."""
+    """Slices, eliminants and documents. All state is in Redis; an instance is cheap and may be shared."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings | None = None) -> None:
         self.redis = redis
@@ -100,13 +100,31 @@ class ResultStore:
         key = self.keys.eliminant(request.geometry_hash, request.fixed_leg)
         self.redis.set(key, dump(eliminant.to_json()), ex=self.settings.eliminant_ttl)
 
-    @contextmanager
-    def eliminant_lock(self, request: TableRequest) -> Iterator[bool]:
-        """Try to become the one who computes the eliminant; gives False when somebody else does.
+    def get_document(self, request: DocumentRequest) -> dict[str, Any] | None:
+        """A document that was computed in one piece, if it is known."""
+        raw = self.redis.get(self.keys.document(request.content_hash))
+        return None if raw is None else cast("dict[str, Any]", json.loads(cast(bytes, raw)))
 
-        The lock runs out by itself, so that a worker that died with it does not stop the others.
-        """
-        key = self.keys.eliminant_lock(request.geometry_hash, request.fixed_leg)
+    def put_document(self, request: DocumentRequest, document: Mapping[str, Any]) -> None:
+        """Keep a document; the first one stays."""
+        key = self.keys.document(request.content_hash)
+        self.redis.set(key, dump(document), ex=self.settings.result_ttl, nx=True)
+
+    def hold_document(self, request: DocumentRequest) -> bool:
+        """Make a known document last as long as a new one; False when it is not known."""
+        return bool(self.redis.expire(self.keys.document(request.content_hash), self.settings.result_ttl))
+
+    def eliminant_lock(self, request: TableRequest) -> AbstractContextManager[bool]:
+        """Try to become the one who computes the eliminant; gives False when somebody else does."""
+        return self._lock(self.keys.eliminant_lock(request.geometry_hash, request.fixed_leg))
+
+    def document_lock(self, request: DocumentRequest) -> AbstractContextManager[bool]:
+        """Try to become the one who computes a document; gives False when somebody else does."""
+        return self._lock(self.keys.document_lock(request.content_hash))
+
+    @contextmanager
+    def _lock(self, key: str) -> Iterator[bool]:
+        """The lock runs out by itself, so that a worker that died with it does not stop the others."""
         token = secrets.token_hex(8)
         held = bool(self.redis.set(key, token, nx=True, px=int(self.settings.eliminant_lock * 1000)))
         try:

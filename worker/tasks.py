@@ -1,4 +1,5 @@
-"""What a work horse does with a chunk: solve its slices, one by one, and keep each result at once."""
+"""What a work horse does with a chunk: solve its slices, one by one, and keep each result at once; or compute
+a document in one piece."""
 
 from __future__ import annotations
 
@@ -14,9 +15,10 @@ from redis.exceptions import RedisError
 import rpr_solver
 from rpr_solver.errors import InputError, SolverError
 from worker.chunks import ChunkQueue
+from worker.documents import Progress, compute, known_document
 from worker.process_limits import lift_memory_limit
 from worker.records import Chunk, ChunkRef, JobRecords
-from worker.requests import TableRequest
+from worker.requests import DocumentRequest, TableRequest
 from worker.settings import WorkerSettings
 from worker.store import ResultStore, SliceJson
 
@@ -51,8 +53,12 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
     chunk = records.start(ref)
     if chunk is None:
         return
+    store = ResultStore(_context.redis, _context.settings)
     try:
-        _compute(ref, chunk, records, ResultStore(_context.redis, _context.settings))
+        if isinstance(chunk, Chunk):
+            _compute(ref, chunk, records, store)
+        else:
+            _compute_document(ref, chunk, records, store)
         return
     except RedisError:
         raise  # nothing can be recorded now; the chunk is found and run again
@@ -81,6 +87,28 @@ def _compute(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStor
             value = solve(eliminant, l1, chunk.request)
         if not records.put_slice(ref, chunk, offset, value):
             return
+
+
+def _compute_document(
+    ref: ChunkRef, request: DocumentRequest, records: JobRecords, store: ResultStore
+) -> None:
+    progress = Throttle(lambda done, total: records.put_progress(ref, done, total))
+    document = known_document(request, store) or compute(request, store, progress)
+    records.put_document(ref, request, document)
+
+
+class Throttle:
+    """Passes on how far a computation is, a few times a second at most."""
+
+    def __init__(self, tell: Progress, pause: float = 0.1) -> None:
+        self._tell, self._pause = tell, pause
+        self._next = 0.0
+
+    def __call__(self, done: int, total: int) -> None:
+        """Tell it, unless that was done a moment ago."""
+        if (moment := time.monotonic()) >= self._next:
+            self._next = moment + self._pause
+            self._tell(done, total)
 
 
 def eliminant_of(request: TableRequest, store: ResultStore) -> rpr_solver.Eliminant:

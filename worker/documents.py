@@ -1,0 +1,45 @@
+"""Documents that are computed in one piece: what each kind of them is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, cast
+
+import rpr_solver
+from rpr_solver import Manipulator
+from worker.requests import DocumentKind, DocumentRequest
+from worker.store import ResultStore
+
+Document = dict[str, Any]
+Progress = Callable[[int, int], None]
+"""Told how many steps of how many are done."""
+
+_Computation = Callable[[DocumentRequest, ResultStore, Progress], Document]
+
+
+def known_document(request: DocumentRequest, store: ResultStore) -> Document | None:
+    """The document if it is in the store."""
+    return store.get_document(request)
+
+
+def compute(request: DocumentRequest, store: ResultStore, progress: Progress) -> Document:
+    """Compute a document.
+
+    Raises:
+        InputError: there can be no such document.
+        SolverError: it could not be decided.
+    """
+    return _COMPUTATIONS[request.kind](request, store, progress)
+
+
+def _poses(request: DocumentRequest, _store: ResultStore, _progress: Progress) -> Document:
+    wanted = request.content
+    lengths = (wanted[f"l{leg}"] for leg in (1, 2, 3))
+    return rpr_solver.poses(_manipulator(request), *lengths, digits=wanted["digits"]).to_json()
+
+
+def _manipulator(request: DocumentRequest) -> Manipulator:
+    return Manipulator.from_json(cast(Any, request.content["geometry"]))
+
+
+_COMPUTATIONS: Mapping[DocumentKind, _Computation] = {"poses": _poses}
