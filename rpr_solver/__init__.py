@@ -6,6 +6,7 @@
 (6, '-69.1293760614883')
 """
 
+from rpr_solver.article import ArticleTable, article_table
 from rpr_solver.census import Census, Transition, TransitionPoint, census
 from rpr_solver.cusps import (
     DEFAULT_DIGITS,
@@ -31,6 +32,7 @@ __all__ = [
     "MAX_DIGITS",
     "MIN_DIGITS",
     "SOLVER_VERSION",
+    "ArticleTable",
     "Census",
     "DirectPolynomial",
     "Eliminant",
@@ -44,6 +46,7 @@ __all__ = [
     "SolverError",
     "Transition",
     "TransitionPoint",
+    "article_table",
     "census",
     "census_csv",
     "cusp_table",
