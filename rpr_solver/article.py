@@ -173,8 +173,8 @@ class _Audit:
         elsewhere = sum(x.kind == CUSP for row in rows[:-1] for x in row.found)
         answer = (
             "Q gives all cusps. Every other factor is known in closed form, for every geometry: poses in"
-            " which a leg has length zero, or the first row or column of the adjugate vanishes, so that (10) holds"
-            " without three poses coalescing; their real couples are listed, each with the reason."
+            " which a leg has length zero, or the first row or column of the adjugate vanishes, so that (10)"
+            " holds without three poses coalescing; their real couples are listed, each with the reason."
         )
         if elsewhere:
             answer = f"{elsewhere} cusps belong to roots of other factors"

@@ -94,10 +94,13 @@ class Legs:
 
 
 def adjugate(k: dict[int, Any]) -> Matrix:
-    """(8): the adjugate of ∂Γ/∂θ from k1 … k6."""
+    """(8): the adjugate of ∂Γ/∂θ from k1 … k6.
+
+    The article prints the entry −k3 k6 without its sign; (10) does not use it.
+    """
     return [
         [k[1] * k[2], -(k[2] * k[5]), k[3] * k[5]],
-        [k[3] * k[4], k[2] * k[6], k[3] * k[6]],
+        [k[3] * k[4], k[2] * k[6], -(k[3] * k[6])],
         [-(k[1] * k[4]), k[4] * k[5], k[1] * k[6]],
     ]
 

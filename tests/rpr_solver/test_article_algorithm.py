@@ -95,6 +95,7 @@ class TestEquations:
         assert all(self.same(printed[i], 2 * k) for i, k in self.legs.k.items())
 
     def test_the_adjugate_is_equation_8(self) -> None:
+        """But for one sign, a misprint: the entry in row 2, column 3 is −k3 k6."""
         k = dict(zip(range(1, 7), sp.symbols("k1:7"), strict=True))
         matrix = sp.Matrix([[k[6], k[5], 0], [0, k[1], k[3]], [k[4], 0, k[2]]])
         assert (matrix.adjugate() - sp.Matrix(adjugate(k))).expand().is_zero_matrix
