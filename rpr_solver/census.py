@@ -11,10 +11,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil, floor
+from typing import Any
 
 from flint import arb, ctx
 
-from rpr_solver.cusps import DEFAULT_DIGITS, MAX_DIGITS, MIN_DIGITS, solve_slice
+from rpr_solver.cusps import DEFAULT_DIGITS, MAX_DIGITS, MIN_DIGITS, SliceTable, solve_slice
 from rpr_solver.decimals import round_ball, round_fraction
 from rpr_solver.discriminant import candidate_lengths
 from rpr_solver.eliminant import SOLVER_VERSION, Eliminant, eliminate
@@ -167,14 +168,20 @@ def _counts(
     counts = []
     for done, length in enumerate(sample_lengths(eliminant.surface, [group[0] for group in groups]), 1):
         table = solve_slice(eliminant, length, MIN_DIGITS)
-        proofs = table.certificate["proofs"]
-        if simple_only and any("field_degree" in proof for proof in proofs):  # type: ignore[attr-defined]
+        if simple_only and _cusps_at_multiple_roots(table):
             raise SolverError(
                 "the census of this degenerate geometry is not supported: cusps at multiple roots"
             )
         counts.append(table.count)
         report(ELIMINATION_STEPS + done, total)
     return counts
+
+
+def _cusps_at_multiple_roots(table: SliceTable) -> bool:
+    """Whether some cusp may lie above a multiple root: one was settled exactly, and there is such a root."""
+    certificate: Any = table.certificate
+    multiple = any(x["origin"] == "cusps" and x["multiplicity"] > 1 for x in certificate["factors"])
+    return multiple and any("field_degree" in proof for proof in certificate["proofs"])
 
 
 def sample_lengths(surface: Surface, places: Sequence[Event]) -> Iterable[Fraction]:

@@ -186,11 +186,14 @@ def _degenerate_lengths(surface: Surface, pose: Pose[Algebraic]) -> Iterator[Ext
         # ∇f = 0 at every L: only the other leg tells
         conditions = [conditions[0]] + [c for c, s in zip(conditions[1:], slopes, strict=True) if s]
         slopes = [s for s in slopes if s]
+    found: list[Polynomial] = []
     for vanishing, condition in zip([[], *slopes], conditions, strict=True):
         common = poly_gcd(*(x.coefficients for x in condition))
         if not common:
             raise NotGeneric
-        common = _without(_without(common, [field(0), field(1)]), vanishing)
+        for known in ([field(0), field(1)], vanishing, *found):
+            common = _without(common, known)
+        found.append(common)
         yield from adjoin_real_roots(field, squarefree_part(common))
 
 
