@@ -1,7 +1,7 @@
 """The command line `rpr-cusps`.
 
-Exit status: 0 done, 1 some slice has no answer, 2 bad input, 3 the service cannot be reached or failed,
-130 interrupted.
+Exit status: 0 done, 1 some question has no answer or a check is not passed, 2 bad input, 3 the service cannot
+be reached or failed, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from pydantic import ValidationError
 
 from rpr_solver.errors import InputError
 from service import __version__
+from service.analysis_cli import add_analysis
 
 BAD_INPUT, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141
 
@@ -112,7 +113,7 @@ def _parser() -> _Parser:
     parser = _Parser("rpr-cusps", description=_DESCRIPTION, epilog=_EXAMPLES, formatter_class=_FORMATTER)
     parser.add_argument("--version", action="version", version=f"rpr-cusps {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for add in (_add_solve, _add_serve, _add_worker, _add_demo):
+    for add in (_add_solve, add_analysis, _add_serve, _add_worker, _add_demo):
         add(commands)
     return parser
 

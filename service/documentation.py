@@ -22,6 +22,7 @@ EXAMPLE_TABLE: dict[str, Any] = json.loads((WEB / "example-table.json").read_tex
 _RANGE = {"start": "0.1", "stop": "50.1", "step": "0.1"}
 _JOB = {
     "id": EXAMPLE_JOB_ID,
+    "kind": "cusp-table",
     "status": "running",
     "progress": {"done": 120, "total": 501},
     "created_at": "2026-01-15T09:30:00.000Z",
@@ -76,12 +77,14 @@ def problems(*kinds: ProblemType) -> Docs:
     return dict(sorted(found.items(), key=lambda item: int(item[0])))
 
 
-def _table(description: str) -> dict[str, Any]:
+def _table(description: str, *others: str) -> dict[str, Any]:
+    """A cusp table, or one of some other documents."""
+    schema = {"anyOf": [ref("CuspTable"), *map(ref, others)]} if others else ref("CuspTable")
     return {
         "description": description,
         "headers": _ETAG,
         "content": {
-            "application/json": {"schema": ref("CuspTable"), "example": EXAMPLE_TABLE},
+            "application/json": {"schema": schema, "example": EXAMPLE_TABLE},
             "text/csv": {
                 "schema": {"type": "string", "description": "A header line, then one line for each cusp."}
             },
@@ -111,75 +114,87 @@ _FAILED = (
     ProblemType.JOB_TIMEOUT,
 )
 
-CUSP_TABLES_RESPONSES: Docs = {
-    200: _table("Every slice is known: the table."),
-    202: {
-        **answer(
-            "The table is being computed.",
-            "Job",
-            example=_JOB,
-            headers={
-                "Location": {"description": "The job.", "schema": {"type": "string"}},
-                **_RETRY_AFTER,
-                "Preference-Applied": {
-                    "description": "What was done of Prefer.",
-                    "schema": {"type": "string"},
-                },
+
+def question(known: dict[str, Any]) -> Docs:
+    """The answers to a question: known, or computed by a job."""
+    accepted = answer(
+        "The answer is being computed.",
+        "Job",
+        example=_JOB,
+        headers={
+            "Location": {"description": "The job.", "schema": {"type": "string"}},
+            **_RETRY_AFTER,
+            "Preference-Applied": {"description": "What was done of Prefer.", "schema": {"type": "string"}},
+        },
+    )
+    return {
+        200: known,
+        202: {**accepted, "links": _JOB_LINKS},
+        **problems(
+            ProblemType.INVALID_JSON,
+            ProblemType.NOT_ACCEPTABLE,
+            ProblemType.JOB_CANCELED,
+            ProblemType.BODY_TOO_LARGE,
+            ProblemType.UNSUPPORTED_MEDIA_TYPE,
+            ProblemType.INVALID_REQUEST,
+            ProblemType.LIMIT_EXCEEDED,
+            _UNAVAILABLE,
+            *_FAILED,
+        ),
+    }
+
+
+def posted(model: str, examples: Mapping[str, tuple[str, Any]]) -> dict[str, Any]:
+    """What is sent with a question; each example has a summary and a value."""
+    shown = {name: {"summary": summary, "value": value} for name, (summary, value) in examples.items()}
+    return {
+        "parameters": [
+            {
+                "name": "Prefer",
+                "in": "header",
+                "required": False,
+                "description": "RFC 7240. `wait=N` waits up to N seconds (see max_wait_seconds in "
+                "/v1/limits) for the answer; `respond-async` asks for a job at once.",
+                "schema": {"type": "string"},
+                "examples": {"wait": {"value": "wait=10"}, "async": {"value": "respond-async"}},
+            }
+        ],
+        "requestBody": {
+            "required": True,
+            "content": {"application/json": {"schema": ref(model), "examples": shown}},
+        },
+    }
+
+
+CUSP_TABLES_RESPONSES = question(_table("Every slice is known: the table."))
+CUSP_TABLES_EXTRA = posted(
+    "CuspTableRequest",
+    {
+        "slice": ("The article's first manipulator, one slice", EXAMPLE_REQUEST),
+        "scan": (
+            "The same manipulator, 501 slices",
+            {"geometry": EXAMPLE_GEOMETRY, "l1": _RANGE, "digits": 30},
+        ),
+        "exact": (
+            "Quotients and many digits",
+            {
+                "geometry": {**EXAMPLE_GEOMETRY, "d1": "426/25", "orientation": "ccw"},
+                "l1": ["14.98", 27],
+                "digits": 200,
             },
         ),
-        "links": _JOB_LINKS,
     },
-    **problems(
-        ProblemType.INVALID_JSON,
-        ProblemType.NOT_ACCEPTABLE,
-        ProblemType.JOB_CANCELED,
-        ProblemType.BODY_TOO_LARGE,
-        ProblemType.UNSUPPORTED_MEDIA_TYPE,
-        ProblemType.INVALID_REQUEST,
-        ProblemType.LIMIT_EXCEEDED,
-        _UNAVAILABLE,
-        *_FAILED,
-    ),
-}
-CUSP_TABLES_EXTRA: dict[str, Any] = {
-    "parameters": [
-        {
-            "name": "Prefer",
-            "in": "header",
-            "required": False,
-            "description": "RFC 7240. `wait=N` waits up to N seconds (see max_wait_seconds in /v1/limits) "
-            "for the table; `respond-async` asks for a job at once.",
-            "schema": {"type": "string"},
-            "examples": {"wait": {"value": "wait=10"}, "async": {"value": "respond-async"}},
-        }
-    ],
-    "requestBody": {
-        "required": True,
-        "content": {
-            "application/json": {
-                "schema": ref("CuspTableRequest"),
-                "examples": {
-                    "slice": {
-                        "summary": "The article's first manipulator, one slice",
-                        "value": EXAMPLE_REQUEST,
-                    },
-                    "scan": {
-                        "summary": "The same manipulator, 501 slices",
-                        "value": {"geometry": EXAMPLE_GEOMETRY, "l1": _RANGE, "digits": 30},
-                    },
-                    "exact": {
-                        "summary": "Quotients and many digits",
-                        "value": {
-                            "geometry": {**EXAMPLE_GEOMETRY, "d1": "426/25", "orientation": "ccw"},
-                            "l1": ["14.98", 27],
-                            "digits": 200,
-                        },
-                    },
-                },
-            }
-        },
+)
+POSES_RESPONSES = question(answer("The poses.", "PoseTable", headers=_ETAG))
+POSES_EXTRA = posted(
+    "PosesRequest",
+    {
+        "legs": (
+            "The article's first manipulator with three given legs",
+            {"geometry": EXAMPLE_GEOMETRY, "l1": 14.98, "l2": 15, "l3": 30, "digits": 30},
+        )
     },
-}
+)
 JOB_RESPONSES: Docs = {
     200: answer("The job.", "Job", example=_JOB, headers=_RETRY_AFTER),
     **problems(ProblemType.NOT_FOUND, _UNAVAILABLE),
@@ -188,8 +203,9 @@ CANCEL_RESPONSES: Docs = {
     200: answer("The job, canceled or as it had ended.", "Job", example={**_JOB, "status": "canceled"}),
     **problems(ProblemType.NOT_FOUND, _UNAVAILABLE),
 }
+RESULTS = ("PoseTable",)
 RESULT_RESPONSES: Docs = {
-    200: _table("The table."),
+    200: _table("What the job was asked for.", *RESULTS),
     304: {"description": "The client has this representation already (If-None-Match)."},
     **problems(
         ProblemType.NOT_FOUND,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from worker import JobView
+from worker.requests import kind_of
 
 
 def job_json(view: JobView) -> dict[str, object]:
@@ -10,6 +11,7 @@ def job_json(view: JobView) -> dict[str, object]:
     here = f"/v1/jobs/{view.id}"
     return {
         "id": view.id,
+        "kind": kind_of(view.id),
         "status": view.status,
         "progress": {"done": view.done, "total": view.total},
         "created_at": view.created_at,

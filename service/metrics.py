@@ -13,6 +13,7 @@ from redis.exceptions import RedisError
 
 from service import __version__
 from worker import JobQueue
+from worker.requests import Kind
 
 log = logging.getLogger("rpr_cusps.service")
 
@@ -41,7 +42,19 @@ class Metrics:
             ("answer",),
             registry=self.registry,
         )
+        self.answers = Counter(
+            "rpr_cusps_answers",
+            "questions by kind: cached, or handed to a job",
+            ("kind", "answer"),
+            registry=self.registry,
+        )
         self.registry.register(_QueueCollector(queue))
+
+    def count_answer(self, kind: Kind | None, answer: str) -> None:
+        """Count how a question was answered: from what is known, or by a job."""
+        if kind == "cusp-table":
+            self.tables.labels(answer).inc()
+        self.answers.labels(kind or "other", answer).inc()
 
     def observe(self, scope: Mapping[str, Any], method: str, status: int, seconds: float) -> None:
         """Count one request."""

@@ -32,7 +32,8 @@ def _without_null(schema: dict[str, Any]) -> None:
     schema.update({key: value for key, value in given.items() if key not in schema})
 
 
-def _optional(description: str) -> Any:
+def optional(description: str) -> Any:
+    """A field that may be missing."""
     return Field(default=None, description=description, json_schema_extra=_without_null)
 
 
@@ -72,6 +73,13 @@ def _without_default(schema: dict[str, Any]) -> None:
 Slices = Exact | Annotated[list[Exact], Field(min_length=1)] | SliceRange
 
 
+def wanted_digits(default: int) -> Any:
+    """How many digits are asked for."""
+    return Field(
+        default=default, ge=15, le=1000, description="Significant digits of every number in the answer."
+    )
+
+
 def _slices(description: str, **more: Any) -> Any:
     return Field(default=None, description=description, json_schema_extra=_without_default, **more)
 
@@ -102,9 +110,7 @@ class CuspTableRequest(Document):
     )
     l2: Slices = _slices("The slices when `fixed_leg` is 2.")
     l3: Slices = _slices("The slices when `fixed_leg` is 3.")
-    digits: int = Field(
-        default=90, ge=15, le=1000, description="Significant digits of every number in the answer."
-    )
+    digits: int = wanted_digits(90)
     fixed_leg: Literal[1, 2, 3] = Field(default=1, description="The leg whose length is fixed in a slice.")
 
 
@@ -125,13 +131,13 @@ class Point(BaseModel):
     """A point of a slice. The angle is that of the fixed leg, the lengths are those of the other two:
     theta1_deg, l2, l3 with `fixed_leg` 1."""
 
-    alpha_deg: Digits | None = _optional("Orientation of the platform, degrees in (−180, 180].")
-    theta1_deg: Digits | None = _optional("Angle of leg 1, degrees in (−180, 180].")
-    theta2_deg: Digits | None = _optional("Angle of leg 2, when it is the fixed one.")
-    theta3_deg: Digits | None = _optional("Angle of leg 3, when it is the fixed one.")
-    l1: Digits | None = _optional("Length of leg 1, in the unit of the geometry.")
-    l2: Digits | None = _optional("Length of leg 2, in the unit of the geometry.")
-    l3: Digits | None = _optional("Length of leg 3, in the unit of the geometry.")
+    alpha_deg: Digits | None = optional("Orientation of the platform, degrees in (−180, 180].")
+    theta1_deg: Digits | None = optional("Angle of leg 1, degrees in (−180, 180].")
+    theta2_deg: Digits | None = optional("Angle of leg 2, when it is the fixed one.")
+    theta3_deg: Digits | None = optional("Angle of leg 3, when it is the fixed one.")
+    l1: Digits | None = optional("Length of leg 1, in the unit of the geometry.")
+    l2: Digits | None = optional("Length of leg 2, in the unit of the geometry.")
+    l3: Digits | None = optional("Length of leg 3, in the unit of the geometry.")
 
 
 class Cusp(Point):
@@ -142,7 +148,7 @@ class DegeneratePoint(Point):
     """A point, or a curve, at which the cusp equations hold but which is no ordinary cusp."""
 
     kind: str = Field(description="For example swallowtail, beak-to-beak, lips, node, quadruple.")
-    equation: str | None = _optional("Of a whole curve of such points.")
+    equation: str | None = optional("Of a whole curve of such points.")
 
 
 class SliceErrorDetail(BaseModel):
@@ -177,14 +183,14 @@ class Slice(BaseModel):
     """The cusps of one slice, sorted by the angle of the fixed leg; or the error of this slice, which does
     not spoil the others."""
 
-    l1: str | None = _optional("The fixed length, exactly.")
-    l2: str | None = _optional("The fixed length, when `fixed_leg` is 2.")
-    l3: str | None = _optional("The fixed length, when `fixed_leg` is 3.")
-    count: int | None = _optional("Number of cusps.")
-    cusps: list[Cusp] | None = _optional("The cusps.")
-    degenerate_points: list[DegeneratePoint] | None = _optional("What is no ordinary cusp.")
-    certificate: Certificate | None = _optional("How the answer was proved.")
-    error: SliceErrorDetail | None = _optional("Only when the slice has no answer.")
+    l1: str | None = optional("The fixed length, exactly.")
+    l2: str | None = optional("The fixed length, when `fixed_leg` is 2.")
+    l3: str | None = optional("The fixed length, when `fixed_leg` is 3.")
+    count: int | None = optional("Number of cusps.")
+    cusps: list[Cusp] | None = optional("The cusps.")
+    degenerate_points: list[DegeneratePoint] | None = optional("What is no ordinary cusp.")
+    certificate: Certificate | None = optional("How the answer was proved.")
+    error: SliceErrorDetail | None = optional("Only when the slice has no answer.")
 
 
 class CuspTable(BaseModel):
@@ -203,8 +209,8 @@ class CuspTable(BaseModel):
 class Progress(BaseModel):
     """How far a job is."""
 
-    done: int = Field(description="Slices that are done.")
-    total: int = Field(description="Slices of the job.")
+    done: int = Field(description="Slices, or steps, that are done.")
+    total: int = Field(description="Slices of the job, or its steps as far as they are known.")
 
 
 class JobError(BaseModel):
@@ -223,9 +229,12 @@ class JobLinks(BaseModel):
 
 
 class Job(BaseModel):
-    """A table that is being computed, or was."""
+    """An answer that is being computed, or was."""
 
     id: str
+    kind: Literal["cusp-table", "article-table", "poses", "census", "check"] = Field(
+        description="What it computes."
+    )
     status: Literal["queued", "running", "succeeded", "failed", "canceled"]
     progress: Progress
     created_at: str = Field(description="ISO 8601, UTC.", json_schema_extra={"format": "date-time"})
@@ -259,9 +268,9 @@ class ProblemDocument(BaseModel):
     status: int
     detail: str
     errors: list[FieldError]
-    instance: str | None = _optional("The path that was asked for.")
-    limit: LimitInfo | None = _optional("Only when a limit was exceeded.")
-    job: str | None = _optional("The job that this is about.")
+    instance: str | None = optional("The path that was asked for.")
+    limit: LimitInfo | None = optional("Only when a limit was exceeded.")
+    job: str | None = optional("The job that this is about.")
 
 
 class Health(BaseModel):

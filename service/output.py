@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Any, Self, TextIO
 
@@ -21,6 +22,8 @@ _HEADINGS = {
     "alpha_deg": "α [deg]",
     **{f"theta{i}_deg": f"θ{i} [deg]" for i in (1, 2, 3)},
     **{f"l{i}": f"L{i}" for i in (1, 2, 3)},
+    "b1_x": "B1 x",
+    "b1_y": "B1 y",
 }
 _COLUMN_PADDING = 3
 _LEAST_WIDTH = 8
@@ -29,7 +32,7 @@ _LEAST_WIDTH = 8
 class Progress:
     """A progress bar on stderr; nothing at all when that is no terminal."""
 
-    def __init__(self, total: int) -> None:
+    def __init__(self, total: int, what: str = "slices") -> None:
         self._bar = Bar(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -39,7 +42,7 @@ class Progress:
             transient=True,
             disable=not sys.stderr.isatty(),
         )
-        self._task = self._bar.add_task("slices", total=total)
+        self._task = self._bar.add_task(what, total=total)
 
     def __enter__(self) -> Self:
         self._bar.start()
@@ -51,72 +54,56 @@ class Progress:
         self._bar.stop()
 
     def update(self, done: int, total: int) -> None:
-        """Show how many of all slices are done."""
+        """Show how many of all are done."""
         self._bar.update(self._task, completed=done, total=total)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A title, a table under it (the first row are the headings), and lines of text."""
+
+    title: str
+    rows: Sequence[Sequence[str]] = ()
+    notes: Sequence[str] = ()
+    failed: bool = False
+
+
+@dataclass(frozen=True)
+class Page:
+    """What a person sees of one document."""
+
+    about: str
+    sections: Sequence[Section] = field(default_factory=list)
+    digits: int | None = None
 
 
 def write_table(table: dict[str, Any], form: str, out: TextIO | None = None) -> None:
     """Print a cusp table as `table`, `json` or `csv`."""
+    if form == "csv":
+        (out or sys.stdout).write(rpr_solver.table_csv(table))
+    else:
+        write_document(
+            table, Page(about(table), [_slice(part) for part in table["slices"]], table["digits"]), form, out
+        )
+
+
+def write_document(document: object, page: Page, form: str, out: TextIO | None = None) -> None:
+    """Print a document as `json`, or its page: fitted to a terminal, or as aligned text with all digits."""
     out = out or sys.stdout
     if form == "json":
-        out.write(json.dumps(table, indent=2, ensure_ascii=False) + "\n")
-    elif form == "csv":
-        out.write(rpr_solver.table_csv(table))
+        out.write(json.dumps(document, indent=2, ensure_ascii=False) + "\n")
     elif out.isatty():
-        _write_rich(table, Console(file=out))
+        _write_rich(page, Console(file=out))
     else:
-        out.writelines(line + "\n" for line in text_lines(table))
+        out.writelines(line + "\n" for line in _text_lines(page))
 
 
-def text_lines(table: dict[str, Any]) -> Iterator[str]:
-    """A table as aligned text, with all digits."""
-    yield _about(table)
-    for part in table["slices"]:
-        yield ""
-        yield _title(part)
-        if rows := _rows(part):
-            widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-            yield from (
-                "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows
-            )
-        yield from (f"  {_point(point)}" for point in part.get("degenerate_points", ()))
-
-
-def failures(table: dict[str, Any]) -> list[tuple[str, dict[str, str]]]:
-    """The slices without an answer, each with the error that it carries."""
-    return [(_where(part), part["error"]) for part in table["slices"] if "error" in part]
-
-
-def _write_rich(table: dict[str, Any], console: Console) -> None:
-    console.print(Text(_about(table), style="dim"))
-    shortened = False
-    for part in table["slices"]:
-        console.print()
-        console.print(Text(_title(part), style="bold red" if "error" in part else "bold"))
-        if rows := _rows(part):
-            # border and padding on both sides of every column
-            width = max(_LEAST_WIDTH, (console.width - 2) // len(rows[0]) - _COLUMN_PADDING)
-            shown = Table(box=box.ROUNDED)
-            for key in rows[0]:
-                shown.add_column(Text(key), no_wrap=True)
-            for row in rows[1:]:
-                shown.add_row(*(Text(_fit(cell, width)) for cell in row))
-            shortened = shortened or any(len(cell) > width for row in rows[1:] for cell in row)
-            console.print(shown)
-        for point in part.get("degenerate_points", ()):
-            console.print(Text(f"  {_point(point)}"), no_wrap=True, overflow="ellipsis")
-    if shortened:
-        note = f"Cut to fit; all {table['digits']} digits are in --format json or csv, and in a pipe or file."
-        console.print(Text(note, style="dim"))
-
-
-def _rows(part: dict[str, Any]) -> list[list[str]]:
-    """The cusps of a slice under their headings; a sign's place is kept free, so that digits align."""
-    cusps = part.get("cusps") or []
-    if not cusps:
+def rows_of(points: Sequence[Mapping[str, Any]], keys: Sequence[str] | None = None) -> list[list[str]]:
+    """Points under their headings; a sign's place is kept free, so that digits align."""
+    if not points:
         return []
-    keys = list(cusps[0])
-    body = [[str(cusp[key]) for key in keys] for cusp in cusps]
+    keys = list(points[0]) if keys is None else list(keys)
+    body = [[str(point[key]) for key in keys] for point in points]
     signed = [any(row[i].startswith("-") for row in body) for i in range(len(keys))]
     body = [
         [
@@ -128,29 +115,101 @@ def _rows(part: dict[str, Any]) -> list[list[str]]:
     return [[_HEADINGS.get(key, key) for key in keys], *body]
 
 
-def _about(table: dict[str, Any]) -> str:
-    geometry = table["geometry"]
+def about(document: Mapping[str, Any]) -> str:
+    """Which manipulator a document belongs to."""
+    geometry = document["geometry"]
     lengths = "  ".join(f"{key} = {value}" for key, value in geometry.items() if key != "orientation")
     return f"3-RPR manipulator  {lengths}  ({geometry['orientation']})"
 
 
-def _title(part: dict[str, Any]) -> str:
+def counted(count: int, what: str) -> str:
+    """A number of things.
+
+    >>> counted(1, "cusp"), counted(2, "cusp")
+    ('1 cusp', '2 cusps')
+    """
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def failures(table: dict[str, Any]) -> list[tuple[str, dict[str, str]]]:
+    """The slices without an answer, each with the error that it carries."""
+    return [(_where(part), part["error"]) for part in table["slices"] if "error" in part]
+
+
+def describe_point(point: Mapping[str, Any]) -> str:
+    """A point that is no ordinary cusp, in one line."""
+    values = ", ".join(
+        f"{_HEADINGS.get(k, k)} {v}" for k, v in point.items() if k != "kind" and isinstance(v, str)
+    )
+    return f"{point.get('kind', 'degenerate point')}: {values}"
+
+
+def _slice(part: dict[str, Any]) -> Section:
     if "error" in part:
-        return f"{_where(part)}: no answer: {part['error']['detail']}"
-    count = part["count"]
-    return f"{_where(part)}: {count} cusp{'' if count == 1 else 's'}"
+        return Section(f"{_where(part)}: no answer: {part['error']['detail']}", failed=True)
+    title = f"{_where(part)}: {counted(part['count'], 'cusp')}"
+    return Section(
+        title, rows_of(part["cusps"]), [describe_point(p) for p in part.get("degenerate_points", ())]
+    )
+
+
+def _text_lines(page: Page) -> Iterator[str]:
+    yield page.about
+    for section in page.sections:
+        yield ""
+        yield section.title
+        if section.rows:
+            widths = [max(map(len, column)) for column in zip(*section.rows, strict=True)]
+            yield from (
+                "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
+                for row in section.rows
+            )
+        yield from (f"  {note}" for note in section.notes)
+
+
+def _write_rich(page: Page, console: Console) -> None:
+    console.print(Text(page.about, style="dim"))
+    shortened = False
+    for section in page.sections:
+        console.print()
+        console.print(Text(section.title, style="bold red" if section.failed else "bold"))
+        if section.rows:
+            headings, *rows = section.rows
+            # border and padding on both sides of every column
+            widths = _fitting([*section.rows], console.width - 2)
+            shown = Table(box=box.ROUNDED)
+            for key in headings:
+                shown.add_column(Text(key), no_wrap=True)
+            for row in rows:
+                shown.add_row(*(Text(_fit(cell, width)) for cell, width in zip(row, widths, strict=True)))
+            shortened = shortened or any(
+                len(cell) > width for row in rows for cell, width in zip(row, widths, strict=True)
+            )
+            console.print(shown)
+        for note in section.notes:
+            console.print(Text(f"  {note}"), no_wrap=True, overflow="ellipsis")
+    if shortened:
+        everywhere = "Cut to fit; all digits are in --format json or csv, and in a pipe or file."
+        if page.digits is not None:
+            everywhere = everywhere.replace("all digits", f"all {page.digits} digits")
+        console.print(Text(everywhere, style="dim"))
+
+
+def _fitting(rows: Sequence[Sequence[str]], width: int) -> list[int]:
+    """Widths of columns that fit; short columns leave their room to long ones."""
+    needed = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    left, found = width - _COLUMN_PADDING * len(needed), [0] * len(needed)
+    for rest, i in zip(
+        range(len(needed), 0, -1), sorted(range(len(needed)), key=needed.__getitem__), strict=True
+    ):
+        found[i] = max(min(needed[i], left // rest), _LEAST_WIDTH)
+        left -= found[i]
+    return found
 
 
 def _where(part: dict[str, Any]) -> str:
     key = next(name for name in ("l1", "l2", "l3") if name in part)
     return f"{key.upper()} = {part[key]}"
-
-
-def _point(point: dict[str, Any]) -> str:
-    values = ", ".join(
-        f"{_HEADINGS.get(k, k)} {v}" for k, v in point.items() if k != "kind" and isinstance(v, str)
-    )
-    return f"{point.get('kind', 'degenerate point')}: {values}"
 
 
 def _fit(cell: str, width: int) -> str:

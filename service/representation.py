@@ -13,8 +13,9 @@ from starlette.responses import Response
 
 import rpr_solver
 from service.problems import ProblemError, ProblemType
+from worker.requests import Kind
 
-Table = Mapping[str, Any]
+Document = Mapping[str, Any]
 
 JSON = "application/json"
 CSV = "text/csv"
@@ -28,7 +29,7 @@ def json_bytes(document: object) -> bytes:
     return json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode()
 
 
-def ndjson_bytes(table: Table) -> bytes:
+def ndjson_bytes(table: Document) -> bytes:
     """The slices of a table, one JSON object a line; each line also says which manipulator it belongs to."""
     shared = {
         key: table[key] for key in ("geometry_hash", "fixed_leg", "digits", "solver_version") if key in table
@@ -36,11 +37,19 @@ def ndjson_bytes(table: Table) -> bytes:
     return b"".join(json_bytes({**shared, **part}) + b"\n" for part in table["slices"])
 
 
-FORMS: Mapping[str, Callable[[Any], bytes]] = {
+Forms = Mapping[str, Callable[[Any], bytes]]
+
+TABLE_FORMS: Forms = {
     JSON: json_bytes,
     CSV: lambda table: rpr_solver.table_csv(table).encode(),
     NDJSON: ndjson_bytes,
 }
+_FORMS: Mapping[Kind, Forms] = {"cusp-table": TABLE_FORMS}
+
+
+def forms_of(kind: Kind | None) -> Forms:
+    """The media types in which an answer of this kind can be had; without a kind all that there are."""
+    return TABLE_FORMS if kind is None else _FORMS.get(kind, {JSON: json_bytes})
 
 
 def choose(accept: Sequence[str], offered: Sequence[str]) -> str:
@@ -61,22 +70,29 @@ def choose(accept: Sequence[str], offered: Sequence[str]) -> str:
     return best
 
 
-def table_response(
-    request: Request, table: Table, *, headers: Mapping[str, str] | None = None, min_gzip: int = 1024
+def document_response(
+    request: Request,
+    document: Document,
+    forms: Forms,
+    *,
+    headers: Mapping[str, str] | None = None,
+    min_gzip: int = 1024,
 ) -> Response:
-    """A table as JSON, CSV or NDJSON, with a strong ETag; 304 when the client has it already.
+    """A document in one of its forms, with a strong ETag; 304 when the client has it already.
 
     A table in which a slice carries an error may turn out better next time; all others never change.
     """
-    form = choose(request.headers.getlist("accept"), tuple(FORMS))
-    body = FORMS[form](table)
+    form = choose(request.headers.getlist("accept"), tuple(forms))
+    body = forms[form](document)
     tag = hashlib.sha256(body).hexdigest()[:32]
     compressed = len(body) >= min_gzip and accepts_gzip(request)
     # another encoding is another representation, so a strong validator must differ
     etag = f'"{tag}-gzip"' if compressed else f'"{tag}"'
     found = {
         "ETag": etag,
-        "Cache-Control": REVALIDATE if any("error" in part for part in table["slices"]) else IMMUTABLE,
+        "Cache-Control": REVALIDATE
+        if any("error" in part for part in document.get("slices", ()))
+        else IMMUTABLE,
         # the middleware says the same of what it could have compressed
         "Vary": "Accept, Accept-Encoding" if compressed else "Accept",
         **(headers or {}),

@@ -15,9 +15,9 @@ from service.client import ServiceClient
 from service.json_body import JsonNumber, parse_json
 from service.output import Progress, failures, write_table
 from service.problems import ProblemError
+from service.reading import digits_in_range, fixed_leg, geometry, number, whole
 from service.settings import Limits
 from service.slices import check_count, distinct, parse_range
-from service.table_requests import digits_in_range, fixed_leg, geometry, number, whole
 
 MAX_LOCAL_SLICES = 1_000_000
 

@@ -13,8 +13,9 @@ from service.context import Context, ContextDep, in_thread
 from service.job_view import job_json
 from service.middleware import IS_HEAD
 from service.problems import ProblemError, ProblemType
-from service.representation import FORMS, JSON, choose, json_bytes, table_response
+from service.representation import JSON, choose, document_response, forms_of, json_bytes
 from worker import JobView
+from worker.requests import kind_of
 
 router = APIRouter(tags=["jobs"])
 
@@ -44,17 +45,19 @@ def cancel_job(job_id: JobId, context: ContextDep) -> Response:
 
 @router.get("/v1/jobs/{job_id}/result", summary="The result of a job", responses=doc.RESULT_RESPONSES)
 def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response:
-    """The cusp table, as JSON, as CSV (a cusp a line) or as NDJSON (a slice a line), as `Accept` says.
+    """What the job was asked for. A cusp table comes as JSON, as CSV (a cusp a line) or as NDJSON (a slice a
+    line), as `Accept` says; other documents as JSON.
 
     A result never changes, so it carries a strong `ETag` and may be cached for ever.
     """
-    choose(request.headers.getlist("accept"), tuple(FORMS))
+    forms = forms_of(kind_of(job_id))
+    choose(request.headers.getlist("accept"), tuple(forms))
     view = _job(context, job_id)
     if not view.is_terminal:
         wait = str(context.settings.poll_seconds)
         raise ProblemError(
             ProblemType.NOT_FINISHED,
-            f"The job is {view.status}: {view.done} of {view.total} slices are done.",
+            f"The job is {view.status}: {view.done} of {view.total} {_parts(job_id)} are done.",
             headers={"Retry-After": wait},
             extra={"job": f"/v1/jobs/{job_id}"},
         )
@@ -62,17 +65,18 @@ def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response
         raise ProblemError.of_job(job_id, view.error)
     if view.status == "canceled":
         raise ProblemError.of_cancel(job_id)
-    table = context.queue.result(job_id)
-    if table is None:
+    document = context.queue.result(job_id)
+    if document is None:
         raise ProblemError(
             ProblemType.RESULT_EXPIRED, "The result of this job is no longer kept; post the request again."
         )
-    return table_response(request, table, min_gzip=context.settings.gzip_bytes)
+    return document_response(request, document, forms, min_gzip=context.settings.gzip_bytes)
 
 
 @router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)
 async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Response:
-    """Server-sent events: `status` (the job) and `slice` (progress, and a slice as soon as it is computed).
+    """Server-sent events: `status` (the job), `slice` (progress, and a slice as soon as it is computed) and
+    `progress` (of a job that computes no slices).
 
     The stream ends with the job. `Last-Event-ID` resumes it; 204 says that nothing more will come. Slices
     that were known when the job was made are in its result only.
@@ -107,6 +111,10 @@ def _not_found(job_id: str) -> ProblemError:
         ProblemType.NOT_FOUND,
         f"There is no job {job_id[:80]!r}, or it is no longer kept; post the request again to have it made.",
     )
+
+
+def _parts(job_id: str) -> str:
+    return "slices" if kind_of(job_id) == "cusp-table" else "steps"
 
 
 def _job_response(context: Context, view: JobView) -> Response:

@@ -10,37 +10,14 @@ import pty
 import re
 import signal
 import subprocess
-import sys
 from pathlib import Path
 
 import httpx
 import pytest
+from cli_process import ENVIRONMENT, command, run
 from service_server import GEOMETRY
 
 from service import __version__
-
-ROOT = Path(__file__).parents[2]
-ENVIRONMENT = {
-    **{key: value for key, value in os.environ.items() if not key.startswith("RPR_CUSPS_")},
-    "PYTHONPATH": str(ROOT),
-    "COLUMNS": "100",
-}
-
-
-def command(*args: str) -> list[str]:
-    return [sys.executable, "-m", "service", *args]
-
-
-def run(*args: str, stdin: str = "", **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        command(*args),
-        input=stdin,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        env={**ENVIRONMENT, **environment},
-        check=False,
-    )
 
 
 def test_solve_prints_json_like_the_service(base_url: str) -> None:

@@ -12,9 +12,10 @@ from service_server import GEOMETRY
 from rpr_solver import EXAMPLES, InputError
 from service.json_body import parse_json
 from service.models import CuspTableRequest
+from service.reading import digits_of
 from service.settings import Limits
 from service.slices import LimitError
-from service.table_requests import digits_of, table_request
+from service.table_requests import table_request
 from worker import TableRequest
 
 LIMITS = Limits(max_slices=10)

@@ -1,0 +1,110 @@
+"""Questions whose answer is one document, with a real queue and a real worker."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import httpx
+import pytest
+from redis import Redis
+from service_server import GEOMETRY
+
+from rpr_solver import EXAMPLES, poses
+from service.app import create_app
+from service.document_models import DOCUMENT_MODELS
+from service.models import MODELS
+from worker import JobQueue
+
+POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
+
+
+def ended(client: httpx.Client, job_id: str) -> dict[str, Any]:
+    while (job := client.get(f"/v1/jobs/{job_id}").json())["status"] in ("queued", "running"):
+        time.sleep(0.02)
+    return dict(job)
+
+
+def documented() -> list[tuple[str, str, Any]]:
+    """Every example of a request: its path, its model and what is sent."""
+    found = []
+    for path, operations in create_app().openapi()["paths"].items():
+        for content in operations.get("post", {}).get("requestBody", {}).get("content", {}).values():
+            model = content["schema"]["$ref"].rpartition("/")[2]
+            found += [(path, model, example["value"]) for example in content["examples"].values()]
+    return found
+
+
+@pytest.mark.parametrize(("path", "model", "body"), documented())
+def test_documented_requests_work_as_they_stand(api: httpx.Client, path: str, model: str, body: Any) -> None:
+    parsed = {**MODELS, **DOCUMENT_MODELS}[model].model_validate(body)
+    assert parsed.model_dump(exclude_unset=True, by_alias=True) == body
+    assert api.post(path, json=body, headers={"Prefer": "wait=30"}).status_code == 200
+
+
+def test_poses_are_answered_without_being_asked_to_wait(api: httpx.Client) -> None:
+    answer = api.post("/v1/poses", json=POSES)
+    assert answer.status_code == 200
+    assert "preference-applied" not in answer.headers
+    assert answer.json() == poses(EXAMPLES["innocenti"], "14.98", 15, 30, digits=20).to_json()
+    model = DOCUMENT_MODELS["PoseTable"].model_validate(answer.json())
+    assert model.model_dump(exclude_unset=True) == answer.json()
+
+
+def test_a_document_can_be_had_by_its_job(api: httpx.Client) -> None:
+    body = {**POSES, "l3": "30.125"}
+    answer = api.post("/v1/poses", json=body, headers={"Prefer": "respond-async"})
+    assert (answer.status_code, answer.headers["preference-applied"]) == (202, "respond-async")
+    job = answer.json()
+    assert (job["kind"], answer.headers["location"]) == ("poses", job["links"]["self"])
+    done = ended(api, job["id"])
+    assert (done["status"], done["progress"]) == ("succeeded", {"done": 1, "total": 1})
+    result = api.get(job["links"]["result"])
+    assert result.headers["cache-control"] == "public, max-age=31536000, immutable"
+    assert result.json() == api.post("/v1/poses", json=body).json()
+    etag = result.headers["etag"]
+    assert api.get(job["links"]["result"], headers={"If-None-Match": etag}).status_code == 304
+    no_csv = api.get(job["links"]["result"], headers={"Accept": "text/csv"})
+    assert (no_csv.status_code, no_csv.json()["type"]) == (406, "/problems/not-acceptable")
+    events = api.get(job["links"]["events"]).text
+    assert events.rstrip().splitlines()[-1].startswith('data: {"id":"po-')
+
+
+def test_a_document_that_has_expired_is_gone(api: httpx.Client, redis: Redis) -> None:
+    body = {**POSES, "l3": "30.25"}
+    job = api.post("/v1/poses", json=body, headers={"Prefer": "respond-async"}).json()
+    ended(api, job["id"])
+    queue = JobQueue(redis)
+    request = queue.request(job["id"])
+    assert request is not None
+    assert request.job_id == job["id"]
+    redis.delete(queue.records.keys.document(request.content_hash))  # type: ignore[union-attr]
+    gone = api.get(job["links"]["result"])
+    assert (gone.status_code, gone.json()["type"]) == (410, "/problems/result-expired")
+    assert api.post("/v1/poses", json=body).status_code == 200
+
+
+def test_a_document_is_canceled_like_a_table(idle: httpx.Client) -> None:
+    job = idle.post("/v1/poses", json=POSES, headers={"Prefer": "wait=0"}).json()
+    early = idle.get(job["links"]["result"])
+    assert (early.status_code, early.json()["detail"]) == (409, "The job is queued: 0 of 1 steps are done.")
+    assert idle.delete(job["links"]["self"]).json()["status"] == "canceled"
+    assert idle.get(job["links"]["result"]).json()["type"] == "/problems/job-canceled"
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"l1": 0}, "l1"),
+        ({"l2": "-1/3"}, "l2"),
+        ({"l3": None}, "l3"),
+        ({"digits": 3}, "digits"),
+        ({"fixed_leg": 1}, "fixed_leg"),
+        ({"geometry": {}}, "geometry.a2x"),
+        ({"l1": "1" * 31}, "l1"),
+    ],
+)
+def test_wrong_fields_of_poses_are_named(idle: httpx.Client, change: dict[str, Any], field: str) -> None:
+    answer = idle.post("/v1/poses", json={**POSES, **change})
+    assert answer.status_code == 422
+    assert field in [error["field"] for error in answer.json()["errors"]]
