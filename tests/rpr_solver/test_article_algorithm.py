@@ -33,7 +33,7 @@ VECTORS = {
 # a flat platform keeps h as a symbol throughout, which takes seconds; the long run takes all of them
 LONG = settings.get_current_profile_name() == "long"
 SLOW = ("zein-flat", "both-flat")
-BRIEF = {"zein-flat-platform-3", "zein-flat-eight-34.5", "both-flat-11"}
+BRIEF = {"zein-flat-platform-3", "both-flat-11"}
 CHOSEN = {
     name: vector for name, vector in VECTORS.items() if LONG or not name.startswith(SLOW) or name in BRIEF
 }
