@@ -7,6 +7,7 @@ from typing import Any, cast
 
 import rpr_solver
 from rpr_solver import Manipulator
+from worker.censuses import compute_census, known_census
 from worker.requests import DocumentKind, DocumentRequest
 from worker.store import ResultStore
 
@@ -18,8 +19,11 @@ _Computation = Callable[[DocumentRequest, ResultStore, Progress], Document]
 
 
 def known_document(request: DocumentRequest, store: ResultStore) -> Document | None:
-    """The document if it is in the store."""
-    return store.get_document(request)
+    """The document if it is in the store, or follows from what is."""
+    found = store.get_document(request)
+    if found is None and request.kind == "census":
+        return known_census(request, store)
+    return found
 
 
 def compute(request: DocumentRequest, store: ResultStore, progress: Progress) -> Document:
@@ -42,4 +46,4 @@ def _manipulator(request: DocumentRequest) -> Manipulator:
     return Manipulator.from_json(cast(Any, request.content["geometry"]))
 
 
-_COMPUTATIONS: Mapping[DocumentKind, _Computation] = {"poses": _poses}
+_COMPUTATIONS: Mapping[DocumentKind, _Computation] = {"poses": _poses, "census": compute_census}

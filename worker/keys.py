@@ -48,9 +48,9 @@ class Keys:
         """Held while one worker computes a document that several jobs need."""
         return f"{self.prefix}:document-lock:{content_hash}"
 
-    def census_digits(self, geometry_hash: str, fixed_leg: int) -> str:
-        """The set of the numbers of digits for which the whole census of a geometry is known."""
-        return self._content("census-digits", geometry_hash, fixed_leg)
+    def census_digits(self, content_hash: str) -> str:
+        """The set of the numbers of digits for which a whole census is known."""
+        return f"{self.prefix}:census-digits:{content_hash}"
 
     def job(self, job_id: str) -> JobKeys:
         """The keys of the job `job_id`."""

@@ -114,6 +114,19 @@ class ResultStore:
         """Make a known document last as long as a new one; False when it is not known."""
         return bool(self.redis.expire(self.keys.document(request.content_hash), self.settings.result_ttl))
 
+    def note_census(self, family: DocumentRequest, digits: int) -> None:
+        """Note that a census of this family is known with so many digits."""
+        key = self.keys.census_digits(family.content_hash)
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.sadd(key, digits)
+            pipe.expire(key, self.settings.result_ttl)
+            pipe.execute()
+
+    def census_digits(self, family: DocumentRequest) -> list[int]:
+        """The numbers of digits with which censuses of this family have been kept, ascending."""
+        found = cast("set[bytes]", self.redis.smembers(self.keys.census_digits(family.content_hash)))
+        return sorted(map(int, found))
+
     def eliminant_lock(self, request: TableRequest) -> AbstractContextManager[bool]:
         """Try to become the one who computes the eliminant; gives False when somebody else does."""
         return self._lock(self.keys.eliminant_lock(request.geometry_hash, request.fixed_leg))

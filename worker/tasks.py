@@ -16,6 +16,7 @@ import rpr_solver
 from rpr_solver.errors import InputError, SolverError
 from worker.chunks import ChunkQueue
 from worker.documents import Progress, compute, known_document
+from worker.once import once
 from worker.process_limits import lift_memory_limit
 from worker.records import Chunk, ChunkRef, JobRecords
 from worker.requests import DocumentRequest, TableRequest
@@ -113,22 +114,14 @@ class Throttle:
 
 def eliminant_of(request: TableRequest, store: ResultStore) -> rpr_solver.Eliminant:
     """The geometry's eliminant: from the store, or computed while workers in need of the same wait."""
-    pause = 0.005
-    while True:
-        known = store.get_eliminant(request)
-        if known is not None:
-            return known
-        with store.eliminant_lock(request) as held:
-            if held:
-                known = store.get_eliminant(request)  # it may have come between the look and the lock
-                if known is not None:
-                    return known
-                manipulator = rpr_solver.Manipulator.from_json(cast(Any, request.geometry))
-                eliminant = rpr_solver.eliminate(manipulator, request.fixed_leg)
-                store.put_eliminant(request, eliminant)
-                return eliminant
-        time.sleep(pause)
-        pause = min(2 * pause, 0.05)
+
+    def make() -> rpr_solver.Eliminant:
+        manipulator = rpr_solver.Manipulator.from_json(cast(Any, request.geometry))
+        eliminant = rpr_solver.eliminate(manipulator, request.fixed_leg)
+        store.put_eliminant(request, eliminant)
+        return eliminant
+
+    return once(lambda: store.get_eliminant(request), lambda: store.eliminant_lock(request), make)
 
 
 def solve(eliminant: rpr_solver.Eliminant, l1: str, request: TableRequest) -> SliceJson:

@@ -1,0 +1,105 @@
+"""Censuses: the whole one is computed and kept, and every part of it is cut from what is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any
+
+import rpr_solver
+from rpr_solver import Manipulator, exact_str
+from rpr_solver.errors import SolverError
+from worker.once import once
+from worker.requests import DocumentRequest
+from worker.store import ResultStore
+
+Document = dict[str, Any]
+
+_DOUBT = (
+    "An end of the range cannot be told from a transition at {} digits; where the number of cusps changes "
+    "exactly at the end of a range, give an end beside it."
+)
+
+
+def census_request(
+    manipulator: Manipulator,
+    *,
+    fixed_leg: int = 1,
+    digits: int = 90,
+    start: Fraction = Fraction(0),
+    stop: Fraction | None = None,
+) -> DocumentRequest:
+    """The request for the census of a range of the fixed leg; without an end it is the whole one."""
+    ends = {"from": exact_str(start), "to": None if stop is None else exact_str(stop)}
+    content = {"geometry": manipulator.to_json(), "fixed_leg": fixed_leg, "digits": digits, "range": ends}
+    return DocumentRequest("census", content)
+
+
+def census_in_range(
+    whole: Callable[[int], Document], start: Fraction | None, stop: Fraction | None, digits: int
+) -> Document:
+    """The part of a census; `whole` gives the whole one with so many digits, more than wanted where needed.
+
+    Raises:
+        SolverError: an end of the range cannot be told from a transition.
+    """
+    for have in (digits, 2 * digits, 4 * digits):
+        part = rpr_solver.restrict_census(whole(have), start, stop, digits)
+        if part is not None:
+            return part
+    raise SolverError(_DOUBT.format(have))
+
+
+def known_census(request: DocumentRequest, store: ResultStore) -> Document | None:
+    """A census that follows from a whole one that is known with as many digits or more."""
+    start, stop = _ends(request)
+    for digits in store.census_digits(_family(request)):
+        whole = store.get_document(_whole(request, digits)) if digits >= request.content["digits"] else None
+        part = whole and rpr_solver.restrict_census(whole, start, stop, request.content["digits"])
+        if part:
+            return part
+    return None
+
+
+def compute_census(
+    request: DocumentRequest, store: ResultStore, progress: Callable[[int, int], None]
+) -> Document:
+    """Compute a census; the whole one is kept for the sake of other ranges.
+
+    Raises:
+        SolverError: a transition could not be decided, or told from an end of the range.
+    """
+    content = request.content
+    manipulator = Manipulator.from_json(content["geometry"])
+
+    def whole(digits: int) -> Document:
+        wanted = _whole(request, digits)
+
+        def make() -> Document:
+            found = rpr_solver.census(
+                manipulator, fixed_leg=content["fixed_leg"], digits=digits, progress=progress
+            ).to_json()
+            store.put_document(wanted, found)
+            store.note_census(_family(request), digits)
+            return found
+
+        return once(lambda: store.get_document(wanted), lambda: store.document_lock(wanted), make)
+
+    return census_in_range(whole, *_ends(request), content["digits"])
+
+
+def _ends(request: DocumentRequest) -> tuple[Fraction, Fraction | None]:
+    ends: Mapping[str, str | None] = request.content["range"]
+    start, stop = ends["from"], ends["to"]
+    return Fraction(start or 0), None if stop is None else Fraction(stop)
+
+
+def _whole(request: DocumentRequest, digits: int) -> DocumentRequest:
+    everything = {"from": "0", "to": None}
+    return DocumentRequest("census", {**request.content, "digits": digits, "range": everything})
+
+
+def _family(request: DocumentRequest) -> DocumentRequest:
+    """Stands for the census of one manipulator and one leg at any number of digits."""
+    content = request.content
+    return DocumentRequest("census", {"geometry": content["geometry"], "fixed_leg": content["fixed_leg"]})
