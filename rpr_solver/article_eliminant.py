@@ -26,6 +26,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly, nmod_mat, nmod_poly
 
@@ -233,8 +234,13 @@ def _resultant_modulo(f1: _Form, e1: _Form, p: int, omega: int) -> list[int]:
         for form in (f1, e1)
     )
     values = [formal_resultant([int(c(u)) for c in first], [int(c(u)) for c in second], p) for u in points]
-    solved = vandermonde(points, p).inv() * nmod_mat(DEGREE + 1, 1, values, p)
-    return [int(x) for x in solved.entries()]
+    return [int(x) for x in (_interpolation(p) * nmod_mat(DEGREE + 1, 1, values, p)).entries()]
+
+
+@lru_cache(maxsize=2)
+def _interpolation(p: int) -> nmod_mat:
+    """From the values at 0 … 96 to the coefficients; one prime serves several values of ω."""
+    return vandermonde(range(DEGREE + 1), p).inv()
 
 
 def _norm1(form: _Form, omega: int) -> int:

@@ -17,6 +17,7 @@ MAX_BITS = 1 << 18
 """Beyond this working precision a polynomial is taken to have been meant squarefree and not to be."""
 _NEWTON_STEPS = 64
 _FIRST_BITS = 192
+_FIRST_BITS = 192
 
 
 @lru_cache(maxsize=256)
@@ -57,11 +58,12 @@ class RealRoot:
         """
         if not (self.polynomial.a[0] or self.polynomial.b[0]) and self.ball.contains(0):
             return arb(0)
-        work = bits + 64
+        # from low precision up: a wide ball is best evaluated by the scheme that FLINT uses there
+        wanted, work, x = bits + 64, min(_FIRST_BITS, bits + 64), self.ball
         while work <= MAX_BITS:
             polynomial = self.polynomial.ball(work)
             with ctx.workprec(work):
-                slope, x = polynomial.derivative(), self.ball
+                slope = polynomial.derivative()
                 for _ in range(_NEWTON_STEPS):
                     mid = x.mid()
                     value = polynomial(mid)
@@ -75,7 +77,7 @@ class RealRoot:
                             break
                         y = half
                     x = y
-            work *= 2
+            work = wanted if work < wanted <= 2 * work else 2 * work
         raise SolverError(f"a root could not be refined to {bits} bits")
 
 

@@ -3,6 +3,7 @@ from fractions import Fraction
 import pytest
 from flint import arb, ctx, fmpz_poly
 
+from rpr_solver import EXAMPLES, eliminate
 from rpr_solver.algebraic import (
     Algebraic,
     Field,
@@ -12,6 +13,7 @@ from rpr_solver.algebraic import (
     poly_mod,
     squarefree_part,
 )
+from rpr_solver.degenerate import exact_roots, norm_factors
 from rpr_solver.roots import RealPolynomial, real_roots
 
 
@@ -102,3 +104,12 @@ def test_roots_over_a_quadratic_field() -> None:
     roots = real_roots(RealPolynomial(fmpz_poly([0, 0, 1]), fmpz_poly([-1]), 2))
     assert [float(r.refined(60).mid()) for r in roots] == pytest.approx([-(2**0.25), 2**0.25])
     assert roots[1].refined(2000).rel_accuracy_bits() >= 2000
+
+
+def test_a_wide_isolating_ball_is_refined_at_any_precision() -> None:
+    """Evaluated at high precision, this ball's slope would be too wide to exclude zero."""
+    eliminant = eliminate(EXAMPLES["innocenti"])
+    surface = eliminant.surface
+    factors = norm_factors(eliminant.at(Fraction("14.98") * surface.scale), surface.radicand)
+    for root in exact_roots(factors):
+        assert root.root.refined(3466).rel_accuracy_bits() >= 3466
