@@ -1,16 +1,20 @@
-"""`rpr-cusps poses`: one document for one manipulator, computed here."""
+"""`rpr-cusps poses` and `rpr-cusps census`: one document for one manipulator, computed here."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import rpr_solver
+from rpr_solver.errors import InputError
 from service.json_body import JsonNumber
-from service.output import Page, Section, about, counted, rows_of, write_document
-from service.reading import digits_in_range, number, whole
+from service.output import Page, Progress, Section, about, counted, rows_of, write_document
+from service.ranges import LengthRange, parse_length_range
+from service.reading import digits_in_range, fixed_leg, number, whole
 from service.settings import Limits
 from service.solving import read_geometry
+from worker.censuses import census_in_range
 
 _POSE_KEYS = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y", "multiplicity")
 
@@ -31,11 +35,84 @@ def poses(source: str, lengths: Mapping[str, str], digits: str | None, form: str
     return 0
 
 
+def census(
+    source: str, ranges: Sequence[tuple[str, str]], leg: str | None, digits: str | None, form: str
+) -> int:
+    """Run `rpr-cusps census`; returns the exit status.
+
+    Raises:
+        InputError: naming the option or the field at fault.
+        SolverError: nothing could be proved.
+    """
+    limits = Limits()
+    count = digits_option(digits, limits)
+    chosen, wanted = leg_and_range(ranges, leg, limits)
+    manipulator = read_geometry(source, limits)
+
+    with Progress(1, "steps") as progress:
+
+        def compute(digits: int) -> dict[str, Any]:
+            found = rpr_solver.census(manipulator, fixed_leg=chosen, digits=digits, progress=progress.update)
+            return found.to_json()
+
+        document = census_in_range(compute, wanted.start, wanted.stop, count)
+    if form == "csv":
+        sys.stdout.write(rpr_solver.census_csv(document))
+    else:
+        write_document(document, _census_page(document), form)
+    return 0
+
+
+def leg_and_range(
+    ranges: Sequence[tuple[str, str]], leg: str | None, limits: Limits
+) -> tuple[int, LengthRange]:
+    """Read `--fixed-leg` and the one range, of which `--l2-range` and `--l3-range` imply their leg."""
+    if len(ranges) > 1:
+        raise InputError.of(ranges[1][0], "is one range too many; give one")
+    chosen = None if leg is None else fixed_leg(JsonNumber(leg))
+    if not ranges:
+        return chosen or 1, LengthRange()
+    [(option, text)] = ranges
+    implied = int(option[3])
+    if chosen not in (None, implied):
+        raise InputError.of(option, f"with --fixed-leg {chosen} the range is --l{chosen}-range")
+    return implied, parse_length_range(text, option, limits)
+
+
 def digits_option(text: str | None, limits: Limits, default: int | None = None) -> int:
     """Read `--digits`."""
     if text is None:
         return limits.default_digits if default is None else default
     return digits_in_range(whole(JsonNumber(text), "digits", "15 to 1000"), limits)
+
+
+def _census_page(document: Mapping[str, Any]) -> Page:
+    leg = f"l{document['fixed_leg']}"
+    intervals, transitions = document["intervals"], document["transitions"]
+    ends = document["range"]
+    below = "" if ends["to"] is None else f" up to {ends['to']}"
+    counts = [interval["count"] for interval in intervals]
+    span = (
+        counted(max(counts), "cusp")
+        if min(counts) == max(counts)
+        else f"{min(counts)} to {max(counts)} cusps"
+    )
+    title = f"{leg.upper()} from {ends['from']}{below}: {span}, {counted(len(transitions), 'transition')}"
+    rows = [["from", "to", "cusps"], *([i["from"], i["to"] or "∞", str(i["count"])] for i in intervals)]
+    events = [
+        {
+            leg: transition[leg],
+            "cusps": f"{transition['count_before']} → {transition['count_after']}",
+            **event,
+        }
+        for transition in transitions
+        for event in transition["events"]
+    ]
+    sections = [Section(title, rows)]
+    if events:
+        keys = [leg, "cusps", *(key for key in events[0] if key not in (leg, "cusps"))]
+        sections.append(Section("Transitions", rows_of(events, keys)))
+    return Page(about(document), sections, document["digits"])
 
 
 def _pose_page(table: Mapping[str, Any]) -> Page:

@@ -26,8 +26,39 @@ examples:
 """
 
 
+_CENSUS = """\
+Every length at which the number of cusps changes, with its kind and pose, and the number of cusps between:
+all of them, by proof.
+
+GEOMETRY is a JSON file, - for standard input, or a built-in manipulator: innocenti, zein-flat, twelve-cusps
+or fourteen-cusps.
+"""
+_CENSUS_EXAMPLES = """\
+examples:
+  rpr-cusps census innocenti --digits 20
+  rpr-cusps census innocenti --l1-range 28:31 --format json
+  rpr-cusps census robot.json --l2-range :40 --format csv    slices of leg 2
+"""
+
+
+class Options(argparse.Action):
+    """Collects options of several names, each with its name."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: object,
+        option_string: str | None = None,
+    ) -> None:
+        """Keep one option."""
+        del parser
+        setattr(namespace, self.dest, [*(getattr(namespace, self.dest) or []), (option_string, str(values))])
+
+
 def add_analysis(commands: _Commands) -> None:
     """Add the commands to the parser."""
+    _add_census(commands)
     _add_poses(commands)
 
 
@@ -47,6 +78,29 @@ def _add_poses(commands: _Commands) -> None:
     poses.set_defaults(run=_poses)
 
 
+def _add_census(commands: _Commands) -> None:
+    census = commands.add_parser(
+        "census",
+        help="every length at which the number of cusps changes",
+        description=_CENSUS,
+        epilog=_CENSUS_EXAMPLES,
+        formatter_class=_FORMATTER,
+    )
+    census.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
+    _add_ranges(census, "the lengths of interest; either end may be left out (default: all)")
+    _add_digits(census, 90)
+    census.add_argument("--format", choices=("table", "json", "csv"), default="table", help="default: table")
+    census.set_defaults(run=_census)
+
+
+def _add_ranges(parser: argparse.ArgumentParser, text: str) -> None:
+    names = (f"--l{leg}-range" for leg in (1, 2, 3))
+    parser.add_argument(*names, dest="ranges", action=Options, metavar="A:B", help=text)
+    parser.add_argument(
+        "--fixed-leg", metavar="LEG", help="the leg with the fixed length (default: that of the range, or 1)"
+    )
+
+
 def _add_digits(parser: argparse.ArgumentParser, default: int) -> None:
     parser.add_argument("--digits", metavar="N", help=f"significant digits, 15 to 1000 (default: {default})")
 
@@ -59,6 +113,15 @@ def _poses(args: argparse.Namespace) -> int:
         return analysing.poses(args.geometry, lengths, args.digits, args.format)
     except SolverError as error:
         return _undecided("poses", error)
+
+
+def _census(args: argparse.Namespace) -> int:
+    from service import analysing
+
+    try:
+        return analysing.census(args.geometry, args.ranges or [], args.fixed_leg, args.digits, args.format)
+    except SolverError as error:
+        return _undecided("census", error)
 
 
 def _undecided(command: str, error: SolverError) -> int:

@@ -18,7 +18,7 @@ from pydantic import ValidationError
 
 from rpr_solver.errors import InputError
 from service import __version__
-from service.analysis_cli import add_analysis
+from service.analysis_cli import Options, add_analysis
 
 BAD_INPUT, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141
 
@@ -72,21 +72,6 @@ class _Parser(argparse.ArgumentParser):
         self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
-class _Slices(argparse.Action):
-    """Collects slices and ranges of slices in the order in which they are given."""
-
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: object,
-        option_string: str | None = None,
-    ) -> None:
-        """Keep one option."""
-        del parser
-        setattr(namespace, self.dest, [*(getattr(namespace, self.dest) or []), (option_string, str(values))])
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit status."""
     args = _parser().parse_args(argv)
@@ -131,14 +116,14 @@ def _add_solve(commands: argparse._SubParsersAction[_Parser]) -> None:
     solve.add_argument(
         *legs,
         dest="slices",
-        action=_Slices,
+        action=Options,
         metavar="X",
         help="a slice; may be given often (--l2 with fixed leg 2, …)",
     )
     solve.add_argument(
         *(f"{leg}-range" for leg in legs),
         dest="slices",
-        action=_Slices,
+        action=Options,
         metavar="START:STOP:STEP",
         help="slices from START up to STOP, which is included when it is hit",
     )

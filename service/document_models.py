@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.models import Digits, Document, Exact, Geometry, GeometryText, optional, wanted_digits
+from service.models import Digits, Document, Exact, Geometry, GeometryText, Point, optional, wanted_digits
 
 
 class PosesRequest(Document):
@@ -79,7 +79,70 @@ class PoseTable(BaseModel):
     certificate: PoseCertificate
 
 
+class OpenRange(Document):
+    """A range of lengths; an end that is missing or null is open."""
+
+    start: Exact | None = Field(default=None, alias="from", description="Lower end; 0 when missing.")
+    stop: Exact | None = Field(default=None, alias="to", description="Upper end; all lengths when missing.")
+
+
+class CensusRequest(Document):
+    """One manipulator, the leg whose length is fixed in a slice, and the lengths of interest."""
+
+    geometry: Geometry
+    fixed_leg: Literal[1, 2, 3] = Field(default=1, description="The leg whose length is fixed in a slice.")
+    digits: int = wanted_digits(90)
+    range: OpenRange | None = Field(default=None, description="All lengths when missing.")
+
+
+class TransitionEvent(Point):
+    """A degenerate pose of a transition."""
+
+    kind: str = Field(description="For example swallowtail, lips, beak-to-beak.")
+
+
+class Transition(BaseModel):
+    """A length at which the number of cusps changes, or a degenerate pose is passed."""
+
+    l1: Digits | None = optional("The length of the fixed leg.")
+    l2: Digits | None = optional("The length, when `fixed_leg` is 2.")
+    l3: Digits | None = optional("The length, when `fixed_leg` is 3.")
+    kind: str = Field(description="The kind of its events, or several.")
+    count_before: int = Field(description="Cusps in the slices just below.")
+    count_after: int = Field(description="Cusps in the slices just above.")
+    events: list[TransitionEvent]
+
+
+class ClosedRange(BaseModel):
+    """The range that was asked for."""
+
+    start: str = Field(alias="from")
+    stop: str | None = Field(alias="to", description="null: without end.")
+
+
+class Interval(ClosedRange):
+    """An interval without transitions. All its slices have the same number of cusps."""
+
+    count: int
+
+
+class Census(BaseModel):
+    """All transitions in a range, ascending, and the proved numbers of cusps between them."""
+
+    geometry: GeometryText
+    geometry_hash: str
+    fixed_leg: Literal[1, 2, 3]
+    digits: int
+    solver_version: str
+    range: ClosedRange
+    transitions: list[Transition]
+    intervals: list[Interval]
+    certificate: dict[str, Any] = Field(description="How the census was proved to be complete.")
+
+
 DOCUMENT_MODELS: dict[str, type[BaseModel]] = {
     "PosesRequest": PosesRequest,
     "PoseTable": PoseTable,
+    "CensusRequest": CensusRequest,
+    "Census": Census,
 }

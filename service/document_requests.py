@@ -8,8 +8,20 @@ from typing import cast
 
 from rpr_solver import Manipulator, exact_str
 from rpr_solver.errors import InputError
-from service.reading import MISSING, Collector, check_keys, geometry, kind_of, number, read_digits
+from service.json_body import JsonNumber
+from service.ranges import LengthRange, read_range
+from service.reading import (
+    MISSING,
+    Collector,
+    check_keys,
+    fixed_leg,
+    geometry,
+    kind_of,
+    number,
+    read_digits,
+)
 from service.settings import Limits
+from worker import censuses
 from worker.requests import DocumentRequest
 
 LEGS = ("l1", "l2", "l3")
@@ -31,6 +43,30 @@ def poses_request(body: object, limits: Limits) -> DocumentRequest:
     collect.finish()
     # finish() has raised if any of them is None
     return of_poses(cast(Manipulator, manipulator), cast("list[Fraction]", lengths), cast(int, digits))
+
+
+def census_request(body: object, limits: Limits) -> DocumentRequest:
+    """Read a request for a census.
+
+    Raises:
+        LimitError: the request is right but too large.
+        InputError: naming every field at fault.
+    """
+    given = _object(body, "geometry")
+    collect = Collector()
+    collect(lambda: check_keys(given, ("geometry", "fixed_leg", "digits", "range")))
+    manipulator = collect(lambda: geometry(given.get("geometry", MISSING), limits))
+    leg = collect(lambda: fixed_leg(given.get("fixed_leg", JsonNumber("1"))))
+    digits = collect(lambda: read_digits(given.get("digits", MISSING), limits))
+    wanted = collect(lambda: read_range(given.get("range", MISSING), limits))
+    collect.finish()
+    return censuses.census_request(
+        cast(Manipulator, manipulator),
+        fixed_leg=cast(int, leg),
+        digits=cast(int, digits),
+        start=cast(LengthRange, wanted).start,
+        stop=cast(LengthRange, wanted).stop,
+    )
 
 
 def of_poses(manipulator: Manipulator, lengths: list[Fraction], digits: int) -> DocumentRequest:

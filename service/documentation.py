@@ -185,6 +185,28 @@ CUSP_TABLES_EXTRA = posted(
         ),
     },
 )
+CENSUSES_RESPONSES = question(
+    {
+        "description": "The census is known.",
+        "headers": _ETAG,
+        "content": {
+            "application/json": {"schema": ref("Census")},
+            "text/csv": {
+                "schema": {"type": "string", "description": "A header line, then one line for each interval."}
+            },
+        },
+    }
+)
+CENSUSES_EXTRA = posted(
+    "CensusRequest",
+    {
+        "whole": ("All of the article's first manipulator", {"geometry": EXAMPLE_GEOMETRY, "digits": 30}),
+        "range": (
+            "A range of leg 1",
+            {"geometry": EXAMPLE_GEOMETRY, "digits": 30, "range": {"from": 28, "to": "31"}},
+        ),
+    },
+)
 POSES_RESPONSES = question(answer("The poses.", "PoseTable", headers=_ETAG))
 POSES_EXTRA = posted(
     "PosesRequest",
@@ -203,7 +225,7 @@ CANCEL_RESPONSES: Docs = {
     200: answer("The job, canceled or as it had ended.", "Job", example={**_JOB, "status": "canceled"}),
     **problems(ProblemType.NOT_FOUND, _UNAVAILABLE),
 }
-RESULTS = ("PoseTable",)
+RESULTS = ("PoseTable", "Census")
 RESULT_RESPONSES: Docs = {
     200: _table("What the job was asked for.", *RESULTS),
     304: {"description": "The client has this representation already (If-None-Match)."},

@@ -44,7 +44,10 @@ TABLE_FORMS: Forms = {
     CSV: lambda table: rpr_solver.table_csv(table).encode(),
     NDJSON: ndjson_bytes,
 }
-_FORMS: Mapping[Kind, Forms] = {"cusp-table": TABLE_FORMS}
+_FORMS: Mapping[Kind, Forms] = {
+    "cusp-table": TABLE_FORMS,
+    "census": {JSON: json_bytes, CSV: lambda census: rpr_solver.census_csv(census).encode()},
+}
 
 
 def forms_of(kind: Kind | None) -> Forms:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from fractions import Fraction
 
 import pytest
 from cli_process import run
 
-from rpr_solver import EXAMPLES, poses
+from rpr_solver import EXAMPLES, census, census_csv, poses, restrict_census
 
 LEGS = ("--l1", "14.98", "--l2", "15", "--l3", "30")
 
@@ -22,12 +23,37 @@ def test_poses_as_json_and_as_text() -> None:
     assert lines[4].split()[:2] == [expected["poses"][0]["alpha_deg"], expected["poses"][0]["theta1_deg"]]  # type: ignore[index]
 
 
+def test_a_census_in_every_form() -> None:
+    part = ("census", "innocenti", "--l1-range", "28:31", "--digits", "20")
+    done = run(*part, "--format", "json")
+    assert (done.returncode, done.stderr) == (0, "")
+    document = json.loads(done.stdout)
+    assert document == restrict_census(
+        census(EXAMPLES["innocenti"], digits=20).to_json(), Fraction(28), Fraction(31)
+    )
+    assert run(*part, "--format", "csv").stdout == census_csv(document)
+    lines = run(*part).stdout.splitlines()
+    assert "L1 from 28 up to 31: 4 to 10 cusps, 6 transitions" in lines
+    assert sum("swallowtail" in line for line in lines) == 3
+
+
+def test_a_census_of_another_leg() -> None:
+    done = run("census", "innocenti", "--l2-range", ":3", "--digits", "15")
+    assert done.returncode == 0
+    assert "L2 from 0 up to 3: 0 to 6 cusps, 6 transitions" in done.stdout
+
+
 @pytest.mark.parametrize(
     ("args", "said"),
     [
         (("poses", "innocenti", "--l1", "1"), "--l2, --l3"),
         (("poses", "innocenti", "--l1", "x", "--l2", "1", "--l3", "1"), "--l1: 'x' is not a finite number"),
         (("poses", "innocenti", "--l1", "0", "--l2", "1", "--l3", "1"), "l1: is 0; a leg length must be > 0"),
+        (("census", "innocenti", "--l1-range", "2:1"), "--l1-range.to: is 1; it must exceed 2"),
+        (("census", "innocenti", "--l1-range", "1:2:3"), "is not A:B"),
+        (("census", "innocenti", "--l1-range", "1:2", "--l1-range", "3:4"), "one range too many"),
+        (("census", "innocenti", "--l2-range", "1:", "--fixed-leg", "1"), "the range is --l1-range"),
+        (("census", "innocenti", "--fixed-leg", "0"), "fixed_leg: is 0"),
         (("poses", "nope", *LEGS), "one of innocenti"),
         (("poses", "innocenti", *LEGS, "--digits", "9"), "min_digits is 15"),
     ],

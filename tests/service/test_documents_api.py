@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import time
 from typing import Any
 
@@ -10,6 +12,7 @@ import pytest
 from redis import Redis
 from service_server import GEOMETRY
 
+import rpr_solver
 from rpr_solver import EXAMPLES, poses
 from service.app import create_app
 from service.document_models import DOCUMENT_MODELS
@@ -23,6 +26,12 @@ def ended(client: httpx.Client, job_id: str) -> dict[str, Any]:
     while (job := client.get(f"/v1/jobs/{job_id}").json())["status"] in ("queued", "running"):
         time.sleep(0.02)
     return dict(job)
+
+
+def is_whole(model: str, document: object) -> bool:
+    """Whether the model takes the document and knows every one of its fields."""
+    parsed = DOCUMENT_MODELS[model].model_validate(document)
+    return parsed.model_dump(exclude_unset=True, by_alias=True) == document
 
 
 def documented() -> list[tuple[str, str, Any]]:
@@ -47,8 +56,7 @@ def test_poses_are_answered_without_being_asked_to_wait(api: httpx.Client) -> No
     assert answer.status_code == 200
     assert "preference-applied" not in answer.headers
     assert answer.json() == poses(EXAMPLES["innocenti"], "14.98", 15, 30, digits=20).to_json()
-    model = DOCUMENT_MODELS["PoseTable"].model_validate(answer.json())
-    assert model.model_dump(exclude_unset=True) == answer.json()
+    assert is_whole("PoseTable", answer.json())
 
 
 def test_a_document_can_be_had_by_its_job(api: httpx.Client) -> None:
@@ -90,6 +98,58 @@ def test_a_document_is_canceled_like_a_table(idle: httpx.Client) -> None:
     assert (early.status_code, early.json()["detail"]) == (409, "The job is queued: 0 of 1 steps are done.")
     assert idle.delete(job["links"]["self"]).json()["status"] == "canceled"
     assert idle.get(job["links"]["result"]).json()["type"] == "/problems/job-canceled"
+
+
+def test_a_census_is_computed_once_and_serves_every_range(api: httpx.Client) -> None:
+    body = {"geometry": EXAMPLES["zein-flat"].to_json(), "digits": 30}
+    answer = api.post("/v1/censuses", json={**body, "range": {"from": 1, "to": "10"}})
+    assert answer.status_code == 202
+    job = answer.json()
+    assert job["kind"] == "census"
+    done = ended(api, job["id"])
+    assert done["status"] == "succeeded"
+    assert done["progress"]["done"] == done["progress"]["total"] > 1
+    assert '\nevent: progress\ndata: {"progress":{"done":' in api.get(job["links"]["events"]).text
+    part = api.get(job["links"]["result"]).json()
+    assert is_whole("Census", part)
+    assert part["range"] == {"from": "1", "to": "10"}
+
+    known = [api.post("/v1/censuses", json=question) for question in (body, {**body, "digits": 20})]
+    assert [found.status_code for found in known] == [200, 200]
+    whole, short = (found.json() for found in known)
+    assert whole == rpr_solver.census(EXAMPLES["zein-flat"], digits=30).to_json()
+    assert short["digits"] == 20
+    assert [t["l1"][:15] for t in short["transitions"]] == [t["l1"][:15] for t in whole["transitions"]]
+    assert {t["l1"] for t in part["transitions"]} <= {t["l1"] for t in whole["transitions"]}
+
+
+def test_a_census_can_be_had_as_csv(api: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "digits": 30, "range": {"from": "28"}}
+    headers = {"Accept": "text/csv", "Prefer": "wait=30"}
+    answer = api.post("/v1/censuses", json=body, headers=headers)
+    rows = list(csv.DictReader(io.StringIO(answer.text)))
+    assert [row["count"] for row in rows] == ["8", "10", "8", "6", "8", "6", "4"]
+    assert answer.headers["content-type"].startswith("text/csv")
+    lines = api.post("/v1/censuses", json=body, headers={"Accept": "application/x-ndjson"})
+    assert lines.status_code == 406
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"range": {"from": -1}}, "range.from"),
+        ({"range": {"from": 2, "to": 2}}, "range.to"),
+        ({"range": {"form": 2}}, "range.form"),
+        ({"range": {"to": "x"}}, "range.to"),
+        ({"range": "1:2"}, "range"),
+        ({"fixed_leg": 4}, "fixed_leg"),
+        ({"l1": 4}, "l1"),
+    ],
+)
+def test_wrong_fields_of_a_census_are_named(idle: httpx.Client, change: dict[str, Any], field: str) -> None:
+    answer = idle.post("/v1/censuses", json={"geometry": GEOMETRY, **change})
+    assert answer.status_code == 422
+    assert field in [error["field"] for error in answer.json()["errors"]]
 
 
 @pytest.mark.parametrize(
