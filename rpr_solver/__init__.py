@@ -8,6 +8,7 @@
 
 from rpr_solver.article import ArticleTable, article_table
 from rpr_solver.census import Census, Transition, TransitionPoint, census
+from rpr_solver.check import CheckedInterval, CheckReport, Requirement, check
 from rpr_solver.cusps import (
     DEFAULT_DIGITS,
     MAX_DIGITS,
@@ -34,6 +35,8 @@ __all__ = [
     "SOLVER_VERSION",
     "ArticleTable",
     "Census",
+    "CheckReport",
+    "CheckedInterval",
     "DirectPolynomial",
     "Eliminant",
     "FieldProblem",
@@ -42,6 +45,7 @@ __all__ = [
     "Manipulator",
     "PlatformPose",
     "PoseTable",
+    "Requirement",
     "SliceTable",
     "SolverError",
     "Transition",
@@ -49,6 +53,7 @@ __all__ = [
     "article_table",
     "census",
     "census_csv",
+    "check",
     "cusp_table",
     "eliminate",
     "exact_str",

@@ -7,7 +7,7 @@ similar or flat triangles, the discriminant of the eliminant Q(u, L) takes their
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil, floor
@@ -124,14 +124,10 @@ def census(
     surface = Surface.of(manipulator, fixed_leg)
     report = _Steps(progress)
     eliminant = eliminate(manipulator, fixed_leg)
-    try:
-        systems = EventSystems.of(surface, lambda done, _: report(done, ELIMINATION_STEPS + 1))
-        groups = grouped(surface, list(events(systems)))
-        method = "events"
-    except NotGeneric:
-        groups = grouped(surface, list(candidate_lengths(eliminant)))
-        method = "discriminant"
-    counts = _counts(eliminant, groups, report, simple_only=method == "discriminant")
+    found, systems = all_events(eliminant, lambda done, _: report(done, ELIMINATION_STEPS + 1))
+    method = "discriminant" if systems is None else "events"
+    groups = grouped(surface, found)
+    counts = _counts(eliminant, groups, report, simple_only=systems is None)
     kept = [
         (group, before, after)
         for group, before, after in zip(groups, counts, counts[1:], strict=False)
@@ -151,6 +147,15 @@ def census(
         (counts[0], *(after for _, _, after in kept)),
         certificate,
     )
+
+
+def all_events(eliminant: Eliminant, progress: Progress) -> tuple[list[Event], EventSystems | None]:
+    """Every length at which the count can change; without systems where events are not isolated."""
+    try:
+        systems = EventSystems.of(eliminant.surface, progress)
+        return list(events(systems)), systems
+    except NotGeneric:
+        return list(candidate_lengths(eliminant)), None
 
 
 def _counts(
@@ -184,7 +189,7 @@ def _cusps_at_multiple_roots(table: SliceTable) -> bool:
     return multiple and any("field_degree" in proof for proof in certificate["proofs"])
 
 
-def sample_lengths(surface: Surface, places: Sequence[Event]) -> Iterable[Fraction]:
+def sample_lengths(surface: Surface, places: Sequence[Event]) -> Iterator[Fraction]:
     """A short rational length (user's unit) in each interval between neighbouring events."""
     below = Fraction(0)
     for place, above in zip(places, [*places[1:], None], strict=True):
@@ -228,10 +233,11 @@ def _transition(surface: Surface, group: Sequence[Event], before: int, after: in
     points = tuple(TransitionPoint(event.kind, _point(event, digits)) for event in named)
     kinds = {event.kind for event in named}
     kind = "unclassified" if not kinds else kinds.pop() if len(kinds) == 1 else "several"
-    return Transition(_length_text(surface, group, digits), kind, before, after, points)
+    return Transition(length_text(surface, group, digits), kind, before, after, points)
 
 
-def _length_text(surface: Surface, group: Sequence[Event], digits: int) -> str:
+def length_text(surface: Surface, group: Sequence[Event], digits: int) -> str:
+    """The length of simultaneous events as a correctly rounded decimal in the user's unit."""
     for event in group:
         if event.exact_length is not None and event.exact_length.rational is not None:
             return round_fraction(event.exact_length.rational / surface.scale, digits)

@@ -15,7 +15,7 @@ from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 from rpr_solver.algebraic import Field
 from rpr_solver.eliminant import DEGREE_U, Eliminant
 from rpr_solver.errors import SolverError
-from rpr_solver.events import Touching
+from rpr_solver.events import Landmark
 from rpr_solver.roots import RealPolynomial, real_roots
 from rpr_solver.surface import BiForm, Surface
 
@@ -25,7 +25,7 @@ _OMEGA = _SPACE.gen(3)
 _UNSUPPORTED = "the census of this degenerate geometry is not supported: its eliminant has no small factors"
 
 
-def candidate_lengths(eliminant: Eliminant) -> Iterator[Touching]:
+def candidate_lengths(eliminant: Eliminant) -> Iterator[Landmark]:
     """The positive scaled L at which roots of Q(u, L) can meet or leave for infinity.
 
     Raises:
@@ -47,7 +47,7 @@ def candidate_lengths(eliminant: Eliminant) -> Iterator[Touching]:
         for root in real_roots(RealPolynomial(factor, fmpz_poly([]), 1)):
             length = Field.of_root(root).generator
             if length.sign > 0:
-                yield Touching(length)
+                yield Landmark(length)
 
 
 def _norm(eliminant: Eliminant) -> fmpz_mpoly:

@@ -8,30 +8,33 @@ Complete by the implicit function theorem: where no pose of a slice is degenerat
 transversal zero of (J, E) and goes on to the neighbouring slices. A degenerate pose with ∇f ≠ 0,
 J1 ≠ 0 satisfies M1 = M2 = 0 or C = W = 0; J1 = 0 makes it always singular (or L infinite); ∇f = 0
 makes it always singular too, or has leg f closed: there the fibre's order is even, so that such a
-pose is degenerate only where leg f closes while stretched along its base line (:class:`Touching`).
+pose is degenerate only where leg f closes while stretched along its base line (:func:`touching`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Protocol
 
 from flint import arb, ctx, fmpz_poly, nmod_poly
 
 from rpr_solver.algebraic import Algebraic, Field
-from rpr_solver.degenerate import exact_roots, norm_factors
+from rpr_solver.degenerate import ExactRoot, exact_roots, norm_factors
 from rpr_solver.errors import SolverError
-from rpr_solver.exact_events import ExactEvent, events_above, permanent_events
+from rpr_solver.exact_events import events_above, located_poses, permanent_events, permanent_limits
 from rpr_solver.jets import LocalMap, Pose
 from rpr_solver.poses import HalfTangent, common_root
 from rpr_solver.roots import RealPolynomial, RealRoot, omega_ball, real_roots
-from rpr_solver.surface import Surface
-from rpr_solver.transitions import EventSystems, Form, System
+from rpr_solver.surface import Leg, Surface
+from rpr_solver.transitions import EventSystems, Form, System, limit_system
 
 _START_BITS = 256
 _MAX_BITS = 1 << 12
 _CHECK_PRIMES = 4
+Namer = Callable[[LocalMap[arb]], "str | None"]
+"""The kind of an event from the jets at its pose; None where the balls do not prove it."""
 
 
 class Event(Protocol):
@@ -79,11 +82,11 @@ class BallEvent:
             scale = self.surface.scale_ball()
             return t.degrees(), HalfTangent(u, arb(1)).degrees(), f.sqrt() / scale, g.sqrt() / scale
 
-    def exact(self) -> ExactEvent:
+    def exact(self) -> Event:
         """The same event in a number field, for what balls cannot show: an angle of exactly 0, say."""
         for root in exact_roots(norm_factors(self.system.eliminant.pair, self.surface.radicand)):
             if root.root.refined(_MAX_BITS).overlaps(self.root.refined(_MAX_BITS)):
-                [event] = events_above(self.surface, self.system.first, self.system.second, root)
+                [event] = _exact_events(self.surface, self.system, root, named=bool(self.kind))
                 return event
         raise SolverError("an event was lost between balls and exact arithmetic")
 
@@ -97,8 +100,8 @@ class BallEvent:
 
 
 @dataclass(frozen=True)
-class Touching:
-    """A length at which leg f closes while stretched along its base line; mostly nothing happens there."""
+class Landmark:
+    """A length to look at on both sides, without a degenerate pose of its own."""
 
     exact_length: Algebraic
     kind: str = ""
@@ -119,13 +122,25 @@ def events(systems: EventSystems) -> Iterator[Event]:
         NotGeneric: the events are not isolated.
     """
     surface = systems.surface
-    yield from _system_events(surface, systems.swallowtails, swallowtail=True)
-    yield from _system_events(surface, systems.critical, swallowtail=False)
+    yield from _system_events(surface, systems.swallowtails, _swallowtail)
+    yield from _system_events(surface, systems.critical, _critical)
     yield from permanent_events(surface, systems.j0, systems.j1, systems.permanent)
     yield from touching(surface)
 
 
-def touching(surface: Surface) -> Iterator[Touching]:
+def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[Event]:
+    """The lengths L > 0 at which a cusp has the squared free leg ``square`` (scaled), or may have.
+
+    Raises:
+        NotGeneric: these lengths are not isolated.
+    """
+    yield from _system_events(systems.surface, limit_system(systems, leg, square), _limit)
+    at = (systems.surface, systems.j0, systems.j1, systems.permanent)
+    for length in permanent_limits(*at, leg, square):
+        yield Landmark(length)
+
+
+def touching(surface: Surface) -> Iterator[Landmark]:
     """The positive L with L = ±|a| ± |m|: a and m the base and platform sides between the legs."""
     leg = surface.f
     a2, m2 = leg.ax**2 + leg.ay**2, leg.m**2 + leg.n**2 * surface.radicand
@@ -134,26 +149,36 @@ def touching(surface: Surface) -> Iterator[Touching]:
         for root in real_roots(RealPolynomial(factor, fmpz_poly([]), 1)):
             length = Field.of_root(root).generator
             if length.sign > 0:
-                yield Touching(length)
+                yield Landmark(length)
 
 
-def _system_events(surface: Surface, system: System, *, swallowtail: bool) -> Iterator[Event]:
+def _system_events(surface: Surface, system: System, name: Namer) -> Iterator[Event]:
     form = system.eliminant
     if _simple(surface, form):
         roots = real_roots(form.real(surface.radicand))
-        proved = [_prove(surface, system, root, swallowtail) for root in roots]
+        proved = [_prove(surface, system, root, name) for root in roots]
         if "undecided" not in proved:
             yield from (x for x in proved if isinstance(x, BallEvent))
             return
     a, b = form.pair
     if max(a.degree(), b.degree()) < form.degree:
-        yield from events_above(surface, system.first, system.second, None)
+        yield from _exact_events(surface, system, None, named=name is not _limit)
     for root in exact_roots(norm_factors(form.pair, surface.radicand)):
-        event = _prove(surface, system, root.root, swallowtail) if root.multiplicity == 1 else "undecided"
+        event = _prove(surface, system, root.root, name) if root.multiplicity == 1 else "undecided"
         if isinstance(event, BallEvent):
             yield event
         elif event == "undecided":
-            yield from events_above(surface, system.first, system.second, root)
+            yield from _exact_events(surface, system, root, named=name is not _limit)
+
+
+def _exact_events(
+    surface: Surface, system: System, root: ExactRoot | None, *, named: bool
+) -> Iterator[Event]:
+    if named:
+        yield from events_above(surface, system.first, system.second, root)
+    else:
+        for pose in located_poses(surface, system.first, system.second, root):
+            yield Landmark(pose.length)
 
 
 def _simple(surface: Surface, form: Form) -> bool:
@@ -166,7 +191,7 @@ def _simple(surface: Surface, form: Form) -> bool:
     return False
 
 
-def _prove(surface: Surface, system: System, root: RealRoot, swallowtail: bool) -> BallEvent | str:
+def _prove(surface: Surface, system: System, root: RealRoot, name: Namer) -> BallEvent | str:
     """The event above a simple root; "negative" where L < 0, "undecided" where balls do not tell."""
     bits = _START_BITS
     while bits <= _MAX_BITS:
@@ -177,7 +202,7 @@ def _prove(surface: Surface, system: System, root: RealRoot, swallowtail: bool) 
                 return "negative"
             with ctx.workprec(bits):
                 local = LocalMap.at(surface, _pose(surface, t, u, length, bits), 4)
-                kind = _swallowtail(local) if swallowtail else _critical(local)
+                kind = name(local)
             if length > 0 and kind is not None:
                 return BallEvent(surface, system, root, kind)
         bits *= 2
@@ -226,6 +251,10 @@ def _critical(local: LocalMap[arb]) -> str | None:
     if hessian.contains(0) or third.contains(0):
         return None
     return "lips" if hessian > 0 else "beak-to-beak"
+
+
+def _limit(_local: LocalMap[arb]) -> str:
+    return ""
 
 
 def _modulo(polynomial: fmpz_poly, p: int) -> nmod_poly:

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
-from flint import arb, ctx, fmpq, fmpz_poly
+from flint import arb, arb_mat, ctx, fmpq, fmpz_poly
 
 from rpr_solver.algebraic import (
     Algebraic,
@@ -35,10 +36,13 @@ from rpr_solver.degenerate import (
     value_at,
 )
 from rpr_solver.jets import LocalMap, Pose
+from rpr_solver.modular import sylvester
 from rpr_solver.poses import HalfTangent
 from rpr_solver.roots import RealPolynomial, real_roots
-from rpr_solver.surface import BiForm, Pair, Surface
+from rpr_solver.surface import BiForm, Leg, Pair, Surface
 from rpr_solver.transitions import Form, NotGeneric
+
+_APART_BITS = 512
 
 
 @dataclass(frozen=True)
@@ -76,6 +80,14 @@ def events_above(
     surface: Surface, first: BiForm, second: BiForm, root: ExactRoot | None
 ) -> Iterator[ExactEvent]:
     """The events among the common zeros of a system above one root u; None is u = ∞."""
+    for pose in located_poses(surface, first, second, root):
+        yield from _event(surface, pose)
+
+
+def located_poses(
+    surface: Surface, first: BiForm, second: BiForm, root: ExactRoot | None
+) -> Iterator[Pose[Algebraic]]:
+    """The common zeros of a system above one root u, each with its L > 0."""
     for pose in _common_poses(surface, first, second, root):
         plus, minus = (_singularity(surface, pose, sign) for sign in (1, -1))
         j1 = plus + minus  # twice J1; plus − minus is twice J0
@@ -83,7 +95,7 @@ def events_above(
             continue  # L is infinite, or undetermined at a pose that is singular for every L
         length = (minus - plus) * j1.inverse()
         if length.sign > 0:
-            yield from _event(surface, replace(pose, length=length))
+            yield replace(pose, length=length)
 
 
 def permanent_events(surface: Surface, j0: BiForm, j1: BiForm, permanent: Form) -> Iterator[ExactEvent]:
@@ -92,16 +104,57 @@ def permanent_events(surface: Surface, j0: BiForm, j1: BiForm, permanent: Form) 
     Raises:
         NotGeneric: such a pose is degenerate for every L.
     """
+    for pose in _permanent_poses(surface, j0, j1, permanent):
+        for extension in _degenerate_lengths(surface, pose):
+            if extension.root.sign > 0:
+                lifted = _lifted(extension, pose)
+                yield from _event(surface, replace(lifted, length=extension.root))
+
+
+def permanent_limits(
+    surface: Surface, j0: BiForm, j1: BiForm, permanent: Form, leg: Leg, square: Fraction
+) -> Iterator[Algebraic]:
+    """The L > 0 at which a cusp passes a pose that is singular for every L, with leg² = square there.
+
+    That hardly ever happens, and balls mostly prove it does not; then nothing is given.
+    """
+    index = (surface.f, surface.g).index(leg)
+    for pose in _permanent_poses(surface, j0, j1, permanent):
+        local = _in_length(surface, pose)
+        gap = local.squared_lengths(surface, _symbolic(pose))[index] - _InLength([pose.omega.field(square)])
+        for moving in (local.f, local.g):
+            e = _without_zero(local.along(moving, local.singularity()).value.coefficients)
+            if not _apart(e, gap.coefficients):
+                common = poly_gcd(list(e), list(gap.coefficients))
+                for extension in adjoin_real_roots(pose.omega.field, squarefree_part(common)):
+                    if extension.root.sign > 0:
+                        yield extension.root
+
+
+def _without_zero(p: Sequence[Algebraic]) -> list[Algebraic]:
+    """Without the roots at 0."""
+    first = next((i for i, c in enumerate(p) if not c.is_zero), len(p))
+    return list(p[first:])
+
+
+def _apart(p: Sequence[Algebraic], q: Sequence[Algebraic]) -> bool:
+    """Proof by balls that two polynomials have no common root; False where balls do not prove it."""
+    if len(p) == 1 or len(q) == 1:
+        return True
+    if not p or not q:
+        return False
+    balls = [[c.ball(_APART_BITS) for c in r] for r in (p, q)]
+    with ctx.workprec(_APART_BITS):
+        return not arb_mat(sylvester(balls[0], balls[1], arb(0))).det().contains(0)
+
+
+def _permanent_poses(surface: Surface, j0: BiForm, j1: BiForm, permanent: Form) -> Iterator[Pose[Algebraic]]:
     a, b = permanent.pair
     roots: list[ExactRoot | None] = list(exact_roots(norm_factors((a, b), surface.radicand)))
     if max(a.degree(), b.degree()) < permanent.degree:
         roots.append(None)
     for root in roots:
-        for pose in _common_poses(surface, j0, j1, root):
-            for extension in _degenerate_lengths(surface, pose):
-                if extension.root.sign > 0:
-                    lifted = _lifted(extension, pose)
-                    yield from _event(surface, replace(lifted, length=extension.root))
+        yield from _common_poses(surface, j0, j1, root)
 
 
 def _lifted(extension: Extension, pose: Pose[Algebraic]) -> Pose[Algebraic]:
@@ -173,9 +226,7 @@ def _singularity(surface: Surface, pose: Pose[Algebraic], length: int) -> Algebr
 def _degenerate_lengths(surface: Surface, pose: Pose[Algebraic]) -> Iterator[Extension]:
     """The L at which a pose that is always singular is degenerate as well."""
     field = pose.omega.field
-    cos_a, sin_a, cos_t, sin_t, _, omega = (_InLength([x]) for x in _entries(pose))
-    symbolic = Pose(cos_a, sin_a, cos_t, sin_t, _InLength([field(0), field(1)]), omega)
-    local: LocalMap[Any] = LocalMap.at(surface, symbolic, 3)
+    local = _in_length(surface, pose)
     j = local.singularity()
     conditions = [[j.alpha.value, j.theta.value]]
     for leg in (local.f, local.g):
@@ -195,6 +246,18 @@ def _degenerate_lengths(surface: Surface, pose: Pose[Algebraic]) -> Iterator[Ext
             common = _without(common, known)
         found.append(common)
         yield from adjoin_real_roots(field, squarefree_part(common))
+
+
+def _in_length(surface: Surface, pose: Pose[Algebraic]) -> LocalMap[Any]:
+    """The jets at a pose as polynomials in L."""
+    return LocalMap.at(surface, _symbolic(pose), 3)
+
+
+def _symbolic(pose: Pose[Algebraic]) -> Pose[_InLength]:
+    """The pose with L as an indeterminate."""
+    field = pose.omega.field
+    cos_a, sin_a, cos_t, sin_t, _, omega = (_InLength([x]) for x in _entries(pose))
+    return Pose(cos_a, sin_a, cos_t, sin_t, _InLength([field(0), field(1)]), omega)
 
 
 def _without(p: Polynomial, factor: Polynomial) -> Polynomial:
@@ -222,7 +285,12 @@ class _InLength:
     def __post_init__(self) -> None:
         object.__setattr__(self, "coefficients", trimmed(self.coefficients))
 
-    def __add__(self, other: _InLength) -> _InLength:
+    def __add__(self, other: _InLength | int) -> _InLength:
+        if isinstance(other, int):
+            constant = self.coefficients[0] + other if self.coefficients else None
+            if constant is None:
+                raise TypeError("an integer needs a field to be added in")
+            return _InLength([constant, *self.coefficients[1:]])
         a, b = sorted((self.coefficients, other.coefficients), key=len)
         return _InLength([x + y for x, y in zip(a, b, strict=False)] + list(b[len(a) :]))
 

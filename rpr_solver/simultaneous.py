@@ -57,9 +57,11 @@ def _compare(surface: Surface, x: Event, y: Event, events: Sequence[Event]) -> i
 def _equal(surface: Surface, x: Event, y: Event, events: Sequence[Event]) -> bool:
     if x.exact_length is not None and y.exact_length is not None:
         return _same_number(x.exact_length, y.exact_length)
-    if isinstance(x, BallEvent) and isinstance(y, BallEvent) and _isosceles(surface):
-        return _mirror_images(surface, x, y, events)
-    return False
+    if isinstance(x, BallEvent) and isinstance(y, BallEvent):
+        return _isosceles(surface) and _mirror_images(surface, x, y, events)
+    exact = [e.exact().exact_length if isinstance(e, BallEvent) else e.exact_length for e in (x, y)]
+    first, second = exact
+    return first is not None and second is not None and _same_number(first, second)
 
 
 def _same_number(x: Algebraic, y: Algebraic) -> bool:

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from itertools import count, islice
 
@@ -28,7 +29,7 @@ from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly, nmod_mat, nmod_po
 from rpr_solver.errors import SolverError
 from rpr_solver.modular import formal_resultant, reconstruct, vandermonde
 from rpr_solver.roots import RealPolynomial
-from rpr_solver.surface import TRIG, BiForm, Pair, Surface, d_alpha, d_theta, half_angles, slopes
+from rpr_solver.surface import TRIG, BiForm, Leg, Pair, Surface, d_alpha, d_theta, half_angles, slopes
 
 _RING = fmpz_mpoly_ctx.get(("t", "u", "omega"), "lex")
 _OMEGA = _RING.gen(2)
@@ -73,6 +74,8 @@ class EventSystems:
     critical: System
     permanent: Form
     """Z(u): the poses that are singular for every L."""
+    not_parallel: Form
+    """Y(u): those of them without three parallel legs."""
 
     @classmethod
     def of(cls, surface: Surface, progress: Callable[[int, int], None] | None = None) -> EventSystems:
@@ -95,7 +98,33 @@ class EventSystems:
         _report(progress, 3)
         swallowtails = System(c, w, _eliminate(surface, c, w, 16, y, 4))
         _report(progress, 4)
-        return cls(surface, j0, j1, f_theta, swallowtails, critical, permanent)
+        return cls(surface, j0, j1, f_theta, swallowtails, critical, permanent, y)
+
+
+def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
+    """Where a cusp has the squared free leg ``square`` (scaled): C and (f − square) J1², L put in.
+
+    Their eliminant of t is (u²+1)²⁰ · (Y Z)² · P, with P of degree 48.
+
+    Raises:
+        NotGeneric: the eliminant vanishes identically.
+    """
+    surface = systems.surface
+    trig = _Trig.of(surface)
+    cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
+    x, y = leg.m * cos_a - leg.n * omega * sin_a, leg.m * sin_a + leg.n * omega * cos_a
+    both = cos_t * x + sin_t * y - leg.ax * cos_t - leg.ay * sin_t
+    constant = leg.m**2 + leg.n**2 * surface.radicand + leg.ax**2 + leg.ay**2
+    n, d = square.numerator, square.denominator
+    on_surface = (
+        d * trig.j0**2
+        - 2 * d * trig.j0 * trig.j1 * both
+        + trig.j1**2 * (d * constant - n - 2 * d * (leg.ax * x + leg.ay * y))
+    )
+    form = trig.form(on_surface, (4, 4))
+    known = _form_product(systems.permanent, systems.not_parallel, surface.radicand)
+    cusps = systems.swallowtails.first
+    return System(cusps, form, _eliminate(surface, cusps, form, 20, known, 2))
 
 
 @dataclass(frozen=True)
@@ -323,3 +352,8 @@ def _form_quotient(p: Form, q: Form, radicand: int) -> Form:
     dividend, divisor = (_joined(BiForm(0, form.degree, ((form.pair,),))) for form in (p, q))
     [pair] = _rows(_divided(dividend, divisor, radicand), 0)
     return Form(pair, p.degree - q.degree)
+
+
+def _form_product(p: Form, q: Form, radicand: int) -> Form:
+    (a, b), (c, d) = p.pair, q.pair
+    return Form((a * c + radicand * (b * d), a * d + b * c), p.degree + q.degree)

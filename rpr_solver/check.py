@@ -1,0 +1,320 @@
+"""Requirements on the number of cusps over a range of lengths, passed or failed by proof.
+
+A range of slices is cut at every transition, at its own ends, and, where the other legs have joint
+limits, at every length at which a cusp stands on a limit (transitions.limit_system). Between two
+neighbouring cuts the number of cusps within the limits is constant, and one exact slice tells it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import groupby
+from typing import Any
+
+from rpr_solver.algebraic import Field
+from rpr_solver.census import Progress, all_events, length_text, sample_lengths
+from rpr_solver.cusps import solve_slice
+from rpr_solver.eliminant import SOLVER_VERSION, Eliminant, eliminate
+from rpr_solver.errors import FieldProblem, InputError, SolverError
+from rpr_solver.events import Event, Landmark, limit_events
+from rpr_solver.geometry import Manipulator
+from rpr_solver.numbers import MAX_DIGITS, exact_str, parse_exact, shown
+from rpr_solver.points import JointPoint, free_legs
+from rpr_solver.simultaneous import grouped
+from rpr_solver.surface import Surface
+from rpr_solver.transitions import EventSystems
+
+CHECK_DIGITS = 30
+_FIELDS = ("fixed_leg", "range", "max_cusps", "min_cusps", "limits")
+
+Bounds = tuple[Fraction | None, Fraction | None]
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """How many cusps the slices of a range may have, or must have, strictly within joint limits.
+
+    Attributes:
+        fixed_leg: the leg whose length runs over the range.
+        start, stop: the range in the user's unit; 0 and None are its open ends.
+        max_cusps: at most so many in every slice (0: cusp-free), or None.
+        min_cusps: at least so many, or None. A single length at which cusps merge is no violation.
+        limits: for each other leg its least and its greatest length, None where it has none.
+
+    Raises:
+        InputError: naming every field at fault.
+    """
+
+    fixed_leg: int = 1
+    start: Fraction = Fraction(0)
+    stop: Fraction | None = None
+    max_cusps: int | None = None
+    min_cusps: int | None = None
+    limits: Mapping[int, Bounds] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        problems = list(self._problems())
+        if problems:
+            raise InputError(problems)
+
+    @classmethod
+    def from_json(cls, obj: Mapping[str, Any], *, max_digits: int = MAX_DIGITS) -> Requirement:
+        """Read ``{"fixed_leg", "range": {"from", "to"}, "max_cusps", "min_cusps", "limits"}``.
+
+        ``limits`` is ``{"l2": {"min", "max"}, "l3": …}``; every number is exact, every part optional.
+
+        Raises:
+            InputError: naming every field at fault.
+        """
+        if not isinstance(obj, Mapping):
+            raise InputError.of("requirement", f"{shown(obj)} is not an object")
+        unknown = [name for name in obj if name not in _FIELDS]
+        if unknown:
+            known = ", ".join(_FIELDS)
+            raise InputError(
+                [FieldProblem(f"requirement.{n}", f"unknown field; known are {known}") for n in unknown]
+            )
+
+        def number(value: Any, name: str) -> Fraction | None:
+            return None if value is None else parse_exact(value, f"requirement.{name}", max_digits=max_digits)
+
+        def part(source: Mapping[str, Any], name: str, keys: tuple[str, str]) -> Bounds:
+            if not isinstance(source, Mapping) or any(key not in keys for key in source):
+                raise InputError.of(
+                    f"requirement.{name}", f'is {shown(source)}; give {{"{keys[0]}", "{keys[1]}"}}'
+                )
+            low, high = (number(source.get(key), f"{name}.{key}") for key in keys)
+            return low, high
+
+        def count(name: str) -> int | None:
+            value = number(obj.get(name), name)
+            if value is not None and value.denominator != 1:
+                raise InputError.of(f"requirement.{name}", f"is {exact_str(value)}; give a whole number")
+            return None if value is None else int(value)
+
+        start, stop = part(obj.get("range") or {}, "range", ("from", "to"))
+        raw = obj.get("limits") or {}
+        if not isinstance(raw, Mapping) or any(key not in ("l1", "l2", "l3") for key in raw):
+            raise InputError.of(
+                "requirement.limits", f"is {shown(raw)}; its keys are the free legs, such as l2 and l3"
+            )
+        limits = {int(key[1]): part(value, f"limits.{key}", ("min", "max")) for key, value in raw.items()}
+        leg = obj.get("fixed_leg", 1)
+        return cls(leg, start or Fraction(0), stop, count("max_cusps"), count("min_cusps"), limits)
+
+    def to_json(self) -> dict[str, object]:
+        """The inverse of :meth:`from_json`, numbers in canonical text."""
+
+        def text(x: Fraction | None) -> str | None:
+            return None if x is None else exact_str(x)
+
+        return {
+            "fixed_leg": self.fixed_leg,
+            "range": {"from": exact_str(self.start), "to": text(self.stop)},
+            "max_cusps": self.max_cusps,
+            "min_cusps": self.min_cusps,
+            "limits": {
+                f"l{leg}": {"min": text(low), "max": text(high)}
+                for leg, (low, high) in sorted(self.limits.items())
+            },
+        }
+
+    def admits(self, count: int) -> bool:
+        """Whether a slice may have so many cusps within the limits."""
+        return (self.max_cusps is None or count <= self.max_cusps) and (
+            self.min_cusps is None or count >= self.min_cusps
+        )
+
+    def _problems(self) -> Iterator[FieldProblem]:
+        if isinstance(self.fixed_leg, bool) or self.fixed_leg not in (1, 2, 3):
+            yield FieldProblem(
+                "requirement.fixed_leg", f"{shown(self.fixed_leg)} is not a leg; give 1, 2 or 3"
+            )
+            return
+        if self.start < 0:
+            yield FieldProblem(
+                "requirement.range.from", f"is {exact_str(self.start)}; a length is at least 0"
+            )
+        if self.stop is not None and self.stop <= self.start:
+            yield FieldProblem(
+                "requirement.range.to", f"is {exact_str(self.stop)}; it must exceed {exact_str(self.start)}"
+            )
+        if self.max_cusps is None and self.min_cusps is None:
+            yield FieldProblem("requirement.max_cusps", "is missing; give max_cusps or min_cusps")
+        for name, value in (("max_cusps", self.max_cusps), ("min_cusps", self.min_cusps)):
+            if value is not None and value < 0:
+                yield FieldProblem(f"requirement.{name}", f"is {value}; a number of cusps is at least 0")
+        for leg, (low, high) in self.limits.items():
+            if leg == self.fixed_leg:
+                yield FieldProblem(f"requirement.limits.l{leg}", "is the fixed leg; its limits are the range")
+            for end, bound in (("min", low), ("max", high)):
+                if bound is not None and bound < 0:
+                    yield FieldProblem(
+                        f"requirement.limits.l{leg}.{end}", f"is {exact_str(bound)}; a length is at least 0"
+                    )
+            if low is not None and high is not None and high <= low:
+                yield FieldProblem(
+                    f"requirement.limits.l{leg}.max", f"is {exact_str(high)}; it must exceed {exact_str(low)}"
+                )
+
+
+@dataclass(frozen=True)
+class CheckedInterval:
+    """Lengths between two cuts, all with one number of cusps within the limits, and a slice among them."""
+
+    start: str
+    stop: str | None
+    count: int
+    example: Fraction
+    cusps: tuple[JointPoint, ...]
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """The proof that a requirement holds, or where it does not."""
+
+    manipulator: Manipulator
+    requirement: Requirement
+    digits: int
+    intervals: tuple[CheckedInterval, ...]
+
+    @property
+    def violations(self) -> tuple[CheckedInterval, ...]:
+        """The intervals that the requirement does not admit, ascending."""
+        return tuple(x for x in self.intervals if not self.requirement.admits(x.count))
+
+    @property
+    def passed(self) -> bool:
+        """Whether every slice of the range is admitted."""
+        return not self.violations
+
+    def to_json(self) -> dict[str, object]:
+        """A plain document; lengths are decimals of ``digits`` digits."""
+        leg = self.requirement.fixed_leg
+        counts = [x.count for x in self.intervals]
+        return {
+            "geometry": self.manipulator.to_json(),
+            "geometry_hash": self.manipulator.geometry_hash,
+            "requirement": self.requirement.to_json(),
+            "passed": self.passed,
+            "max_cusps_found": max(counts),
+            "min_cusps_found": min(counts),
+            "intervals": [_span(x) for x in self.intervals],
+            "violations": [
+                {
+                    **_span(x),
+                    "example": {f"l{leg}": exact_str(x.example), "cusps": [c.to_json(leg) for c in x.cusps]},
+                }
+                for x in self.violations
+            ],
+            "digits": self.digits,
+            "solver_version": SOLVER_VERSION,
+        }
+
+
+def check(
+    manipulator: Manipulator,
+    requirement: Requirement,
+    *,
+    digits: int = CHECK_DIGITS,
+    progress: Progress | None = None,
+) -> CheckReport:
+    """Prove or refute a requirement.
+
+    Raises:
+        InputError: ``digits`` is out of range.
+        SolverError: a cut could not be decided, or joint limits are asked of a degenerate geometry
+            whose cusps this version cannot follow.
+    """
+    report = progress or _silent
+    surface = Surface.of(manipulator, requirement.fixed_leg)
+    eliminant = eliminate(manipulator, requirement.fixed_leg)
+    found, systems = all_events(eliminant, lambda done, _: report(done, 8))
+    cuts = [*found, *_ends(surface, requirement), *_limit_cuts(surface, systems, requirement)]
+    groups = grouped(surface, cuts)
+    report(6, 8)
+    intervals = []
+    samples = list(sample_lengths(surface, [group[0] for group in groups]))
+    low = _position(groups, requirement.start * surface.scale)
+    high = len(groups) if requirement.stop is None else _position(groups, requirement.stop * surface.scale)
+    for k in range(low, high + 1) if requirement.stop is None else range(low, high):
+        cusps = _within(eliminant, samples[k], requirement, digits)
+        start = exact_str(requirement.start) if k == low else length_text(surface, groups[k - 1], digits)
+        last = k == high - (requirement.stop is not None)
+        end = None if requirement.stop is None else exact_str(requirement.stop)
+        stop = end if last else length_text(surface, groups[k], digits)
+        intervals.append(CheckedInterval(start, stop, len(cusps), samples[k], cusps))
+        report(8 + k - low, 8 + high - low)
+    return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)))
+
+
+def _ends(surface: Surface, requirement: Requirement) -> Iterator[Landmark]:
+    for end in (requirement.start, requirement.stop):
+        if end:
+            yield Landmark(Field.rationals()(end * surface.scale))
+
+
+def _limit_cuts(surface: Surface, systems: EventSystems | None, requirement: Requirement) -> Iterator[Event]:
+    for leg, bounds in requirement.limits.items():
+        for bound in bounds:
+            if not bound:
+                continue
+            if systems is None:
+                raise SolverError("joint limits are not supported for this degenerate geometry")
+            seen = (surface.f, surface.g)[free_legs(requirement.fixed_leg).index(leg)]
+            yield from limit_events(systems, seen, (bound * surface.scale) ** 2)
+
+
+def _position(groups: list[list[Event]], end: Fraction) -> int:
+    """The index of the interval that begins at this end of the range: the number of cuts up to it."""
+    if end == 0:
+        return 0
+    for i, group in enumerate(groups):
+        if any(e.exact_length is not None and e.exact_length.rational == end for e in group):
+            return i + 1
+    raise SolverError("an end of the range was lost among the cuts")
+
+
+def _within(
+    eliminant: Eliminant, length: Fraction, requirement: Requirement, digits: int
+) -> tuple[JointPoint, ...]:
+    """The cusps of a slice strictly within the limits; none of them stands on one."""
+    first, second = free_legs(requirement.fixed_leg)
+    wanted = digits
+    while True:
+        cusps = solve_slice(eliminant, length, wanted).cusps
+        sides = [
+            [_side(text, requirement.limits.get(leg, (None, None)), wanted) for leg, text in legs]
+            for legs in ([(first, c.first), (second, c.second)] for c in cusps)
+        ]
+        if not any(None in side for side in sides):
+            kept = solve_slice(eliminant, length, digits).cusps if wanted != digits else cusps
+            return tuple(c for c, side in zip(kept, sides, strict=True) if all(side))
+        wanted *= 2
+
+
+def _side(text: str, bounds: Bounds, digits: int) -> bool | None:
+    """Whether a rounded length lies within, or None if its digits do not tell."""
+    x = Fraction(text)
+    doubt = x / 10 ** (digits - 1)
+    low, high = bounds
+    if any(b is not None and abs(x - b) <= doubt for b in bounds):
+        return None
+    return (low is None or x > low) and (high is None or x < high)
+
+
+def _merged(intervals: list[CheckedInterval]) -> Iterator[CheckedInterval]:
+    """Neighbours of equal count joined: a cut that changes nothing is not shown."""
+    for _, same in groupby(intervals, key=lambda x: x.count):
+        run = list(same)
+        yield CheckedInterval(run[0].start, run[-1].stop, run[0].count, run[0].example, run[0].cusps)
+
+
+def _span(x: CheckedInterval) -> dict[str, object]:
+    return {"from": x.start, "to": x.stop, "count": x.count}
+
+
+def _silent(_done: int, _total: int) -> None:
+    pass
