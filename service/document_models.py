@@ -6,7 +6,17 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.models import Digits, Document, Exact, Geometry, GeometryText, Point, optional, wanted_digits
+from service.models import (
+    Cusp,
+    Digits,
+    Document,
+    Exact,
+    Geometry,
+    GeometryText,
+    Point,
+    optional,
+    wanted_digits,
+)
 
 
 class PosesRequest(Document):
@@ -140,9 +150,79 @@ class Census(BaseModel):
     certificate: dict[str, Any] = Field(description="How the census was proved to be complete.")
 
 
+class JointLimit(Document):
+    """The lengths that a leg can have; an end that is missing or null is open."""
+
+    min: Exact | None = None
+    max: Exact | None = None
+
+
+class JointLimits(Document):
+    """Limits of the legs that are not fixed."""
+
+    l1: JointLimit | None = None
+    l2: JointLimit | None = None
+    l3: JointLimit | None = None
+
+
+class RequirementDocument(Document):
+    """How many cusps every slice of a range may have, or must have; give one of the two, or both."""
+
+    model_config = ConfigDict(extra="forbid", title="Requirement")
+
+    fixed_leg: Literal[1, 2, 3] = Field(default=1, description="The leg whose length runs over the range.")
+    range: OpenRange | None = Field(default=None, description="All lengths when missing.")
+    max_cusps: int | None = Field(default=None, ge=0, description="At most so many; 0: free of cusps.")
+    min_cusps: int | None = Field(default=None, ge=0, description="At least so many.")
+    limits: JointLimits | None = Field(
+        default=None, description="Only cusps strictly within these limits are counted."
+    )
+
+
+class CheckRequest(Document):
+    """One manipulator, and what is required of it."""
+
+    geometry: Geometry
+    requirement: RequirementDocument
+    digits: int = wanted_digits(30)
+
+
+class Example(BaseModel):
+    """A slice of an interval."""
+
+    l1: str | None = optional("Its length, exactly.")
+    l2: str | None = optional("Its length, when `fixed_leg` is 2.")
+    l3: str | None = optional("Its length, when `fixed_leg` is 3.")
+    cusps: list[Cusp]
+
+
+class Violation(Interval):
+    """An interval whose slices do not satisfy the requirement, and one of them."""
+
+    example: Example
+
+
+class CheckReport(BaseModel):
+    """The proof that a requirement is satisfied, or where it is not."""
+
+    geometry: GeometryText
+    geometry_hash: str
+    requirement: RequirementDocument
+    passed: bool
+    max_cusps_found: int
+    min_cusps_found: int
+    intervals: list[Interval]
+    violations: list[Violation] = Field(description="Ascending; empty when passed.")
+    solver_version: str
+    digits: int
+
+
 DOCUMENT_MODELS: dict[str, type[BaseModel]] = {
     "PosesRequest": PosesRequest,
     "PoseTable": PoseTable,
     "CensusRequest": CensusRequest,
     "Census": Census,
+    "Requirement": RequirementDocument,
+    "CheckRequest": CheckRequest,
+    "CheckReport": CheckReport,
 }

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import cast
 
-from rpr_solver import Manipulator, exact_str
+from rpr_solver import Manipulator, Requirement, exact_str
 from rpr_solver.errors import InputError
 from service.json_body import JsonNumber
 from service.ranges import LengthRange, read_range
@@ -25,6 +25,8 @@ from worker import censuses
 from worker.requests import DocumentRequest
 
 LEGS = ("l1", "l2", "l3")
+CHECK_DIGITS = 30
+"""Digits of a check's report when a request does not say."""
 
 
 def poses_request(body: object, limits: Limits) -> DocumentRequest:
@@ -67,6 +69,38 @@ def census_request(body: object, limits: Limits) -> DocumentRequest:
         start=cast(LengthRange, wanted).start,
         stop=cast(LengthRange, wanted).stop,
     )
+
+
+def check_request(body: object, limits: Limits) -> DocumentRequest:
+    """Read a request for a check.
+
+    Raises:
+        LimitError: the request is right but too large.
+        InputError: naming every field at fault.
+    """
+    given = _object(body, "geometry and requirement")
+    collect = Collector()
+    collect(lambda: check_keys(given, ("geometry", "requirement", "digits")))
+    manipulator = collect(lambda: geometry(given.get("geometry", MISSING), limits))
+    digits = collect(lambda: read_digits(given.get("digits", JsonNumber(str(CHECK_DIGITS))), limits))
+    wanted = collect(lambda: _requirement(given.get("requirement", MISSING), limits))
+    collect.finish()
+    # finish() has raised if any of them is None
+    content = {
+        "geometry": cast(Manipulator, manipulator).to_json(),
+        "requirement": cast(Requirement, wanted).to_json(),
+        "digits": digits,
+    }
+    return DocumentRequest("check", content)
+
+
+def _requirement(value: object, limits: Limits) -> Requirement:
+    if value is MISSING:
+        raise InputError.of("requirement", "is missing; give an object with range and max_cusps or min_cusps")
+    if not isinstance(value, dict):
+        raise InputError.of("requirement", f"is {kind_of(value)}; give an object")
+    leg = {"fixed_leg": fixed_leg(value["fixed_leg"])} if "fixed_leg" in value else {}
+    return Requirement.from_json({**value, **leg}, max_digits=limits.max_number_digits)
 
 
 def of_poses(manipulator: Manipulator, lengths: list[Fraction], digits: int) -> DocumentRequest:

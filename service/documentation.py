@@ -207,6 +207,19 @@ CENSUSES_EXTRA = posted(
         ),
     },
 )
+CHECKS_RESPONSES = question(answer("The report is known.", "CheckReport", headers=_ETAG))
+CHECKS_EXTRA = posted(
+    "CheckRequest",
+    {
+        "at_most": (
+            "At most eight cusps for L1 between 28 and 31",
+            {
+                "geometry": EXAMPLE_GEOMETRY,
+                "requirement": {"range": {"from": 28, "to": 31}, "max_cusps": 8},
+            },
+        ),
+    },
+)
 POSES_RESPONSES = question(answer("The poses.", "PoseTable", headers=_ETAG))
 POSES_EXTRA = posted(
     "PosesRequest",
@@ -225,7 +238,7 @@ CANCEL_RESPONSES: Docs = {
     200: answer("The job, canceled or as it had ended.", "Job", example={**_JOB, "status": "canceled"}),
     **problems(ProblemType.NOT_FOUND, _UNAVAILABLE),
 }
-RESULTS = ("PoseTable", "Census")
+RESULTS = ("PoseTable", "Census", "CheckReport")
 RESULT_RESPONSES: Docs = {
     200: _table("What the job was asked for.", *RESULTS),
     304: {"description": "The client has this representation already (If-None-Match)."},

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, cast
 
 import rpr_solver
-from rpr_solver import Manipulator
+from rpr_solver import Manipulator, Requirement
 from worker.censuses import compute_census, known_census
 from worker.requests import DocumentKind, DocumentRequest
 from worker.store import ResultStore
@@ -42,8 +42,19 @@ def _poses(request: DocumentRequest, _store: ResultStore, _progress: Progress) -
     return rpr_solver.poses(_manipulator(request), *lengths, digits=wanted["digits"]).to_json()
 
 
+def _check(request: DocumentRequest, _store: ResultStore, progress: Progress) -> Document:
+    wanted = request.content
+    requirement = Requirement.from_json(wanted["requirement"])
+    report = rpr_solver.check(_manipulator(request), requirement, digits=wanted["digits"], progress=progress)
+    return report.to_json()
+
+
 def _manipulator(request: DocumentRequest) -> Manipulator:
     return Manipulator.from_json(cast(Any, request.content["geometry"]))
 
 
-_COMPUTATIONS: Mapping[DocumentKind, _Computation] = {"poses": _poses, "census": compute_census}
+_COMPUTATIONS: Mapping[DocumentKind, _Computation] = {
+    "poses": _poses,
+    "census": compute_census,
+    "check": _check,
+}

@@ -152,6 +152,43 @@ def test_wrong_fields_of_a_census_are_named(idle: httpx.Client, change: dict[str
     assert field in [error["field"] for error in answer.json()["errors"]]
 
 
+def test_a_check_is_a_job_with_a_report(api: httpx.Client) -> None:
+    requirement = {"range": {"from": 28, "to": 31}, "max_cusps": 8}
+    answer = api.post(
+        "/v1/checks",
+        json={"geometry": GEOMETRY, "requirement": requirement},
+        headers={"Prefer": "wait=30"},
+    )
+    report = answer.json()
+    assert (answer.status_code, report["passed"], report["max_cusps_found"]) == (200, False, 10)
+    assert is_whole("CheckReport", report)
+    [violation] = report["violations"]
+    assert len(violation["example"]["cusps"]) == violation["count"] == 10
+    exact = {**requirement, "range": {"from": "28.0", "to": "62/2"}, "limits": {}}
+    again = api.post("/v1/checks", json={"geometry": GEOMETRY, "requirement": exact, "digits": 30})
+    assert (again.status_code, again.json()) == (200, report)
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({}, "requirement.max_cusps"),
+        ({"max_cusps": 1.5}, "requirement.max_cusps"),
+        ({"max_cusps": -1}, "requirement.max_cusps"),
+        ({"max_cusps": 1, "fixed_leg": 4}, "fixed_leg"),
+        ({"max_cusps": 1, "range": {"from": 2, "to": 1}}, "requirement.range.to"),
+        ({"max_cusps": 1, "limits": {"l1": {"min": 1}}}, "requirement.limits.l1"),
+        ({"most_cusps": 1}, "requirement.most_cusps"),
+        (None, "requirement"),
+        ("max 1", "requirement"),
+    ],
+)
+def test_wrong_fields_of_a_requirement_are_named(idle: httpx.Client, change: Any, field: str) -> None:
+    answer = idle.post("/v1/checks", json={"geometry": GEOMETRY, "requirement": change})
+    assert answer.status_code == 422
+    assert field in [error["field"] for error in answer.json()["errors"]]
+
+
 @pytest.mark.parametrize(
     ("change", "field"),
     [
