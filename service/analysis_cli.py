@@ -41,6 +41,25 @@ examples:
 """
 
 
+_CHECK = """\
+Prove or refute a requirement: at most, or at least, so many cusps in every slice of a range of lengths.
+
+GEOMETRY is a JSON file, a folder (all *.json in it), - for standard input, or a built-in manipulator; many
+may be given and are checked in parallel. With limits of the other legs, only cusps strictly within them are
+counted.
+
+Exit status: 0 all pass, 1 some requirement is violated or could not be decided, 2 bad input.
+"""
+_CHECK_EXAMPLES = """\
+examples:
+  rpr-cusps check innocenti --l1-range 28:31 --max-cusps 8
+  rpr-cusps check designs/ --l1-range 10:20 --max-cusps 0 --junit report.xml
+  rpr-cusps check a.json b.json --l1-range 10: --min-cusps 1 --l2-limits 5:40 --format json
+
+On GitHub Actions each geometry that does not pass is annotated.
+"""
+
+
 class Options(argparse.Action):
     """Collects options of several names, each with its name."""
 
@@ -59,6 +78,7 @@ class Options(argparse.Action):
 def add_analysis(commands: _Commands) -> None:
     """Add the commands to the parser."""
     _add_census(commands)
+    _add_check(commands)
     _add_poses(commands)
 
 
@@ -93,6 +113,34 @@ def _add_census(commands: _Commands) -> None:
     census.set_defaults(run=_census)
 
 
+def _add_check(commands: _Commands) -> None:
+    check = commands.add_parser(
+        "check",
+        help="prove or refute a requirement on the number of cusps",
+        description=_CHECK,
+        epilog=_CHECK_EXAMPLES,
+        formatter_class=_FORMATTER,
+    )
+    check.add_argument(
+        "geometry", metavar="GEOMETRY", nargs="+", help="a JSON file, a folder, -, or a built-in name"
+    )
+    _add_ranges(check, "the lengths to check; either end may be left out")
+    check.add_argument("--max-cusps", metavar="N", help="at most so many in every slice; 0: free of cusps")
+    check.add_argument("--min-cusps", metavar="N", help="at least so many in every slice")
+    names = (f"--l{leg}-limits" for leg in (1, 2, 3))
+    check.add_argument(
+        *names, dest="limits", action=Options, metavar="A:B", help="lengths that another leg can have"
+    )
+    _add_digits(check, 30)
+    check.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
+    check.add_argument("--junit", metavar="FILE", help="write JUnit XML, a test case for each geometry")
+    check.add_argument(
+        "--github", action="store_true", help="print GitHub annotations (always done on GitHub Actions)"
+    )
+    check.add_argument("--jobs", metavar="N", help="processes (default: one for each core)")
+    check.set_defaults(run=_check)
+
+
 def _add_ranges(parser: argparse.ArgumentParser, text: str) -> None:
     names = (f"--l{leg}-range" for leg in (1, 2, 3))
     parser.add_argument(*names, dest="ranges", action=Options, metavar="A:B", help=text)
@@ -122,6 +170,26 @@ def _census(args: argparse.Namespace) -> int:
         return analysing.census(args.geometry, args.ranges or [], args.fixed_leg, args.digits, args.format)
     except SolverError as error:
         return _undecided("census", error)
+
+
+def _check(args: argparse.Namespace) -> int:
+    from service.checking import CheckOptions, check
+
+    return check(
+        CheckOptions(
+            sources=args.geometry,
+            ranges=args.ranges or [],
+            limits=args.limits or [],
+            fixed_leg=args.fixed_leg,
+            max_cusps=args.max_cusps,
+            min_cusps=args.min_cusps,
+            digits=args.digits,
+            form=args.format,
+            junit=args.junit,
+            github=args.github,
+            jobs=args.jobs,
+        )
+    )
 
 
 def _undecided(command: str, error: SolverError) -> int:

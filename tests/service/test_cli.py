@@ -127,7 +127,7 @@ def test_a_refusal_of_the_service_is_status_2(idle_url: str) -> None:
 
 def test_version_and_help() -> None:
     assert run("--version").stdout == f"rpr-cusps {__version__}\n"
-    for name in ("solve", "serve", "worker", "demo"):
+    for name in ("solve", "census", "check", "poses", "serve", "worker", "demo"):
         done = run(name, "--help")
         assert done.returncode == 0
         assert done.stdout.startswith(f"usage: rpr-cusps {name}")
