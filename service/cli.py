@@ -40,6 +40,7 @@ zein-flat (its second), twelve-cusps or fourteen-cusps. Numbers are exact: 17.04
 _SOLVE_EXAMPLES = """\
 examples:
   rpr-cusps solve innocenti --l1 14.98
+  rpr-cusps solve innocenti --l1 14.98 --method article
   rpr-cusps solve zein-flat --l1 2 --l1 5/2 --digits 200 --format json
   rpr-cusps solve robot.json --l1-range 0.1:50.1:0.1 --digits 30 --format csv > cusps.csv
   echo '{"a2x":15.91,"a3x":0,"a3y":10,"d1":17.04,"d2":16.54,"d3":20.84}' | rpr-cusps solve - --l1 14.98
@@ -135,6 +136,12 @@ def _add_solve(commands: argparse._SubParsersAction[_Parser]) -> None:
     )
     solve.add_argument("--format", choices=("table", "json", "csv"), default="table", help="default: table")
     solve.add_argument(
+        "--method",
+        choices=("fast", "article"),
+        default="fast",
+        help="article: the article's own algorithm, audited; slower, for leg 1 only (default: fast)",
+    )
+    solve.add_argument(
         "--url", help="have the service at this address compute, for example http://127.0.0.1:8000"
     )
     solve.set_defaults(run=_solve)
@@ -210,7 +217,13 @@ def _solve(args: argparse.Namespace) -> int:
 
     try:
         return solving.solve(
-            args.geometry, args.slices or [], args.digits, args.fixed_leg, args.format, args.url
+            args.geometry,
+            args.slices or [],
+            args.digits,
+            args.fixed_leg,
+            args.format,
+            args.url,
+            args.method,
         )
     except ServiceError as error:
         return _fail("rpr-cusps solve", str(error), BAD_INPUT if error.is_input else NO_SERVICE)

@@ -183,6 +183,10 @@ CUSP_TABLES_EXTRA = posted(
                 "digits": 200,
             },
         ),
+        "article": (
+            "By the article's own algorithm, with its audit",
+            {**EXAMPLE_REQUEST, "digits": 30, "method": "article"},
+        ),
     },
 )
 CENSUSES_RESPONSES = question(

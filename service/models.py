@@ -10,6 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, WithJsonSchema
 
+from service.article_models import Audit
+
 NUMBER_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?\s*$|^\s*[+-]?\d+/\d+\s*$"
 
 EXACT_NUMBER: dict[str, Any] = {
@@ -112,6 +114,11 @@ class CuspTableRequest(Document):
     l3: Slices = _slices("The slices when `fixed_leg` is 3.")
     digits: int = wanted_digits(90)
     fixed_leg: Literal[1, 2, 3] = Field(default=1, description="The leg whose length is fixed in a slice.")
+    method: Literal["fast", "article"] = Field(
+        default="fast",
+        description="`article` follows the article's own algorithm with its eliminant of degree 96, which "
+        "takes a second or more for a slice, and audits it; only with `fixed_leg` 1.",
+    )
 
 
 class GeometryText(Document):
@@ -190,6 +197,8 @@ class Slice(BaseModel):
     cusps: list[Cusp] | None = optional("The cusps.")
     degenerate_points: list[DegeneratePoint] | None = optional("What is no ordinary cusp.")
     certificate: Certificate | None = optional("How the answer was proved.")
+    method: Literal["article"] | None = optional("Only by the article's method.")
+    audit: Audit | None = optional("Only by the article's method.")
     error: SliceErrorDetail | None = optional("Only when the slice has no answer.")
 
 
@@ -203,6 +212,7 @@ class CuspTable(BaseModel):
     fixed_leg: Literal[1, 2, 3]
     digits: int
     solver_version: str = Field(description="Changes whenever an answer could.")
+    method: Literal["article"] | None = optional("Only by the article's method.")
     slices: list[Slice] = Field(description="In the order in which they were asked for.")
 
 
@@ -308,6 +318,7 @@ class LimitsDocument(BaseModel):
     model_config = ConfigDict(title="Limits")
 
     max_slices: Limit
+    max_article_slices: Limit
     min_digits: Limit
     max_digits: Limit
     default_digits: Limit

@@ -81,10 +81,11 @@ def write_table(table: dict[str, Any], form: str, out: TextIO | None = None) -> 
     """Print a cusp table as `table`, `json` or `csv`."""
     if form == "csv":
         (out or sys.stdout).write(rpr_solver.table_csv(table))
-    else:
-        write_document(
-            table, Page(about(table), [_slice(part) for part in table["slices"]], table["digits"]), form, out
-        )
+        return
+    sections = []
+    for part in table["slices"]:
+        sections += [_slice(part), *([_audit(part["audit"])] if "audit" in part else [])]
+    write_document(table, Page(about(table), sections, table["digits"]), form, out)
 
 
 def write_document(document: object, page: Page, form: str, out: TextIO | None = None) -> None:
@@ -151,6 +152,26 @@ def _slice(part: dict[str, Any]) -> Section:
     return Section(
         title, rows_of(part["cusps"]), [describe_point(p) for p in part.get("degenerate_points", ())]
     )
+
+
+def _audit(audit: Mapping[str, Any]) -> Section:
+    """The factors of the article's eliminant, and what became of their real solutions."""
+    rows = [["factor", "degree", "mult.", "real roots", "kept", "degenerate", "rejected", "why"]]
+    for factor in audit["factors"]:
+        verdicts = [couple["verdict"] for couple in factor["couples"]]
+        numbers = [factor["degree"], factor["multiplicity"], factor["real_roots"]]
+        numbers += [verdicts.count(verdict) for verdict in ("kept", "degenerate", "rejected")]
+        rows.append([factor["origin"], *map(str, numbers), factor["reason"]])
+    title = f"The article's eliminant of degree {audit['eliminant_degree']}, factor by factor"
+    notes = [f"h: {audit['h']}", audit["conjecture"]["answer"]]
+    rejected = [
+        (f["origin"], c) for f in audit["factors"] for c in f["couples"] if c["verdict"] == "rejected"
+    ]
+    notes += [
+        f"rejected ({origin}): α {c['alpha_deg']}, θ1 {c['theta1_deg']}: {c['reason']}"
+        for origin, c in rejected
+    ]
+    return Section(title, rows, notes)
 
 
 def _text_lines(page: Page) -> Iterator[str]:

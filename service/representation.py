@@ -46,6 +46,7 @@ TABLE_FORMS: Forms = {
 }
 _FORMS: Mapping[Kind, Forms] = {
     "cusp-table": TABLE_FORMS,
+    "article-table": TABLE_FORMS,
     "census": {JSON: json_bytes, CSV: lambda census: rpr_solver.census_csv(census).encode()},
 }
 

@@ -15,6 +15,9 @@ class Limits(BaseSettings):
     model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
 
     max_slices: int = Field(default=2000, ge=1, description="slices in one request, at most")
+    max_article_slices: int = Field(
+        default=50, ge=1, description="slices in one request by the article's method, at most"
+    )
     min_digits: int = Field(
         default=MIN_DIGITS,
         ge=MIN_DIGITS,

@@ -18,6 +18,8 @@ from service.problems import ProblemError
 from service.reading import digits_in_range, fixed_leg, geometry, number, whole
 from service.settings import Limits
 from service.slices import check_count, distinct, parse_range
+from service.table_requests import ARTICLE, METHODS, read_method
+from worker.article import article_document
 
 MAX_LOCAL_SLICES = 1_000_000
 
@@ -25,7 +27,13 @@ OnProgress = Callable[[int, int], None]
 
 
 def solve(
-    source: str, slices: Sequence[tuple[str, str]], digits: str | None, leg: str, form: str, url: str | None
+    source: str,
+    slices: Sequence[tuple[str, str]],
+    digits: str | None,
+    leg: str,
+    form: str,
+    url: str | None,
+    method: str = METHODS[0],
 ) -> int:
     """Run the command; returns the exit status.
 
@@ -36,11 +44,14 @@ def solve(
     limits = Limits(max_slices=MAX_LOCAL_SLICES)
     chosen = fixed_leg(JsonNumber(leg))
     wanted = slice_values(slices, chosen, limits)
+    read_method(method, chosen)
     count = limits.default_digits if digits is None else whole(JsonNumber(digits), "digits", "15 to 1000")
     count = digits_in_range(count, limits)
     manipulator = read_geometry(source, limits)
     with Progress(len(wanted)) as progress:
-        if url is None:
+        if url is None and method == ARTICLE:
+            table = article_document(manipulator, wanted, count, progress.update)
+        elif url is None:
             table = solve_here(manipulator, wanted, chosen, count, progress.update)
         else:
             request = {
@@ -48,6 +59,7 @@ def solve(
                 f"l{chosen}": [exact_str(x) for x in wanted],
                 "digits": count,
                 "fixed_leg": chosen,
+                "method": method,
             }
             with ServiceClient(url) as client:
                 table = client.cusp_table(request, progress.update)

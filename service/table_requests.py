@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import cast
 
@@ -11,14 +11,19 @@ from rpr_solver.errors import FieldProblem, InputError
 from service.json_body import JsonNumber
 from service.reading import MISSING, Collector, check_keys, fixed_leg, geometry, kind_of, number, read_digits
 from service.settings import Limits
-from service.slices import Range, check_count
-from worker.requests import TableRequest
+from service.slices import LimitError, Range, check_count
+from worker.article import article_request
+from worker.requests import DocumentRequest, TableRequest
 
 RANGE_FIELDS = ("start", "stop", "step")
+ARTICLE = "article"
+METHODS = ("fast", ARTICLE)
 
 
-def table_request(body: object, limits: Limits) -> TableRequest:
+def table_request(body: object, limits: Limits) -> TableRequest | DocumentRequest:
     """Read a request for a cusp table, as :func:`service.json_body.parse_json` gives it.
+
+    By the article's algorithm it is a document of its own kind.
 
     Raises:
         LimitError: the request is right but too large.
@@ -29,18 +34,42 @@ def table_request(body: object, limits: Limits) -> TableRequest:
     collect = Collector()
     leg = collect(lambda: fixed_leg(body.get("fixed_leg", JsonNumber("1"))))
     slice_key = f"l{leg or 1}"
-    collect(lambda: check_keys(body, ("geometry", slice_key, "digits", "fixed_leg"), "", leg))
+    collect(lambda: check_keys(body, ("geometry", slice_key, "digits", "fixed_leg", "method"), "", leg))
+    method = collect(lambda: read_method(body.get("method", MISSING), leg))
     manipulator = collect(lambda: geometry(body.get("geometry", MISSING), limits))
     values = collect(lambda: slice_values(body.get(slice_key, MISSING), slice_key, limits))
     digits = collect(lambda: read_digits(body.get("digits", MISSING), limits))
+    if method == ARTICLE:
+        collect(lambda: check_article_slices(values or (), limits))
     collect.finish()
     # finish() has raised if any of them is None
+    if method == ARTICLE:
+        return article_request(cast(Manipulator, manipulator), values or (), cast(int, digits))
     return TableRequest.of(
         cast(Manipulator, manipulator),
         values or (),
         fixed_leg=leg or 1,
         digits=digits or limits.default_digits,
     )
+
+
+def read_method(value: object, leg: int | None) -> str:
+    """Read by which algorithm a table is wanted; the article's is for leg 1."""
+    if value is MISSING:
+        return METHODS[0]
+    if value not in METHODS or not isinstance(value, str):
+        said = f"{value[:40]!r}" if isinstance(value, str) else kind_of(value)
+        raise InputError.of("method", f"is {said}; it must be one of {', '.join(METHODS)}")
+    if value == ARTICLE and leg not in (None, 1):
+        raise InputError.of("method", f"is article, which fixes leg 1, but fixed_leg is {leg}")
+    return str(value)
+
+
+def check_article_slices(values: Sequence[Fraction], limits: Limits) -> None:
+    """Refuse more slices than the article's algorithm is given at once; each takes it a second or more."""
+    if len(values) > limits.max_article_slices:
+        sent = f"asks for {len(values)} slices by the article's method"
+        raise LimitError("l1", "max_article_slices", limits.max_article_slices, sent)
 
 
 def slice_values(value: object, field: str, limits: Limits) -> list[Fraction]:

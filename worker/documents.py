@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from typing import Any, cast
 
 import rpr_solver
 from rpr_solver import Manipulator, Requirement
+from worker.article import article_document
 from worker.censuses import compute_census, known_census
 from worker.requests import DocumentKind, DocumentRequest
 from worker.store import ResultStore
@@ -49,6 +51,12 @@ def _check(request: DocumentRequest, _store: ResultStore, progress: Progress) ->
     return report.to_json()
 
 
+def _article_table(request: DocumentRequest, _store: ResultStore, progress: Progress) -> Document:
+    wanted = request.content
+    slices = [Fraction(x) for x in wanted["l1"]]
+    return article_document(_manipulator(request), slices, wanted["digits"], progress)
+
+
 def _manipulator(request: DocumentRequest) -> Manipulator:
     return Manipulator.from_json(cast(Any, request.content["geometry"]))
 
@@ -57,4 +65,5 @@ _COMPUTATIONS: Mapping[DocumentKind, _Computation] = {
     "poses": _poses,
     "census": compute_census,
     "check": _check,
+    "article-table": _article_table,
 }

@@ -114,7 +114,7 @@ def _not_found(job_id: str) -> ProblemError:
 
 
 def _parts(job_id: str) -> str:
-    return "slices" if kind_of(job_id) == "cusp-table" else "steps"
+    return "slices" if kind_of(job_id) in ("cusp-table", "article-table") else "steps"
 
 
 def _job_response(context: Context, view: JobView) -> Response:

@@ -38,7 +38,12 @@ def idle_url(valkey: EmbeddedValkey) -> Iterator[str]:
     with connect(f"{valkey.url}?db=1") as client:
         client.flushdb()
     limits = Limits(
-        max_slices=5, max_digits=100, max_number_digits=30, max_body_bytes=2000, max_wait_seconds=1
+        max_slices=5,
+        max_article_slices=2,
+        max_digits=100,
+        max_number_digits=30,
+        max_body_bytes=2000,
+        max_wait_seconds=1,
     )
     with serving(Settings(redis_url=f"{valkey.url}?db=1", keepalive_seconds=0.3, limits=limits)) as url:
         yield url

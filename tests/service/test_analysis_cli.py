@@ -23,6 +23,19 @@ def test_poses_as_json_and_as_text() -> None:
     assert lines[4].split()[:2] == [expected["poses"][0]["alpha_deg"], expected["poses"][0]["theta1_deg"]]  # type: ignore[index]
 
 
+def test_the_articles_method_shows_its_factors(base_url: str) -> None:
+    args = ("solve", "innocenti", "--l1", "14.98", "--digits", "20", "--method", "article")
+    lines = run(*args).stdout.splitlines()
+    assert "L1 = 14.98: 6 cusps" in lines
+    head = lines.index("The article's eliminant of degree 96, factor by factor")
+    assert lines[head + 1].split("  ")[0] == "factor"
+    assert sum(line.startswith("  rejected (") for line in lines) > 0
+    here = run(*args, "--format", "json")
+    assert (here.returncode, here.stderr) == (0, "")
+    assert json.loads(here.stdout)["method"] == "article"
+    assert run(*args, "--format", "json", "--url", base_url).stdout == here.stdout
+
+
 def test_a_census_in_every_form() -> None:
     part = ("census", "innocenti", "--l1-range", "28:31", "--digits", "20")
     done = run(*part, "--format", "json")
@@ -49,6 +62,7 @@ def test_a_census_of_another_leg() -> None:
         (("poses", "innocenti", "--l1", "1"), "--l2, --l3"),
         (("poses", "innocenti", "--l1", "x", "--l2", "1", "--l3", "1"), "--l1: 'x' is not a finite number"),
         (("poses", "innocenti", "--l1", "0", "--l2", "1", "--l3", "1"), "l1: is 0; a leg length must be > 0"),
+        (("solve", "innocenti", "--l2", "1", "--fixed-leg", "2", "--method", "article"), "fixes leg 1"),
         (("census", "innocenti", "--l1-range", "2:1"), "--l1-range.to: is 1; it must exceed 2"),
         (("census", "innocenti", "--l1-range", "1:2:3"), "is not A:B"),
         (("census", "innocenti", "--l1-range", "1:2", "--l1-range", "3:4"), "one range too many"),

@@ -16,7 +16,7 @@ import rpr_solver
 from rpr_solver import EXAMPLES, poses
 from service.app import create_app
 from service.document_models import DOCUMENT_MODELS
-from service.models import MODELS
+from service.models import MODELS, CuspTable
 from worker import JobQueue
 
 POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
@@ -150,6 +150,42 @@ def test_wrong_fields_of_a_census_are_named(idle: httpx.Client, change: dict[str
     answer = idle.post("/v1/censuses", json={"geometry": GEOMETRY, **change})
     assert answer.status_code == 422
     assert field in [error["field"] for error in answer.json()["errors"]]
+
+
+def test_the_articles_method_is_audited_and_kept_apart(api: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "l1": ["14.98", 0], "digits": 20}
+    answers = [
+        api.post("/v1/cusp-tables", json={**body, "method": method}, headers={"Prefer": "wait=30"})
+        for method in ("fast", "article")
+    ]
+    assert [answer.status_code for answer in answers] == [200, 200]
+    fast, article = (answer.json() for answer in answers)
+    assert CuspTable.model_validate(article).model_dump(exclude_unset=True) == article
+    assert "method" not in fast
+    assert article["method"] == article["slices"][0]["method"] == "article"
+    assert article["slices"][0]["cusps"] == fast["slices"][0]["cusps"]
+    assert sum(f["degree"] * f["multiplicity"] for f in article["slices"][0]["audit"]["factors"]) == 96
+    assert article["slices"][1] == fast["slices"][1]
+    known = api.post("/v1/cusp-tables", json={**body, "method": "article"}, headers={"Accept": "text/csv"})
+    assert known.text == rpr_solver.table_csv(fast)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"method": "slow"}, "it must be one of fast, article"),
+        ({"method": ["article"]}, "is a list"),
+        ({"method": "article", "fixed_leg": 2, "l2": 1, "l1": None}, "fixes leg 1, but fixed_leg is 2"),
+        ({"method": "article", "l1": [1, 2, 3]}, "the limit max_article_slices is 2"),
+    ],
+)
+def test_wrong_uses_of_the_method_are_told(idle: httpx.Client, change: dict[str, Any], said: str) -> None:
+    body = {
+        key: value for key, value in {"geometry": GEOMETRY, "l1": 1, **change}.items() if value is not None
+    }
+    answer = idle.post("/v1/cusp-tables", json=body)
+    assert answer.status_code == 422
+    assert said in answer.json()["detail"]
 
 
 def test_a_check_is_a_job_with_a_report(api: httpx.Client) -> None:

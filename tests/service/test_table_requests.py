@@ -152,7 +152,7 @@ def test_whole_numbers_may_be_written_in_any_way() -> None:
 
 def test_the_documented_model_has_the_fields_that_are_read() -> None:
     documented = CuspTableRequest.model_json_schema()
-    assert set(documented["properties"]) == {"geometry", "l1", "l2", "l3", "digits", "fixed_leg"}
+    assert set(documented["properties"]) == {*("geometry", "l1", "l2", "l3", "digits", "fixed_leg", "method")}
     assert set(documented["$defs"]["Geometry"]["properties"]) == {*GEOMETRY, "orientation"}
     assert set(documented["$defs"]["SliceRange"]["properties"]) == {"start", "stop", "step"}
 

@@ -1,0 +1,39 @@
+"""The models of the audit that a slice carries by the article's method."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, Field
+
+
+class Couple(BaseModel):
+    """A real solution above a root of the article's eliminant."""
+
+    alpha_deg: str
+    theta1_deg: str
+    verdict: Literal["kept", "degenerate", "rejected"]
+    reason: str
+
+
+class ArticleFactor(BaseModel):
+    """A factor of the article's eliminant, what its real roots gave, and why."""
+
+    origin: str
+    degree: int
+    multiplicity: int
+    irreducible: list[dict[str, int]]
+    reason: str
+    real_roots: int
+    rejected_in_step_6: int | None
+    couples: list[Couple]
+
+
+class Audit(BaseModel):
+    """The article's algorithm, followed step by step."""
+
+    equations: str
+    eliminant_degree: int
+    h: str
+    factors: list[ArticleFactor]
+    conjecture: dict[str, Any] = Field(description="Whether the factor Q alone gives all cusps, and why.")
