@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import count
 
-from flint import acb_poly, arb, arb_poly, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
+from flint import arb, arb_poly, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.roots import MAX_BITS, RealPolynomial, RealRoot, real_roots
+from rpr_solver.roots import MAX_BITS, RealPolynomial, RealRoot, bisected, real_roots
 
 _START_BITS = 128
 _PLANE = fmpq_mpoly_ctx.get(("x", "y"), "lex")
@@ -230,15 +230,10 @@ def _real_balls(polynomial: Polynomial) -> list[_BallRoot]:
     bits = _START_BITS
     while bits <= MAX_BITS:
         with ctx.workprec(bits):
-            try:
-                roots = acb_poly(arb_poly([c.ball(bits) for c in polynomial])).roots(maxprec=bits)
-            except ValueError:
-                roots = None
-            if roots is not None:
-                real = [r for r in roots if r.imag.contains(0)]
-                if not any(r.conjugate().overlaps(other) for r in real for other in roots if other is not r):
-                    real.sort(key=lambda r: r.real.mid())
-                    return [_BallRoot(polynomial, r.real) for r in real]
+            balls = arb_poly([c.ball(bits) for c in polynomial])
+        intervals = bisected(balls, bits)
+        if intervals is not None:
+            return [_BallRoot(polynomial, x) for x in intervals]
         bits *= 2
     raise SolverError("the roots of a polynomial over a number field could not be told apart")
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 from flint import acb_poly, arb, arb_poly, ctx, fmpz_poly
 
@@ -17,7 +18,9 @@ MAX_BITS = 1 << 18
 """Beyond this working precision a polynomial is taken to have been meant squarefree and not to be."""
 _NEWTON_STEPS = 64
 _FIRST_BITS = 192
+_BISECTION_BITS = 768
 _FIRST_BITS = 192
+_BISECTION_BITS = 768
 
 
 @lru_cache(maxsize=256)
@@ -105,8 +108,66 @@ def real_roots(polynomial: RealPolynomial) -> list[RealRoot]:
             found = _isolate(polynomial, bits, tolerance_bits)
             if found is not None:
                 return found
+        if bits >= _BISECTION_BITS:
+            # FLINT's iteration misses some clusters far from the unit circle; Descartes' rule does not
+            intervals = bisected(polynomial.ball(bits), bits)
+            if intervals is not None:
+                return [RealRoot(polynomial, x) for x in intervals]
         bits *= 2
     raise SolverError("two roots of the eliminant could not be told apart; it should have been squarefree")
+
+
+def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:
+    """Intervals round all real roots, one in each, ascending; None where the precision does not decide.
+
+    Descartes' rule of signs on halves: no sign change of the coefficients transformed to an
+    interval proves no root in it, a single one proves exactly one. Newton's steps contract each.
+    """
+    with ctx.workprec(bits):
+        n = polynomial.degree()
+        lead = polynomial[n]
+        if lead.contains(0):
+            return None
+        bound = max((abs(polynomial[i] / lead).upper() for i in range(n)), default=arb(0)) + 1
+        exponent = 1
+        while not arb(2) ** exponent > bound:
+            exponent += 1
+        edge = arb(2) ** exponent
+        slope, found = polynomial.derivative(), []
+        todo = [(-edge, edge, 0)]
+        while todo:
+            low, high, depth = todo.pop()
+            changes = _sign_changes(polynomial, low, high)
+            if changes is None or depth > bits + exponent:
+                return None
+            if changes == 1 and (x := _contracted(polynomial, slope, low.union(high))) is not None:
+                found.append(x)
+            elif changes:
+                # not the middle, which is a root more often than others; and elsewhere at another precision
+                cut = low + (high - low) * (450 + bits * 7919 % 127) / 1024
+                todo += [(low, cut.mid(), depth + 1), (cut.mid(), high, depth + 1)]
+        return sorted(found, key=lambda x: x.mid())
+
+
+def _contracted(polynomial: arb_poly, slope: arb_poly, x: arb) -> arb | None:
+    """The image of x under an interval Newton step, if it lies in x and is much smaller."""
+    y = x.mid() - polynomial(x.mid()) / slope(x)
+    return y if y.is_finite() and x.contains(y) and 4 * y.rad() < x.rad() else None
+
+
+def _sign_changes(polynomial: arb_poly, low: arb, high: arb) -> int | None:
+    """The sign changes of (1+x)ⁿ p((low + high x)/(1+x)), or None if a sign is not certain."""
+    onto = polynomial(arb_poly([low, high - low]))
+    n = polynomial.degree()
+    coefficients = arb_poly([onto[n - i] for i in range(n + 1)])(arb_poly([1, 1]))
+    signs = []
+    for i in range(n + 1):
+        c = coefficients[i]
+        at_an_end = i in (0, n)
+        if c.contains(0) and (at_an_end or not c.is_zero()):
+            return None
+        signs += [bool(c > 0)] if not c.is_zero() else []
+    return sum(a != b for a, b in pairwise(signs))
 
 
 def _isolate(polynomial: RealPolynomial, bits: int, tolerance_bits: int) -> list[RealRoot] | None:

@@ -1,7 +1,9 @@
 from fractions import Fraction
 
 import pytest
-from flint import arb, ctx, fmpz_poly
+from flint import arb, arb_poly, ctx, fmpz_poly
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, eliminate
 from rpr_solver.algebraic import (
@@ -14,7 +16,7 @@ from rpr_solver.algebraic import (
     squarefree_part,
 )
 from rpr_solver.degenerate import exact_roots, norm_factors
-from rpr_solver.roots import RealPolynomial, real_roots
+from rpr_solver.roots import RealPolynomial, bisected, real_roots
 
 
 def field_of(coefficients: list[int], which: int = -1) -> Field:
@@ -113,3 +115,32 @@ def test_a_wide_isolating_ball_is_refined_at_any_precision() -> None:
     factors = norm_factors(eliminant.at(Fraction("14.98") * surface.scale), surface.radicand)
     for root in exact_roots(factors):
         assert root.root.refined(3466).rel_accuracy_bits() >= 3466
+
+
+@given(
+    st.lists(st.integers(-30, 30), min_size=1, max_size=6, unique=True),
+    st.integers(1, 50),
+    st.integers(-300, 300),
+)
+@settings(max_examples=40)
+def test_bisection_finds_every_real_root(numbers: list[int], denominator: int, shift: int) -> None:
+    """Clusters far from the unit circle, and pairs off the real axis beside them."""
+    polynomial = fmpz_poly([4, 0, 1]) * fmpz_poly([shift**2 + 1, -2 * shift, 1])
+    for number in numbers:
+        polynomial *= fmpz_poly([-(number + denominator * shift), denominator])
+    expected = sorted((number + denominator * shift) / denominator for number in numbers)
+    bits = 256
+    while (intervals := bisected(arb_poly(polynomial), bits)) is None:
+        bits *= 2
+    assert len(intervals) == len(expected)
+    assert all(
+        x.contains(arb(n + denominator * shift) / denominator)
+        for x, n in zip(intervals, sorted(numbers), strict=True)
+    )
+    roots = real_roots(RealPolynomial(polynomial, fmpz_poly([]), 1))
+    assert [float(r.refined(60).mid()) for r in roots] == pytest.approx(expected)
+
+
+def test_a_cluster_far_out_is_not_lost() -> None:
+    roots = real_roots(RealPolynomial(fmpz_poly([48390, -440, 1]), fmpz_poly([]), 1))
+    assert [float(r.refined(60).mid()) for r in roots] == pytest.approx([220 - 10**0.5, 220 + 10**0.5])
