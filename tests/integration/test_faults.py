@@ -14,12 +14,20 @@ from processes import ROOT, Workers, descendants, environment, is_running, until
 from redis import Redis
 
 from rpr_solver import EXAMPLES
-from worker import JobQueue, JobView, TableRequest, WorkerSettings
+from worker import DocumentRequest, JobQueue, JobRequest, JobView, TableRequest, WorkerSettings
 
 
 def a_request(*l1: str, digits: int = 30) -> TableRequest:
     manipulator = EXAMPLES["innocenti"]
     return TableRequest(manipulator.to_json(), manipulator.geometry_hash, 1, digits, l1)
+
+
+def a_document() -> DocumentRequest:
+    content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": "14.98", "l2": "15", "l3": "30"}
+    return DocumentRequest("poses", {**content, "digits": 20})
+
+
+both_kinds = pytest.mark.parametrize("wanted", [a_request("1", "2"), a_document()], ids=["table", "document"])
 
 
 def jobs(redis: Redis, task: str = "", **settings: object) -> JobQueue:
@@ -56,10 +64,10 @@ def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
     assert not {key for key in left if not key.startswith("rq:worker:")}
 
 
-def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers) -> None:
+@both_kinds
+def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, wanted: JobRequest) -> None:
     worker = workers.start(deadline=0.7)
-    request = a_request("1")
-    view = ended(jobs(redis), jobs(redis, "endless").submit(request).id)
+    view = ended(jobs(redis), jobs(redis, "endless").submit(wanted).id)
     assert view.status == "failed"
     assert view.error == {
         "type": "timeout",
@@ -67,12 +75,13 @@ def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers) -> N
     }
     assert descendants(worker.pid) == []
     # the failure is in nobody's way, and the worker is the same
-    again = jobs(redis).submit(request)
+    again = jobs(redis).submit(wanted)
     assert again.status in ("queued", "running")
     assert ended(jobs(redis), again.id).status == "succeeded"
     assert worker.poll() is None
 
 
+@both_kinds
 @pytest.mark.parametrize(
     ("task", "kind"),
     [
@@ -83,10 +92,12 @@ def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers) -> N
         ("broken", "internal-error"),
     ],
 )
-def test_how_a_job_failed_is_told(redis: Redis, workers: Workers, task: str, kind: str) -> None:
+def test_how_a_job_failed_is_told(
+    redis: Redis, workers: Workers, wanted: JobRequest, task: str, kind: str
+) -> None:
     worker = workers.start(memory_limit_mb=1024, max_losses=2, task=f"hard_tasks.{task}")
     queue = jobs(redis, task)
-    view = ended(queue, queue.submit(a_request("1", "2")).id)
+    view = ended(queue, queue.submit(wanted).id)
     assert view.error is not None
     assert (view.status, view.error["type"]) == ("failed", kind)
     assert "Traceback" not in view.error["detail"]
@@ -95,10 +106,13 @@ def test_how_a_job_failed_is_told(redis: Redis, workers: Workers, task: str, kin
     assert redis.zcard(queue.records.keys.active) == 0
 
 
-def test_another_worker_takes_over_from_a_dead_one(redis: Redis, workers: Workers) -> None:
+@both_kinds
+def test_another_worker_takes_over_from_a_dead_one(
+    redis: Redis, workers: Workers, wanted: JobRequest
+) -> None:
     first = workers.start(task="hard_tasks.slow_once")
     queue = jobs(redis, "slow_once")
-    view = queue.submit(a_request("1", "2"))
+    view = queue.submit(wanted)
     until(lambda: is_at_work(queue, view))
     second = workers.start(task="hard_tasks.slow_once")
     (horse,) = descendants(first.pid)
@@ -109,10 +123,11 @@ def test_another_worker_takes_over_from_a_dead_one(redis: Redis, workers: Worker
     assert second.poll() is None
 
 
-def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers) -> None:
+@both_kinds
+def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, wanted: JobRequest) -> None:
     first = workers.start(shutdown_grace=0.2, max_losses=0, task="hard_tasks.slow_once")
     queue = jobs(redis, "slow_once")
-    view = queue.submit(a_request("1", "2"))
+    view = queue.submit(wanted)
     until(lambda: is_at_work(queue, view))
     (horse,) = descendants(first.pid)
     first.terminate()

@@ -43,12 +43,12 @@ def killed(**chunk: Any) -> None:
 
 
 def broken(**chunk: Any) -> None:
-    """An error that nobody foresaw, before any slice."""
+    """An error that nobody foresaw, before any slice or document."""
 
     def fail(*_: Any) -> None:
         raise ZeroDivisionError
 
-    tasks.eliminant_of = fail  # type: ignore[assignment]
+    tasks.eliminant_of = tasks.compute = fail  # type: ignore[assignment]
     tasks.run_chunk(**chunk)
 
 
@@ -86,6 +86,11 @@ def _run(act: Callable[[], object], chunk: dict[str, Any]) -> None:
             "certificate": {"pid": os.getpid()},
         }
 
+    def compute(*_: object) -> dict[str, Any]:
+        act()
+        return {"pid": os.getpid()}
+
     tasks.solve = solve  # type: ignore[assignment]
+    tasks.compute = compute
     tasks.eliminant_of = lambda *_: None  # type: ignore[assignment]
     tasks.run_chunk(**chunk)
