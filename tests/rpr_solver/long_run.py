@@ -1,0 +1,114 @@
+"""The long run: random slices against independent witnesses, and slices beside transitions.
+
+    python tests/rpr_solver/long_run.py [--cases 2000] [--transitions 200] [--seed 1]
+
+Every case is a random manipulator, fixed leg and length. Its table must agree with that of its mirror
+image at another scale, and every cusp that floating-point Newton finds must be in it (Newton may lose
+cusps, so it is not asked for more). Beside a transition, a part in 1e30 of the length away, the count
+must be that of the census on that side. Prints what went wrong, and then ends with status 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import random
+import sys
+from collections import Counter
+from dataclasses import replace
+from fractions import Fraction
+
+from newton import count_cusps, distance
+
+from rpr_solver import InputError, Manipulator, SliceTable, SolverError, census, eliminate, solve_slice
+
+NAMES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+
+
+def manipulator(rng: random.Random) -> Manipulator:
+    """A random geometry: small integers bring coincidences, decimals do not."""
+    while True:
+        size, places = rng.choice([(4, 1), (12, 1), (30, 10), (30, 1000)])
+        low = [-size, -size, -size, 0, 0, 0]
+        values = [Fraction(rng.randint(x * places, size * places), places) for x in low]
+        try:
+            return Manipulator(*values, orientation=rng.choice(["ccw", "cw"]))
+        except InputError:
+            continue
+
+
+def transformed(m: Manipulator, rng: random.Random) -> tuple[Manipulator, Fraction]:
+    """The mirror image at another scale, and the scale."""
+    factor = Fraction(rng.randint(1, 99), rng.randint(1, 99))
+    scaled = replace(m, **{name: getattr(m, name) * factor for name in NAMES})
+    side = "cw" if m.orientation == "ccw" else "ccw"
+    return replace(scaled, a3y=-scaled.a3y, orientation=side), factor
+
+
+def kinds(table: SliceTable) -> Counter[str]:
+    return Counter(point["kind"] for point in table.degenerate_points)
+
+
+def random_case(rng: random.Random) -> str | None:
+    """What is wrong with one random slice, or None."""
+    m, leg = manipulator(rng), rng.choice([1, 2, 3])
+    length = Fraction(rng.randint(1, 6000), 100)
+    table = solve_slice(eliminate(m, leg), length, 20)
+    other, factor = transformed(m, rng)
+    image = solve_slice(eliminate(other, leg), length * factor, 20)
+    if (table.count, kinds(table)) != (image.count, kinds(image)):
+        return f"{m} leg {leg} at {length}: {table.count} cusps, its image has {image.count}"
+    if leg == 1 and rng.random() < 0.3:
+        ours = [(math.radians(float(c.alpha_deg)), math.radians(float(c.theta_deg))) for c in table.cusps]
+        for point in count_cusps(m, float(length), starts=8):
+            if not any(distance(point, x) < 1e-4 for x in ours):
+                return f"{m} at {length}: Newton finds a cusp at {point}, which is not in the table"
+    return None
+
+
+def beside_transitions(rng: random.Random, wanted: int) -> list[str]:
+    """What is wrong beside transitions of random manipulators."""
+    wrong, done = [], 0
+    while done < wanted:
+        m, leg = manipulator(rng), rng.choice([1, 2, 3])
+        try:
+            document = census(m, fixed_leg=leg, digits=50)
+        except SolverError as error:
+            print(f"no census: {error}")
+            continue
+        eliminant = eliminate(m, leg)
+        for transition in document.transitions:
+            at = Fraction(transition.length)
+            for offset, count in (
+                (-Fraction(1, 10**30), transition.count_before),
+                (Fraction(1, 10**30), transition.count_after),
+            ):
+                found = solve_slice(eliminant, at * (1 + offset), 15).count
+                done += 1
+                if found != count:
+                    wrong.append(f"{m} leg {leg} beside {transition.length}: {found} cusps, not {count}")
+        print(f"{done} slices beside transitions, {len(wrong)} wrong", flush=True)
+    return wrong
+
+
+def main() -> int:
+    """Run it."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--cases", type=int, default=2000)
+    parser.add_argument("--transitions", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    rng = random.Random(arguments.seed)
+    wrong = []
+    for n in range(1, arguments.cases + 1):
+        if problem := random_case(rng):
+            wrong.append(problem)
+        if n % 100 == 0:
+            print(f"{n} random slices, {len(wrong)} wrong", flush=True)
+    wrong += beside_transitions(rng, arguments.transitions)
+    print("\n".join(wrong) or "nothing wrong")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
