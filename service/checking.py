@@ -92,11 +92,12 @@ def _check_all(
 ) -> list[Outcome]:
     outcomes: dict[int, Outcome] = {}
     manipulators: dict[int, Manipulator] = {}
+    names = [os.fsencode(source).decode("utf-8", "replace") for source in sources]  # a file's may be anything
     for i, source in enumerate(sources):
         try:
             manipulators[i] = read_geometry(source, limits)
         except InputError as error:
-            outcomes[i] = Outcome(source, error={"type": "input-error", "detail": str(error)})
+            outcomes[i] = Outcome(names[i], error={"type": "input-error", "detail": str(error)})
     single = len(sources) == 1
     with Progress(1 if single else len(sources), "steps" if single else "geometries") as progress:
 
@@ -107,9 +108,9 @@ def _check_all(
         if min(jobs, len(manipulators)) <= 1:
             inside = progress.update if single else None
             for i, manipulator in manipulators.items():
-                done(i, run_check(sources[i], manipulator, requirement, digits, inside))
+                done(i, run_check(names[i], manipulator, requirement, digits, inside))
         else:
-            for i, outcome in _in_processes(sources, manipulators, requirement, digits, jobs):
+            for i, outcome in _in_processes(names, manipulators, requirement, digits, jobs):
                 done(i, outcome)
     return [outcomes[i] for i in range(len(sources))]
 
@@ -143,14 +144,18 @@ def _in_processes(
     jobs: int,
 ) -> Iterator[tuple[int, Outcome]]:
     """The outcomes as they come. Geometries are sent as JSON."""
-    executor = ProcessPoolExecutor(
-        min(jobs, len(manipulators)), multiprocessing.get_context("spawn"), _begin_process
-    )
+    executor = ProcessPoolExecutor(min(jobs, len(manipulators)), multiprocessing.get_context("spawn"))
+    futures: dict[Future[Outcome], int] = {}
     try:
-        futures: dict[Future[Outcome], int] = {
-            executor.submit(_run_sent, sources[i], manipulator.to_json(), requirement.to_json(), digits): i
-            for i, manipulator in manipulators.items()
-        }
+        # A Ctrl-C is for the command, which ends its processes: they inherit the blocked signal. It must not
+        # come while one is half started either.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            for i, manipulator in manipulators.items():
+                sent = sources[i], manipulator.to_json(), requirement.to_json(), digits
+                futures[executor.submit(_run_sent, *sent)] = i
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for future in as_completed(futures):
             i = futures[future]
             try:
@@ -164,10 +169,6 @@ def _in_processes(
         raise
     finally:
         executor.shutdown(wait=False, cancel_futures=True)
-
-
-def _begin_process() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is for the command, which ends its processes
 
 
 def _run_sent(source: str, geometry: dict[str, str], requirement: dict[str, Any], digits: int) -> Outcome:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
@@ -94,6 +95,16 @@ def test_a_bad_option_is_one_line_and_status_2(args: tuple[str, ...], said: str)
     assert (done.returncode, done.stdout) == (2, "")
     assert said in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_a_file_name_that_is_no_text(tmp_path: Path) -> None:
+    (tmp_path / os.fsdecode(b"a\xff.json")).write_text(ZEIN)
+    (tmp_path / os.fsdecode(b"b\xff.json")).write_text("{}")
+    report = tmp_path / "report.xml"
+    done = run("check", str(tmp_path), *RANGE, "--max-cusps", "4", "--github", "--junit", str(report))
+    assert done.returncode == 2
+    assert "a\ufffd.json: passed" in done.stdout
+    assert len(ElementTree.parse(report).findall("testsuite/testcase")) == 2
 
 
 def test_an_empty_folder_is_bad_input(tmp_path: Path) -> None:
