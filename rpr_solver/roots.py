@@ -6,7 +6,7 @@ no other root's disc, so the root is its own conjugate. Precision doubles until 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
 
@@ -38,12 +38,17 @@ class RealPolynomial:
     b: fmpz_poly
     radicand: int
 
+    _balls: dict[int, arb_poly] = field(default_factory=dict, repr=False, compare=False)
+
     def ball(self, bits: int) -> arb_poly:
-        """The polynomial with coefficients as balls of ``bits`` bits."""
-        with ctx.workprec(bits):
-            if not self.b:
-                return arb_poly(self.a)
-            return arb_poly(self.a) + omega_ball(self.radicand, bits) * arb_poly(self.b)
+        """The polynomial with coefficients as balls of ``bits`` bits, kept for all its roots."""
+        if bits not in self._balls:
+            with ctx.workprec(bits):
+                whole = arb_poly(self.a)
+                if self.b:
+                    whole += omega_ball(self.radicand, bits) * arb_poly(self.b)
+                self._balls[bits] = whole
+        return self._balls[bits]
 
 
 @dataclass(frozen=True)
