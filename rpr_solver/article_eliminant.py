@@ -33,7 +33,7 @@ from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly, nmod_mat, nmod_po
 from rpr_solver.article_equations import Legs, coalescence
 from rpr_solver.eliminant import primitive_pair
 from rpr_solver.errors import SolverError
-from rpr_solver.modular import formal_resultant, reconstruct, vandermonde
+from rpr_solver.modular import formal_resultant, reconstruct, residue, vandermonde
 from rpr_solver.surface import Leg, Pair, Surface
 
 DEGREE = 96
@@ -228,7 +228,7 @@ def _resultant_modulo(f1: _Form, e1: _Form, p: int, omega: int) -> list[int]:
     points = range(DEGREE + 1)
     first, second = (
         [
-            sum((_modulo(c, p) * pow(omega, k, p) for k, c in enumerate(row)), nmod_poly([0], p))
+            sum((residue(c, p) * pow(omega, k, p) for k, c in enumerate(row)), nmod_poly([0], p))
             for row in form
         ]
         for form in (f1, e1)
@@ -262,10 +262,6 @@ def _quotient(pair: Pair, by: Pair, radicand: int) -> Pair:
     if not c or a % c or b % c:
         raise SolverError("the article's eliminant does not have its known factors; please report this")
     return primitive_pair(a / c, b / c)
-
-
-def _modulo(polynomial: fmpz_poly, p: int) -> nmod_poly:
-    return nmod_poly([int(c) % p for c in polynomial.coeffs()], p)
 
 
 def _reduced(polynomial: fmpz_mpoly, radicand: int) -> fmpz_mpoly:

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from flint import ctx, fmpz_poly, nmod_poly
+from flint import ctx, fmpz_poly
 
 from rpr_solver.degenerate import (
     CUSP,
@@ -24,6 +24,7 @@ from rpr_solver.degenerate import (
 from rpr_solver.eliminant import DEGREE_U, SOLVER_VERSION, Eliminant, eliminate
 from rpr_solver.errors import InputError
 from rpr_solver.geometry import Manipulator
+from rpr_solver.modular import pair_residue, residue
 from rpr_solver.numbers import exact_str, parse_exact
 from rpr_solver.points import (
     Found,
@@ -167,11 +168,11 @@ class _Slice:
         a, b = q
         spurious = self._collinear * self._closed * fmpz_poly([1, 0, 1])
         for p, omega in self.eliminant.check_primes:
-            residue = _modulo(a, p) + _modulo(b, p) * omega
+            image = pair_residue(a, b, p, omega)
             if (
-                residue.degree() == DEGREE_U
-                and residue.gcd(residue.derivative()).degree() == 0
-                and residue.gcd(_modulo(spurious, p)).degree() == 0
+                image.degree() == DEGREE_U
+                and image.gcd(image.derivative()).degree() == 0
+                and image.gcd(residue(spurious, p)).degree() == 0
             ):
                 return True
         return False
@@ -292,7 +293,3 @@ def _factor_table(
         {"degree": 2, "multiplicity": 9, "origin": "circular"},
         *cusps,
     ]
-
-
-def _modulo(polynomial: fmpz_poly, p: int) -> nmod_poly:
-    return nmod_poly([int(c) % p for c in polynomial.coeffs()], p)

@@ -28,7 +28,7 @@ from flint import fmpz, fmpz_mat, fmpz_poly, nmod_mat, nmod_poly
 
 from rpr_solver.errors import SolverError
 from rpr_solver.geometry import Manipulator
-from rpr_solver.modular import formal_resultant, reconstruct, vandermonde
+from rpr_solver.modular import formal_resultant, pair_residue, reconstruct, vandermonde
 from rpr_solver.surface import BiForm, Pair, Surface
 
 DEGREE_U = 24
@@ -170,10 +170,7 @@ class _Residue:
     """A form modulo p, with a value chosen for ω."""
 
     def __init__(self, form: BiForm, p: int, omega: int) -> None:
-        def residue(part: fmpz_poly) -> nmod_poly:
-            return nmod_poly([int(x) % p for x in part.coeffs()], p)
-
-        self._rows = [[residue(a) + residue(b) * omega for a, b in row] for row in form.coefficients]
+        self._rows = [[pair_residue(a, b, p, omega) for a, b in row] for row in form.coefficients]
 
     def at(self, length: int) -> list[nmod_poly]:
         """The coefficients of tⁱ at one L, polynomials in u."""

@@ -18,13 +18,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Protocol
 
-from flint import arb, ctx, fmpz_poly, nmod_poly
+from flint import arb, ctx, fmpz_poly
 
 from rpr_solver.algebraic import Algebraic, Field
 from rpr_solver.degenerate import ExactRoot, exact_roots, norm_factors
 from rpr_solver.errors import SolverError
 from rpr_solver.exact_events import events_above, located_poses, permanent_events, permanent_limits
 from rpr_solver.jets import LocalMap, Pose
+from rpr_solver.modular import pair_residue
 from rpr_solver.poses import HalfTangent, common_root
 from rpr_solver.roots import RealPolynomial, RealRoot, omega_ball, real_roots
 from rpr_solver.surface import Leg, Surface
@@ -185,8 +186,8 @@ def _simple(surface: Surface, form: Form) -> bool:
     """Proof that the form has no root at infinity and no multiple one."""
     a, b = form.pair
     for (p, omega), _ in zip(surface.primes(), range(_CHECK_PRIMES), strict=False):
-        residue = _modulo(a, p) + _modulo(b, p) * omega
-        if residue.degree() == form.degree and residue.gcd(residue.derivative()).degree() == 0:
+        image = pair_residue(a, b, p, omega)
+        if image.degree() == form.degree and image.gcd(image.derivative()).degree() == 0:
             return True
     return False
 
@@ -255,7 +256,3 @@ def _critical(local: LocalMap[arb]) -> str | None:
 
 def _limit(_local: LocalMap[arb]) -> str:
     return ""
-
-
-def _modulo(polynomial: fmpz_poly, p: int) -> nmod_poly:
-    return nmod_poly([int(c) % p for c in polynomial.coeffs()], p)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cmp_to_key
 from itertools import islice
 
-from flint import arb, ctx, fmpq, fmpz_poly, nmod_poly
+from flint import arb, ctx, fmpq, fmpz_poly
 
 from rpr_solver.algebraic import Algebraic, adjoin_real_roots
 from rpr_solver.closure import DEGREE, Closure, LinearSystem
@@ -21,6 +21,7 @@ from rpr_solver.decimals import round_ball, round_fraction
 from rpr_solver.degenerate import ExactRoot, embedded, exact_roots, norm_factors
 from rpr_solver.errors import SolverError
 from rpr_solver.jets import LocalMap, Pose
+from rpr_solver.modular import pair_residue
 from rpr_solver.points import digit_bits
 from rpr_solver.poses import HalfTangent
 from rpr_solver.roots import MAX_BITS, RealPolynomial, RealRoot, omega_ball, real_roots
@@ -85,8 +86,7 @@ class _Fibre:
         """Proof, modulo a prime, of six different finite roots."""
         a, b = self.closure.sextic
         for p, omega in islice(self.surface.primes(), _CHECK_PRIMES):
-            residue = nmod_poly([int(x) % p for x in a.coeffs()], p)
-            residue += nmod_poly([int(x) % p for x in b.coeffs()], p) * omega
+            residue = pair_residue(a, b, p, omega)
             if residue.degree() == DEGREE and residue.gcd(residue.derivative()).degree() == 0:
                 return True
         return False

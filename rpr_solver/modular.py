@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
-from flint import fmpz, nmod_mat, nmod_poly
+from flint import fmpz, fmpz_poly, nmod_mat, nmod_poly
 
 from rpr_solver.errors import SolverError
 
@@ -54,6 +54,16 @@ def reconstruct(
         values = [x // content for x in values]
     half_way = len(values) // 2
     return values[:half_way], values[half_way:]
+
+
+def residue(polynomial: fmpz_poly, p: int) -> nmod_poly:
+    """A polynomial modulo p."""
+    return nmod_poly([int(c) % p for c in polynomial.coeffs()], p)
+
+
+def pair_residue(a: fmpz_poly, b: fmpz_poly, p: int, omega: int) -> nmod_poly:
+    """A + ω B modulo p, with a value chosen for ω."""
+    return residue(a, p) + residue(b, p) * omega
 
 
 def formal_resultant(j: Sequence[int], e: Sequence[int], p: int) -> int:

@@ -27,7 +27,7 @@ from itertools import count, islice
 from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly, nmod_mat, nmod_poly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.modular import formal_resultant, reconstruct, vandermonde
+from rpr_solver.modular import formal_resultant, pair_residue, reconstruct, vandermonde
 from rpr_solver.roots import RealPolynomial
 from rpr_solver.surface import TRIG, BiForm, Leg, Pair, Surface, d_alpha, d_theta, half_angles, slopes
 
@@ -251,7 +251,7 @@ class _LineGrid:
         if not all(divisors):
             return None
         first, second = (_residues(form, p, omega) for form in (self.first, self.second))
-        conjugate = _residue(self.conjugate, p, omega)
+        conjugate = pair_residue(*self.conjugate, p, omega)
         values = []
         for u, divisor in zip(self.us, divisors, strict=True):
             resultant = formal_resultant([int(c(u)) for c in first], [int(c(u)) for c in second], p)
@@ -272,13 +272,8 @@ def _inverse_vandermonde(us: tuple[int, ...], p: int) -> nmod_mat:
     return vandermonde(us, p).inv()
 
 
-def _residue(pair: Pair, p: int, omega: int) -> nmod_poly:
-    a, b = (nmod_poly([int(c) % p for c in part.coeffs()], p) for part in pair)
-    return a + b * omega
-
-
 def _residues(form: BiForm, p: int, omega: int) -> list[nmod_poly]:
-    return [_residue(row[0], p, omega) for row in form.coefficients]
+    return [pair_residue(*row[0], p, omega) for row in form.coefficients]
 
 
 def _reduced(p: fmpz_mpoly, radicand: int) -> fmpz_mpoly:
