@@ -122,7 +122,7 @@ def census(
     if not MIN_DIGITS <= digits <= MAX_DIGITS:
         raise InputError.of("digits", f"is {digits}; give {MIN_DIGITS} to {MAX_DIGITS}")
     surface = Surface.of(manipulator, fixed_leg)
-    report = _Steps(progress)
+    report = progress or silent
     eliminant = eliminate(manipulator, fixed_leg)
     found, systems = all_events(eliminant, lambda done, _: report(done, ELIMINATION_STEPS + 1))
     method = "discriminant" if systems is None else "events"
@@ -276,10 +276,5 @@ def _rounded(balls: Callable[[int], list[arb]], digits: int, limit: int) -> list
     raise SolverError("the digits of a transition could not be decided")
 
 
-class _Steps:
-    def __init__(self, progress: Progress | None) -> None:
-        self._progress = progress
-
-    def __call__(self, done: int, total: int) -> None:
-        if self._progress is not None:
-            self._progress(done, total)
+def silent(_done: int, _total: int) -> None:
+    """The progress of a caller who asked for none."""

@@ -14,7 +14,7 @@ from itertools import groupby
 from typing import Any
 
 from rpr_solver.algebraic import Field
-from rpr_solver.census import Progress, all_events, length_text, sample_lengths
+from rpr_solver.census import Progress, all_events, length_text, sample_lengths, silent
 from rpr_solver.cusps import solve_slice
 from rpr_solver.eliminant import SOLVER_VERSION, Eliminant, eliminate
 from rpr_solver.errors import FieldProblem, InputError, SolverError
@@ -228,7 +228,7 @@ def check(
         SolverError: a cut could not be decided, or joint limits are asked of a degenerate geometry
             whose cusps this version cannot follow.
     """
-    report = progress or _silent
+    report = progress or silent
     surface = Surface.of(manipulator, requirement.fixed_leg)
     eliminant = eliminate(manipulator, requirement.fixed_leg)
     found, systems = all_events(eliminant, lambda done, _: report(done, 8))
@@ -314,7 +314,3 @@ def _merged(intervals: list[CheckedInterval]) -> Iterator[CheckedInterval]:
 
 def _span(x: CheckedInterval) -> dict[str, object]:
     return {"from": x.start, "to": x.stop, "count": x.count}
-
-
-def _silent(_done: int, _total: int) -> None:
-    pass

@@ -17,7 +17,7 @@ from rpr_solver.eliminant import DEGREE_U, Eliminant
 from rpr_solver.errors import SolverError
 from rpr_solver.events import Landmark
 from rpr_solver.roots import RealPolynomial, real_roots
-from rpr_solver.surface import BiForm, Surface
+from rpr_solver.surface import BiForm, Surface, univariate
 
 _PLANE = fmpz_mpoly_ctx.get(("u", "L"), "lex")
 _SPACE = fmpz_mpoly_ctx.get(("t", "u", "L", "omega"), "lex")
@@ -114,5 +114,4 @@ def _omega_parts(p: fmpz_mpoly, radicand: int) -> tuple[fmpz_mpoly, fmpz_mpoly]:
 
 
 def _in_length(p: fmpz_mpoly) -> fmpz_poly:
-    terms = {power: c for (_, power), c in p.to_dict().items()}
-    return fmpz_poly([terms.get(k, 0) for k in range(max(terms) + 1)])
+    return univariate({power: c for (_, power), c in p.to_dict().items()})

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import fmpq, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import fmpq, fmpz, fmpz_mpoly, fmpz_mpoly_ctx
 
 from rpr_solver.algebraic import Algebraic, evaluate
 from rpr_solver.eliminant import primitive_pair
 from rpr_solver.errors import SolverError
-from rpr_solver.surface import Pair, Surface
+from rpr_solver.surface import Pair, Surface, univariate
 
 _RING = fmpz_mpoly_ctx.get(("t", "u", "omega"), "lex")
 _T, _U, _OMEGA = _RING.gens()
@@ -150,7 +150,7 @@ def _by_power(parts: _Parts, degree: int) -> tuple[Pair, ...]:
     for part, polynomial in enumerate(parts):
         for (i, k, _), c in polynomial.to_dict().items():
             rows[i][part][k] = c
-    return tuple((_univariate(a), _univariate(b)) for a, b in rows)
+    return tuple((univariate(a), univariate(b)) for a, b in rows)
 
 
 def _in_u(polynomial: fmpz_mpoly, radicand: int) -> Pair:
@@ -159,8 +159,4 @@ def _in_u(polynomial: fmpz_mpoly, radicand: int) -> Pair:
     for (_, k, power), c in polynomial.to_dict().items():
         part = parts[0 if radicand == 1 else power % 2]
         part[k] = part.get(k, fmpz(0)) + c * fmpz(radicand) ** (power // 2)
-    return _univariate(parts[0]), _univariate(parts[1])
-
-
-def _univariate(terms: dict[int, fmpz]) -> fmpz_poly:
-    return fmpz_poly([terms.get(k, 0) for k in range(max(terms, default=-1) + 1)])
+    return univariate(parts[0]), univariate(parts[1])

@@ -16,7 +16,7 @@ platform is a rational multiple of ω = √``radicand``, so all coefficients lie
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -218,6 +218,11 @@ def half_angles(p: fmpz_mpoly, orders: tuple[int, int], radicand: int) -> BiForm
                 table[degree][power][part] += in_u * weight
     rows = tuple(tuple((pair[0], pair[1]) for pair in row) for row in table)
     return BiForm(2 * orders[0], 2 * orders[1], rows)
+
+
+def univariate(terms: Mapping[int, int | fmpz]) -> fmpz_poly:
+    """The polynomial with these coefficients, by exponent."""
+    return fmpz_poly([terms.get(k, 0) for k in range(max(terms, default=-1) + 1)])
 
 
 def _half_angle_monomials(order: int) -> dict[tuple[int, int], fmpz_poly]:

@@ -29,7 +29,18 @@ from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly, nmod_mat, nmod_po
 from rpr_solver.errors import SolverError
 from rpr_solver.modular import formal_resultant, pair_residue, reconstruct, vandermonde
 from rpr_solver.roots import RealPolynomial
-from rpr_solver.surface import TRIG, BiForm, Leg, Pair, Surface, d_alpha, d_theta, half_angles, slopes
+from rpr_solver.surface import (
+    TRIG,
+    BiForm,
+    Leg,
+    Pair,
+    Surface,
+    d_alpha,
+    d_theta,
+    half_angles,
+    slopes,
+    univariate,
+)
 
 _RING = fmpz_mpoly_ctx.get(("t", "u", "omega"), "lex")
 _OMEGA = _RING.gen(2)
@@ -69,7 +80,6 @@ class EventSystems:
     surface: Surface
     j0: BiForm
     j1: BiForm
-    f_theta: BiForm
     swallowtails: System
     critical: System
     permanent: Form
@@ -98,7 +108,7 @@ class EventSystems:
         _report(progress, 3)
         swallowtails = System(c, w, _eliminate(surface, c, w, 16, y, 4))
         _report(progress, 4)
-        return cls(surface, j0, j1, f_theta, swallowtails, critical, permanent, y)
+        return cls(surface, j0, j1, swallowtails, critical, permanent, y)
 
 
 def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
@@ -310,10 +320,7 @@ def _rows(p: fmpz_mpoly, degree_t: int) -> list[Pair]:
     for (i, k, w), c in p.to_dict().items():
         parts[i][w][k] = c
 
-    def polynomial(terms: dict[int, fmpz]) -> fmpz_poly:
-        return fmpz_poly([terms.get(k, 0) for k in range(max(terms, default=-1) + 1)])
-
-    return [(polynomial(a), polynomial(b)) for a, b in parts]
+    return [(univariate(a), univariate(b)) for a, b in parts]
 
 
 def _primitive(rows: Sequence[Pair], degree_u: int) -> BiForm:
