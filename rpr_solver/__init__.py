@@ -9,6 +9,7 @@
 from rpr_solver.article import ArticleTable, article_table
 from rpr_solver.census import Census, Transition, TransitionPoint, census
 from rpr_solver.check import CheckedInterval, CheckReport, Requirement, check
+from rpr_solver.cusp_curves import CurveEnd, CurvePoint, CuspCurve, CuspCurves, cusp_curves
 from rpr_solver.cusps import (
     DEFAULT_DIGITS,
     MAX_DIGITS,
@@ -37,6 +38,10 @@ __all__ = [
     "Census",
     "CheckReport",
     "CheckedInterval",
+    "CurveEnd",
+    "CurvePoint",
+    "CuspCurve",
+    "CuspCurves",
     "DirectPolynomial",
     "Eliminant",
     "FieldProblem",
@@ -54,6 +59,7 @@ __all__ = [
     "census",
     "census_csv",
     "check",
+    "cusp_curves",
     "cusp_table",
     "eliminate",
     "exact_str",

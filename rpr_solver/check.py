@@ -14,7 +14,7 @@ from itertools import groupby
 from typing import Any
 
 from rpr_solver.algebraic import Field
-from rpr_solver.census import Progress, all_events, length_text, sample_lengths, silent
+from rpr_solver.census import length_text
 from rpr_solver.cusps import solve_slice
 from rpr_solver.eliminant import SOLVER_VERSION, Eliminant, eliminate
 from rpr_solver.errors import FieldProblem, InputError, SolverError
@@ -24,6 +24,7 @@ from rpr_solver.numbers import MAX_DIGITS, exact_str, parse_exact, shown
 from rpr_solver.points import JointPoint, free_legs
 from rpr_solver.simultaneous import grouped
 from rpr_solver.surface import Surface
+from rpr_solver.survey import Progress, all_events, sample_lengths, silent
 from rpr_solver.transitions import EventSystems
 
 CHECK_DIGITS = 30

@@ -118,6 +118,15 @@ def check_slice(fixed_leg: int, length: Fraction, digits: int) -> None:
             f"l{fixed_leg}",
             f"is {exact_str(length)}; a slice needs a leg length > 0 (at 0 its angle is undefined)",
         )
+    check_digits(digits)
+
+
+def check_digits(digits: int) -> None:
+    """Refuse a number of digits that is out of range.
+
+    Raises:
+        InputError: it is.
+    """
     if not MIN_DIGITS <= digits <= MAX_DIGITS:
         raise InputError.of("digits", f"is {digits}; give {MIN_DIGITS} to {MAX_DIGITS}")
 

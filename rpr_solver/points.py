@@ -39,6 +39,12 @@ class JointPoint:
             f"l{second}": self.second,
         }
 
+    @classmethod
+    def from_json(cls, obj: Mapping[str, str], fixed_leg: int) -> JointPoint:
+        """The inverse of :meth:`to_json`; other members are passed over."""
+        first, second = free_legs(fixed_leg)
+        return cls(obj["alpha_deg"], obj[f"theta{fixed_leg}_deg"], obj[f"l{first}"], obj[f"l{second}"])
+
 
 def free_legs(fixed_leg: int) -> tuple[int, int]:
     """The other two legs, in the order of their numbers."""
