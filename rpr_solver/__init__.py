@@ -26,7 +26,7 @@ from rpr_solver.geometry import EXAMPLES, Manipulator
 from rpr_solver.kinematics import DirectPolynomial, PlatformPose, PoseTable, poses, poses_of_squares
 from rpr_solver.numbers import exact_str, parse_exact
 from rpr_solver.points import JointPoint
-from rpr_solver.tables import census_csv, restrict_census, shorten_slice, table_csv
+from rpr_solver.tables import census_csv, curves_csv, restrict_census, shorten_slice, table_csv
 
 __all__ = [
     "DEFAULT_DIGITS",
@@ -59,6 +59,7 @@ __all__ = [
     "census",
     "census_csv",
     "check",
+    "curves_csv",
     "cusp_curves",
     "cusp_table",
     "eliminate",

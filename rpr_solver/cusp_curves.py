@@ -15,7 +15,7 @@ from math import cos, pi
 from typing import Any
 
 from rpr_solver.census import UNCLASSIFIED, TransitionPoint, length_text, transition_at
-from rpr_solver.cusps import check_digits, check_slice
+from rpr_solver.cusps import DEFAULT_DIGITS, check_digits, check_slice
 from rpr_solver.eliminant import SOLVER_VERSION, Eliminant, eliminate
 from rpr_solver.geometry import Manipulator
 from rpr_solver.numbers import exact_str
@@ -24,7 +24,6 @@ from rpr_solver.survey import Progress, Survey, silent, survey
 from rpr_solver.tracking import Tracker, name_cusps, tracks
 from rpr_solver.transitions import ELIMINATION_STEPS
 
-CURVE_DIGITS = 30
 OPEN, UNDECIDED = "open", "undecided"
 
 
@@ -145,7 +144,7 @@ class CuspCurves:
         )
 
     def within(self, start: Fraction, stop: Fraction | None) -> CuspCurves:
-        """The curves and points of a smaller range."""
+        """The curves and points of a smaller range. To sample curves is done before: it needs all points."""
         curves = tuple(
             replace(curve, points=tuple(p for p in curve.points if _in_range(p.length, start, stop)))
             for curve in self.curves
@@ -153,15 +152,19 @@ class CuspCurves:
         )
         return replace(self, curves=curves, start=start, stop=stop)
 
-    def spread(self, count: int) -> list[Fraction]:
-        """``count`` lengths in each interval of the range between ends of curves, denser near these ends.
+    def spread(
+        self, count: int, start: Fraction = Fraction(0), stop: Fraction | None = None
+    ) -> list[Fraction]:
+        """``count`` lengths in each interval of a range between ends of curves, denser near these ends.
 
         They are short decimals. Beyond the last end of all curves a range without end is sampled up to twice
-        that length. An interval too narrow for the digits of its ends gets the one
-        that the curves have there.
+        that length. An interval too narrow for the digits of its ends gets the length of the points that the
+        curves have there.
         """
-        found: list[Fraction] = []
-        for low, high in pairwise(self._borders()):
+        found: set[Fraction] = set()
+        for low, high in pairwise(self._borders(start, stop)):
+            if not any(curve.meets(low, high) for curve in self.curves):
+                continue
             width, doubt = high - low, high / 10 ** (self.digits - 1)
             step = Fraction(1)
             while step > width / (16 * count**2):
@@ -169,9 +172,9 @@ class CuspCurves:
             if step > doubt:
                 # hints only: wherever they lie, they are lengths
                 shares = (Fraction((1 - cos(pi * (2 * i + 1) / (2 * count))) / 2) for i in range(count))
-                found += [round((low + share * width) / step) * step for share in shares]
+                found |= {round((low + share * width) / step) * step for share in shares}
             else:
-                found += {p.length for curve in self.curves for p in curve.points if low < p.length < high}
+                found |= {p.length for curve in self.curves for p in curve.points if low < p.length < high}
         return sorted(found)
 
     def sampled(
@@ -211,12 +214,12 @@ class CuspCurves:
             ),
         )
 
-    def _borders(self) -> list[Fraction]:
-        """The ends of the range and of the curves inside it, ascending."""
+    def _borders(self, start: Fraction, stop: Fraction | None) -> list[Fraction]:
+        """The ends of a range and of the curves inside it, ascending."""
         texts = {end.length for curve in self.curves for end in (curve.start, curve.stop)}
-        ends = {x for x in map(Fraction, filter(None, texts)) if _in_range(x, self.start, self.stop)}
-        last = self.stop or 2 * (max(ends, default=self.start) or Fraction(1))
-        return sorted({self.start, *ends, last})
+        ends = {x for x in map(Fraction, filter(None, texts)) if _in_range(x, start, stop)}
+        last = stop or 2 * (max(ends, default=start) or Fraction(1))
+        return sorted({start, *ends, last})
 
 
 def _in_range(length: Fraction, start: Fraction, stop: Fraction | None) -> bool:
@@ -227,7 +230,7 @@ def cusp_curves(
     manipulator: Manipulator,
     *,
     fixed_leg: int = 1,
-    digits: int = CURVE_DIGITS,
+    digits: int = DEFAULT_DIGITS,
     progress: Progress | None = None,
 ) -> CuspCurves:
     """Every cusp curve of the slices of one leg over all lengths > 0, with a point in each interval.

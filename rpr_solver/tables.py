@@ -1,4 +1,4 @@
-"""Cusp table and census documents: fewer digits from more, parts of a range, CSV."""
+"""Documents of cusp tables, censuses and cusp curves: fewer digits from more, parts of a range, CSV."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 
 from rpr_solver.decimals import shorten
 from rpr_solver.numbers import exact_str
+from rpr_solver.points import free_legs
 
 
 def shorten_slice(slice_json: Mapping[str, Any], have_digits: int, digits: int) -> dict[str, Any] | None:
@@ -35,7 +36,7 @@ def shorten_slice(slice_json: Mapping[str, Any], have_digits: int, digits: int) 
 def table_csv(table: Mapping[str, Any]) -> str:
     """A cusp table document as CSV, a cusp a line; a slice without cusps, or with an error, has one line."""
     leg = table["fixed_leg"]
-    first, second = (i for i in (1, 2, 3) if i != leg)
+    first, second = free_legs(leg)
     angle = f"theta{leg}_deg"
     columns = [f"l{leg}", "count", "cusp", "alpha_deg", angle, f"l{first}", f"l{second}", "error"]
     out = io.StringIO()
@@ -51,6 +52,20 @@ def table_csv(table: Mapping[str, Any]) -> str:
         for number, cusp in enumerate(item["cusps"], 1):
             values = [cusp[key] for key in ("alpha_deg", angle, f"l{first}", f"l{second}")]
             writer.writerow([length, item["count"], number, *values, ""])
+    return out.getvalue()
+
+
+def curves_csv(document: Mapping[str, Any]) -> str:
+    """A document of cusp curves as CSV: a point a line, curve by curve."""
+    leg = document["fixed_leg"]
+    first, second = free_legs(leg)
+    columns = [f"l{leg}", "cusp", "alpha_deg", f"theta{leg}_deg", f"l{first}", f"l{second}"]
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(["curve", *columns])
+    for curve in document["curves"]:
+        for point in curve["points"]:
+            writer.writerow([curve["name"], *(point[column] for column in columns)])
     return out.getvalue()
 
 

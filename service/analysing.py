@@ -1,9 +1,10 @@
-"""`rpr-cusps poses` and `rpr-cusps census`: one document for one manipulator, computed here."""
+"""`rpr-cusps poses`, `census` and `curves`: one document for one manipulator, computed here."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from typing import Any
 
 import rpr_solver
@@ -11,10 +12,12 @@ from rpr_solver.errors import InputError
 from service.json_body import JsonNumber
 from service.output import Page, Progress, Section, about, counted, rows_of, write_document
 from service.ranges import LengthRange, parse_length_range
-from service.reading import digits_in_range, fixed_leg, number, whole
+from service.reading import digits_in_range, fixed_leg, number, read_samples, whole
 from service.settings import Limits
-from service.solving import read_geometry
+from service.slices import parse_range
+from service.solving import MAX_LOCAL_SLICES, read_geometry
 from worker.censuses import census_in_range
+from worker.curves import part_of
 
 _POSE_KEYS = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y", "multiplicity")
 
@@ -60,6 +63,50 @@ def census(
         sys.stdout.write(rpr_solver.census_csv(document))
     else:
         write_document(document, _census_page(document), form)
+    return 0
+
+
+def curves(
+    source: str,
+    ranges: Sequence[tuple[str, str]],
+    given: Sequence[tuple[str, str]],
+    samples: str | None,
+    leg: str | None,
+    digits: str | None,
+    form: str,
+) -> int:
+    """Run `rpr-cusps curves`; returns the exit status.
+
+    Raises:
+        InputError: naming the option or the field at fault.
+        SolverError: nothing could be proved.
+    """
+    limits = Limits(max_slices=MAX_LOCAL_SLICES)
+    count = digits_option(digits, limits)
+    lengths: list[Fraction] = []
+    if len(ranges) == 1 and ranges[0][1].count(":") == 2:
+        [(option, text)] = ranges
+        lengths = parse_range(text, option, limits.max_number_digits).values(limits.max_slices)
+        ranges = [(option, text.rpartition(":")[0])]
+    leg = leg or next((option[3] for option, _ in given), None)
+    chosen, wanted = leg_and_range(ranges, leg, limits)
+    wanted.check_inside(lengths, wanted.field)
+    for option, text in given:
+        if option != f"--l{chosen}":
+            raise InputError.of(option, f"with fixed leg {chosen} the lengths are --l{chosen}")
+        length = number(text, option, limits)
+        wanted.check_inside([length], option)
+        lengths.append(length)
+    each = None if samples is None else read_samples(JsonNumber(samples), limits)
+    manipulator = read_geometry(source, limits)
+    with Progress(1, "steps") as progress:
+        found = rpr_solver.cusp_curves(manipulator, fixed_leg=chosen, digits=count, progress=progress.update)
+        part = part_of(found, wanted.start, wanted.stop, lengths, each, progress.update)
+    document = part.to_json()
+    if form == "csv":
+        sys.stdout.write(rpr_solver.curves_csv(document))
+    else:
+        write_document(document, _curves_page(document, with_points=bool(lengths or each)), form)
     return 0
 
 
@@ -112,6 +159,20 @@ def _census_page(document: Mapping[str, Any]) -> Page:
     if events:
         keys = [leg, "cusps", *(key for key in events[0] if key not in (leg, "cusps"))]
         sections.append(Section("Transitions", rows_of(events, keys)))
+    return Page(about(document), sections, document["digits"])
+
+
+def _curves_page(document: Mapping[str, Any], *, with_points: bool) -> Page:
+    leg = f"l{document['fixed_leg']}"
+    found = document["curves"]
+    rows = [["curve", "from", "kind", "joins", "to", "kind", "joins"]]
+    for curve in found:
+        ends = ((end[leg] or "∞", end["kind"], end["joins"] or "") for end in (curve["from"], curve["to"]))
+        rows.append([curve["name"], *(cell for end in ends for cell in end)])
+    sections = [Section(f"{leg.upper()}: {counted(len(found), 'cusp curve')}", rows if found else ())]
+    points = [{"curve": curve["name"], **point} for curve in found for point in curve["points"]]
+    if with_points and points:
+        sections.append(Section("Points", rows_of(points)))
     return Page(about(document), sections, document["digits"])
 
 

@@ -41,6 +41,22 @@ examples:
 """
 
 
+_CURVES = """\
+The curves that cusps run along while one leg changes its length: each cusp followed, by proof, from the
+transition where it is born to the one where it dies, and named. The names belong to the manipulator,
+whatever range or points are asked for.
+
+GEOMETRY is a JSON file, - for standard input, or a built-in manipulator: innocenti, zein-flat, twelve-cusps
+or fourteen-cusps.
+"""
+_CURVES_EXAMPLES = """\
+examples:
+  rpr-cusps curves innocenti --digits 15
+  rpr-cusps curves innocenti --l1-range 27:29:0.1 --format csv
+  rpr-cusps curves robot.json --l2-range 10:40 --samples 20 --format json
+"""
+
+
 _CHECK = """\
 Prove or refute a requirement: at most, or at least, so many cusps in every slice of a range of lengths.
 
@@ -78,6 +94,7 @@ class Options(argparse.Action):
 def add_analysis(commands: _Commands) -> None:
     """Add the commands to the parser."""
     _add_census(commands)
+    _add_curves(commands)
     _add_check(commands)
     _add_poses(commands)
 
@@ -113,6 +130,30 @@ def _add_census(commands: _Commands) -> None:
     census.set_defaults(run=_census)
 
 
+def _add_curves(commands: _Commands) -> None:
+    curves = commands.add_parser(
+        "curves",
+        help="each cusp followed from its birth to its death",
+        description=_CURVES,
+        epilog=_CURVES_EXAMPLES,
+        formatter_class=_FORMATTER,
+    )
+    curves.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
+    _add_ranges(
+        curves, "the lengths of interest (default: all); with a step, also those of points", "A:B[:STEP]"
+    )
+    names = (f"--l{leg}" for leg in (1, 2, 3))
+    curves.add_argument(
+        *names, dest="lengths", action=Options, metavar="X", help="a length of points; may be given often"
+    )
+    curves.add_argument(
+        "--samples", metavar="N", help="N points of each curve in every interval between transitions"
+    )
+    _add_digits(curves, 90)
+    curves.add_argument("--format", choices=("table", "json", "csv"), default="table", help="default: table")
+    curves.set_defaults(run=_curves)
+
+
 def _add_check(commands: _Commands) -> None:
     check = commands.add_parser(
         "check",
@@ -141,9 +182,9 @@ def _add_check(commands: _Commands) -> None:
     check.set_defaults(run=_check)
 
 
-def _add_ranges(parser: argparse.ArgumentParser, text: str) -> None:
+def _add_ranges(parser: argparse.ArgumentParser, text: str, form: str = "A:B") -> None:
     names = (f"--l{leg}-range" for leg in (1, 2, 3))
-    parser.add_argument(*names, dest="ranges", action=Options, metavar="A:B", help=text)
+    parser.add_argument(*names, dest="ranges", action=Options, metavar=form, help=text)
     parser.add_argument(
         "--fixed-leg", metavar="LEG", help="the leg with the fixed length (default: that of the range, or 1)"
     )
@@ -170,6 +211,23 @@ def _census(args: argparse.Namespace) -> int:
         return analysing.census(args.geometry, args.ranges or [], args.fixed_leg, args.digits, args.format)
     except SolverError as error:
         return _undecided("census", error)
+
+
+def _curves(args: argparse.Namespace) -> int:
+    from service import analysing
+
+    try:
+        return analysing.curves(
+            args.geometry,
+            args.ranges or [],
+            args.lengths or [],
+            args.samples,
+            args.fixed_leg,
+            args.digits,
+            args.format,
+        )
+    except SolverError as error:
+        return _undecided("curves", error)
 
 
 def _check(args: argparse.Namespace) -> int:

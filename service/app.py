@@ -16,7 +16,7 @@ from service.documentation import WEB
 from service.errors import add_error_handlers
 from service.middleware import Surround
 from service.openapi import describe, operation_id
-from service.routes import censuses, checks, cusp_tables, jobs, operations, pages, poses
+from service.routes import censuses, checks, cusp_curves, cusp_tables, jobs, operations, pages, poses
 from service.settings import Settings
 
 
@@ -45,7 +45,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.context = context
     app.state.begin_shutdown = context.events.stop
-    for part in (cusp_tables, censuses, checks, poses, jobs, operations, pages):
+    for part in (cusp_tables, censuses, cusp_curves, checks, poses, jobs, operations, pages):
         app.include_router(part.router)
     app.mount("/static", StaticFiles(directory=WEB), name="static")
     add_error_handlers(app)

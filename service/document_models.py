@@ -14,8 +14,11 @@ from service.models import (
     Geometry,
     GeometryText,
     Point,
+    Slices,
     optional,
+    own_slices_only,
     wanted_digits,
+    wanted_slices,
 )
 
 
@@ -150,6 +153,77 @@ class Census(BaseModel):
     certificate: dict[str, Any] = Field(description="How the census was proved to be complete.")
 
 
+class CuspCurvesRequest(Document):
+    """One manipulator, the leg whose length is the parameter, and the points that are wanted."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra=own_slices_only(required=False))
+
+    geometry: Geometry
+    fixed_leg: Literal[1, 2, 3] = Field(
+        default=1, description="The leg whose length is fixed in a slice, and the parameter of the curves."
+    )
+    digits: int = wanted_digits(90)
+    range: OpenRange | None = Field(default=None, description="All lengths when missing.")
+    l1: Slices = wanted_slices(
+        "Lengths of leg 1 at which points are wanted, within the range: a number, a list or a range. With "
+        "`fixed_leg` 2 or 3 it is called `l2` or `l3`."
+    )
+    l2: Slices = wanted_slices("The lengths when `fixed_leg` is 2.")
+    l3: Slices = wanted_slices("The lengths when `fixed_leg` is 3.")
+    samples: int | None = Field(
+        default=None,
+        ge=1,
+        description="So many points of each curve in every interval between transitions, however narrow. "
+        "The limit is max_samples of /v1/limits.",
+    )
+
+
+class CurveEnd(BaseModel):
+    """Where a curve begins or ends."""
+
+    l1: Digits | None = Field(default=None, description="The length; 0, or null for a curve without end.")
+    l2: Digits | None = Field(default=None, description="The length, when `fixed_leg` is 2.")
+    l3: Digits | None = Field(default=None, description="The length, when `fixed_leg` is 3.")
+    kind: str = Field(
+        description="That of the transition; open at 0 and without end; undecided where curves are cut at a "
+        "degenerate pose, since it is not proved which cusps pass it."
+    )
+    joins: str | None = Field(
+        description="The curve that meets this one here, where that is proved: both are parts of one smooth "
+        "curve, which turns back in the fixed length."
+    )
+    events: list[TransitionEvent] = Field(
+        description="The degenerate poses; a single one is the end point of the curve."
+    )
+
+
+class CurvePoint(Point):
+    """A cusp of one slice. The fixed length is exact, all others have `digits` significant digits."""
+
+    cusp: int = Field(description="Its number, from 1, in the cusp table of the slice.")
+
+
+class CuspCurve(BaseModel):
+    """A cusp followed over the lengths between two transitions."""
+
+    name: str = Field(description="C1, C2, … in the order in which the curves begin.")
+    start: CurveEnd = Field(alias="from")
+    stop: CurveEnd = Field(alias="to")
+    points: list[CurvePoint] = Field(description="Ascending in the fixed length.")
+
+
+class CuspCurves(BaseModel):
+    """All cusp curves that meet the range."""
+
+    geometry: GeometryText
+    geometry_hash: str
+    fixed_leg: Literal[1, 2, 3]
+    digits: int
+    solver_version: str
+    range: ClosedRange
+    curves: list[CuspCurve]
+
+
 class JointLimit(Document):
     """The lengths that a leg can have; an end that is missing or null is open."""
 
@@ -222,6 +296,8 @@ DOCUMENT_MODELS: dict[str, type[BaseModel]] = {
     "PoseTable": PoseTable,
     "CensusRequest": CensusRequest,
     "Census": Census,
+    "CuspCurvesRequest": CuspCurvesRequest,
+    "CuspCurves": CuspCurves,
     "Requirement": RequirementDocument,
     "CheckRequest": CheckRequest,
     "CheckReport": CheckReport,

@@ -19,9 +19,11 @@ from service.reading import (
     kind_of,
     number,
     read_digits,
+    read_samples,
 )
 from service.settings import Limits
-from worker import censuses
+from service.table_requests import slice_values
+from worker import censuses, curves
 from worker.requests import DocumentRequest
 
 LEGS = ("l1", "l2", "l3")
@@ -92,6 +94,37 @@ def check_request(body: object, limits: Limits) -> DocumentRequest:
         "digits": digits,
     }
     return DocumentRequest("check", content)
+
+
+def curves_request(body: object, limits: Limits) -> DocumentRequest:
+    """Read a request for cusp curves.
+
+    Raises:
+        LimitError: the request is right but too large.
+        InputError: naming every field at fault.
+    """
+    given = _object(body, "geometry")
+    collect = Collector()
+    leg = collect(lambda: fixed_leg(given.get("fixed_leg", JsonNumber("1"))))
+    key = f"l{leg or 1}"
+    collect(lambda: check_keys(given, ("geometry", key, "samples", "range", "digits", "fixed_leg"), "", leg))
+    manipulator = collect(lambda: geometry(given.get("geometry", MISSING), limits))
+    digits = collect(lambda: read_digits(given.get("digits", MISSING), limits))
+    wanted = collect(lambda: read_range(given.get("range", MISSING), limits))
+    lengths = collect(lambda: slice_values(given[key], key, limits)) if key in given else []
+    samples = collect(lambda: read_samples(given.get("samples", MISSING), limits))
+    if wanted is not None and lengths:
+        collect(lambda: wanted.check_inside(lengths, key))
+    collect.finish()
+    return curves.curves_request(
+        cast(Manipulator, manipulator),
+        fixed_leg=cast(int, leg),
+        digits=cast(int, digits),
+        start=cast(LengthRange, wanted).start,
+        stop=cast(LengthRange, wanted).stop,
+        lengths=cast("list[Fraction]", lengths),
+        samples=samples,
+    )
 
 
 def _requirement(value: object, limits: Limits) -> Requirement:

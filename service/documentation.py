@@ -211,6 +211,36 @@ CENSUSES_EXTRA = posted(
         ),
     },
 )
+CURVES_RESPONSES = question(
+    {
+        "description": "The curves are known.",
+        "headers": _ETAG,
+        "content": {
+            "application/json": {"schema": ref("CuspCurves")},
+            "text/csv": {
+                "schema": {"type": "string", "description": "A header line, then one line for each point."}
+            },
+        },
+    }
+)
+CURVES_EXTRA = posted(
+    "CuspCurvesRequest",
+    {
+        "scan": (
+            "Points of all curves with L1 between 27 and 29, a tenth apart",
+            {
+                "geometry": EXAMPLE_GEOMETRY,
+                "digits": 15,
+                "range": {"from": 27, "to": 29},
+                "l1": {"start": 27, "stop": 29, "step": "0.1"},
+            },
+        ),
+        "samples": (
+            "Four points of every curve between any two transitions",
+            {"geometry": EXAMPLE_GEOMETRY, "digits": 15, "samples": 4},
+        ),
+    },
+)
 CHECKS_RESPONSES = question(answer("The report is known.", "CheckReport", headers=_ETAG))
 CHECKS_EXTRA = posted(
     "CheckRequest",
@@ -242,7 +272,7 @@ CANCEL_RESPONSES: Docs = {
     200: answer("The job, canceled or as it had ended.", "Job", example={**_JOB, "status": "canceled"}),
     **problems(ProblemType.NOT_FOUND, _UNAVAILABLE),
 }
-RESULTS = ("PoseTable", "Census", "CheckReport")
+RESULTS = ("PoseTable", "Census", "CuspCurves", "CheckReport")
 RESULT_RESPONSES: Docs = {
     200: _table("What the job was asked for.", *RESULTS),
     304: {"description": "The client has this representation already (If-None-Match)."},

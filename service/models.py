@@ -82,36 +82,39 @@ def wanted_digits(default: int) -> Any:
     )
 
 
-def _slices(description: str, **more: Any) -> Any:
+def wanted_slices(description: str, **more: Any) -> Any:
+    """Lengths of the fixed leg."""
     return Field(default=None, description=description, json_schema_extra=_without_default, **more)
 
 
-def _one_leg(leg: int) -> dict[str, Any]:
-    """The schema of requests with this fixed leg: its slices are there, and those of no other leg."""
-    own = [f"l{leg}"] if leg == 1 else [f"l{leg}", "fixed_leg"]
-    return {
-        "title": f"fixed_leg {leg}",
-        "properties": {"fixed_leg": {"const": leg}},
-        "required": own,
-        "not": {"anyOf": [{"required": [f"l{other}"]} for other in (1, 2, 3) if other != leg]},
-    }
+def own_slices_only(*, required: bool) -> dict[str, Any]:
+    """The schema of requests that give lengths of the fixed leg, and of no other."""
+
+    def one_leg(leg: int) -> dict[str, Any]:
+        own = [f"l{leg}"] if required else []
+        return {
+            "title": f"fixed_leg {leg}",
+            "properties": {"fixed_leg": {"const": leg}},
+            "required": own if leg == 1 else [*own, "fixed_leg"],
+            "not": {"anyOf": [{"required": [f"l{other}"]} for other in (1, 2, 3) if other != leg]},
+        }
+
+    return {"oneOf": [one_leg(leg) for leg in (1, 2, 3)]}
 
 
 class CuspTableRequest(Document):
     """One manipulator, and the slices of its joint space in which the cusps are wanted."""
 
-    model_config = ConfigDict(
-        extra="forbid", json_schema_extra={"oneOf": [_one_leg(1), _one_leg(2), _one_leg(3)]}
-    )
+    model_config = ConfigDict(extra="forbid", json_schema_extra=own_slices_only(required=True))
 
     geometry: Geometry
-    l1: Slices = _slices(
+    l1: Slices = wanted_slices(
         "The slices: the fixed length L1 as one number, as a list, or as a range. With `fixed_leg` 2 or 3 it "
         "is called `l2` or `l3`. A value that is given twice counts once.",
         examples=["14.98", ["14.98", 27], {"start": "0.1", "stop": "50.1", "step": "0.1"}],
     )
-    l2: Slices = _slices("The slices when `fixed_leg` is 2.")
-    l3: Slices = _slices("The slices when `fixed_leg` is 3.")
+    l2: Slices = wanted_slices("The slices when `fixed_leg` is 2.")
+    l3: Slices = wanted_slices("The slices when `fixed_leg` is 3.")
     digits: int = wanted_digits(90)
     fixed_leg: Literal[1, 2, 3] = Field(default=1, description="The leg whose length is fixed in a slice.")
     method: Literal["fast", "article"] = Field(
@@ -242,7 +245,7 @@ class Job(BaseModel):
     """An answer that is being computed, or was."""
 
     id: str
-    kind: Literal["cusp-table", "article-table", "poses", "census", "check"] = Field(
+    kind: Literal["cusp-table", "article-table", "poses", "census", "check", "cusp-curves"] = Field(
         description="What it computes."
     )
     status: Literal["queued", "running", "succeeded", "failed", "canceled"]
@@ -319,6 +322,7 @@ class LimitsDocument(BaseModel):
 
     max_slices: Limit
     max_article_slices: Limit
+    max_samples: Limit
     min_digits: Limit
     max_digits: Limit
     default_digits: Limit

@@ -27,8 +27,9 @@ DESCRIPTION = """\
 Certified cusp points in the joint space of planar 3-RPR parallel manipulators.
 
 Post a manipulator and the slices L1 that you want to `/v1/cusp-tables`. `/v1/censuses` tells every length at
-which their number changes, `/v1/checks` proves or refutes a requirement on it, and `/v1/poses` gives all
-poses of three leg lengths. What is known already is answered at once; the rest is computed by a job. Every
+which their number changes, `/v1/cusp-curves` follows each cusp from one such length to another,
+`/v1/checks` proves or refutes a requirement on their number, and `/v1/poses` gives all poses of three leg
+lengths. What is known already is answered at once; the rest is computed by a job. Every
 number in an answer is a decimal string whose every digit is proved, and every number in a request is taken
 exactly as it was written.
 
@@ -37,6 +38,7 @@ Errors are `application/problem+json` (RFC 9457); the `type` of a problem is an 
 TAGS = [
     {"name": "cusp tables", "description": "Ask for the cusps of a manipulator."},
     {"name": "censuses", "description": "Where the number of cusps changes."},
+    {"name": "cusp curves", "description": "How cusps move while the fixed leg changes its length."},
     {"name": "checks", "description": "Requirements on the number of cusps."},
     {"name": "poses", "description": "Direct kinematics."},
     {"name": "jobs", "description": "Follow, fetch and cancel what is being computed."},

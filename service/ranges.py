@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -32,6 +33,21 @@ class LengthRange:
             raise InputError.of(
                 f"{self.field}.to", f"is {exact_str(self.stop)}; it must exceed {exact_str(self.start)}"
             )
+
+    def check_inside(self, lengths: Iterable[Fraction], field: str) -> None:
+        """Refuse lengths that are no leg lengths, or outside.
+
+        Raises:
+            InputError: naming the first one at fault.
+        """
+        for x in lengths:
+            if x <= 0:
+                raise InputError.of(field, f"is {exact_str(x)}; a leg length must be > 0")
+            if x < self.start or (self.stop is not None and x > self.stop):
+                end = "" if self.stop is None else f" to {exact_str(self.stop)}"
+                raise InputError.of(
+                    field, f"is {exact_str(x)}, outside the range from {exact_str(self.start)}{end}"
+                )
 
 
 def read_range(value: object, limits: Limits) -> LengthRange:

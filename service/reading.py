@@ -172,6 +172,18 @@ def read_digits(value: object, limits: Limits) -> int:
     return digits_in_range(whole(value, "digits", f"{limits.min_digits} to {limits.max_digits}"), limits)
 
 
+def read_samples(value: object, limits: Limits) -> int | None:
+    """Read how many points each interval of a cusp curve shall have; None when that is not said."""
+    if value is MISSING or value is None:
+        return None
+    found = whole(value, "samples", f"1 to {limits.max_samples}")
+    if found > limits.max_samples:
+        raise LimitError("samples", "max_samples", limits.max_samples, f"asks for {_short(found)} points")
+    if found < 1:
+        raise InputError.of("samples", f"is {found}; give 1 to {limits.max_samples}")
+    return found
+
+
 def _short(number: int) -> str:
     text = str(number)
     return text if len(text) <= 20 else f"{text[:20]}…"

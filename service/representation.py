@@ -47,6 +47,7 @@ TABLE_FORMS: Forms = {
 _FORMS: Mapping[Kind, Forms] = {
     "cusp-table": TABLE_FORMS,
     "article-table": TABLE_FORMS,
+    "cusp-curves": {JSON: json_bytes, CSV: lambda curves: rpr_solver.curves_csv(curves).encode()},
     "census": {JSON: json_bytes, CSV: lambda census: rpr_solver.census_csv(census).encode()},
 }
 

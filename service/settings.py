@@ -18,6 +18,9 @@ class Limits(BaseSettings):
     max_article_slices: int = Field(
         default=50, ge=1, description="slices in one request by the article's method, at most"
     )
+    max_samples: int = Field(
+        default=50, ge=1, description="points of cusp curves in each interval between transitions, at most"
+    )
     min_digits: int = Field(
         default=MIN_DIGITS,
         ge=MIN_DIGITS,

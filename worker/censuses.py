@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
 import rpr_solver
-from rpr_solver import Manipulator, exact_str
+from rpr_solver import Manipulator
 from rpr_solver.errors import SolverError
 from worker.once import once
-from worker.requests import DocumentRequest
+from worker.requests import DocumentRequest, content_range, range_content
 from worker.store import ResultStore
 
 Document = dict[str, Any]
@@ -30,8 +30,12 @@ def census_request(
     stop: Fraction | None = None,
 ) -> DocumentRequest:
     """The request for the census of a range of the fixed leg; without an end it is the whole one."""
-    ends = {"from": exact_str(start), "to": None if stop is None else exact_str(stop)}
-    content = {"geometry": manipulator.to_json(), "fixed_leg": fixed_leg, "digits": digits, "range": ends}
+    content = {
+        "geometry": manipulator.to_json(),
+        "fixed_leg": fixed_leg,
+        "digits": digits,
+        "range": range_content(start, stop),
+    }
     return DocumentRequest("census", content)
 
 
@@ -52,7 +56,7 @@ def census_in_range(
 
 def known_census(request: DocumentRequest, store: ResultStore) -> Document | None:
     """A census that follows from a whole one that is known with as many digits or more."""
-    start, stop = _ends(request)
+    start, stop = content_range(request.content)
     for digits in store.census_digits(_family(request)):
         whole = store.get_document(_whole(request, digits)) if digits >= request.content["digits"] else None
         part = whole and rpr_solver.restrict_census(whole, start, stop, request.content["digits"])
@@ -85,17 +89,11 @@ def compute_census(
 
         return once(lambda: store.get_document(wanted), lambda: store.document_lock(wanted), make)
 
-    return census_in_range(whole, *_ends(request), content["digits"])
-
-
-def _ends(request: DocumentRequest) -> tuple[Fraction, Fraction | None]:
-    ends: Mapping[str, str | None] = request.content["range"]
-    start, stop = ends["from"], ends["to"]
-    return Fraction(start or 0), None if stop is None else Fraction(stop)
+    return census_in_range(whole, *content_range(content), content["digits"])
 
 
 def _whole(request: DocumentRequest, digits: int) -> DocumentRequest:
-    everything = {"from": "0", "to": None}
+    everything = range_content(Fraction(0), None)
     return DocumentRequest("census", {**request.content, "digits": digits, "range": everything})
 
 

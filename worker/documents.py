@@ -10,6 +10,7 @@ import rpr_solver
 from rpr_solver import Manipulator, Requirement
 from worker.article import article_document
 from worker.censuses import compute_census, known_census
+from worker.curves import compute_curves, known_curves
 from worker.requests import DocumentKind, DocumentRequest
 from worker.store import ResultStore
 
@@ -23,8 +24,8 @@ _Computation = Callable[[DocumentRequest, ResultStore, Progress], Document]
 def known_document(request: DocumentRequest, store: ResultStore) -> Document | None:
     """The document if it is in the store, or follows from what is."""
     found = store.get_document(request)
-    if found is None and request.kind == "census":
-        return known_census(request, store)
+    if found is None and request.kind in _PARTS:
+        return _PARTS[request.kind](request, store)
     return found
 
 
@@ -61,9 +62,14 @@ def _manipulator(request: DocumentRequest) -> Manipulator:
     return Manipulator.from_json(cast(Any, request.content["geometry"]))
 
 
+_PARTS: Mapping[DocumentKind, Callable[[DocumentRequest, ResultStore], Document | None]] = {
+    "census": known_census,
+    "cusp-curves": known_curves,
+}
 _COMPUTATIONS: Mapping[DocumentKind, _Computation] = {
     "poses": _poses,
     "census": compute_census,
     "check": _check,
+    "cusp-curves": compute_curves,
     "article-table": _article_table,
 }

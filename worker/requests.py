@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from rpr_solver import SOLVER_VERSION, Manipulator, exact_str
 
-DocumentKind = Literal["poses", "census", "check", "article-table"]
+DocumentKind = Literal["poses", "census", "check", "cusp-curves", "article-table"]
 Kind = Literal["cusp-table"] | DocumentKind
 
 _PREFIXES: Mapping[Kind, str] = {
@@ -20,6 +20,7 @@ _PREFIXES: Mapping[Kind, str] = {
     "poses": "po-",
     "census": "ce-",
     "check": "ch-",
+    "cusp-curves": "cc-",
     "article-table": "at-",
 }
 
@@ -115,6 +116,17 @@ class DocumentRequest:
 
     def __hash__(self) -> int:
         return hash(self.content_hash)
+
+
+def range_content(start: Fraction, stop: Fraction | None) -> dict[str, str | None]:
+    """A range of lengths as part of a request's content; None is no end."""
+    return {"from": exact_str(start), "to": None if stop is None else exact_str(stop)}
+
+
+def content_range(content: Mapping[str, Any]) -> tuple[Fraction, Fraction | None]:
+    """The range of a request's content."""
+    start, stop = content["range"]["from"], content["range"]["to"]
+    return Fraction(start), None if stop is None else Fraction(stop)
 
 
 JobRequest = TableRequest | DocumentRequest

@@ -135,7 +135,7 @@ def test_names_do_not_depend_on_what_is_asked_for() -> None:
     lengths = [Fraction(26) + Fraction(i, 4) for i in range(20)]
     together = whole.sampled(lengths)
     for length in lengths[::5]:
-        alone = whole.within(Fraction(25), Fraction(31)).sampled([length])
+        alone = whole.sampled([length]).within(length - 1, length + 1)
         assert {c.name: p.cusp for c in alone.curves for p in c.points} == {
             c.name: p.cusp for c in together.curves for p in c.points if p.length == length
         }
@@ -176,8 +176,11 @@ def test_spread_samples_every_curve_between_its_ends() -> None:
 
 
 def test_intervals_too_narrow_for_their_digits_keep_a_sample() -> None:
-    coarse = cusp_curves(INNOCENTI, digits=15).within(Fraction("14.5"), Fraction("14.6"))
-    assert all(c.points for c in coarse.sampled(coarse.spread(1000)[::400] + coarse.spread(2)).curves)
+    coarse, start, stop = cusp_curves(INNOCENTI, digits=15), Fraction("14.5"), Fraction("14.6")
+    lengths = coarse.spread(2000, start, stop)
+    assert len(lengths) == 4001  # the window of width 1e-8 keeps one
+    few = [x for x in lengths if Fraction("14.57922") < x < Fraction("14.57923")]
+    assert all(c.points for c in coarse.sampled(few).within(start, stop).curves)
 
 
 def test_a_part_of_the_range() -> None:
@@ -186,12 +189,11 @@ def test_a_part_of_the_range() -> None:
     assert (part.start, part.stop) == (Fraction("28.1"), Fraction("28.2"))
     assert {c.name for c in part.curves} <= {c.name for c in whole.curves}
     assert len(part.curves) == 10
-    lengths = part.spread(4)
+    lengths = whole.spread(4, Fraction("28.1"), Fraction("28.2"))
     assert all(Fraction("28.1") < x < Fraction("28.2") for x in lengths)
     assert len(lengths) == 8
-    beyond = whole.within(Fraction(40), None)
-    assert len(beyond.curves) == 4
-    assert all(40 < x < 80 for x in beyond.spread(5))
+    assert len(whole.within(Fraction(40), None).curves) == 4
+    assert all(40 < x < 80 for x in whole.spread(5, Fraction(40)))
 
 
 def test_documents_are_read_back() -> None:

@@ -40,6 +40,7 @@ def idle_url(valkey: EmbeddedValkey) -> Iterator[str]:
     limits = Limits(
         max_slices=5,
         max_article_slices=2,
+        max_samples=5,
         max_digits=100,
         max_number_digits=30,
         max_body_bytes=2000,

@@ -8,7 +8,7 @@ from fractions import Fraction
 import pytest
 from cli_process import run
 
-from rpr_solver import EXAMPLES, census, census_csv, poses, restrict_census
+from rpr_solver import EXAMPLES, census, census_csv, curves_csv, cusp_curves, poses, restrict_census
 
 LEGS = ("--l1", "14.98", "--l2", "15", "--l3", "30")
 
@@ -56,6 +56,29 @@ def test_a_census_of_another_leg() -> None:
     assert "L2 from 0 up to 3: 0 to 6 cusps, 6 transitions" in done.stdout
 
 
+def test_cusp_curves_in_every_form() -> None:
+    wanted = ("curves", "innocenti", "--l1-range", "28:28.2:0.1", "--l1", "28.15", "--digits", "20")
+    done = run(*wanted, "--format", "json")
+    assert (done.returncode, done.stderr) == (0, "")
+    document = json.loads(done.stdout)
+    lengths = [Fraction(x) for x in ("28", "28.1", "28.15", "28.2")]
+    expected = cusp_curves(EXAMPLES["innocenti"], digits=20).sampled(lengths).within(lengths[0], lengths[-1])
+    assert document == expected.to_json()
+    assert run(*wanted, "--format", "csv").stdout == curves_csv(document)
+    lines = run(*wanted).stdout.splitlines()
+    assert "L1: 10 cusp curves" in lines
+    assert sum(line.startswith("C22 ") for line in lines) == 2
+
+
+def test_cusp_curves_of_another_leg() -> None:
+    done = run("curves", "zein-flat", "--l2-range", "10:20", "--samples", "2", "--digits", "15")
+    assert done.returncode == 0
+    assert "L2: " in done.stdout
+    assert "θ2 [deg]" in done.stdout
+    same = run("curves", "zein-flat", "--l2", "15", "--digits", "15", "--format", "csv")
+    assert same.stdout.startswith("curve,l2,cusp,alpha_deg,theta2_deg,l1,l3\n")
+
+
 @pytest.mark.parametrize(
     ("args", "said"),
     [
@@ -67,6 +90,11 @@ def test_a_census_of_another_leg() -> None:
         (("census", "innocenti", "--l1-range", "1:2:3"), "is not A:B"),
         (("census", "innocenti", "--l1-range", "1:2", "--l1-range", "3:4"), "one range too many"),
         (("census", "innocenti", "--l2-range", "1:", "--fixed-leg", "1"), "the range is --l1-range"),
+        (("curves", "innocenti", "--l1", "0"), "--l1: is 0; a leg length must be > 0"),
+        (("curves", "innocenti", "--l1", "5", "--l1-range", "6:8"), "outside the range from 6 to 8"),
+        (("curves", "innocenti", "--l1", "5", "--l2", "5"), "--l2: with fixed leg 1 the lengths are --l1"),
+        (("curves", "innocenti", "--samples", "0"), "samples: is 0; give 1 to 50"),
+        (("curves", "innocenti", "--l1-range", "8:6:1"), "the range is empty"),
         (("census", "innocenti", "--fixed-leg", "0"), "fixed_leg: is 0"),
         (("poses", "nope", *LEGS), "one of innocenti"),
         (("poses", "innocenti", *LEGS, "--digits", "9"), "min_digits is 15"),

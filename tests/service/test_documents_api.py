@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import time
+from fractions import Fraction
 from typing import Any
 
 import httpx
@@ -13,7 +14,7 @@ from redis import Redis
 from service_server import GEOMETRY
 
 import rpr_solver
-from rpr_solver import EXAMPLES, poses
+from rpr_solver import EXAMPLES, cusp_curves, poses
 from service.app import create_app
 from service.document_models import DOCUMENT_MODELS
 from service.models import MODELS, CuspTable
@@ -150,6 +151,56 @@ def test_wrong_fields_of_a_census_are_named(idle: httpx.Client, change: dict[str
     answer = idle.post("/v1/censuses", json={"geometry": GEOMETRY, **change})
     assert answer.status_code == 422
     assert field in [error["field"] for error in answer.json()["errors"]]
+
+
+def test_cusp_curves_are_followed_once_and_sampled_at_will(api: httpx.Client) -> None:
+    body = {"geometry": EXAMPLES["zein-flat"].to_json(), "digits": 20, "fixed_leg": 2}
+    lengths = {"start": 10, "stop": "12", "step": 1}
+    answer = api.post(
+        "/v1/cusp-curves", json={**body, "l2": lengths, "range": {"from": 9.5, "to": 12}, "samples": 2}
+    )
+    assert answer.status_code == 202
+    job = answer.json()
+    assert (job["kind"], job["id"][:3]) == ("cusp-curves", "cc-")
+    done = ended(api, job["id"])
+    assert (done["status"], done["progress"]["done"]) == ("succeeded", done["progress"]["total"])
+    part = api.get(job["links"]["result"]).json()
+    assert is_whole("CuspCurves", part)
+    found = {p["l2"] for curve in part["curves"] for p in curve["points"]}
+    assert {"10", "11", "12"} < found
+
+    whole = api.post("/v1/cusp-curves", json=body)
+    assert whole.status_code == 200
+    expected = cusp_curves(EXAMPLES["zein-flat"], fixed_leg=2, digits=20)
+    assert whole.json() == expected.to_json()
+    inner = api.post("/v1/cusp-curves", json={**body, "range": {"to": "10"}})
+    assert inner.json() == expected.within(Fraction(0), Fraction(10)).to_json()
+    as_csv = api.post("/v1/cusp-curves", json=body, headers={"Accept": "text/csv"})
+    rows = list(csv.DictReader(io.StringIO(as_csv.text)))
+    assert [row["curve"] for row in rows] == [c.name for c in expected.curves for _ in c.points]
+    assert rows[0]["theta2_deg"] == expected.curves[0].points[0].point.theta_deg
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"l1": 0}, "l1: is 0; a leg length must be > 0"),
+        ({"l1": [3, 9], "range": {"to": 8}}, "l1: is 9, outside the range from 0 to 8"),
+        ({"l1": []}, "l1: is an empty list"),
+        ({"l2": 3}, "l2: unknown field; with fixed_leg 1 the slices are l1"),
+        ({"samples": 0}, "samples: is 0; give 1 to 5"),
+        ({"samples": 1.5}, "samples: is 1.5; give the whole number 1 to 5"),
+        ({"samples": 6}, "samples: asks for 6 points; the limit max_samples is 5"),
+        ({"l1": {"start": 1, "stop": 100, "step": 1}}, "the limit max_slices is 5"),
+    ],
+)
+def test_wrong_fields_of_cusp_curves_are_named(
+    idle: httpx.Client, change: dict[str, Any], message: str
+) -> None:
+    answer = idle.post("/v1/cusp-curves", json={"geometry": GEOMETRY, **change})
+    assert answer.status_code == 422
+    problem = answer.json()
+    assert message in next(f"{error['field']}: {error['message']}" for error in problem["errors"])
 
 
 def test_the_articles_method_is_audited_and_kept_apart(api: httpx.Client) -> None:
