@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from flint import fmpz_mpoly, fmpz_mpoly_ctx
 
-from rpr_solver import EXAMPLES, Requirement, census, check
+from rpr_solver import EXAMPLES, Requirement, census, check, cusp_curves, eliminate, solve_slice
 from rpr_solver.surface import BiForm, Surface
 from rpr_solver.transitions import EventSystems
 
@@ -60,6 +60,14 @@ def main() -> None:
     print(f"FLINT's resultant, for lips and beaks alone: {naive:.2f} s, {naive / both:.1f} × that")
     whole = timed(lambda: census(MANIPULATOR, digits=30))
     print(f"census of the first manipulator at 30 digits, all L1: {whole:.2f} s")
+    curves = cusp_curves(MANIPULATOR, digits=30)
+    followed = timed(lambda: cusp_curves(MANIPULATOR, digits=30))
+    print(f"all cusp curves, the census among it: {followed:.2f} s")
+    lengths = [Fraction(12) + Fraction(i, 10) for i in range(200)]
+    eliminant = eliminate(MANIPULATOR)
+    alone = timed(lambda: [solve_slice(eliminant, x, 30) for x in lengths], 1)
+    named = timed(lambda: curves.sampled(lengths, eliminant=eliminant), 1)
+    print(f"200 slices of all curves: {named:.2f} s, {named / alone:.1f} × the slices alone, without names")
     limits = {2: (None, Fraction(40)), 3: (Fraction(5), None)}
     requirement = Requirement(start=Fraction(26), stop=Fraction(29), max_cusps=4, limits=limits)
     limited = timed(lambda: check(MANIPULATOR, requirement), 1)
