@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 
 from flint import arb, ctx
 
 from rpr_solver.cusps import DEFAULT_DIGITS, check_digits
 from rpr_solver.decimals import round_ball, round_fraction
 from rpr_solver.eliminant import SOLVER_VERSION
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import InputError, SolverError
 from rpr_solver.events import BallEvent, Event
 from rpr_solver.geometry import Manipulator
+from rpr_solver.numbers import exact_str
 from rpr_solver.points import JointPoint, digit_bits, in_half_open_range
 from rpr_solver.roots import MAX_BITS
 from rpr_solver.surface import Surface
@@ -47,9 +49,10 @@ class Transition:
 
 @dataclass(frozen=True)
 class Census:
-    """All transitions of a manipulator, ascending, and the number of cusps in each interval between.
+    """All transitions strictly within a range, ascending, and the number of cusps in each interval between.
 
-    ``counts`` has one entry more than ``transitions``.
+    ``counts`` has one entry more than ``transitions``. ``start`` and ``stop`` are in the user's unit; None
+    is a range without end.
     """
 
     manipulator: Manipulator
@@ -58,18 +61,21 @@ class Census:
     transitions: tuple[Transition, ...]
     counts: tuple[int, ...]
     certificate: dict[str, object] = field(repr=False)
+    start: Fraction = Fraction(0)
+    stop: Fraction | None = None
 
     def to_json(self) -> dict[str, object]:
-        """The contract's census document over the whole range."""
+        """The contract's census document."""
         leg = self.fixed_leg
-        ends = ["0", *(t.length for t in self.transitions), None]
+        stop = None if self.stop is None else exact_str(self.stop)
+        ends = [exact_str(self.start), *(t.length for t in self.transitions), stop]
         return {
             "geometry": self.manipulator.to_json(),
             "geometry_hash": self.manipulator.geometry_hash,
             "fixed_leg": leg,
             "digits": self.digits,
             "solver_version": SOLVER_VERSION,
-            "range": {"from": "0", "to": None},
+            "range": {"from": ends[0], "to": ends[-1]},
             "transitions": [
                 {
                     f"l{leg}": t.length,
@@ -93,22 +99,26 @@ def census(
     *,
     fixed_leg: int = 1,
     digits: int = DEFAULT_DIGITS,
+    start: Fraction = Fraction(0),
+    stop: Fraction | None = None,
     progress: Progress | None = None,
 ) -> Census:
-    """Every transition of the slices of one leg, over all lengths > 0 (method.md section 5).
+    """Every transition of the slices of one leg, over all lengths > 0 or a range (method.md section 5).
 
     Args:
         manipulator: the geometry.
         fixed_leg: the leg that is held, 1, 2 or 3.
         digits: significant digits of every printed number.
+        start, stop: the range in the user's unit, without its ends; None is no end.
         progress: told the steps done and their number.
 
     Raises:
-        InputError: ``fixed_leg`` or ``digits`` is out of range.
+        InputError: ``fixed_leg`` or ``digits`` is out of range, or the range is empty.
         SolverError: a transition could not be decided; nothing was guessed.
     """
     check_digits(digits)
-    found = survey(manipulator, fixed_leg, progress or silent)
+    check_range(start, stop)
+    found = survey(manipulator, fixed_leg, progress or silent, start=start, stop=stop)
     kept = {
         k: transition for k in range(len(found.groups)) if (transition := transition_at(found, k, digits))
     }
@@ -124,7 +134,21 @@ def census(
         tuple(kept.values()),
         (found.slices[0].count, *(found.slices[k + 1].count for k in kept)),
         certificate,
+        start,
+        stop,
     )
+
+
+def check_range(start: Fraction, stop: Fraction | None) -> None:
+    """Refuse what is no range of lengths.
+
+    Raises:
+        InputError: an end is negative, or there is nothing between.
+    """
+    if start < 0:
+        raise InputError.of("range.from", f"is {exact_str(start)}; a length is at least 0")
+    if stop is not None and stop <= start:
+        raise InputError.of("range.to", f"is {exact_str(stop)}; it must exceed {exact_str(start)}")
 
 
 def transition_at(found: Survey, k: int, digits: int) -> Transition | None:

@@ -10,21 +10,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from itertools import groupby
 from typing import Any
 
-from rpr_solver.algebraic import Field
 from rpr_solver.census import length_text
-from rpr_solver.cusps import solve_slice
-from rpr_solver.eliminant import SOLVER_VERSION, Eliminant, eliminate
+from rpr_solver.cusps import SliceTable, solve_slice
+from rpr_solver.eliminant import SOLVER_VERSION, Eliminant
 from rpr_solver.errors import FieldProblem, InputError, SolverError
-from rpr_solver.events import Event, Landmark, limit_events
+from rpr_solver.events import Event, limit_events
 from rpr_solver.geometry import Manipulator
 from rpr_solver.numbers import MAX_DIGITS, exact_str, parse_exact, shown
 from rpr_solver.points import JointPoint, free_legs
-from rpr_solver.simultaneous import grouped
 from rpr_solver.surface import Surface
-from rpr_solver.survey import Progress, all_events, sample_lengths, silent
+from rpr_solver.survey import Progress, silent, survey
 from rpr_solver.transitions import EventSystems
 
 CHECK_DIGITS = 30
@@ -229,35 +228,27 @@ def check(
         SolverError: a cut could not be decided, or joint limits are asked of a degenerate geometry
             whose cusps this version cannot follow.
     """
-    report = progress or silent
-    surface = Surface.of(manipulator, requirement.fixed_leg)
-    eliminant = eliminate(manipulator, requirement.fixed_leg)
-    found, systems = all_events(eliminant, lambda done, _: report(done, 8))
-    cuts = [*found, *_ends(surface, requirement), *_limit_cuts(surface, systems, requirement)]
-    groups = grouped(surface, cuts)
-    report(6, 8)
+    low, high = requirement.start, requirement.stop
+    found = survey(
+        manipulator,
+        requirement.fixed_leg,
+        progress or silent,
+        start=low,
+        stop=high,
+        digits=digits,
+        more=partial(_limit_cuts, requirement),
+    )
+    surface = found.eliminant.surface
+    cuts = [length_text(surface, group, digits) for group in found.groups]
+    ends = [exact_str(low), *cuts, None if high is None else exact_str(high)]
     intervals = []
-    samples = list(sample_lengths(surface, [group[0] for group in groups]))
-    low = _position(groups, requirement.start * surface.scale)
-    high = len(groups) if requirement.stop is None else _position(groups, requirement.stop * surface.scale)
-    for k in range(low, high + 1) if requirement.stop is None else range(low, high):
-        cusps = _within(eliminant, samples[k], requirement, digits)
-        start = exact_str(requirement.start) if k == low else length_text(surface, groups[k - 1], digits)
-        last = k == high - (requirement.stop is not None)
-        end = None if requirement.stop is None else exact_str(requirement.stop)
-        stop = end if last else length_text(surface, groups[k], digits)
-        intervals.append(CheckedInterval(start, stop, len(cusps), samples[k], cusps))
-        report(8 + k - low, 8 + high - low)
+    for start, stop, table in zip(ends, ends[1:], found.slices, strict=False):
+        cusps = _within(found.eliminant, table, requirement)
+        intervals.append(CheckedInterval(str(start), stop, len(cusps), table.length, cusps))
     return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)))
 
 
-def _ends(surface: Surface, requirement: Requirement) -> Iterator[Landmark]:
-    for end in (requirement.start, requirement.stop):
-        if end:
-            yield Landmark(Field.rationals()(end * surface.scale))
-
-
-def _limit_cuts(surface: Surface, systems: EventSystems | None, requirement: Requirement) -> Iterator[Event]:
+def _limit_cuts(requirement: Requirement, surface: Surface, systems: EventSystems | None) -> Iterator[Event]:
     for leg, bounds in requirement.limits.items():
         for bound in bounds:
             if not bound:
@@ -268,32 +259,19 @@ def _limit_cuts(surface: Surface, systems: EventSystems | None, requirement: Req
             yield from limit_events(systems, seen, (bound * surface.scale) ** 2)
 
 
-def _position(groups: list[list[Event]], end: Fraction) -> int:
-    """The index of the interval that begins at this end of the range: the number of cuts up to it."""
-    if end == 0:
-        return 0
-    for i, group in enumerate(groups):
-        if any(e.exact_length is not None and e.exact_length.rational == end for e in group):
-            return i + 1
-    raise SolverError("an end of the range was lost among the cuts")
-
-
-def _within(
-    eliminant: Eliminant, length: Fraction, requirement: Requirement, digits: int
-) -> tuple[JointPoint, ...]:
+def _within(eliminant: Eliminant, table: SliceTable, requirement: Requirement) -> tuple[JointPoint, ...]:
     """The cusps of a slice strictly within the limits; none of them stands on one."""
     first, second = free_legs(requirement.fixed_leg)
-    wanted = digits
+    cusps, digits = table.cusps, table.digits
     while True:
-        cusps = solve_slice(eliminant, length, wanted).cusps
         sides = [
-            [_side(text, requirement.limits.get(leg, (None, None)), wanted) for leg, text in legs]
+            [_side(text, requirement.limits.get(leg, (None, None)), digits) for leg, text in legs]
             for legs in ([(first, c.first), (second, c.second)] for c in cusps)
         ]
         if not any(None in side for side in sides):
-            kept = solve_slice(eliminant, length, digits).cusps if wanted != digits else cusps
-            return tuple(c for c, side in zip(kept, sides, strict=True) if all(side))
-        wanted *= 2
+            return tuple(c for c, side in zip(table.cusps, sides, strict=True) if all(side))
+        digits *= 2
+        cusps = solve_slice(eliminant, table.length, digits).cusps
 
 
 def _side(text: str, bounds: Bounds, digits: int) -> bool | None:

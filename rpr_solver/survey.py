@@ -7,19 +7,21 @@ as for similar or flat triangles, the discriminant of Q(u, L) takes their place 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, floor
+from itertools import pairwise
+from math import floor
 from typing import Any
 
 from flint import arb, ctx
 
+from rpr_solver.algebraic import Field
 from rpr_solver.cusps import MIN_DIGITS, SliceTable, solve_slice
 from rpr_solver.discriminant import candidate_lengths
 from rpr_solver.eliminant import Eliminant, eliminate
 from rpr_solver.errors import SolverError
-from rpr_solver.events import Event, events
+from rpr_solver.events import Event, Landmark, events
 from rpr_solver.geometry import Manipulator
 from rpr_solver.roots import MAX_BITS
 from rpr_solver.simultaneous import grouped
@@ -29,7 +31,8 @@ from rpr_solver.transitions import ELIMINATION_STEPS, EventSystems, NotGeneric
 Progress = Callable[[int, int], None]
 """Told the steps done and their number, which may grow."""
 
-_GAP_BITS = 64
+_FIRST_BITS = 128
+_WIDE = 16
 
 
 @dataclass(frozen=True)
@@ -45,30 +48,53 @@ class Survey:
     method: str
 
 
-def survey(manipulator: Manipulator, fixed_leg: int, progress: Progress) -> Survey:
-    """All events over L > 0, and the slices between.
+def survey(
+    manipulator: Manipulator,
+    fixed_leg: int,
+    progress: Progress,
+    *,
+    start: Fraction = Fraction(0),
+    stop: Fraction | None = None,
+    digits: int = MIN_DIGITS,
+    more: Callable[[Surface, EventSystems | None], Iterable[Event]] | None = None,
+) -> Survey:
+    """All events strictly within a range of lengths > 0, and the slices between.
+
+    Args:
+        manipulator: the geometry.
+        fixed_leg: the leg that is held.
+        progress: told the steps done and their number.
+        start, stop: the range in the user's unit; None is no end.
+        digits: those of the slices.
+        more: further lengths to look at on both sides, by surface and event systems (None without such).
 
     Raises:
         InputError: ``fixed_leg`` is not 1, 2 or 3.
         SolverError: an event could not be decided; nothing was guessed.
     """
     eliminant = eliminate(manipulator, fixed_leg)
-    found, systems = all_events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
-    groups = tuple(map(tuple, grouped(eliminant.surface, found)))
+    surface = eliminant.surface
+    found, systems = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
+    low, high = (Landmark(Field.rationals()(end * surface.scale)) if end else None for end in (start, stop))
+    ends = [end for end in (low, high) if end is not None]
+    groups = grouped(surface, [*found, *ends, *(more(surface, systems) if more else ())])
+    first = 0 if low is None else _position(groups, low) + 1
+    last = len(groups) if high is None else _position(groups, high)
+    inside = tuple(map(tuple, groups[first:last]))
     slices = []
-    for length in sample_lengths(eliminant.surface, [group[0] for group in groups]):
-        table = solve_slice(eliminant, length, MIN_DIGITS)
+    for length in _sample_lengths(surface, low, [group[0] for group in inside], high):
+        table = solve_slice(eliminant, length, digits)
         # the discriminant governs simple roots of Q only
         if systems is None and _cusps_at_multiple_roots(table):
             raise SolverError(
                 "the census of this degenerate geometry is not supported: cusps at multiple roots"
             )
         slices.append(table)
-        progress(ELIMINATION_STEPS + len(slices), ELIMINATION_STEPS + len(groups) + 1)
-    return Survey(eliminant, groups, tuple(slices), "discriminant" if systems is None else "events")
+        progress(ELIMINATION_STEPS + len(slices), ELIMINATION_STEPS + len(inside) + 1)
+    return Survey(eliminant, inside, tuple(slices), "discriminant" if systems is None else "events")
 
 
-def all_events(eliminant: Eliminant, progress: Progress) -> tuple[list[Event], EventSystems | None]:
+def _events(eliminant: Eliminant, progress: Progress) -> tuple[list[Event], EventSystems | None]:
     """Every length at which the count can change; without systems where events are not isolated."""
     try:
         systems = EventSystems.of(eliminant.surface, progress)
@@ -84,29 +110,40 @@ def _cusps_at_multiple_roots(table: SliceTable) -> bool:
     return multiple and any("field_degree" in proof for proof in certificate["proofs"])
 
 
-def sample_lengths(surface: Surface, places: Sequence[Event]) -> Iterator[Fraction]:
-    """A short rational length (user's unit) in each interval between neighbouring events."""
-    below = Fraction(0)
-    for place, above in zip(places, [*places[1:], None], strict=True):
-        low, high = _bounds(surface, place, above)
-        yield _short_between(below, low)
-        below = high
-    yield below * 2 if places else Fraction(1)
+def _position(groups: Sequence[Sequence[Event]], landmark: Landmark) -> int:
+    return next(i for i, group in enumerate(groups) if any(event is landmark for event in group))
 
 
-def _bounds(surface: Surface, place: Event, above: Event | None) -> tuple[Fraction, Fraction]:
-    """Rationals just below and above an event, the upper one below the next event."""
-    bits = _GAP_BITS
+def _sample_lengths(
+    surface: Surface, low: Event | None, places: Sequence[Event], high: Event | None
+) -> Iterator[Fraction]:
+    """A short length (user's unit) in each interval between neighbours; None are the ends 0 and ∞."""
+    for below, above in pairwise([low, *places, high]):
+        if above is not None:
+            yield _short_between(*(x / surface.scale for x in _gap(below, above)))
+        elif below is not None:
+            last = _bounds(below, _FIRST_BITS)[1] / surface.scale
+            yield _short_between(last, 3 * last)
+        else:
+            yield Fraction(1)
+
+
+def _gap(below: Event | None, above: Event) -> tuple[Fraction, Fraction]:
+    """Two rationals between neighbours, at almost the whole distance of these."""
+    bits = _FIRST_BITS
     while bits <= MAX_BITS:
-        ball = place.scaled_length(bits + 64)
-        with ctx.workprec(bits + 64):
-            low, high = _fraction(ball.lower()), _fraction(ball.upper())
-            apart = above is None or ball.upper() < above.scaled_length(bits + 64).lower()
-        margin = (high - low) or low / 2**bits
-        if apart and low > margin:
-            return (low - margin) / surface.scale, (high + margin) / surface.scale
+        low, high = (Fraction(0), Fraction(0)) if below is None else _bounds(below, bits)
+        next_low, next_high = _bounds(above, bits)
+        if next_low - high > _WIDE * (high - low + next_high - next_low):
+            return high, next_low
         bits *= 2
     raise SolverError("two neighbouring transitions could not be separated")
+
+
+def _bounds(place: Event, bits: int) -> tuple[Fraction, Fraction]:
+    ball = place.scaled_length(bits)
+    with ctx.workprec(bits):
+        return _fraction(ball.lower()), _fraction(ball.upper())
 
 
 def _short_between(low: Fraction, high: Fraction) -> Fraction:
@@ -114,8 +151,7 @@ def _short_between(low: Fraction, high: Fraction) -> Fraction:
     step = Fraction(1)
     while step > (high - low) / 4:
         step /= 10
-    middle = (low + high) / 2
-    return floor(middle / step) * step if floor(middle / step) * step > low else ceil(middle / step) * step
+    return floor((low + high) / 2 / step) * step
 
 
 def _fraction(x: arb) -> Fraction:

@@ -16,7 +16,6 @@ from service.reading import digits_in_range, fixed_leg, number, read_samples, wh
 from service.settings import Limits
 from service.slices import parse_range
 from service.solving import MAX_LOCAL_SLICES, read_geometry
-from worker.censuses import census_in_range
 from worker.curves import part_of
 
 _POSE_KEYS = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y", "multiplicity")
@@ -53,12 +52,14 @@ def census(
     manipulator = read_geometry(source, limits)
 
     with Progress(1, "steps") as progress:
-
-        def compute(digits: int) -> dict[str, Any]:
-            found = rpr_solver.census(manipulator, fixed_leg=chosen, digits=digits, progress=progress.update)
-            return found.to_json()
-
-        document = census_in_range(compute, wanted.start, wanted.stop, count)
+        document = rpr_solver.census(
+            manipulator,
+            fixed_leg=chosen,
+            digits=count,
+            start=wanted.start,
+            stop=wanted.stop,
+            progress=progress.update,
+        ).to_json()
     if form == "csv":
         sys.stdout.write(rpr_solver.census_csv(document))
     else:

@@ -8,17 +8,11 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver import Manipulator
-from rpr_solver.errors import SolverError
 from worker.once import once
 from worker.requests import DocumentRequest, content_range, range_content
 from worker.store import ResultStore
 
 Document = dict[str, Any]
-
-_DOUBT = (
-    "An end of the range cannot be told from a transition at {} digits; where the number of cusps changes "
-    "exactly at the end of a range, give an end beside it."
-)
 
 
 def census_request(
@@ -39,21 +33,6 @@ def census_request(
     return DocumentRequest("census", content)
 
 
-def census_in_range(
-    whole: Callable[[int], Document], start: Fraction | None, stop: Fraction | None, digits: int
-) -> Document:
-    """The part of a census; `whole` gives the whole one with so many digits, more than wanted where needed.
-
-    Raises:
-        SolverError: an end of the range cannot be told from a transition.
-    """
-    for have in (digits, 2 * digits, 4 * digits):
-        part = rpr_solver.restrict_census(whole(have), start, stop, digits)
-        if part is not None:
-            return part
-    raise SolverError(_DOUBT.format(have))
-
-
 def known_census(request: DocumentRequest, store: ResultStore) -> Document | None:
     """A census that follows from a whole one that is known with as many digits or more."""
     start, stop = content_range(request.content)
@@ -71,25 +50,31 @@ def compute_census(
     """Compute a census; the whole one is kept for the sake of other ranges.
 
     Raises:
-        SolverError: a transition could not be decided, or told from an end of the range.
+        SolverError: a transition could not be decided.
     """
-    content = request.content
-    manipulator = Manipulator.from_json(content["geometry"])
+    content, wanted = request.content, _whole(request, request.content["digits"])
+    start, stop = content_range(content)
 
-    def whole(digits: int) -> Document:
-        wanted = _whole(request, digits)
+    def solved(start: Fraction, stop: Fraction | None) -> Document:
+        return rpr_solver.census(
+            Manipulator.from_json(content["geometry"]),
+            fixed_leg=content["fixed_leg"],
+            digits=content["digits"],
+            start=start,
+            stop=stop,
+            progress=progress,
+        ).to_json()
 
-        def make() -> Document:
-            found = rpr_solver.census(
-                manipulator, fixed_leg=content["fixed_leg"], digits=digits, progress=progress
-            ).to_json()
-            store.put_document(wanted, found)
-            store.note_census(_family(request), digits)
-            return found
+    def make() -> Document:
+        found = solved(Fraction(0), None)
+        store.put_document(wanted, found)
+        store.note_census(_family(request), content["digits"])
+        return found
 
-        return once(lambda: store.get_document(wanted), lambda: store.document_lock(wanted), make)
-
-    return census_in_range(whole, *content_range(content), content["digits"])
+    whole = once(lambda: store.get_document(wanted), lambda: store.document_lock(wanted), make)
+    part = rpr_solver.restrict_census(whole, start, stop)
+    # decimals do not tell an end of the range from a transition that is very near, or the same
+    return solved(start, stop) if part is None else part
 
 
 def _whole(request: DocumentRequest, digits: int) -> DocumentRequest:

@@ -15,11 +15,13 @@ from strategies import lengths, manipulators
 from rpr_solver import (
     EXAMPLES,
     Census,
+    InputError,
     Manipulator,
     SolverError,
     census,
     census_csv,
     eliminate,
+    exact_str,
     restrict_census,
     solve_slice,
 )
@@ -137,6 +139,22 @@ def test_a_range_is_cut_from_the_whole() -> None:
     assert restrict_census(whole, None, None, 31) is None
     at_one = Fraction(part["transitions"][0]["l1"])
     assert restrict_census(part, at_one, None) is None
+
+
+@pytest.mark.parametrize("exponent", [20, 50])
+def test_a_range_may_begin_right_beside_a_transition(exponent: int) -> None:
+    at = Fraction(census_of(EXAMPLES["innocenti"], digits=80).transitions[-1].length)
+    beside = (at * (1 + sign * Fraction(1, 10**exponent)) for sign in (-1, 1))
+    below, above = (census(EXAMPLES["innocenti"], digits=20, start=x) for x in beside)
+    assert (below.counts, above.counts) == ((6, 4), (4,))
+    assert below.to_json()["intervals"][0]["from"] == exact_str(below.start)  # type: ignore[index]
+
+
+def test_ranges_without_lengths_are_refused() -> None:
+    with pytest.raises(InputError, match=r"range\.from: is -1"):
+        census(EXAMPLES["innocenti"], start=Fraction(-1))
+    with pytest.raises(InputError, match=r"range\.to: is 2; it must exceed 2"):
+        census(EXAMPLES["innocenti"], start=Fraction(2), stop=Fraction(2))
 
 
 def test_csv_has_a_line_for_every_interval() -> None:

@@ -14,6 +14,7 @@ from rpr_solver import (
     Manipulator,
     Requirement,
     SolverError,
+    census,
     check,
     eliminate,
     solve_slice,
@@ -76,6 +77,16 @@ def test_a_bound_exactly_at_a_rational_transition() -> None:
     )
     report = check(folded, Requirement(start=Fraction(1), stop=Fraction(11, 10), min_cusps=0))
     assert [(x.start, x.stop, x.count) for x in report.intervals] == [("1", "1.1", 6)]
+
+
+def test_a_range_that_begins_right_beside_a_transition() -> None:
+    last = Fraction(census(INNOCENTI, digits=60).transitions[-1].length)
+    beside = (last * (1 + sign * Fraction(1, 10**40)) for sign in (-1, 1))
+    below, above = (check(INNOCENTI, Requirement(start=x, max_cusps=4)) for x in beside)
+    assert (below.passed, above.passed) == (False, True)
+    [violation] = below.violations
+    assert violation.count == 6
+    assert below.requirement.start < violation.example < last
 
 
 @pytest.mark.parametrize(

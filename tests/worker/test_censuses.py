@@ -10,9 +10,9 @@ import pytest
 from redis import Redis
 
 import rpr_solver
-from rpr_solver import EXAMPLES, SolverError
+from rpr_solver import EXAMPLES, Manipulator
 from worker import DocumentRequest, ResultStore, WorkerSettings
-from worker.censuses import census_in_range, census_request
+from worker.censuses import census_request
 from worker.documents import compute, known_document
 
 MANIPULATOR = EXAMPLES["innocenti"]
@@ -27,7 +27,8 @@ class Computed:
 
     def __call__(self, manipulator: rpr_solver.Manipulator, **options: Any) -> rpr_solver.Census:
         self.calls += 1
-        key = (manipulator.geometry_hash, options["fixed_leg"], options["digits"])
+        options.pop("progress")
+        key = (manipulator.geometry_hash, *options.values())
         if key not in self.kept:
             self.kept[key] = self.solve(manipulator, **options)
         return self.kept[key]
@@ -85,23 +86,27 @@ def test_at_once_it_is_computed_once(solver: Computed, store: ResultStore) -> No
     assert solver.calls == 1
 
 
-def test_an_end_close_to_a_transition_takes_more_digits(solver: Computed, store: ResultStore) -> None:
+def test_an_end_that_digits_do_not_tell_from_a_transition(solver: Computed, store: ResultStore) -> None:
     lengths = [t["l1"] for t in get(request(digits=40), store)["transitions"]]
     near = lengths[-1][:23]  # as many digits as the shorter census has
     store.redis.flushall()
     part = get(request(near), store)
     assert len(part["transitions"]) == 1  # it was cut off, so the transition is above
-    assert solver.calls == 3
+    assert [(i["from"], i["count"]) for i in part["intervals"]] == [
+        (near, 6),
+        (part["transitions"][0]["l1"], 4),
+    ]
+    assert solver.calls == 3  # with 40 digits, the whole, and the part by itself
 
 
-def test_an_end_at_a_transition_is_refused() -> None:
-    asked: list[int] = []
-
-    def whole(digits: int) -> dict[str, Any]:
-        asked.append(digits)
-        event = {"l1": "5", "kind": "swallowtail", "count_before": 2, "count_after": 4, "events": []}
-        return {"fixed_leg": 1, "digits": digits, "transitions": [event], "intervals": []}
-
-    with pytest.raises(SolverError, match="80 digits"):
-        census_in_range(whole, Fraction(5), None, 20)
-    assert asked == [20, 40, 80]
+def test_an_end_at_a_transition(store: ResultStore) -> None:
+    """Held at leg 2, this machine passes a node at L2 = 16 exactly."""
+    machine = Manipulator(*(Fraction(x) for x in (10, 0, 8, 6, 10, 8)))
+    at, wanted = Fraction(16), {"fixed_leg": 2, "digits": 20}
+    whole = get(census_request(machine, **wanted), store)  # type: ignore[arg-type]
+    [k] = [k for k, t in enumerate(whole["transitions"]) if Fraction(t["l2"]) == at]
+    above = get(census_request(machine, start=at, **wanted), store)  # type: ignore[arg-type]
+    below = get(census_request(machine, stop=at, **wanted), store)  # type: ignore[arg-type]
+    assert above["transitions"] == whole["transitions"][k + 1 :]
+    assert below["transitions"] == whole["transitions"][:k]
+    assert above["intervals"][0]["from"] == below["intervals"][-1]["to"] == "16"
