@@ -21,7 +21,8 @@ from rpr_solver.geometry import Manipulator
 from rpr_solver.numbers import exact_str
 from rpr_solver.points import JointPoint
 from rpr_solver.survey import Progress, Survey, silent, survey
-from rpr_solver.tracking import Tracker, name_cusps, tracks
+from rpr_solver.tracker import Tracker
+from rpr_solver.tracking import name_cusps, tracks
 from rpr_solver.transitions import ELIMINATION_STEPS
 
 OPEN, UNDECIDED = "open", "undecided"

@@ -1,123 +1,18 @@
-"""Which cusp of a slice becomes which cusp of another: tubes from slice to slice, matched with whole tables.
-
-A table lists every cusp of its slice. So a tube's box that is apart from all cusps of a table but one has
-come to that one; nothing is decided by nearness.
-"""
+"""The cusps of many slices named: each is followed from slice to slice."""
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
-from flint import arb, ctx
-
-from rpr_solver.cusps import SliceTable, solve_slice
-from rpr_solver.eliminant import Eliminant
 from rpr_solver.errors import SolverError
 from rpr_solver.events import Event
-from rpr_solver.following import CuspForms, Follower, LostError, Place
+from rpr_solver.following import Follower
 from rpr_solver.numbers import exact_str
-from rpr_solver.poses import HalfTangent
 from rpr_solver.survey import Progress, Survey
-
-_TUBES_A_TURN = 16
-_PATIENCE, _GREAT_PATIENCE = 512, 1 << 13
-"""Tubes spent on one cusp: between slices chosen well, and wherever slices may lie."""
-_FIRST_BITS, _MAX_BITS = 128, 1 << 13
-
-Cusp = tuple[Fraction, int]
-"""A cusp by the length of its slice and its place in the table, from 0."""
-
-
-class Tracker:
-    """The slices of one eliminant, with so many digits at least, and the ways of their cusps."""
-
-    def __init__(self, eliminant: Eliminant, digits: int) -> None:
-        self.eliminant, self.digits = eliminant, digits
-        self._forms = CuspForms(eliminant.surface)
-        self._tables: dict[tuple[Fraction, int], SliceTable] = {}
-
-    def table(self, length: Fraction, digits: int = 0) -> SliceTable:
-        """A slice, kept."""
-        key = length, max(digits, self.digits)
-        if key not in self._tables:
-            self._tables[key] = solve_slice(self.eliminant, *key)
-        return self._tables[key]
-
-    def follower(self, cusp: Cusp, *, upwards: bool) -> Follower:
-        """Sets out from a cusp to larger or to smaller lengths."""
-        length, index = cusp
-
-        def start(bits: int) -> Place:
-            return self._places(length, bits)[index]
-
-        return Follower(self._forms, start, self._scaled(length), upwards=upwards)
-
-    def destinations(
-        self,
-        followers: Mapping[int, Follower],
-        low: Fraction,
-        high: Fraction,
-        *,
-        until_full: Fraction | None = None,
-    ) -> dict[int, Cusp]:
-        """To which cusp of two slices each follower comes first, without leaving the lengths between.
-
-        Who does not come to either is missing. With ``until_full`` no more is done once all cusps of that
-        slice are met, and much until then.
-        """
-        patience = _PATIENCE if until_full is None else _GREAT_PATIENCE
-        met: dict[int, Cusp] = {}
-        still_free = None if until_full is None else self.table(until_full).count
-        waiting = deque((name, follower, 0) for name, follower in followers.items())
-        ends = {self._scaled(length): length for length in (low, high)}
-        scaled_low, scaled_high = ends
-        while waiting and still_free != 0:
-            name, follower, spent = waiting.popleft()
-            try:
-                found = follower.walk(scaled_low, scaled_high, _TUBES_A_TURN)
-            except LostError:
-                continue
-            if found is not None:
-                length = ends[found[0]]
-                met[name] = length, self._index(found[1], length)
-                if still_free is not None and length == until_full:
-                    still_free -= 1
-            elif spent < patience:
-                waiting.append((name, follower, spent + _TUBES_A_TURN))
-        return met
-
-    def _index(self, place: Place, length: Fraction) -> int:
-        bits = _FIRST_BITS
-        while bits <= _MAX_BITS:
-            with ctx.workprec(bits):
-                near = [i for i, cusp in enumerate(self._places(length, bits)) if not place.apart(cusp)]
-            if len(near) == 1:
-                return near[0]
-            bits *= 2
-        raise SolverError(f"cusps of the slice {exact_str(length)} are too close to tell which is followed")
-
-    def _places(self, length: Fraction, bits: int) -> list[Place]:
-        table = self.table(length, bits // 6)
-        with ctx.workprec(bits):
-            return [
-                Place(*(_half_tangent(angle, table.digits) for angle in (cusp.alpha_deg, cusp.theta_deg)))
-                for cusp in table.cusps
-            ]
-
-    def _scaled(self, length: Fraction) -> Fraction:
-        return length * self.eliminant.surface.scale
-
-
-def _half_tangent(degrees: str, digits: int) -> HalfTangent:
-    """An angle that was rounded to so many digits."""
-    exact = Fraction(degrees)
-    angle = arb(exact.numerator) / exact.denominator
-    angle = arb(angle.mid(), angle.rad() + abs(angle) * arb(10) ** (1 - digits)) * arb.pi() / 360
-    return HalfTangent(angle.sin(), angle.cos())
+from rpr_solver.tracker import Cusp, Tracker
 
 
 @dataclass
