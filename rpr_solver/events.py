@@ -123,8 +123,8 @@ def events(systems: EventSystems) -> Iterator[Event]:
         NotGeneric: the events are not isolated.
     """
     surface = systems.surface
-    yield from _system_events(surface, systems.swallowtails, _swallowtail)
-    yield from _system_events(surface, systems.critical, _critical)
+    yield from _system_events(surface, systems.swallowtails, swallowtail_kind)
+    yield from _system_events(surface, systems.critical, critical_kind)
     yield from permanent_events(surface, systems.j0, systems.j1, systems.permanent)
     yield from touching(surface)
 
@@ -237,7 +237,8 @@ def _pose(surface: Surface, t: HalfTangent, u: arb, length: arb, work: int) -> P
     return Pose(cos_a, sin_a, cos_t, sin_t, length, omega_ball(surface.radicand, work))
 
 
-def _swallowtail(local: LocalMap[arb]) -> str | None:
+def swallowtail_kind(local: LocalMap[arb]) -> str | None:
+    """ "swallowtail" where J = E = v·∇E = 0 and balls prove that the fibre has order 4 exactly."""
     j = local.singularity()
     fourth = local.along(local.f, local.along(local.f, local.along(local.f, j)))
     rank = not all(x.value.contains(0) for x in (local.f.alpha, local.f.theta))
@@ -245,7 +246,8 @@ def _swallowtail(local: LocalMap[arb]) -> str | None:
     return "swallowtail" if rank and smooth and not fourth.value.contains(0) else None
 
 
-def _critical(local: LocalMap[arb]) -> str | None:
+def critical_kind(local: LocalMap[arb]) -> str | None:
+    """The kind of a pose with ∇J = 0, where balls prove it."""
     j = local.singularity()
     hessian = j.alpha.alpha.value * j.theta.theta.value - j.alpha.theta.value * j.alpha.theta.value
     third = local.along(local.f, local.along(local.f, j)).value

@@ -25,6 +25,8 @@ from rpr_solver import (
     restrict_census,
     solve_slice,
 )
+from rpr_solver.folds import with_folds
+from rpr_solver.survey import survey
 
 
 @cache
@@ -82,6 +84,36 @@ def test_every_family_agrees_with_its_slices(name: str, fixed_leg: int) -> None:
     middles = [(a + b) / 2 for a, b in pairwise(ends)]
     for length in [*middles[::3], ends[-1] + 1, Fraction(7, 5), Fraction(61, 3)]:
         assert solve_slice(eliminant, length, 15).count == count_at(document, length)
+
+
+@pytest.mark.parametrize(("name", "fixed_leg"), [("right angles", 3), ("similar, mirrored", 1)])
+def test_transitions_have_poses_where_events_are_not_isolated(name: str, fixed_leg: int) -> None:
+    """Their lengths come from a discriminant, their poses from the cusps that merge: both agree."""
+    found = with_folds(survey(family(name), fixed_leg, lambda *_: None))
+    assert found.method == "discriminant"
+    for k, (below, above) in enumerate(pairwise(found.slices)):
+        length, *folds = found.groups[k]
+        assert len(folds) == abs(above.count - below.count) // 2
+        for fold in folds:
+            assert fold.kind in ("swallowtail", "lips", "beak-to-beak")
+            assert length.scaled_length(1000).overlaps(fold.scaled_length(1000))
+            assert fold.scaled_length(1000).rel_accuracy_bits() > 900
+
+
+def test_two_cusps_are_at_the_pose_where_they_merge() -> None:
+    m = family("right angles")
+    last = census_of(m, 3).transitions[-1]
+    assert last.kind == "swallowtail"
+    [merged] = last.points
+    eliminant = eliminate(m, 3)
+    table = solve_slice(eliminant, Fraction(last.length) * (1 - Fraction(1, 10**20)), 30)
+    near = [
+        c
+        for c in table.cusps
+        if abs(Fraction(c.alpha_deg) - Fraction(merged.point.alpha_deg)) < Fraction(1, 10**6)
+        and abs(Fraction(c.first) - Fraction(merged.point.first)) < Fraction(1, 10**6)
+    ]
+    assert len(near) == 2
 
 
 @pytest.mark.parametrize("name", ["similar", "congruent", "both flat"])

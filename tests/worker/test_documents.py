@@ -147,4 +147,4 @@ def test_progress_is_told_a_few_times_a_second() -> None:
 
 
 def test_every_computation_has_a_kind() -> None:
-    assert set(documents._COMPUTATIONS) <= {"poses", "census", "check", "article-table"}
+    assert set(documents._COMPUTATIONS) <= {"poses", "census", "check", "cusp-curves", "article-table"}
