@@ -13,7 +13,6 @@ from rpr_solver.decimals import round_ball, round_fraction
 from rpr_solver.eliminant import SOLVER_VERSION
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.events import BallEvent, Event
-from rpr_solver.folds import with_folds
 from rpr_solver.geometry import Manipulator
 from rpr_solver.numbers import exact_str
 from rpr_solver.points import JointPoint, digit_bits, in_half_open_range
@@ -119,7 +118,7 @@ def census(
     """
     check_digits(digits)
     check_range(start, stop)
-    found = with_folds(survey(manipulator, fixed_leg, progress or silent, start=start, stop=stop))
+    found = survey(manipulator, fixed_leg, progress or silent, start=start, stop=stop)
     kept = {
         k: transition for k in range(len(found.groups)) if (transition := transition_at(found, k, digits))
     }

@@ -24,7 +24,7 @@ from rpr_solver.numbers import MAX_DIGITS, exact_str, parse_exact, shown
 from rpr_solver.points import JointPoint, free_legs
 from rpr_solver.surface import Surface
 from rpr_solver.survey import Progress, silent, survey
-from rpr_solver.transitions import EventSystems
+from rpr_solver.transitions import EventSystems, NotGeneric
 
 CHECK_DIGITS = 30
 _FIELDS = ("fixed_leg", "range", "max_cusps", "min_cusps", "limits")
@@ -238,6 +238,9 @@ def check(
         digits=digits,
         more=partial(_limit_cuts, requirement),
     )
+    limited = any(bound for bounds in requirement.limits.values() for bound in bounds)
+    if limited and found.method == "discriminant" and any(table.count for table in found.slices):
+        raise SolverError("joint limits are not supported for this degenerate geometry")
     surface = found.eliminant.surface
     cuts = [length_text(surface, group, digits) for group in found.groups]
     ends = [exact_str(low), *cuts, None if high is None else exact_str(high)]
@@ -249,14 +252,17 @@ def check(
 
 
 def _limit_cuts(requirement: Requirement, surface: Surface, systems: EventSystems | None) -> Iterator[Event]:
+    if systems is None:
+        return
     for leg, bounds in requirement.limits.items():
-        for bound in bounds:
-            if not bound:
-                continue
-            if systems is None:
-                raise SolverError("joint limits are not supported for this degenerate geometry")
+        for bound in filter(None, bounds):
             seen = (surface.f, surface.g)[free_legs(requirement.fixed_leg).index(leg)]
-            yield from limit_events(systems, seen, (bound * surface.scale) ** 2)
+            try:
+                yield from limit_events(systems, seen, (bound * surface.scale) ** 2)
+            except NotGeneric:
+                raise SolverError(
+                    f"l{leg} = {exact_str(bound)} is no isolated limit: cusps keep that length over a range"
+                ) from None
 
 
 def _within(eliminant: Eliminant, table: SliceTable, requirement: Requirement) -> tuple[JointPoint, ...]:

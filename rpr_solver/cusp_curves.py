@@ -17,7 +17,6 @@ from typing import Any
 from rpr_solver.census import UNCLASSIFIED, TransitionPoint, length_text, transition_at
 from rpr_solver.cusps import DEFAULT_DIGITS, check_digits, check_slice
 from rpr_solver.eliminant import SOLVER_VERSION, Eliminant, eliminate
-from rpr_solver.folds import with_folds
 from rpr_solver.geometry import Manipulator
 from rpr_solver.numbers import exact_str
 from rpr_solver.points import JointPoint
@@ -250,7 +249,6 @@ def cusp_curves(
     check_digits(digits)
     report = progress or silent
     found = survey(manipulator, fixed_leg, lambda done, of: report(done, 2 * of - ELIMINATION_STEPS))
-    found = with_folds(found)
     tracker, steps = Tracker(found.eliminant, digits), len(found.slices)
     total = ELIMINATION_STEPS + 2 * steps
     named = tracks(found, tracker, lambda done, _: report(total - steps + done, total))

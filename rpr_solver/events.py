@@ -123,8 +123,11 @@ def events(systems: EventSystems) -> Iterator[Event]:
         NotGeneric: the events are not isolated.
     """
     surface = systems.surface
-    yield from _system_events(surface, systems.swallowtails, swallowtail_kind)
-    yield from _system_events(surface, systems.critical, critical_kind)
+    yield from _system_events(surface, systems.swallowtails, _swallowtail)
+    yield from _system_events(surface, systems.critical, _critical)
+    for system in systems.beside:
+        yield from _system_events(surface, system, _limit)
+    yield from (Landmark(length) for length in systems.levels if length.sign > 0)
     yield from permanent_events(surface, systems.j0, systems.j1, systems.permanent)
     yield from touching(surface)
 
@@ -237,8 +240,7 @@ def _pose(surface: Surface, t: HalfTangent, u: arb, length: arb, work: int) -> P
     return Pose(cos_a, sin_a, cos_t, sin_t, length, omega_ball(surface.radicand, work))
 
 
-def swallowtail_kind(local: LocalMap[arb]) -> str | None:
-    """ "swallowtail" where J = E = v·∇E = 0 and balls prove that the fibre has order 4 exactly."""
+def _swallowtail(local: LocalMap[arb]) -> str | None:
     j = local.singularity()
     fourth = local.along(local.f, local.along(local.f, local.along(local.f, j)))
     rank = not all(x.value.contains(0) for x in (local.f.alpha, local.f.theta))
@@ -246,8 +248,7 @@ def swallowtail_kind(local: LocalMap[arb]) -> str | None:
     return "swallowtail" if rank and smooth and not fourth.value.contains(0) else None
 
 
-def critical_kind(local: LocalMap[arb]) -> str | None:
-    """The kind of a pose with ∇J = 0, where balls prove it."""
+def _critical(local: LocalMap[arb]) -> str | None:
     j = local.singularity()
     hessian = j.alpha.alpha.value * j.theta.theta.value - j.alpha.theta.value * j.alpha.theta.value
     third = local.along(local.f, local.along(local.f, j)).value

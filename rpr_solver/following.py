@@ -40,8 +40,6 @@ class Follower:
         self._bits = _FIRST_BITS
         self._reach = arb(_FIRST_REACH.numerator) / _FIRST_REACH.denominator
         self._tube: Tube | None = None
-        self.turns: list[Tube] = []
-        """The tubes in which the curve turned back in L."""
 
     def walk(self, low: Fraction, high: Fraction, tubes: int) -> tuple[Fraction, Place] | None:
         """Go on, above ``low`` and below ``high``, to the first of these two slices that the curve meets.
@@ -67,8 +65,6 @@ class Follower:
                 tube = self._next(ball_of(low), ball_of(high))
             if tube:
                 self._tube, self._reach = tube, 2 * tube.reach
-                if tube.turns:
-                    self.turns.append(tube)
                 return
             self._bits *= 2
         raise LostError

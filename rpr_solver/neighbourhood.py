@@ -215,17 +215,15 @@ def value(form: arb_mat, p: arb, q: arb) -> arb:
     return found
 
 
-def values(form: arb_mat, p: arb, q: arb, order: int = 1) -> arb_mat:
-    """All derivatives ∂ⁱ/∂pⁱ ∂ʲ/∂qʲ with i, j ≤ order at (p, q): entry [i, j]."""
-    return _table(p, form.nrows(), order) * form * _table(q, form.ncols(), order).transpose()
+def values(form: arb_mat, p: arb, q: arb) -> arb_mat:
+    """[[value, ∂/∂q], [∂/∂p, ∂²/∂p∂q]] at (p, q)."""
+    return _table(p, form.nrows()) * form * _table(q, form.ncols()).transpose()
 
 
-def _table(x: arb, size: int, order: int) -> arb_mat:
+def _table(x: arb, size: int) -> arb_mat:
     """1, x, x², … and, below, their derivatives."""
-    rows = [_powers(x, size)]
-    for _ in range(order):
-        rows.append([arb(0), *((k + 1) * rows[-1][k] for k in range(size - 1))])
-    return arb_mat(rows)
+    powers = _powers(x, size)
+    return arb_mat([powers, [arb(0), *((k + 1) * powers[k] for k in range(size - 1))]])
 
 
 def _powers(x: arb, size: int) -> list[arb]:

@@ -34,7 +34,7 @@ class Tracker:
 
     def __init__(self, eliminant: Eliminant, digits: int) -> None:
         self.eliminant, self.digits = eliminant, digits
-        self.forms = CuspForms(eliminant.surface)
+        self._forms = CuspForms(eliminant.surface)
         self._tables: dict[tuple[Fraction, int], SliceTable] = {}
 
     def table(self, length: Fraction, digits: int = 0) -> SliceTable:
@@ -51,7 +51,7 @@ class Tracker:
         def start(bits: int) -> Place:
             return self._places(length, bits)[index]
 
-        return Follower(self.forms, start, self._scaled(length), upwards=upwards)
+        return Follower(self._forms, start, self._scaled(length), upwards=upwards)
 
     def destinations(
         self,

@@ -26,9 +26,11 @@ from itertools import count, islice
 
 from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly, nmod_mat, nmod_poly
 
+from rpr_solver.algebraic import Algebraic
 from rpr_solver.errors import SolverError
 from rpr_solver.modular import formal_resultant, pair_residue, reconstruct, vandermonde
 from rpr_solver.roots import RealPolynomial
+from rpr_solver.shared_angles import SharedAngles, constant_lengths
 from rpr_solver.surface import (
     TRIG,
     BiForm,
@@ -82,6 +84,10 @@ class EventSystems:
     j1: BiForm
     swallowtails: System
     critical: System
+    beside: tuple[System, ...]
+    """Where cusps may meet poses that are degenerate along a whole angle α."""
+    levels: tuple[Algebraic, ...]
+    """The lengths (scaled) at which all poses of an angle α have ∇J = 0."""
     permanent: Form
     """Z(u): the poses that are singular for every L."""
     not_parallel: Form
@@ -104,17 +110,42 @@ class EventSystems:
         permanent = _eliminate(surface, j0, j1, 2)
         y = _form_quotient(permanent, parallel, surface.radicand)
         _report(progress, 2)
-        critical = System(m1, m2, _eliminate(surface, m1, m2, 10, permanent, 1))
+        critical, angles = _system(surface, m1, m2, 10, permanent, 1)
+        levels = () if angles is None else tuple(constant_lengths(surface, j0, j1, angles))
         _report(progress, 3)
-        swallowtails = System(c, w, _eliminate(surface, c, w, 16, y, 4))
+        swallowtails, angles = _system(surface, c, w, 16, y, 4)
+        beside = () if angles is None else (_beside(surface, swallowtails.first, angles),)
         _report(progress, 4)
-        return cls(surface, j0, j1, swallowtails, critical, permanent, y)
+        return cls(surface, j0, j1, swallowtails, critical, beside, levels, permanent, y)
+
+
+def _system(
+    surface: Surface, first: BiForm, second: BiForm, circular: int, known: Form, exponent: int
+) -> tuple[System, BiForm | None]:
+    """Two forms and their eliminant, without the angles α that they share, and these angles.
+
+    Raises:
+        NotGeneric: they share more than that.
+    """
+    try:
+        return System(first, second, _eliminate(surface, first, second, circular, known, exponent)), None
+    except NotGeneric:
+        shared = SharedAngles.of(surface, first, second)
+        if shared is None:
+            raise
+        first, second = shared.first, shared.second
+        return System(first, second, _eliminate(surface, first, second, 0)), shared.angles
+
+
+def _beside(surface: Surface, cusps: BiForm, angles: BiForm) -> System:
+    return System(cusps, angles, _eliminate(surface, cusps, angles, 0))
 
 
 def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     """Where a cusp has the squared free leg ``square`` (scaled): C and (f − square) J1², L put in.
 
-    Their eliminant of t is (u²+1)²⁰ · (Y Z)² · P, with P of degree 48.
+    Their eliminant of t is (u²+1)²⁰ · (Y Z)² · P, with P of degree 48; where C was divided by angles that
+    it shares, it is taken as it is.
 
     Raises:
         NotGeneric: the eliminant vanishes identically.
@@ -132,8 +163,10 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
         + trig.j1**2 * (d * constant - n - 2 * d * (leg.ax * x + leg.ay * y))
     )
     form = trig.form(on_surface, (4, 4))
-    known = _form_product(systems.permanent, systems.not_parallel, surface.radicand)
     cusps = systems.swallowtails.first
+    if systems.beside:
+        return System(cusps, form, _eliminate(surface, cusps, form, 0))
+    known = _form_product(systems.permanent, systems.not_parallel, surface.radicand)
     return System(cusps, form, _eliminate(surface, cusps, form, 20, known, 2))
 
 
@@ -157,7 +190,13 @@ class _Trig:
         return cls(surface, j0, j1, _by_length(e, 2), _by_length(along_e, 3))
 
     def form(self, p: fmpz_mpoly, orders: tuple[int, int]) -> BiForm:
-        """A polynomial without L as a primitive form in t and u."""
+        """A polynomial without L as a primitive form in t and u.
+
+        Raises:
+            NotGeneric: it vanishes identically.
+        """
+        if not p:
+            raise NotGeneric
         form = half_angles(_reduced(p, self.surface.radicand), orders, self.surface.radicand)
         return _primitive([row[0] for row in form.coefficients], form.degree_u)
 

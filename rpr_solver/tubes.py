@@ -72,40 +72,12 @@ class Tube:
         """Whether z stays strictly between two values from a start to the tube's end."""
         slope, bend = self.slopes[1], self.bends[1]
         extremes = [start, self._last()]
-        turn = self._turn()
-        if turn is not None and not abs(turn) > self.reach:
-            extremes.append(turn)
+        if not bend.is_zero():
+            turn = -slope / (2 * bend)
+            extremes += [] if abs(turn) > self.reach else [turn]
         heights = [r * (slope + r * bend) for r in extremes]
         radius = self.radii[1]
         return all(low < height - radius and height + radius < high for height in heights)
-
-    @property
-    def turns(self) -> bool:
-        """Whether the curve seems to turn back in L on the way forwards, or just beside it."""
-        r = self._turn()
-        return r is not None and bool(abs(r) <= self.reach)
-
-    def turn(self) -> tuple[Place, arb]:
-        """About where the curve turns back in L."""
-        r = (self._turn() or arb(0)).mid()
-        p, q = (w.mid() for w in _on_parabola(self.slopes, self.bends, r))
-        box = [p, q]
-        box.insert(self.axis, r)
-        x, y, z = box
-        return self.frame.outside(x, y), self.frame.length * (1 + z)
-
-    def holds(self, place: Place, length: arb) -> bool:
-        """Proof that a box lies in the tube."""
-        box = list(self.frame.inside(place, length))
-        r = box.pop(self.axis)
-        middle = _on_parabola(self.slopes, self.bends, r)
-        beside = (abs(w - m) < radius for w, m, radius in zip(box, middle, self.radii, strict=True))
-        return bool(abs(r) <= self.reach) and all(beside)
-
-    def _turn(self) -> arb | None:
-        """The parameter at which z has its extreme on the parabola."""
-        slope, bend = self.slopes[1], self.bends[1]
-        return None if self.axis == ALONG_L or bend.is_zero() else -slope / (2 * bend)
 
     def advance(self, axis: int) -> arb:
         """How far the tube leads in another coordinate, nearly."""

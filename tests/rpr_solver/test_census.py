@@ -25,7 +25,7 @@ from rpr_solver import (
     restrict_census,
     solve_slice,
 )
-from rpr_solver.folds import with_folds
+from rpr_solver.discriminant import candidate_lengths
 from rpr_solver.survey import survey
 
 
@@ -86,18 +86,37 @@ def test_every_family_agrees_with_its_slices(name: str, fixed_leg: int) -> None:
         assert solve_slice(eliminant, length, 15).count == count_at(document, length)
 
 
-@pytest.mark.parametrize(("name", "fixed_leg"), [("right angles", 3), ("similar, mirrored", 1)])
-def test_transitions_have_poses_where_events_are_not_isolated(name: str, fixed_leg: int) -> None:
-    """Their lengths come from a discriminant, their poses from the cusps that merge: both agree."""
-    found = with_folds(survey(family(name), fixed_leg, lambda *_: None))
-    assert found.method == "discriminant"
-    for k, (below, above) in enumerate(pairwise(found.slices)):
-        length, *folds = found.groups[k]
-        assert len(folds) == abs(above.count - below.count) // 2
-        for fold in folds:
-            assert fold.kind in ("swallowtail", "lips", "beak-to-beak")
-            assert length.scaled_length(1000).overlaps(fold.scaled_length(1000))
-            assert fold.scaled_length(1000).rel_accuracy_bits() > 900
+SHARED_ANGLES = {
+    "right angles": (family("right angles"), 1),
+    "right angles, at the third leg": (family("right angles"), 3),
+    "similar, mirrored": (family("similar, mirrored"), 1),
+    "isosceles, equal bases": (Manipulator(*map(Fraction, (2, 1, -4, 2, 4, 4))), 1),
+    "isosceles, equal bases, 180 deg": (Manipulator(*map(Fraction, (-4, -2, 5, 4, 2, 2))), 2),
+}
+"""Machines with an angle of the platform at which all poses are degenerate."""
+
+
+@pytest.mark.parametrize("name", SHARED_ANGLES)
+def test_degenerate_angles_leave_isolated_events(name: str) -> None:
+    m, fixed_leg = SHARED_ANGLES[name]
+    document = census_of(m, fixed_leg)
+    assert document.certificate["method"] == "events"
+    assert all(t.points and t.kind != "unclassified" for t in document.transitions)
+    eliminant = eliminate(m, fixed_leg)
+    ends = [Fraction(0), *(Fraction(t.length) for t in document.transitions)]
+    for length in [*((a + b) / 2 for a, b in pairwise(ends)), ends[-1] + 1, ends[-1] * 7]:
+        assert solve_slice(eliminant, length, 15).count == count_at(document, length)
+
+
+@pytest.mark.parametrize("name", ["right angles", "similar, mirrored"])
+def test_the_discriminant_agrees(name: str) -> None:
+    """Where both ways lead to the lengths, the events are among the discriminant's."""
+    m, fixed_leg = SHARED_ANGLES[name]
+    candidates = [x.scaled_length(300) for x in candidate_lengths(eliminate(m, fixed_leg))]
+    found = survey(m, fixed_leg, lambda *_: None)
+    for group, below, above in zip(found.groups, found.slices, found.slices[1:], strict=False):
+        if below.count != above.count:
+            assert any(group[0].scaled_length(300).overlaps(x) for x in candidates)
 
 
 def test_two_cusps_are_at_the_pose_where_they_merge() -> None:

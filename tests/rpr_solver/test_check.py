@@ -3,6 +3,7 @@
 from fractions import Fraction
 
 import pytest
+from families import family
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from strategies import manipulators
@@ -104,6 +105,22 @@ def test_joint_limits(fixed_leg: int, limits: dict[int, tuple[Fraction | None, F
     for n in range(1, 40):
         length = 26 + Fraction(n, 8)
         assert reported(report, length) == count_within(INNOCENTI, requirement, length)
+
+
+@pytest.mark.parametrize(("name", "fixed_leg"), [("right angles", 1), ("right angles", 3), ("both flat", 2)])
+def test_joint_limits_of_degenerate_machines(name: str, fixed_leg: int) -> None:
+    first, second = (leg for leg in (1, 2, 3) if leg != fixed_leg)
+    limits = {first: (None, Fraction(9)), second: (Fraction(2), None)}
+    requirement = Requirement(fixed_leg, max_cusps=0, limits=limits)
+    report = check(family(name), requirement, digits=20)
+    for length in (Fraction(n * n, 50) for n in range(1, 40)):
+        assert reported(report, length) == count_within(family(name), requirement, length)
+
+
+def test_limits_that_are_not_supported_are_said_to_be() -> None:
+    requirement = Requirement(max_cusps=0, limits={2: (None, Fraction(9))})
+    with pytest.raises(SolverError, match="joint limits are not supported"):
+        check(family("congruent, mirrored"), requirement)
 
 
 @given(manipulators(size=15, denominators=(1, 2)), st.integers(5, 30), st.data())
