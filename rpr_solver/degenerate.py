@@ -6,7 +6,7 @@ arithmetic, and is told apart by the conditions of method.md section 2.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -24,12 +24,13 @@ from rpr_solver.algebraic import (
 from rpr_solver.errors import SolverError
 from rpr_solver.jets import LocalMap, Pose
 from rpr_solver.poses import HalfTangent
-from rpr_solver.roots import RealPolynomial, RealRoot, real_roots
+from rpr_solver.roots import MAX_BITS, RealPolynomial, RealRoot, real_roots
 from rpr_solver.shared_curves import Plane
 from rpr_solver.surface import Pair, Surface
 
 CUSP = "cusp"
 _NOTHING = fmpz_poly([])
+_FIRST_BITS, _APART_BITS = 256, 1 << 12
 
 
 @dataclass(frozen=True)
@@ -98,23 +99,84 @@ class ExactPose:
 
 def norm_factors(pair: Pair, radicand: int) -> list[NormFactor]:
     """The factors of A + ω B, found by factoring A² − ω² B² over ℚ."""
+    return [
+        _norm_factor(pair, factor, exponent)
+        for power, exponent in _norm(pair, radicand).factor_squarefree()[1]
+        for factor, _ in power.factor()[1]
+    ]
+
+
+def simple_and_other_roots(pair: Pair, radicand: int) -> tuple[list[RealRoot], list[ExactRoot]]:
+    """The real roots of A + ω B that are simple even in the norm, and the others.
+
+    Only the others need irreducible factors, which for a norm of high degree take long.
+    """
+    simple: list[RealRoot] = []
+    factors = []
+    for power, exponent in _norm(pair, radicand).factor_squarefree()[1]:
+        if exponent == 1:
+            roots = real_roots(RealPolynomial(power, _NOTHING, 1))
+            simple += (root for root in roots if _is_root(pair, radicand, root))
+        else:
+            factors += [_norm_factor(pair, factor, exponent) for factor, _ in power.factor()[1]]
+    return simple, list(exact_roots(factors))
+
+
+def exactly(roots: Sequence[RealRoot], pair: Pair, radicand: int) -> list[ExactRoot]:
+    """Some of the real roots of A + ω B, exactly; no other factor of the norm is looked at."""
+    balls = [root.refined(_APART_BITS) for root in roots]
+
+    def wanted(root: RealRoot) -> bool:
+        own = root.refined(_APART_BITS)
+        return any(own.overlaps(ball) for ball in balls)
+
+    factors = [
+        _norm_factor(pair, factor, exponent)
+        for power, exponent in _norm(pair, radicand).factor_squarefree()[1]
+        for factor, _ in power.factor()[1]
+        if any(map(wanted, real_roots(RealPolynomial(factor, _NOTHING, 1))))
+    ]
+    found = [root for root in exact_roots(factors) if wanted(root.root)]
+    if len(found) != len(roots):
+        raise SolverError("a root was lost between balls and exact arithmetic")
+    return found
+
+
+def _norm(pair: Pair, radicand: int) -> fmpz_poly:
+    a, b = pair
+    return a * a - radicand * b * b if b else a
+
+
+def _is_root(pair: Pair, radicand: int, root: RealRoot) -> bool:
+    """Whether a simple root of the norm is one of A + ω B, and not of A − ω B."""
     a, b = pair
     if not b:
-        return [NormFactor(factor, exponent, 0, None) for factor, exponent in a.factor()[1]]
-    norm = a * a - radicand * b * b
-    result = []
-    for factor, exponent in norm.factor()[1]:
-        rest_a, rest_b, common = a, b, 0
-        while not rest_a % factor and not rest_b % factor:
-            rest_a, rest_b, common = rest_a / factor, rest_b / factor, common + 1
-        extra = exponent - 2 * common
-        omega = None
-        if extra:
-            modulus = fmpq_poly(factor)
-            _, inverse, _ = (fmpq_poly(rest_b) % modulus).xgcd(modulus)
-            omega = -(fmpq_poly(rest_a) * inverse) % modulus
-        result.append(NormFactor(factor, common, extra, omega))
-    return result
+        return True
+    bits = _FIRST_BITS
+    while bits <= MAX_BITS:
+        u = root.refined(bits)
+        with ctx.workprec(bits):
+            own, other = (RealPolynomial(a, part, radicand).ball(bits)(u) for part in (b, -b))
+            if own.contains(0) != other.contains(0):
+                return bool(own.contains(0))
+        bits *= 2
+    raise SolverError("a root could not be told from its conjugate")
+
+
+def _norm_factor(pair: Pair, factor: fmpz_poly, exponent: int) -> NormFactor:
+    a, b = pair
+    if not b:
+        return NormFactor(factor, exponent, 0, None)
+    common = 0
+    while not a % factor and not b % factor:
+        a, b, common = a / factor, b / factor, common + 1
+    extra = exponent - 2 * common
+    omega = None
+    if extra:
+        modulus = fmpq_poly(factor)
+        _, inverse, _ = (fmpq_poly(b) % modulus).xgcd(modulus)
+        omega = -(fmpq_poly(a) * inverse) % modulus
+    return NormFactor(factor, common, extra, omega)
 
 
 def exact_roots(factors: list[NormFactor]) -> Iterator[ExactRoot]:

@@ -21,8 +21,7 @@ from typing import Protocol
 from flint import arb, ctx, fmpz_poly
 
 from rpr_solver.algebraic import Algebraic, Field
-from rpr_solver.degenerate import ExactRoot, exact_roots, norm_factors
-from rpr_solver.errors import SolverError
+from rpr_solver.degenerate import ExactRoot, exactly, simple_and_other_roots
 from rpr_solver.exact_events import events_above, located_poses, permanent_events, permanent_limits
 from rpr_solver.jets import LocalMap, Pose
 from rpr_solver.modular import pair_residue
@@ -85,11 +84,9 @@ class BallEvent:
 
     def exact(self) -> Event:
         """The same event in a number field, for what balls cannot show: an angle of exactly 0, say."""
-        for root in exact_roots(norm_factors(self.system.eliminant.pair, self.surface.radicand)):
-            if root.root.refined(_MAX_BITS).overlaps(self.root.refined(_MAX_BITS)):
-                [event] = _exact_events(self.surface, self.system, root, named=bool(self.kind))
-                return event
-        raise SolverError("an event was lost between balls and exact arithmetic")
+        [root] = exactly([self.root], self.system.eliminant.pair, self.surface.radicand)
+        [event] = _exact_events(self.surface, self.system, root, named=bool(self.kind))
+        return event
 
     def _refined(self, bits: int) -> tuple[HalfTangent, arb, arb, int]:
         work = bits
@@ -167,12 +164,18 @@ def _system_events(surface: Surface, system: System, name: Namer) -> Iterator[Ev
     a, b = form.pair
     if max(a.degree(), b.degree()) < form.degree:
         yield from _exact_events(surface, system, None, named=name is not _limit)
-    for root in exact_roots(norm_factors(form.pair, surface.radicand)):
-        event = _prove(surface, system, root.root, name) if root.multiplicity == 1 else "undecided"
+    simple, others = simple_and_other_roots(form.pair, surface.radicand)
+    undecided = []
+    for root in simple:
+        event = _prove(surface, system, root, name)
         if isinstance(event, BallEvent):
             yield event
         elif event == "undecided":
-            yield from _exact_events(surface, system, root, named=name is not _limit)
+            undecided.append(root)
+    if undecided:
+        others += exactly(undecided, form.pair, surface.radicand)
+    for exact in others:
+        yield from _exact_events(surface, system, exact, named=name is not _limit)
 
 
 def _exact_events(
