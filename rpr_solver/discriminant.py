@@ -1,8 +1,8 @@
 """Candidate lengths from the discriminant of Q(u, L), for manipulators whose events are not isolated.
 
-For similar, congruent, flat and some right-angled triangles Q(u, L) falls into factors of low degree
-over ℚ. Where no two of their real roots meet and none goes to infinity, the roots move without
-collision, and the number of simple ones, which are the cusps, stays.
+For similar, congruent and flat triangles Q(u, L) falls into factors of low degree over ℚ. Where no two of
+their real roots meet and none goes to infinity, the roots move without collision, and the number of simple
+ones, which are the cusps, stays.
 """
 
 from __future__ import annotations

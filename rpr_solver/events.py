@@ -9,6 +9,10 @@ transversal zero of (J, E) and goes on to the neighbouring slices. A degenerate 
 J1 ≠ 0 satisfies M1 = M2 = 0 or C = W = 0; J1 = 0 makes it always singular (or L infinite); ∇f = 0
 makes it always singular too, or has leg f closed: there the fibre's order is even, so that such a
 pose is degenerate only where leg f closes while stretched along its base line (:func:`touching`).
+
+Where C and W share an angle α, its poses are degenerate at their L and never cusps; divided by it, C = 0
+still holds all cusps, and one of them can meet such a pose only where C vanishes there. Where M1 and M2
+share an angle, L is constant along it. Both are lengths to look at on both sides (shared_angles.py).
 """
 
 from __future__ import annotations

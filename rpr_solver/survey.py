@@ -2,7 +2,7 @@
 
 Between two neighbouring events no pose of a slice is degenerate, so the cusps of one exact slice there stand
 for those of the whole interval (events.py says why the events are complete). Where events are not isolated,
-as for similar or flat triangles, the discriminant of Q(u, L) takes their place (discriminant.py).
+as for similar or congruent triangles, the discriminant of Q(u, L) takes their place (discriminant.py).
 """
 
 from __future__ import annotations
