@@ -19,6 +19,7 @@ MAX_BITS = 1 << 18
 _NEWTON_STEPS = 64
 _FIRST_BITS = 192
 _BISECTION_BITS = 768
+_SHARPENINGS = 3
 
 
 @lru_cache(maxsize=256)
@@ -173,6 +174,23 @@ def _sign_changes(polynomial: arb_poly, low: arb, high: arb) -> int | None:
     return sum(a != b for a, b in pairwise(signs))
 
 
+def _sharpened(polynomial: arb_poly, slope: arb_poly, x: arb) -> arb | None:
+    """A smaller ball round the root in x, on which a plain evaluation shows that the slope is not zero.
+
+    The polynomial is expanded about the middle of x: there the slope on x is bounded much better.
+    """
+    shifted = polynomial(arb_poly([x.mid(), 1]))
+    for _ in range(_SHARPENINGS):
+        step = shifted[0] / shifted.derivative()(arb(0, x.rad()))
+        x = x.mid() - step
+        if not x.is_finite():
+            return None
+        if not slope(x).contains(0):
+            return x
+        shifted = polynomial(arb_poly([x.mid(), 1]))
+    return None
+
+
 def _isolate(polynomial: RealPolynomial, bits: int, tolerance_bits: int) -> list[RealRoot] | None:
     """The real roots, or None where this precision does not decide."""
     ball = polynomial.ball(bits)
@@ -190,8 +208,9 @@ def _isolate(polynomial: RealPolynomial, bits: int, tolerance_bits: int) -> list
             mirror = root.conjugate()
             if any(mirror.overlaps(other) for j, other in enumerate(roots) if j != i):
                 return None
-            if slope(root.real).contains(0):
+            x = root.real if not slope(root.real).contains(0) else _sharpened(ball, slope, root.real)
+            if x is None:
                 return None
-            found.append(RealRoot(polynomial, root.real))
+            found.append(RealRoot(polynomial, x))
         found.sort(key=lambda r: r.ball.mid())
         return found

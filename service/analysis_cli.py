@@ -91,6 +91,16 @@ class Options(argparse.Action):
         setattr(namespace, self.dest, [*(getattr(namespace, self.dest) or []), (option_string, str(values))])
 
 
+def add_command(
+    commands: _Commands, name: str, summary: str, description: str, examples: str | None = None
+) -> argparse.ArgumentParser:
+    """Add a command to the parser; its options are for the caller to add."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name, help=summary, description=description, epilog=examples, formatter_class=_FORMATTER
+    )
+    return parser
+
+
 def add_analysis(commands: _Commands) -> None:
     """Add the commands to the parser."""
     _add_census(commands)
@@ -100,13 +110,7 @@ def add_analysis(commands: _Commands) -> None:
 
 
 def _add_poses(commands: _Commands) -> None:
-    poses = commands.add_parser(
-        "poses",
-        help="all poses of given leg lengths",
-        description=_POSES,
-        epilog=_POSES_EXAMPLES,
-        formatter_class=_FORMATTER,
-    )
+    poses = add_command(commands, "poses", "all poses of given leg lengths", _POSES, _POSES_EXAMPLES)
     poses.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
     for leg in (1, 2, 3):
         poses.add_argument(f"--l{leg}", required=True, metavar="X", help=f"length of leg {leg}")
@@ -116,12 +120,8 @@ def _add_poses(commands: _Commands) -> None:
 
 
 def _add_census(commands: _Commands) -> None:
-    census = commands.add_parser(
-        "census",
-        help="every length at which the number of cusps changes",
-        description=_CENSUS,
-        epilog=_CENSUS_EXAMPLES,
-        formatter_class=_FORMATTER,
+    census = add_command(
+        commands, "census", "every length at which the number of cusps changes", _CENSUS, _CENSUS_EXAMPLES
     )
     census.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
     _add_ranges(census, "the lengths of interest; either end may be left out (default: all)")
@@ -131,12 +131,8 @@ def _add_census(commands: _Commands) -> None:
 
 
 def _add_curves(commands: _Commands) -> None:
-    curves = commands.add_parser(
-        "curves",
-        help="each cusp followed from its birth to its death",
-        description=_CURVES,
-        epilog=_CURVES_EXAMPLES,
-        formatter_class=_FORMATTER,
+    curves = add_command(
+        commands, "curves", "each cusp followed from its birth to its death", _CURVES, _CURVES_EXAMPLES
     )
     curves.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
     _add_ranges(
@@ -155,12 +151,8 @@ def _add_curves(commands: _Commands) -> None:
 
 
 def _add_check(commands: _Commands) -> None:
-    check = commands.add_parser(
-        "check",
-        help="prove or refute a requirement on the number of cusps",
-        description=_CHECK,
-        epilog=_CHECK_EXAMPLES,
-        formatter_class=_FORMATTER,
+    check = add_command(
+        commands, "check", "prove or refute a requirement on the number of cusps", _CHECK, _CHECK_EXAMPLES
     )
     check.add_argument(
         "geometry", metavar="GEOMETRY", nargs="+", help="a JSON file, a folder, -, or a built-in name"

@@ -18,7 +18,7 @@ from pydantic import ValidationError
 
 from rpr_solver.errors import InputError
 from service import __version__
-from service.analysis_cli import Options, add_analysis
+from service.analysis_cli import Options, add_analysis, add_command
 
 BAD_INPUT, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141
 
@@ -105,13 +105,7 @@ def _parser() -> _Parser:
 
 
 def _add_solve(commands: argparse._SubParsersAction[_Parser]) -> None:
-    solve = commands.add_parser(
-        "solve",
-        help="compute cusp tables and print them",
-        description=_SOLVE,
-        epilog=_SOLVE_EXAMPLES,
-        formatter_class=_FORMATTER,
-    )
+    solve = add_command(commands, "solve", "compute cusp tables and print them", _SOLVE, _SOLVE_EXAMPLES)
     solve.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
     legs = ("--l1", "--l2", "--l3")
     solve.add_argument(
@@ -148,13 +142,7 @@ def _add_solve(commands: argparse._SubParsersAction[_Parser]) -> None:
 
 
 def _add_serve(commands: argparse._SubParsersAction[_Parser]) -> None:
-    serve = commands.add_parser(
-        "serve",
-        help="run the whole service",
-        description=_SERVE,
-        epilog=_SERVE_EXAMPLES,
-        formatter_class=_FORMATTER,
-    )
+    serve = add_command(commands, "serve", "run the whole service", _SERVE, _SERVE_EXAMPLES)
     serve.add_argument("--host", default="127.0.0.1", help="address to listen on (default: 127.0.0.1)")
     serve.add_argument(
         "--port",

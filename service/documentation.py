@@ -63,6 +63,13 @@ def answer(
     return {**found, "headers": dict(headers)} if headers else found
 
 
+def with_csv(description: str, model: str, lines: str) -> dict[str, Any]:
+    """An immutable answer in JSON or, with a header line and then ``lines``, in CSV."""
+    found = answer(description, model, headers=_ETAG)
+    text = {"type": "string", "description": f"A header line, then {lines}."}
+    return {**found, "content": {**found["content"], "text/csv": {"schema": text}}}
+
+
 def problems(*kinds: ProblemType) -> Docs:
     """The problems that an operation can answer with, by status. 500 belongs to all."""
     found: Docs = {}
@@ -189,18 +196,7 @@ CUSP_TABLES_EXTRA = posted(
         ),
     },
 )
-CENSUSES_RESPONSES = question(
-    {
-        "description": "The census is known.",
-        "headers": _ETAG,
-        "content": {
-            "application/json": {"schema": ref("Census")},
-            "text/csv": {
-                "schema": {"type": "string", "description": "A header line, then one line for each interval."}
-            },
-        },
-    }
-)
+CENSUSES_RESPONSES = question(with_csv("The census is known.", "Census", "one line for each interval"))
 CENSUSES_EXTRA = posted(
     "CensusRequest",
     {
@@ -211,18 +207,7 @@ CENSUSES_EXTRA = posted(
         ),
     },
 )
-CURVES_RESPONSES = question(
-    {
-        "description": "The curves are known.",
-        "headers": _ETAG,
-        "content": {
-            "application/json": {"schema": ref("CuspCurves")},
-            "text/csv": {
-                "schema": {"type": "string", "description": "A header line, then one line for each point."}
-            },
-        },
-    }
-)
+CURVES_RESPONSES = question(with_csv("The curves are known.", "CuspCurves", "one line for each point"))
 CURVES_EXTRA = posted(
     "CuspCurvesRequest",
     {
