@@ -33,7 +33,7 @@ from rpr_solver.surface import BiForm, Pair, Surface
 
 DEGREE_U = 24
 DEGREE_L = 10
-SOLVER_VERSION = "1"
+SOLVER_VERSION = "2"
 """Part of every cache key: raised whenever an answer could change."""
 
 

@@ -6,8 +6,8 @@ Every case is a random manipulator, fixed leg and length. Its table must agree w
 image at another scale, and every cusp that floating-point Newton finds must be in it (Newton may lose
 cusps, so it is not asked for more). Beside a transition, a part in 1e30 of the length away, the count
 must be that of the census on that side. Censuses of 20 manipulators, every degenerate family among them,
-must agree with slices at 1,000 random lengths and in the middle of every interval. Prints what went wrong,
-and then ends with status 1.
+must agree with slices at 1,000 random lengths and in the middle of every interval, and cusp curves must name
+every cusp of a part of these slices. Prints what went wrong, and then ends with status 1.
 """
 
 from __future__ import annotations
@@ -24,7 +24,16 @@ from itertools import pairwise
 from families import FAMILIES, family
 from newton import count_cusps, distance
 
-from rpr_solver import InputError, Manipulator, SliceTable, SolverError, census, eliminate, solve_slice
+from rpr_solver import (
+    InputError,
+    Manipulator,
+    SliceTable,
+    SolverError,
+    census,
+    cusp_curves,
+    eliminate,
+    solve_slice,
+)
 
 NAMES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
@@ -117,7 +126,28 @@ def censuses_against_slices(rng: random.Random, manipulators: int, lengths: int)
             expected = document.counts[sum(end < length for end in ends[1:])]
             if (found := solve_slice(eliminant, length, 15).count) != expected:
                 wrong.append(f"{m} leg {leg} at {length}: census {expected}, slice {found}")
+        wrong += curves_against_slices(m, leg, places[:: max(1, len(places) // 50)])
         print(f"{n} censuses against {len(places)} slices each, {len(wrong)} wrong", flush=True)
+    return wrong
+
+
+def curves_against_slices(m: Manipulator, leg: int, lengths: list[Fraction]) -> list[str]:
+    """Where the cusp curves that pass a slice are not as many as its cusps."""
+    try:
+        curves = cusp_curves(m, fixed_leg=leg, digits=30).sampled(lengths)
+    except SolverError as error:
+        return [f"{m} leg {leg}: no curves: {error}"]
+    eliminant, wrong = eliminate(m, leg), []
+    for length in lengths:
+        named = [p.cusp for curve in curves.curves for p in curve.points if p.length == length]
+        between = sum(
+            Fraction(c.start.length or 0) < length
+            and (c.stop.length is None or length < Fraction(c.stop.length))
+            for c in curves.curves
+        )
+        count = solve_slice(eliminant, length, 15).count
+        if sorted(named) != list(range(1, count + 1)) or between != count:
+            wrong.append(f"{m} leg {leg} at {length}: {count} cusps, named {named}, between ends {between}")
     return wrong
 
 
