@@ -1,6 +1,7 @@
 """Requirements over ranges of slices, with and without joint limits, against slices solved one by one."""
 
 from fractions import Fraction
+from functools import cache
 
 import pytest
 from families import family
@@ -25,10 +26,13 @@ INNOCENTI = EXAMPLES["innocenti"]
 SIMILAR = Manipulator.from_json({"a2x": 30, "a3x": 0, "a3y": 40, "d1": 15, "d2": 25, "d3": 20})
 
 
+eliminated = cache(eliminate)
+
+
 def count_within(m: Manipulator, requirement: Requirement, length: Fraction) -> int:
     """The cusps of one slice within the limits, from its table."""
     free = [leg for leg in (1, 2, 3) if leg != requirement.fixed_leg]
-    table = solve_slice(eliminate(m, requirement.fixed_leg), length, 20)
+    table = solve_slice(eliminated(m, requirement.fixed_leg), length, 20)
 
     def inside(leg: int, text: str) -> bool:
         low, high = requirement.limits.get(leg, (None, None))
