@@ -252,17 +252,18 @@ def cusp_curves(
     tracker, steps = Tracker(found.eliminant, digits), len(found.slices)
     total = ELIMINATION_STEPS + 2 * steps
     named = tracks(found, tracker, lambda done, _: report(total - steps + done, total))
-    cuts = [_end(found, k, digits, decided=k not in named.undecided) for k in range(len(found.groups))]
+    cuts = [_end(found, k, digits) for k in range(len(found.groups))]
     ends = [CurveEnd("0", OPEN), *cuts, CurveEnd(None, OPEN)]
+
+    def end(k: int, other: int | None) -> CurveEnd:
+        if other is not None:
+            return replace(ends[k], joins=_name(other))
+        return replace(ends[k], kind=UNDECIDED) if k - 1 in named.undecided else ends[k]
+
     curves = []
     for number, track in enumerate(named.tracks):
-        start, stop = (
-            replace(end, joins=None if other is None else _name(other))
-            for end, other in (
-                (ends[min(track.cusps)], track.born_with),
-                (ends[max(track.cusps) + 1], track.dies_with),
-            )
-        )
+        start = end(min(track.cusps), track.born_with)
+        stop = end(max(track.cusps) + 1, track.dies_with)
         points = (_point(tracker, found.slices[k].length, index) for k, index in track.cusps.items())
         curves.append(CuspCurve(_name(number), start, stop, tuple(points)))
     return CuspCurves(manipulator, fixed_leg, digits, tuple(curves))
@@ -276,11 +277,9 @@ def _point(tracker: Tracker, length: Fraction, index: int) -> CurvePoint:
     return CurvePoint(length, index + 1, tracker.table(length).cusps[index])
 
 
-def _end(found: Survey, k: int, digits: int, *, decided: bool) -> CurveEnd:
+def _end(found: Survey, k: int, digits: int) -> CurveEnd:
     """The end of curves at the group of events k."""
     transition = transition_at(found, k, digits)
-    kind = UNDECIDED if not decided else transition.kind if transition else UNCLASSIFIED
-    length = (
-        transition.length if transition else length_text(found.eliminant.surface, found.groups[k], digits)
-    )
-    return CurveEnd(length, kind, points=transition.points if transition else ())
+    if transition is not None:
+        return CurveEnd(transition.length, transition.kind, points=transition.points)
+    return CurveEnd(length_text(found.eliminant.surface, found.groups[k], digits), UNCLASSIFIED)

@@ -32,7 +32,7 @@ class Track:
 class Tracks:
     """All cusps of a survey.
 
-    ``undecided`` are the groups of events at which tracks end and begin that may be the same.
+    ``undecided`` are the groups of events at which tracks end and begin, alone, that may be the same.
     """
 
     tracks: tuple[Track, ...]
@@ -62,13 +62,14 @@ def tracks(found: Survey, tracker: Tracker, progress: Progress) -> Tracks:
         alive = {name: alive[name] for name, (length, _) in met.items() if length == above.length}
         taken = {everything[name].cusps[k + 1] for name in alive}
         born = [index for index in range(above.count) if index not in taken]
-        if born and len(met) < len(names) and not _only(tracker, found.groups[k], len(taken)):
-            undecided.add(k)
         first = len(everything)
         begin(k + 1, born)
         for track, index in zip(everything[first:], born, strict=True):
             sibling = _sibling(tracker, below.length, (above.length, index))
             track.born_with = None if sibling is None else first + born.index(sibling)
+        from_nowhere = any(track.born_with is None for track in everything[first:])
+        if from_nowhere and len(met) < len(names) and not _only(tracker, found.groups[k], len(taken)):
+            undecided.add(k)
         progress(k + 2, len(found.slices))
     return Tracks(tuple(everything), frozenset(undecided))
 
