@@ -11,11 +11,11 @@ from flint import arb, ctx
 from rpr_solver.cusps import DEFAULT_DIGITS, check_digits
 from rpr_solver.decimals import round_ball, round_fraction
 from rpr_solver.eliminant import SOLVER_VERSION
-from rpr_solver.errors import InputError, SolverError
+from rpr_solver.errors import SolverError
 from rpr_solver.events import BallEvent, Event
 from rpr_solver.geometry import Manipulator
-from rpr_solver.numbers import exact_str
-from rpr_solver.points import JointPoint, digit_bits, in_half_open_range
+from rpr_solver.numbers import check_range, exact_str
+from rpr_solver.points import JointPoint, digit_bits, joint_point
 from rpr_solver.roots import MAX_BITS
 from rpr_solver.surface import Surface
 from rpr_solver.survey import Progress, Survey, silent, survey
@@ -139,18 +139,6 @@ def census(
     )
 
 
-def check_range(start: Fraction, stop: Fraction | None) -> None:
-    """Refuse what is no range of lengths.
-
-    Raises:
-        InputError: an end is negative, or there is nothing between.
-    """
-    if start < 0:
-        raise InputError.of("range.from", f"is {exact_str(start)}; a length is at least 0")
-    if stop is not None and stop <= start:
-        raise InputError.of("range.to", f"is {exact_str(stop)}; it must exceed {exact_str(start)}")
-
-
 def transition_at(found: Survey, k: int, digits: int) -> Transition | None:
     """The transition at one of the lengths examined; None if the cusps pass it as if nothing was there."""
     group = found.groups[k]
@@ -189,8 +177,7 @@ def _point(event: Event, digits: int) -> JointPoint:
         if not isinstance(event, BallEvent):
             raise
         return _point(event.exact(), digits)
-    alpha, theta, first, second = texts
-    return JointPoint(in_half_open_range(alpha), in_half_open_range(theta), first, second)
+    return joint_point(texts)
 
 
 def _rounded(balls: Callable[[int], list[arb]], digits: int, limit: int) -> list[str]:

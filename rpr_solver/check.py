@@ -20,7 +20,7 @@ from rpr_solver.eliminant import SOLVER_VERSION, Eliminant
 from rpr_solver.errors import FieldProblem, InputError, SolverError
 from rpr_solver.events import Event, limit_events
 from rpr_solver.geometry import Manipulator
-from rpr_solver.numbers import MAX_DIGITS, exact_str, parse_exact, shown
+from rpr_solver.numbers import MAX_DIGITS, exact_str, parse_exact, range_problems, shown
 from rpr_solver.points import JointPoint, free_legs
 from rpr_solver.surface import Surface
 from rpr_solver.survey import Progress, silent, survey
@@ -133,14 +133,7 @@ class Requirement:
                 "requirement.fixed_leg", f"{shown(self.fixed_leg)} is not a leg; give 1, 2 or 3"
             )
             return
-        if self.start < 0:
-            yield FieldProblem(
-                "requirement.range.from", f"is {exact_str(self.start)}; a length is at least 0"
-            )
-        if self.stop is not None and self.stop <= self.start:
-            yield FieldProblem(
-                "requirement.range.to", f"is {exact_str(self.stop)}; it must exceed {exact_str(self.start)}"
-            )
+        yield from range_problems(self.start, self.stop, "requirement.range")
         if self.max_cusps is None and self.min_cusps is None:
             yield FieldProblem("requirement.max_cusps", "is missing; give max_cusps or min_cusps")
         for name, value in (("max_cusps", self.max_cusps), ("min_cusps", self.min_cusps)):

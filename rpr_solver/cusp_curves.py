@@ -248,8 +248,10 @@ def cusp_curves(
     """
     check_digits(digits)
     report = progress or silent
-    found = survey(manipulator, fixed_leg, lambda done, of: report(done, 2 * of - ELIMINATION_STEPS))
-    tracker, steps = Tracker(found.eliminant, digits), len(found.slices)
+    found = survey(
+        manipulator, fixed_leg, lambda done, of: report(done, 2 * of - ELIMINATION_STEPS), digits=digits
+    )
+    tracker, steps = Tracker(found.eliminant, digits, found.slices), len(found.slices)
     total = ELIMINATION_STEPS + 2 * steps
     named = tracks(found, tracker, lambda done, _: report(total - steps + done, total))
     cuts = [_end(found, k, digits) for k in range(len(found.groups))]

@@ -86,7 +86,7 @@ class ExactPose:
         with ctx.workprec(bits):
             alpha = arb(180) if self.t is None else HalfTangent(self.t.ball(bits), arb(1)).degrees()
             theta = HalfTangent(u, arb(1)).degrees(self.theta_offset)
-            scale = arb(self.surface.scale.numerator) / self.surface.scale.denominator
+            scale = self.surface.scale_ball()
             lengths = [arb(0) if x.is_zero else b.sqrt() / scale for x, b in ((self.f, f), (self.g, g))]
             return alpha, theta, lengths[0], lengths[1]
 
@@ -99,11 +99,7 @@ class ExactPose:
 
 def norm_factors(pair: Pair, radicand: int) -> list[NormFactor]:
     """The factors of A + ω B, found by factoring A² − ω² B² over ℚ."""
-    return [
-        _norm_factor(pair, factor, exponent)
-        for power, exponent in _norm(pair, radicand).factor_squarefree()[1]
-        for factor, _ in power.factor()[1]
-    ]
+    return [_norm_factor(pair, *factor) for factor in _irreducible(_norm(pair, radicand))]
 
 
 def simple_and_other_roots(pair: Pair, radicand: int) -> tuple[list[RealRoot], list[ExactRoot]]:
@@ -132,8 +128,7 @@ def exactly(roots: Sequence[RealRoot], pair: Pair, radicand: int) -> list[ExactR
 
     factors = [
         _norm_factor(pair, factor, exponent)
-        for power, exponent in _norm(pair, radicand).factor_squarefree()[1]
-        for factor, _ in power.factor()[1]
+        for factor, exponent in _irreducible(_norm(pair, radicand))
         if any(map(wanted, real_roots(RealPolynomial(factor, _NOTHING, 1))))
     ]
     found = [root for root in exact_roots(factors) if wanted(root.root)]
@@ -145,6 +140,12 @@ def exactly(roots: Sequence[RealRoot], pair: Pair, radicand: int) -> list[ExactR
 def _norm(pair: Pair, radicand: int) -> fmpz_poly:
     a, b = pair
     return a * a - radicand * b * b if b else a
+
+
+def _irreducible(norm: fmpz_poly) -> Iterator[tuple[fmpz_poly, int]]:
+    """The irreducible factors with their exponents."""
+    for power, exponent in norm.factor_squarefree()[1]:
+        yield from ((factor, exponent) for factor, _ in power.factor()[1])
 
 
 def _is_root(pair: Pair, radicand: int, root: RealRoot) -> bool:

@@ -12,11 +12,9 @@ from itertools import chain, combinations
 
 from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
-from rpr_solver.algebraic import Field
 from rpr_solver.eliminant import DEGREE_U, Eliminant
 from rpr_solver.errors import SolverError
-from rpr_solver.events import Landmark
-from rpr_solver.roots import RealPolynomial, real_roots
+from rpr_solver.events import Landmark, positive_roots
 from rpr_solver.surface import BiForm, Surface, univariate
 
 _PLANE = fmpz_mpoly_ctx.get(("u", "L"), "lex")
@@ -44,10 +42,7 @@ def candidate_lengths(eliminant: Eliminant) -> Iterator[Landmark]:
     )
     found = {str(f): f for polynomial in meetings for f, _ in _in_length(polynomial).factor()[1]}
     for factor in found.values():
-        for root in real_roots(RealPolynomial(factor, fmpz_poly([]), 1)):
-            length = Field.of_root(root).generator
-            if length.sign > 0:
-                yield Landmark(length)
+        yield from positive_roots(factor)
 
 
 def _norm(eliminant: Eliminant) -> fmpz_mpoly:

@@ -29,7 +29,7 @@ from rpr_solver.degenerate import ExactRoot, exactly, simple_and_other_roots
 from rpr_solver.exact_events import events_above, located_poses, permanent_events, permanent_limits
 from rpr_solver.jets import LocalMap, Pose
 from rpr_solver.modular import pair_residue
-from rpr_solver.poses import HalfTangent, common_root
+from rpr_solver.poses import HalfTangent, common_root, pose_of
 from rpr_solver.roots import RealPolynomial, RealRoot, omega_ball, real_roots
 from rpr_solver.surface import Leg, Surface
 from rpr_solver.transitions import EventSystems, Form, System, limit_system
@@ -151,10 +151,15 @@ def touching(surface: Surface) -> Iterator[Landmark]:
     a2, m2 = leg.ax**2 + leg.ay**2, leg.m**2 + leg.n**2 * surface.radicand
     quartic = fmpz_poly([(a2 - m2) ** 2, 0, -2 * (a2 + m2), 0, 1])
     for factor, _ in quartic.factor()[1]:
-        for root in real_roots(RealPolynomial(factor, fmpz_poly([]), 1)):
-            length = Field.of_root(root).generator
-            if length.sign > 0:
-                yield Landmark(length)
+        yield from positive_roots(factor)
+
+
+def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
+    """The positive roots of an irreducible polynomial as lengths (scaled)."""
+    for root in real_roots(RealPolynomial(factor, fmpz_poly([]), 1)):
+        length = Field.of_root(root).generator
+        if length.sign > 0:
+            yield Landmark(length)
 
 
 def _system_events(surface: Surface, system: System, name: Namer) -> Iterator[Event]:
@@ -243,8 +248,7 @@ def _located(
 
 
 def _pose(surface: Surface, t: HalfTangent, u: arb, length: arb, work: int) -> Pose[arb]:
-    (cos_a, sin_a), (cos_t, sin_t) = t.cos_sin(), HalfTangent(u, arb(1)).cos_sin()
-    return Pose(cos_a, sin_a, cos_t, sin_t, length, omega_ball(surface.radicand, work))
+    return pose_of(t, HalfTangent(u, arb(1)), length, omega_ball(surface.radicand, work))
 
 
 def _swallowtail(local: LocalMap[arb]) -> str | None:

@@ -24,7 +24,7 @@ from rpr_solver.jets import LocalMap, Pose
 from rpr_solver.modular import pair_residue
 from rpr_solver.points import digit_bits
 from rpr_solver.poses import HalfTangent
-from rpr_solver.roots import MAX_BITS, RealPolynomial, RealRoot, omega_ball, real_roots
+from rpr_solver.roots import MAX_BITS, RealPolynomial, RealRoot, ball_of, omega_ball, real_roots
 from rpr_solver.surface import Leg
 
 _ROUNDS_BEFORE_EXACT = 4
@@ -119,7 +119,7 @@ class _Fibre:
             alpha = HalfTangent(t, arb(1)).degrees()
             angles = [_degrees(x, y), _degrees(x + v2x / one, y + v2y / one)]
             angles.append(_degrees(x + v3x / one, y + v3y / one))
-            scale = arb(self.surface.scale.numerator) / self.surface.scale.denominator
+            scale = self.surface.scale_ball()
             balls = (alpha, *angles, x / scale, y / scale)
             texts = [round_ball(ball, self.digits) for ball in balls]
         return _found(alpha, angles[0], texts, 1, bits)
@@ -204,7 +204,7 @@ class _Fibre:
                 alpha = arb(180) if pose.t is None else HalfTangent(pose.t.ball(bits), arb(1)).degrees()
                 thetas = [angle(bits) for angle in angles]
                 texts = [round_ball(ball, self.digits) for ball in (alpha, *thetas)]
-                unit = arb(scale.numerator) / scale.denominator
+                unit = ball_of(scale)
                 for coordinate in (pose.x, pose.y):
                     exact = coordinate.rational
                     texts.append(

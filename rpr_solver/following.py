@@ -14,7 +14,8 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
-from rpr_solver.neighbourhood import ALONG_L, CuspForms, Neighbourhood, Place, ball_of
+from rpr_solver.neighbourhood import ALONG_L, CuspForms, Neighbourhood, Place
+from rpr_solver.roots import ball_of
 from rpr_solver.tubes import Tube, build
 
 _FIRST_BITS, _MAX_BITS = 128, 1 << 12
@@ -38,7 +39,7 @@ class Follower:
         self.forms = forms
         self._start, self._begin, self._upwards = start, length, upwards
         self._bits = _FIRST_BITS
-        self._reach = arb(_FIRST_REACH.numerator) / _FIRST_REACH.denominator
+        self._reach = ball_of(_FIRST_REACH)
         self._tube: Tube | None = None
 
     def walk(self, low: Fraction, high: Fraction, tubes: int) -> tuple[Fraction, Place] | None:

@@ -31,7 +31,7 @@ from fractions import Fraction
 from math import isqrt
 
 from rpr_solver.closure import DEGREE, Closure
-from rpr_solver.cusps import DEFAULT_DIGITS, MAX_DIGITS, MIN_DIGITS
+from rpr_solver.cusps import DEFAULT_DIGITS, check_digits
 from rpr_solver.eliminant import SOLVER_VERSION
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.fibre import Fibre, FoundPose, fibre
@@ -186,8 +186,7 @@ def _positive(values: Mapping[str, Exact]) -> list[Fraction]:
 
 
 def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -> PoseTable:
-    if not MIN_DIGITS <= digits <= MAX_DIGITS:
-        raise InputError.of("digits", f"is {digits}; give {MIN_DIGITS} to {MAX_DIGITS}")
+    check_digits(digits)
     s1, s2, s3 = squares
     surface = Surface.of(manipulator)
     closure = Closure.of(surface, squares)

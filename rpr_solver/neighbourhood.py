@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import Any
 
 from flint import arb, arb_mat, arb_poly, fmpz_poly
 
-from rpr_solver.jets import LocalMap, Pose
-from rpr_solver.poses import HalfTangent
+from rpr_solver.jets import LocalMap
+from rpr_solver.poses import HalfTangent, pose_of
 from rpr_solver.roots import RealPolynomial, omega_ball
 from rpr_solver.surface import BiForm, Leg, Pair, Surface
 
@@ -67,8 +66,8 @@ class CuspForms:
 
     def steeper(self, place: Place, length: arb, bits: int) -> int:
         """0 or 1: the leg, f or g, whose gradient is the larger by its size."""
-        (cos_a, sin_a), (cos_t, sin_t) = (_middle(t).cos_sin() for t in (place.alpha, place.theta))
-        pose = Pose(cos_a, sin_a, cos_t, sin_t, length, omega_ball(self.surface.radicand, bits))
+        omega = omega_ball(self.surface.radicand, bits)
+        pose = pose_of(_middle(place.alpha), _middle(place.theta), length, omega)
         local = LocalMap.at(self.surface, pose, 1)
         steep = [
             (jet.alpha.value**2 + jet.theta.value**2) / _size(leg, self.surface.radicand)
@@ -231,8 +230,3 @@ def _powers(x: arb, size: int) -> list[arb]:
     for _ in range(size - 1):
         powers.append(powers[-1] * x)
     return powers
-
-
-def ball_of(x: Fraction) -> arb:
-    """A rational number as a ball."""
-    return arb(x.numerator) / x.denominator

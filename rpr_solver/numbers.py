@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from decimal import Decimal
 from fractions import Fraction
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import FieldProblem, InputError
 
 MAX_DIGITS = 400
 """Default limit on the decimal digits of an input's numerator and of its denominator."""
@@ -107,3 +108,21 @@ def _bounded(x: Fraction, field: str, max_digits: int) -> Fraction:
 
 def _too_long(field: str, max_digits: int) -> InputError:
     return InputError.of(field, f"has more than {max_digits} digits in its numerator or denominator")
+
+
+def range_problems(start: Fraction, stop: Fraction | None, field: str) -> Iterator[FieldProblem]:
+    """What is wrong with a range of lengths; ``stop`` None is no end."""
+    if start < 0:
+        yield FieldProblem(f"{field}.from", f"is {exact_str(start)}; a length is at least 0")
+    if stop is not None and stop <= start:
+        yield FieldProblem(f"{field}.to", f"is {exact_str(stop)}; it must exceed {exact_str(start)}")
+
+
+def check_range(start: Fraction, stop: Fraction | None, field: str = "range") -> None:
+    """Refuse what is no range of lengths.
+
+    Raises:
+        InputError: an end is negative, or there is nothing between.
+    """
+    for problem in range_problems(start, stop, field):
+        raise InputError([problem])

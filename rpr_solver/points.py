@@ -70,7 +70,7 @@ def found_by_balls(cusp: CuspBalls, digits: int, bits: int) -> Found | None:
     texts = [round_ball(x, digits) for x in balls]
     if None in texts:
         return None
-    return Found(CUSP, cusp.theta_deg, cusp.alpha_deg, _point(texts), _proof_json(cusp.proof), bits)
+    return Found(CUSP, cusp.theta_deg, cusp.alpha_deg, joint_point(texts), _proof_json(cusp.proof), bits)
 
 
 def found_exactly(pose: ExactPose, digits: int) -> Found:
@@ -90,7 +90,7 @@ def found_exactly(pose: ExactPose, digits: int) -> Found:
             ]
         if None not in texts:
             proof = {"field_degree": str(pose.u.field.degree)}
-            return Found(pose.kind, balls[1], balls[0], _point(texts), proof, bits)
+            return Found(pose.kind, balls[1], balls[0], joint_point(texts), proof, bits)
         bits *= 2
     raise SolverError(f"the digits of a {pose.kind} could not be decided")
 
@@ -105,12 +105,13 @@ def digit_bits(digits: int) -> int:
     return digits * 3322 // 1000 + 16
 
 
-def _point(texts: Sequence[str | None]) -> JointPoint:
+def joint_point(texts: Sequence[str | None]) -> JointPoint:
+    """The point with these rounded angles and lengths."""
     alpha, theta, first, second = (text or "" for text in texts)
-    return JointPoint(in_half_open_range(alpha), in_half_open_range(theta), first, second)
+    return JointPoint(_in_half_open_range(alpha), _in_half_open_range(theta), first, second)
 
 
-def in_half_open_range(angle: str) -> str:
+def _in_half_open_range(angle: str) -> str:
     """An angle that rounds to −180 is printed as 180: the table's range is (−180, 180]."""
     return angle[1:] if angle.startswith("-180") else angle
 

@@ -10,7 +10,7 @@ from flint import arb, arb_mat, arb_poly, ctx
 
 from rpr_solver.jets import LocalMap, Pose
 from rpr_solver.modular import sylvester
-from rpr_solver.roots import RealPolynomial, omega_ball
+from rpr_solver.roots import RealPolynomial, ball_of, omega_ball
 from rpr_solver.surface import BiForm, Surface
 
 
@@ -35,6 +35,12 @@ class HalfTangent:
             return (n / d).atan() * 360 / arb.pi() + offset
         side = 180 if n * d > 0 else -180
         return side - (d / n).atan() * 360 / arb.pi() + offset
+
+
+def pose_of(alpha: HalfTangent, theta: HalfTangent, length: arb, omega: arb) -> Pose[arb]:
+    """The pose with these angles of a slice (scaled units)."""
+    (cos_a, sin_a), (cos_t, sin_t) = alpha.cos_sin(), theta.cos_sin()
+    return Pose(cos_a, sin_a, cos_t, sin_t, length, omega)
 
 
 @dataclass(frozen=True)
@@ -74,8 +80,8 @@ class SlicePoses:
         self._singular = _balls(surface.singular, surface, length, bits)
         self._coalescence = _balls(surface.coalescence, surface, length, bits)
         with ctx.workprec(bits):
-            self.length = arb(length.numerator) / length.denominator
-            self.scale = arb(surface.scale.numerator) / surface.scale.denominator
+            self.length = ball_of(length)
+            self.scale = surface.scale_ball()
             self.omega = omega_ball(surface.radicand, bits)
 
     def alpha(self, u: arb) -> HalfTangent | None:
@@ -86,8 +92,7 @@ class SlicePoses:
 
     def cusp(self, u: arb, t: HalfTangent) -> CuspBalls | None:
         """The cusp at (t, u), or None where a ball is still too wide."""
-        (cos_a, sin_a), (cos_t, sin_t) = t.cos_sin(), HalfTangent(u, arb(1)).cos_sin()
-        pose = Pose(cos_a, sin_a, cos_t, sin_t, self.length, self.omega)
+        pose = pose_of(t, HalfTangent(u, arb(1)), self.length, self.omega)
         local = LocalMap.at(self.surface, pose, 3)
         j = local.singularity()
         e = local.along(local.f, j)

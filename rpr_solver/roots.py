@@ -7,6 +7,7 @@ no other root's disc, so the root is its own conjugate. Precision doubles until 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
 
@@ -27,6 +28,11 @@ def omega_ball(radicand: int, bits: int) -> arb:
     """√radicand as a ball."""
     with ctx.workprec(bits):
         return arb(radicand).sqrt()
+
+
+def ball_of(x: Fraction) -> arb:
+    """A rational number as a ball at the working precision."""
+    return arb(x.numerator) / x.denominator
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ from flint import arb, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from rpr_solver.errors import InputError
 from rpr_solver.geometry import CW, Manipulator
+from rpr_solver.roots import ball_of
 
 Pair = tuple[fmpz_poly, fmpz_poly]
 """A + ω B, polynomials in u = tan(θ/2)."""
@@ -134,7 +135,7 @@ class Surface:
 
     def scale_ball(self) -> arb:
         """``scale`` as a ball at the working precision."""
-        return arb(self.scale.numerator) / self.scale.denominator
+        return ball_of(self.scale)
 
     def collinear(self) -> fmpz_poly:
         """The quadratic whose roots u put leg i along the base line to leg f, where ∇f may vanish."""

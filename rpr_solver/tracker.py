@@ -7,7 +7,7 @@ come to that one; nothing is decided by nearness.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 
 from flint import arb, ctx
@@ -19,6 +19,7 @@ from rpr_solver.following import Follower, LostError
 from rpr_solver.neighbourhood import CuspForms, Place
 from rpr_solver.numbers import exact_str
 from rpr_solver.poses import HalfTangent
+from rpr_solver.roots import ball_of
 
 _TUBES_A_TURN = 16
 _PATIENCE, _GREAT_PATIENCE = 512, 1 << 13
@@ -30,12 +31,15 @@ Cusp = tuple[Fraction, int]
 
 
 class Tracker:
-    """The slices of one eliminant, with so many digits at least, and the ways of their cusps."""
+    """The slices of one eliminant, with so many digits at least, and the ways of their cusps.
 
-    def __init__(self, eliminant: Eliminant, digits: int) -> None:
+    ``known`` are slices with just so many digits, which need not be solved again.
+    """
+
+    def __init__(self, eliminant: Eliminant, digits: int, known: Iterable[SliceTable] = ()) -> None:
         self.eliminant, self.digits = eliminant, digits
         self._forms = CuspForms(eliminant.surface)
-        self._tables: dict[tuple[Fraction, int], SliceTable] = {}
+        self._tables = {(table.length, digits): table for table in known}
 
     def table(self, length: Fraction, digits: int = 0) -> SliceTable:
         """A slice, kept."""
@@ -111,7 +115,6 @@ class Tracker:
 
 def _half_tangent(degrees: str, digits: int) -> HalfTangent:
     """An angle that was rounded to so many digits."""
-    exact = Fraction(degrees)
-    angle = arb(exact.numerator) / exact.denominator
+    angle = ball_of(Fraction(degrees))
     angle = arb(angle.mid(), angle.rad() + abs(angle) * arb(10) ** (1 - digits)) * arb.pi() / 360
     return HalfTangent(angle.sin(), angle.cos())

@@ -25,10 +25,10 @@ from rpr_solver.neighbourhood import (
     Place,
     Two,
     at_parameter,
-    ball_of,
     value,
     values,
 )
+from rpr_solver.roots import ball_of
 
 _BOUND_BITS = 64
 _NEWTON_STEPS = 4
@@ -99,8 +99,7 @@ def build(around: Neighbourhood, axis: int, forwards: bool, reach: arb, between:
     With ``between`` the way forwards through it stays strictly between two lengths. None where no tube
     can be built at this precision.
     """
-    along = [_by_power(form, axis) for form in around.forms]
-    first, second = along
+    first, second = (_by_power(form, axis) for form in around.forms)
     nonlinear = _preconditioned(first, second)
     others = [i for i in range(3) if i != axis]
     p, q, r = (around.box[i] for i in (*others, axis))

@@ -101,6 +101,17 @@ def add_command(
     return parser
 
 
+def add_geometry(parser: argparse.ArgumentParser) -> None:
+    """Add the manipulator, of which there is one."""
+    parser.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
+
+
+def add_format(parser: argparse.ArgumentParser, *, csv: bool = False) -> None:
+    """Add `--format`."""
+    forms = ("table", "json", "csv") if csv else ("table", "json")
+    parser.add_argument("--format", choices=forms, default="table", help="default: table")
+
+
 def add_analysis(commands: _Commands) -> None:
     """Add the commands to the parser."""
     _add_census(commands)
@@ -111,11 +122,11 @@ def add_analysis(commands: _Commands) -> None:
 
 def _add_poses(commands: _Commands) -> None:
     poses = add_command(commands, "poses", "all poses of given leg lengths", _POSES, _POSES_EXAMPLES)
-    poses.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
+    add_geometry(poses)
     for leg in (1, 2, 3):
         poses.add_argument(f"--l{leg}", required=True, metavar="X", help=f"length of leg {leg}")
     _add_digits(poses, 90)
-    poses.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
+    add_format(poses)
     poses.set_defaults(run=_poses)
 
 
@@ -123,10 +134,10 @@ def _add_census(commands: _Commands) -> None:
     census = add_command(
         commands, "census", "every length at which the number of cusps changes", _CENSUS, _CENSUS_EXAMPLES
     )
-    census.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
+    add_geometry(census)
     _add_ranges(census, "the lengths of interest; either end may be left out (default: all)")
     _add_digits(census, 90)
-    census.add_argument("--format", choices=("table", "json", "csv"), default="table", help="default: table")
+    add_format(census, csv=True)
     census.set_defaults(run=_census)
 
 
@@ -134,7 +145,7 @@ def _add_curves(commands: _Commands) -> None:
     curves = add_command(
         commands, "curves", "each cusp followed from its birth to its death", _CURVES, _CURVES_EXAMPLES
     )
-    curves.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
+    add_geometry(curves)
     _add_ranges(
         curves, "the lengths of interest (default: all); with a step, also those of points", "A:B[:STEP]"
     )
@@ -146,7 +157,7 @@ def _add_curves(commands: _Commands) -> None:
         "--samples", metavar="N", help="N points of each curve in every interval between transitions"
     )
     _add_digits(curves, 90)
-    curves.add_argument("--format", choices=("table", "json", "csv"), default="table", help="default: table")
+    add_format(curves, csv=True)
     curves.set_defaults(run=_curves)
 
 
@@ -165,7 +176,7 @@ def _add_check(commands: _Commands) -> None:
         *names, dest="limits", action=Options, metavar="A:B", help="lengths that another leg can have"
     )
     _add_digits(check, 30)
-    check.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
+    add_format(check)
     check.add_argument("--junit", metavar="FILE", help="write JUnit XML, a test case for each geometry")
     check.add_argument(
         "--github", action="store_true", help="print GitHub annotations (always done on GitHub Actions)"

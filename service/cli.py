@@ -18,7 +18,7 @@ from pydantic import ValidationError
 
 from rpr_solver.errors import InputError
 from service import __version__
-from service.analysis_cli import Options, add_analysis, add_command
+from service.analysis_cli import Options, add_analysis, add_command, add_format, add_geometry
 
 BAD_INPUT, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141
 
@@ -106,7 +106,7 @@ def _parser() -> _Parser:
 
 def _add_solve(commands: argparse._SubParsersAction[_Parser]) -> None:
     solve = add_command(commands, "solve", "compute cusp tables and print them", _SOLVE, _SOLVE_EXAMPLES)
-    solve.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
+    add_geometry(solve)
     legs = ("--l1", "--l2", "--l3")
     solve.add_argument(
         *legs,
@@ -128,7 +128,7 @@ def _add_solve(commands: argparse._SubParsersAction[_Parser]) -> None:
     solve.add_argument(
         "--fixed-leg", default="1", metavar="LEG", help="the leg with the fixed length (default: 1)"
     )
-    solve.add_argument("--format", choices=("table", "json", "csv"), default="table", help="default: table")
+    add_format(solve, csv=True)
     solve.add_argument(
         "--method",
         choices=("fast", "article"),

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from rpr_solver import exact_str
 from rpr_solver.errors import InputError
+from rpr_solver.numbers import check_range
 from service.reading import MISSING, Collector, check_keys, kind_of, number
 from service.settings import Limits
 
@@ -27,12 +28,7 @@ class LengthRange:
     field: str = "range"
 
     def __post_init__(self) -> None:
-        if self.start < 0:
-            raise InputError.of(f"{self.field}.from", f"is {exact_str(self.start)}; a length is at least 0")
-        if self.stop is not None and self.stop <= self.start:
-            raise InputError.of(
-                f"{self.field}.to", f"is {exact_str(self.stop)}; it must exceed {exact_str(self.start)}"
-            )
+        check_range(self.start, self.stop, self.field)
 
     def check_inside(self, lengths: Iterable[Fraction], field: str) -> None:
         """Refuse lengths that are no leg lengths, or outside.

@@ -9,7 +9,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver import Manipulator
 from worker.once import once
-from worker.requests import DocumentRequest, content_range, range_content
+from worker.requests import ALL_LENGTHS, DocumentRequest, content_range, scan_content
 from worker.store import ResultStore
 
 Document = dict[str, Any]
@@ -24,13 +24,7 @@ def census_request(
     stop: Fraction | None = None,
 ) -> DocumentRequest:
     """The request for the census of a range of the fixed leg; without an end it is the whole one."""
-    content = {
-        "geometry": manipulator.to_json(),
-        "fixed_leg": fixed_leg,
-        "digits": digits,
-        "range": range_content(start, stop),
-    }
-    return DocumentRequest("census", content)
+    return DocumentRequest("census", scan_content(manipulator, fixed_leg, digits, start, stop))
 
 
 def known_census(request: DocumentRequest, store: ResultStore) -> Document | None:
@@ -78,8 +72,7 @@ def compute_census(
 
 
 def _whole(request: DocumentRequest, digits: int) -> DocumentRequest:
-    everything = range_content(Fraction(0), None)
-    return DocumentRequest("census", {**request.content, "digits": digits, "range": everything})
+    return DocumentRequest("census", {**request.content, "digits": digits, "range": ALL_LENGTHS})
 
 
 def _family(request: DocumentRequest) -> DocumentRequest:

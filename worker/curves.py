@@ -9,7 +9,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver import CuspCurves, Manipulator, exact_str
 from worker.once import once
-from worker.requests import DocumentRequest, content_range, range_content
+from worker.requests import ALL_LENGTHS, DocumentRequest, content_range, scan_content
 from worker.store import ResultStore
 
 Document = dict[str, Any]
@@ -27,10 +27,7 @@ def curves_request(
 ) -> DocumentRequest:
     """The request for the curves that meet a range, with points at these lengths, and in each interval."""
     content = {
-        "geometry": manipulator.to_json(),
-        "fixed_leg": fixed_leg,
-        "digits": digits,
-        "range": range_content(start, stop),
+        **scan_content(manipulator, fixed_leg, digits, start, stop),
         "lengths": [exact_str(x) for x in sorted(set(lengths))],
         "samples": samples,
     }
@@ -101,9 +98,5 @@ def compute_curves(
 
 
 def _whole(request: DocumentRequest) -> DocumentRequest:
-    everything: dict[str, object] = {
-        "range": range_content(Fraction(0), None),
-        "lengths": [],
-        "samples": None,
-    }
-    return DocumentRequest("cusp-curves", {**request.content, **everything})
+    content = {**request.content, "range": ALL_LENGTHS, "lengths": [], "samples": None}
+    return DocumentRequest("cusp-curves", content)

@@ -118,9 +118,20 @@ class DocumentRequest:
         return hash(self.content_hash)
 
 
-def range_content(start: Fraction, stop: Fraction | None) -> dict[str, str | None]:
-    """A range of lengths as part of a request's content; None is no end."""
-    return {"from": exact_str(start), "to": None if stop is None else exact_str(stop)}
+ALL_LENGTHS: Mapping[str, str | None] = {"from": "0", "to": None}
+"""The range without ends, in a request's content."""
+
+
+def scan_content(
+    manipulator: Manipulator, fixed_leg: int, digits: int, start: Fraction, stop: Fraction | None
+) -> dict[str, Any]:
+    """The content of a request that concerns a range of lengths of one leg; None is no end."""
+    return {
+        "geometry": manipulator.to_json(),
+        "fixed_leg": fixed_leg,
+        "digits": digits,
+        "range": {"from": exact_str(start), "to": None if stop is None else exact_str(stop)},
+    }
 
 
 def content_range(content: Mapping[str, Any]) -> tuple[Fraction, Fraction | None]:
