@@ -13,8 +13,8 @@ from fractions import Fraction
 from flint import fmpz_mpoly, fmpz_mpoly_ctx
 
 from rpr_solver import EXAMPLES, Requirement, census, check, cusp_curves, eliminate, solve_slice
-from rpr_solver.surface import BiForm, Surface
-from rpr_solver.transitions import EventSystems
+from rpr_solver.model.slice_map import BiForm, SliceMap
+from rpr_solver.transitions.event_systems import EventSystems
 
 RING = fmpz_mpoly_ctx.get(("t", "u", "w"), "lex")
 MANIPULATOR = EXAMPLES["innocenti"]
@@ -47,14 +47,14 @@ def polynomial(form: BiForm) -> fmpz_mpoly:
 def naive_critical(systems: EventSystems) -> fmpz_mpoly:
     """The resultant for lips and beaks in one go."""
     first, second = polynomial(systems.critical.first), polynomial(systems.critical.second)
-    return divmod(first.resultant(second, "t"), RING.gen(2) ** 2 - systems.surface.radicand)[1]
+    return divmod(first.resultant(second, "t"), RING.gen(2) ** 2 - systems.slice_map.radicand)[1]
 
 
 def main() -> None:
     """Print the table."""
-    surface = Surface.of(MANIPULATOR)
-    systems = EventSystems.of(surface)
-    both = timed(lambda: EventSystems.of(surface))
+    slice_map = SliceMap.of(MANIPULATOR)
+    systems = EventSystems.of(slice_map)
+    both = timed(lambda: EventSystems.of(slice_map))
     naive = timed(lambda: naive_critical(systems), 1)
     print(f"both eliminants, for swallowtails and for lips and beaks: {both:.2f} s")
     print(f"FLINT's resultant, for lips and beaks alone: {naive:.2f} s, {naive / both:.1f} × that")

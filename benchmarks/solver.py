@@ -17,7 +17,7 @@ from functools import partial
 from flint import acb_poly, arb, ctx, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from rpr_solver import EXAMPLES, eliminate, solve_slice
-from rpr_solver.surface import BiForm, Surface
+from rpr_solver.model.slice_map import BiForm, SliceMap
 
 REPEATS = 7
 MANIPULATOR = EXAMPLES["innocenti"]
@@ -50,19 +50,19 @@ def polynomial(form: BiForm) -> fmpz_mpoly:
     )
 
 
-def naive_elimination(surface: Surface) -> fmpz_mpoly:
+def naive_elimination(slice_map: SliceMap) -> fmpz_mpoly:
     """Res_t(J, E) over Z[omega], symbolic in L, divided by its known factors."""
     _, u, w, length = RING.gens()
-    resultant = polynomial(surface.singular).resultant(polynomial(surface.coalescence), "t")
-    reduced = divmod(resultant, w**2 - surface.radicand)[1]
-    f = surface.f
+    resultant = polynomial(slice_map.singular).resultant(polynomial(slice_map.coalescence), "t")
+    reduced = divmod(resultant, w**2 - slice_map.radicand)[1]
+    f = slice_map.f
     closed = (length**2 + f.ax**2 - f.m**2) * (1 + u**2) - 2 * length * f.ax * (1 - u**2)
     return reduced / (u**2 * (u**2 + 1) ** 9 * closed)
 
 
-def naive_slice(surface: Surface, length: Fraction) -> list[arb]:
+def naive_slice(slice_map: SliceMap, length: Fraction) -> list[arb]:
     """The real roots u of one slice: resultant at this L1, division, FLINT's roots to 90 digits."""
-    j, e = ([(a, b) for a, b in form.at(length)] for form in (surface.singular, surface.coalescence))
+    j, e = ([(a, b) for a, b in form.at(length)] for form in (slice_map.singular, slice_map.coalescence))
 
     def joined(rows: list[tuple[fmpz_poly, fmpz_poly]]) -> fmpz_mpoly:
         return RING.from_dict(
@@ -76,15 +76,15 @@ def naive_slice(surface: Surface, length: Fraction) -> list[arb]:
         )
 
     _, u, w, _ = RING.gens()
-    resultant = divmod(joined(j).resultant(joined(e), "t"), w**2 - surface.radicand)[1]
-    closed = surface.closed_leg(length)
+    resultant = divmod(joined(j).resultant(joined(e), "t"), w**2 - slice_map.radicand)[1]
+    closed = slice_map.closed_leg(length)
     known = u**2 * (u**2 + 1) ** 9 * (int(closed[0]) + int(closed[1]) * u + int(closed[2]) * u**2)
     q = resultant / known
     parts = [[0] * 25, [0] * 25]
     for (_, k, power, _), c in q.to_dict().items():
         parts[power][k] = c
     with ctx.workprec(400):
-        omega = arb(surface.radicand).sqrt()
+        omega = arb(slice_map.radicand).sqrt()
         balls = [arb(a) + omega * arb(b) for a, b in zip(*parts, strict=True)]
         roots = acb_poly(balls).roots(tol=arb(10) ** -90)
     return [r.real for r in roots if r.imag.contains(0)]
@@ -92,14 +92,14 @@ def naive_slice(surface: Surface, length: Fraction) -> list[arb]:
 
 def main() -> None:
     """Print the table."""
-    surface = Surface.of(MANIPULATOR)
+    slice_map = SliceMap.of(MANIPULATOR)
     eliminant = eliminate(MANIPULATOR)
-    ours, peer = timed(lambda: eliminate(MANIPULATOR)), timed(lambda: naive_elimination(surface), 3)
+    ours, peer = timed(lambda: eliminate(MANIPULATOR)), timed(lambda: naive_elimination(slice_map), 3)
     print(f"{'first manipulator':<34}{'ours':>10}{'naive':>10}{'ratio':>9}")
     print(f"{'elimination, symbolic in L1 [ms]':<34}{ours:10.1f}{peer:10.1f}{peer / ours:9.1f}")
     for length in LENGTHS:
         ours = timed(partial(solve_slice, eliminant, length), 25)
-        peer = timed(partial(naive_slice, surface, length * surface.scale))
+        peer = timed(partial(naive_slice, slice_map, length * slice_map.scale))
         count = solve_slice(eliminant, length).count
         label = f"slice L1 = {float(length)}, {count} cusps [ms]"
         print(f"{label:<34}{ours:10.2f}{peer:10.2f}{peer / ours:9.1f}")

@@ -6,27 +6,25 @@
 (6, '-69.1293760614883')
 """
 
-from rpr_solver.article import ArticleTable, article_table
-from rpr_solver.census import Census, Transition, TransitionPoint, census
-from rpr_solver.check import CheckedInterval, CheckReport, Requirement, check
-from rpr_solver.cusp_curves import CurveEnd, CurvePoint, CuspCurve, CuspCurves, cusp_curves
-from rpr_solver.cusps import (
-    DEFAULT_DIGITS,
-    MAX_DIGITS,
-    MIN_DIGITS,
-    SliceTable,
-    cusp_table,
-    slice_error_json,
-    solve_slice,
-    table_json,
-)
-from rpr_solver.eliminant import SOLVER_VERSION, Eliminant, eliminate
+from rpr_solver.article.audit import ArticleTable, article_table
+from rpr_solver.contract import DEFAULT_DIGITS, MAX_DIGITS, MIN_DIGITS, SOLVER_VERSION
+from rpr_solver.curves.cusp_curves import CurveEnd, CurvePoint, CuspCurve, CuspCurves, cusp_curves
+from rpr_solver.documents import census_csv, curves_csv, restrict_census, shorten_slice, table_csv
 from rpr_solver.errors import FieldProblem, InputError, SolverError
-from rpr_solver.geometry import EXAMPLES, Manipulator
-from rpr_solver.kinematics import DirectPolynomial, PlatformPose, PoseTable, poses, poses_of_squares
-from rpr_solver.numbers import exact_str, parse_exact
-from rpr_solver.points import JointPoint
-from rpr_solver.tables import census_csv, curves_csv, restrict_census, shorten_slice, table_csv
+from rpr_solver.exact.rationals import exact_str, parse_exact
+from rpr_solver.kinematics.pose_table import (
+    DirectPolynomial,
+    PlatformPose,
+    PoseTable,
+    poses,
+    poses_of_squares,
+)
+from rpr_solver.model.manipulator import EXAMPLES, Manipulator
+from rpr_solver.slices.cusp_table import SliceTable, cusp_table, slice_error_json, solve_slice, table_json
+from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices.joint_points import JointPoint
+from rpr_solver.transitions.census import Census, Transition, TransitionPoint, census
+from rpr_solver.transitions.requirement import CheckedInterval, CheckReport, Requirement, check
 
 __all__ = [
     "DEFAULT_DIGITS",

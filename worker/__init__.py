@@ -1,11 +1,11 @@
 """The worker layer: results and jobs in Redis, and the RQ worker processes that compute them."""
 
+from worker.answers.store import ResultStore
 from worker.connection import connect
-from worker.queue import JobQueue
-from worker.records import JobView
-from worker.requests import DocumentRequest, JobRequest, TableRequest
+from worker.jobs.queue import JobQueue
+from worker.jobs.records import JobView
+from worker.jobs.requests import DocumentRequest, JobRequest, TableRequest
 from worker.settings import WorkerSettings
-from worker.store import ResultStore
 
 __all__ = [
     "DocumentRequest",

@@ -6,7 +6,7 @@ import argparse
 import os
 import sys
 
-from worker.process import run_worker
+from worker.process.worker import run_worker
 
 
 def main() -> int:

@@ -17,7 +17,7 @@ class WorkerSettings(BaseSettings):
     key_prefix: str = Field(default="cusps", description="prefix of every Redis key of this service")
     queue_name: str = Field(default="cusps", description="RQ queue of small jobs; large ones use NAME-bulk")
     task: str = Field(
-        default="worker.tasks.run_chunk", description="dotted name of the function a chunk runs"
+        default="worker.process.tasks.run_chunk", description="dotted name of the function a chunk runs"
     )
 
     chunk_size: int = Field(default=40, ge=1, description="slices in one RQ job, at most")

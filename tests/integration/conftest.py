@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from processes import Workers
 from redis import Redis
 
-from service.embedded import EmbeddedValkey
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import Workers
 from worker import connect
 
 

@@ -8,9 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from processes import ROOT, environment, is_running, until
 
-from service.embedded import EmbeddedError, EmbeddedValkey, default_data_dir
+from service.stack.embedded_valkey import EmbeddedError, EmbeddedValkey, default_data_dir
+from tests.support.processes import ROOT, environment, is_running, until
 from worker import connect
 
 HOLD = """

@@ -10,10 +10,10 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from processes import ROOT, Workers, descendants, environment, is_running, until
 from redis import Redis
 
 from rpr_solver import EXAMPLES
+from tests.support.processes import ROOT, Workers, descendants, environment, is_running, until
 from worker import DocumentRequest, JobQueue, JobRequest, JobView, TableRequest, WorkerSettings
 
 
@@ -32,7 +32,7 @@ both_kinds = pytest.mark.parametrize("wanted", [a_request("1", "2"), a_document(
 
 def jobs(redis: Redis, task: str = "", **settings: object) -> JobQueue:
     """The queue as an API process sees it; with `task`, its chunks run one of the hard tasks."""
-    name = f"hard_tasks.{task}" if task else "worker.tasks.run_chunk"
+    name = f"tests.support.hard_tasks.{task}" if task else "worker.process.tasks.run_chunk"
     return JobQueue(redis, WorkerSettings.model_validate({"task": name, **settings}))
 
 
@@ -95,7 +95,7 @@ def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, want
 def test_how_a_job_failed_is_told(
     redis: Redis, workers: Workers, wanted: JobRequest, task: str, kind: str
 ) -> None:
-    worker = workers.start(memory_limit_mb=1024, max_losses=2, task=f"hard_tasks.{task}")
+    worker = workers.start(memory_limit_mb=1024, max_losses=2, task=f"tests.support.hard_tasks.{task}")
     queue = jobs(redis, task)
     view = ended(queue, queue.submit(wanted).id)
     assert view.error is not None
@@ -110,11 +110,11 @@ def test_how_a_job_failed_is_told(
 def test_another_worker_takes_over_from_a_dead_one(
     redis: Redis, workers: Workers, wanted: JobRequest
 ) -> None:
-    first = workers.start(task="hard_tasks.slow_once")
+    first = workers.start(task="tests.support.hard_tasks.slow_once")
     queue = jobs(redis, "slow_once")
     view = queue.submit(wanted)
     until(lambda: is_at_work(queue, view))
-    second = workers.start(task="hard_tasks.slow_once")
+    second = workers.start(task="tests.support.hard_tasks.slow_once")
     (horse,) = descendants(first.pid)
     first.kill()
     first.wait()
@@ -125,7 +125,7 @@ def test_another_worker_takes_over_from_a_dead_one(
 
 @both_kinds
 def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, wanted: JobRequest) -> None:
-    first = workers.start(shutdown_grace=0.2, max_losses=0, task="hard_tasks.slow_once")
+    first = workers.start(shutdown_grace=0.2, max_losses=0, task="tests.support.hard_tasks.slow_once")
     queue = jobs(redis, "slow_once")
     view = queue.submit(wanted)
     until(lambda: is_at_work(queue, view))

@@ -16,13 +16,14 @@ from pathlib import Path
 
 import httpx
 import pytest
-from processes import ROOT, descendants, environment, is_running, until
 from redis import Redis
 
 from rpr_solver import EXAMPLES
-from service.embedded import EmbeddedValkey, runtime_dir
+from service.stack.embedded_valkey import EmbeddedValkey, runtime_dir
+from tests.support.processes import ROOT, descendants, environment, is_running, until
 from worker import JobQueue, TableRequest, WorkerSettings, connect
 
+SLOW = "tests.support.hard_tasks.slow_once"
 SERVE = """
 import sys
 from pathlib import Path
@@ -123,8 +124,11 @@ def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
 def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None:
-    with running(tmp_path, workers=2, task="hard_tasks.slow_once") as stack, stack.redis() as redis:
-        queue = JobQueue(redis, WorkerSettings(task="hard_tasks.slow_once"))
+    with (
+        running(tmp_path, workers=2, task="tests.support.hard_tasks.slow_once") as stack,
+        stack.redis() as redis,
+    ):
+        queue = JobQueue(redis, WorkerSettings(task=SLOW))
         view = queue.submit(a_request("1"))
         until(lambda: len(stack.parts()) == 4)  # with the work horse
         parts = stack.parts()
@@ -153,9 +157,9 @@ def test_queued_jobs_are_there_again(tmp_path: Path) -> None:
 
 
 def test_a_second_signal_hurries(tmp_path: Path) -> None:
-    settings = {"task": "hard_tasks.endless", "shutdown_grace": 60}
+    settings = {"task": "tests.support.hard_tasks.endless", "shutdown_grace": 60}
     with running(tmp_path, **settings) as stack, stack.redis() as redis:
-        JobQueue(redis, WorkerSettings(task="hard_tasks.endless")).submit(a_request("1"))
+        JobQueue(redis, WorkerSettings(task="tests.support.hard_tasks.endless")).submit(a_request("1"))
         until(lambda: len(stack.parts()) == 3)
         parts = stack.parts()
         until(lambda: stack.process.poll() is not None or stack.process.terminate(), seconds=10)

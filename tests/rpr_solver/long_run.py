@@ -21,9 +21,6 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
-from families import FAMILIES, family
-from newton import count_cusps, distance
-
 from rpr_solver import (
     InputError,
     Manipulator,
@@ -34,6 +31,8 @@ from rpr_solver import (
     eliminate,
     solve_slice,
 )
+from tests.support.families import FAMILIES, family
+from tests.support.newton import count_cusps, distance
 
 NAMES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 

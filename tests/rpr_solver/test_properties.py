@@ -8,11 +8,8 @@ from fractions import Fraction
 
 import mpmath as mp
 import pytest
-from article import coalescence, pose, singularity
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from newton import count_cusps, distance
-from strategies import lengths, manipulators
 
 from rpr_solver import (
     EXAMPLES,
@@ -24,6 +21,9 @@ from rpr_solver import (
     shorten_slice,
     solve_slice,
 )
+from tests.support.article import coalescence, pose, singularity
+from tests.support.newton import count_cusps, distance
+from tests.support.strategies import lengths, manipulators
 
 LEGS = st.sampled_from([1, 2, 3])
 ANY_MANIPULATOR = st.one_of(manipulators(), manipulators(size=4, denominators=(1,)))

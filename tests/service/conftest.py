@@ -7,12 +7,13 @@ from collections.abc import Callable, Iterator
 import httpx
 import pytest
 from redis import Redis
-from service_server import serving
 
-from service.embedded import EmbeddedValkey
-from service.settings import Limits, Settings
+from service.api.settings import Settings
+from service.schemas.limits import Limits
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.service_server import serving
 from worker import JobQueue, connect
-from worker.pool import WorkerPool
+from worker.process.pool import WorkerPool
 
 
 @pytest.fixture(scope="session")

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import pytest
 from redis import Redis
-from worker_requests import a_request
 
-from service.embedded import EmbeddedValkey
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.worker_requests import a_request
 from worker import JobQueue, TableRequest, WorkerSettings, connect
 
 

@@ -1,0 +1,298 @@
+"""The article's own algorithm, as an audit of the solver's: steps 1–7, and 5'–6' for its conjecture.
+
+It eliminates t from (6) and (10) instead of J and E, takes the eliminant of degree 96 apart
+(eliminant.py), and follows every real root of every factor to its couples (t, u), each of which
+is kept as a cusp, reported as a degenerate point, or rejected with the reason. Only leg 1 is fixed, as
+in the article.
+
+:meth:`ArticleTable.to_json` is the slice object with two more members::
+
+    "method": "article",
+    "audit": {"equations": …, "eliminant_degree": 96, "h": …,
+              "factors": [{"origin": …, "degree": 2, "multiplicity": 2,
+                           "irreducible": [{"degree": 2, "multiplicity": 1}], "reason": …,
+                           "real_roots": 2, "rejected_in_step_6": 3,
+                           "couples": [{"alpha_deg": …, "theta1_deg": …,
+                                        "verdict": "kept|degenerate|rejected", "reason": …}]}],
+              "conjecture": {"holds": true, "answer": …}}
+
+A real root that two factors share is listed with Q, or else with the first of them.
+``rejected_in_step_6`` counts solutions of (13) that fail (14); null where that was not counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, ctx, fmpz_poly
+
+from rpr_solver.article.couples import (
+    Couple,
+    adjugate_stands,
+    count_real,
+    couple_by_balls,
+    exact_couple,
+    rejected_by_balls,
+)
+from rpr_solver.article.eliminant import DEGREE, DEGREE_Q, ArticleEliminant, KnownFactor, article_forms
+from rpr_solver.contract import DEFAULT_DIGITS
+from rpr_solver.errors import InputError, SolverError
+from rpr_solver.exact.decimals import digit_bits
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, root_and_omega, value_at
+from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
+from rpr_solver.exact.quadratic import Pair
+from rpr_solver.exact.rationals import parse_exact
+from rpr_solver.exact.real_roots import RealPolynomial
+from rpr_solver.model.classify import CUSP
+from rpr_solver.model.half_tangent import HalfTangent, common_root
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.slices.by_balls import SlicePoses
+from rpr_solver.slices.cusp_table import SliceTable, check_slice, slice_error_json, table_json
+from rpr_solver.slices.joint_points import Found, JointPoint, found_by_balls, in_order
+
+METHOD = "article"
+_Q = "Q"
+_ROUNDS_BEFORE_EXACT = 4
+_Q_REASON = "all that is left: degree 24 (13 and 14 hold, and the adjugate does not vanish)"
+
+
+@dataclass(frozen=True)
+class ArticleTable:
+    """A slice's table by the article's algorithm, with the audit of its eliminant."""
+
+    table: SliceTable
+    audit: Mapping[str, object] = field(repr=False)
+
+    @property
+    def count(self) -> int:
+        """The number of cusps."""
+        return self.table.count
+
+    @property
+    def cusps(self) -> tuple[JointPoint, ...]:
+        """The cusps, sorted by θ1."""
+        return self.table.cusps
+
+    def to_json(self) -> dict[str, object]:
+        """The slice object with ``method`` and ``audit``."""
+        return {**self.table.to_json(), "method": METHOD, "audit": dict(self.audit)}
+
+
+def article_table(
+    manipulator: Manipulator, l1: int | str | Fraction, *, digits: int = DEFAULT_DIGITS
+) -> ArticleTable:
+    """All cusps of the slice L1 = ``l1`` by the article's algorithm.
+
+    Raises:
+        InputError: ``l1`` is no exact number or not positive, or ``digits`` is out of range.
+        SolverError: the article's eliminant vanishes identically (congruent triangles), or a root
+            could not be decided.
+    """
+    length = parse_exact(l1, "l1")
+    check_slice(1, length, digits)
+    return _Audit(manipulator, length, digits).table()
+
+
+@dataclass
+class _Row:
+    """A factor of the eliminant with what its real roots gave."""
+
+    factor: KnownFactor
+    irreducible: list[tuple[int, int]]
+    real_roots: int = 0
+    rejected_in_step_6: int | None = 0
+    couples: list[Couple] = field(default_factory=list)
+    found: list[Found] = field(default_factory=list)
+
+    def add(self, couple: Couple, found: Found | None) -> None:
+        """A couple of (13) and (14), and the point if it is not rejected."""
+        self.couples.append(couple)
+        if found is not None:
+            self.found.append(found)
+
+    def reject(self, real: int | None, kept: int) -> None:
+        """Count the real solutions of (13) above a root that do not satisfy (14); None: not counted."""
+        known = self.rejected_in_step_6
+        self.rejected_in_step_6 = None if real is None or known is None else known + real - kept
+
+    def to_json(self) -> dict[str, object]:
+        return {
+            "origin": self.factor.origin,
+            "degree": self.factor.degree,
+            "multiplicity": self.factor.multiplicity,
+            "irreducible": [{"degree": d, "multiplicity": m} for d, m in self.irreducible],
+            "reason": self.factor.reason,
+            "real_roots": self.real_roots,
+            "rejected_in_step_6": self.rejected_in_step_6,
+            "couples": [couple.to_json() for couple in self.couples],
+        }
+
+
+class _Audit:
+    def __init__(self, manipulator: Manipulator, length: Fraction, digits: int) -> None:
+        self.slice_map = SliceMap.of(manipulator)
+        self.length = length
+        self.scaled = length * self.slice_map.scale
+        self.digits = digits
+        self.eliminant = ArticleEliminant.of(self.slice_map, self.scaled)
+        self._seen: set[object] = set()
+
+    def table(self) -> ArticleTable:
+        q = KnownFactor(self.eliminant.q, DEGREE_Q, 1, _Q, _Q_REASON)
+        last = self._row(q)  # first, so that a root shared with another factor is its own
+        rows = [*map(self._row, self.eliminant.known), last]
+        found = in_order(x for row in rows for x in row.found)
+        cusps = [x for x in found if x.kind == CUSP]
+        degenerate = [{"kind": x.kind, **x.point.to_json(1)} for x in found if x.kind != CUSP]
+        certificate = {
+            "eliminant_degree": DEGREE,
+            "real_roots": sum(row.real_roots for row in rows),
+            "factors": [
+                {
+                    "degree": row.factor.degree,
+                    "multiplicity": row.factor.multiplicity,
+                    "origin": "cusps" if row is last else row.factor.origin,
+                }
+                for row in rows
+            ],
+            "method": METHOD,
+            "working_bits": max((x.bits for x in found), default=0),
+            "proofs": [dict(x.proof) for x in cusps],
+        }
+        table = SliceTable(
+            1, self.length, self.digits, tuple(x.point for x in cusps), tuple(degenerate), certificate
+        )
+        return ArticleTable(table, self._report(rows))
+
+    def _report(self, rows: Sequence[_Row]) -> dict[str, object]:
+        slice_map = self.slice_map
+        if self.eliminant.flat:
+            h = "symbolic; its value 0 makes (14) follow from (13): step 6 keeps all, step 7 alone decides"
+        elif slice_map.rational:
+            h = "rational, put in before eliminating"
+        else:
+            h = f"symbolic, a rational multiple of sqrt({slice_map.radicand})"
+        elsewhere = sum(x.kind == CUSP for row in rows[:-1] for x in row.found)
+        answer = (
+            "Q gives all cusps. Every other factor is known in closed form, for every geometry: poses in"
+            " which a leg has length zero, or the first row or column of the adjugate vanishes, so that (10)"
+            " holds without three poses coalescing; their real couples are listed, each with the reason."
+        )
+        if elsewhere:
+            answer = f"{elsewhere} cusps belong to roots of other factors"
+        return {
+            "equations": "(6), (9)-(12); F1 of degree 4, E1 of degree 12 in tan(alpha/2) and tan(theta1/2)",
+            "eliminant_degree": DEGREE,
+            "h": h,
+            "factors": [row.to_json() for row in rows],
+            "conjecture": {"holds": not elsewhere, "answer": answer},
+        }
+
+    def _row(self, factor: KnownFactor) -> _Row:
+        """Steps 5–7 for the real roots of one factor."""
+        factors = norm_factors(factor.pair, self.slice_map.radicand)
+        row = _Row(factor, [shape for f in factors for shape in f.shape])
+        for root in exact_roots(factors):
+            if self._new((str(root.root.polynomial.a), root.root.ball.mid().man_exp())):
+                row.real_roots += 1
+                if not (root.multiplicity == 1 and self._by_balls(row, root)):
+                    self._exactly(row, root, self.eliminant.f1, self.eliminant.e1, self.scaled)
+        at_infinity = factor.degree - max(part.degree() for part in factor.pair)
+        if at_infinity:
+            row.irreducible.append((1, int(at_infinity)))
+            if self._new("infinity"):
+                row.real_roots += 1
+                [zero] = exact_roots(norm_factors((fmpz_poly([0, 1]), fmpz_poly([])), 1))
+                self._exactly(row, zero, *article_forms(self.slice_map, -self.scaled), -self.scaled)
+        return row
+
+    def _new(self, key: object) -> bool:
+        """Whether a root is seen for the first time."""
+        known = key in self._seen
+        self._seen.add(key)
+        return not known
+
+    def _by_balls(self, row: _Row, root: ExactRoot) -> bool:
+        """The one couple above a simple root, proved a cusp or none; False where balls do not tell."""
+        flat, radicand = self.eliminant.flat, self.slice_map.radicand
+        bits = digit_bits(self.digits) + 192
+        for _ in range(0 if flat and row.factor.origin != _Q else _ROUNDS_BEFORE_EXACT):
+            u = root.root.refined(bits - 64)
+            poses = SlicePoses(self.slice_map, self.scaled, bits)
+            with ctx.workprec(bits):
+                f1, e1 = (
+                    [RealPolynomial(a, b, radicand).ball(bits)(u) for a, b in form]
+                    for form in (self.eliminant.f1, self.eliminant.e1)
+                )
+                # for h = 0 (14) is void; above a root of Q it is J and E that have one common root
+                t = poses.alpha(u) if flat else common_root(f1, e1)
+                if t is not None and self._decided(row, poses, u, t):
+                    row.reject(None if flat else count_real(f1), 1)
+                    return True
+            bits *= 2
+        return False
+
+    def _decided(self, row: _Row, poses: SlicePoses, u: arb, t: HalfTangent) -> bool:
+        pose = self.slice_map, poses.length, u, t, poses.omega
+        if row.factor.origin != _Q:
+            couple = rejected_by_balls(*pose, row.factor.closed_leg)
+            if couple is not None:
+                row.add(couple, None)
+            return couple is not None
+        if not (self.eliminant.flat or adjugate_stands(*pose)):
+            return False
+        cusp = poses.cusp(u, t)
+        found = cusp and found_by_balls(cusp, self.digits, poses.bits)
+        if not (cusp and found):
+            return False
+        row.add(couple_by_balls(cusp), found)
+        return True
+
+    def _exactly(
+        self, row: _Row, root: ExactRoot, f1: Sequence[Pair], e1: Sequence[Pair], length: Fraction
+    ) -> None:
+        """All couples above one root, classified over a number field; ``length`` is −L1 for θ1 = 180°."""
+        flat, offset = self.eliminant.flat, 0 if length > 0 else 180
+        second = self.slice_map.coalescence.at(length) if flat else e1
+        for u, omega in root_and_omega(self.slice_map.radicand, root):
+            f1_at, e1_at = ([value_at(pair, u, omega) for pair in form] for form in (f1, second))
+            if not trimmed(f1_at):
+                raise SolverError("(13) holds on a whole line theta1 = const; the algorithm ends here")
+            couples: list[tuple[Algebraic | None, Algebraic, Algebraic]] = []
+            if f1_at[-1].is_zero and e1_at[-1].is_zero:
+                couples.append((None, u, omega))
+            common = poly_gcd(trimmed(f1_at), trimmed(e1_at))
+            if len(common) > 1:
+                extensions = adjoin_real_roots(u.field, squarefree_part(common))
+                couples += [(x.root, x.lift(u), x.lift(omega)) for x in extensions]
+            for t, at_u, at_omega in couples:
+                row.add(*exact_couple(self.slice_map, length, t, at_u, at_omega, offset, self.digits))
+            bits = digit_bits(self.digits)
+            with ctx.workprec(bits):
+                finite = count_real([c.ball(bits) for c in squarefree_part(trimmed(f1_at))])
+            if flat or finite is None:
+                row.reject(None, 0)
+            else:
+                row.reject(finite + f1_at[-1].is_zero, len(couples))
+
+
+def article_document(
+    manipulator: Manipulator, l1: Sequence[Fraction], digits: int, progress: Callable[[int, int], None]
+) -> dict[str, Any]:
+    """The table. A slice that the algorithm cannot answer says so in its place."""
+    solved: list[dict[str, Any]] = []
+    for value in l1:
+        progress(len(solved), len(l1))
+        try:
+            found = article_table(manipulator, value, digits=digits).to_json()
+        except InputError as error:
+            found = slice_error_json(value, 1, "input-error", str(error))
+        except SolverError as error:
+            found = slice_error_json(value, 1, "solver-error", str(error))
+        solved.append(found)
+    progress(len(l1), len(l1))
+    return {**table_json(manipulator, 1, digits, solved), "method": "article"}

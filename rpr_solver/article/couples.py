@@ -1,0 +1,162 @@
+"""Step 7 of the article's algorithm: is a couple (t, u) that solves (13) and (14) a cusp, and why not?"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from flint import acb_poly, arb, arb_poly
+
+from rpr_solver.article.equations import LEG_ALONG, Legs, Vector, adjugate
+from rpr_solver.exact.decimals import round_ball
+from rpr_solver.exact.number_field import Algebraic
+from rpr_solver.model.classify import CUSP, classify, cos_sin
+from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.slices.by_balls import CuspBalls
+from rpr_solver.slices.by_fields import ExactPose
+from rpr_solver.slices.joint_points import Found, found_exactly
+
+KEPT, DEGENERATE, REJECTED = "kept", "degenerate", "rejected"
+_TRIPLE = "three direct kinematic solutions coincide"
+_SHOWN_DIGITS = 15
+
+
+@dataclass(frozen=True)
+class Couple:
+    """A solution couple with its verdict."""
+
+    alpha_deg: str
+    theta1_deg: str
+    verdict: str
+    reason: str
+
+    def to_json(self) -> dict[str, str]:
+        """The audit's object."""
+        return {
+            "alpha_deg": self.alpha_deg,
+            "theta1_deg": self.theta1_deg,
+            "verdict": self.verdict,
+            "reason": self.reason,
+        }
+
+
+def couple_by_balls(cusp: CuspBalls) -> Couple:
+    """The couple of a proved cusp."""
+    alpha, theta = (round_ball(x, _SHOWN_DIGITS) or x.str(5) for x in (cusp.alpha_deg, cusp.theta_deg))
+    return Couple(alpha, theta, KEPT, _TRIPLE)
+
+
+def rejected_by_balls(
+    slice_map: SliceMap, length: arb, u: arb, t: HalfTangent, omega: arb, closed_leg: int | None
+) -> Couple | None:
+    """A couple that is proved not to be triple, with the reason; None where balls do not tell.
+
+    The couple must satisfy (13) and (14). If E ≠ 0 there, (10) holds only since a row or column of
+    (8) vanishes; where exactly the kᵢ that are not proved to differ from 0 are needed for that, they
+    are 0. ``closed_leg`` is a leg whose length is known to be zero.
+    """
+    alpha, (cos, sin) = t.cos_sin(), HalfTangent(u, arb(1)).cos_sin()
+    local = LocalMap.at(slice_map, Pose(*alpha, cos, sin, length, omega), 2)
+    j = local.singularity()
+    if all(local.along(leg, j).value.contains(0) for leg in (local.f, local.g)):
+        return None
+    legs = _legs(slice_map, alpha, (length * cos, length * sin), omega, arb(1))
+    zero = {i for i, k in legs.k.items() if k.contains(0)}
+    if not _vanishing(zero) or any(_vanishing(zero - {i}) for i in zero):
+        return None
+    texts = [round_ball(x, _SHOWN_DIGITS) for x in (t.degrees(), HalfTangent(u, arb(1)).degrees())]
+    if None in texts or t.denominator.contains(0):
+        return None
+    reasons = [] if closed_leg is None else [f"leg {closed_leg} has length zero"]
+    return Couple(str(texts[0]), str(texts[1]), REJECTED, _because(reasons, zero))
+
+
+def adjugate_stands(slice_map: SliceMap, length: arb, u: arb, t: HalfTangent, omega: arb) -> bool:
+    """Proof that neither the first row nor the first column of (8) vanishes: then (10) is (7)."""
+    cos, sin = HalfTangent(u, arb(1)).cos_sin()
+    adj = adjugate(_legs(slice_map, t.cos_sin(), (length * cos, length * sin), omega, arb(1)).k)
+    row, column = adj[0], [line[0] for line in adj]
+    return all(any(not x.contains(0) for x in part) for part in (row, column))
+
+
+def exact_couple(
+    slice_map: SliceMap,
+    length: Fraction,
+    t: Algebraic | None,
+    u: Algebraic,
+    omega: Algebraic,
+    theta_offset: int,
+    digits: int,
+) -> tuple[Couple, Found | None]:
+    """Classify a couple in a number field; the point, unless it is rejected.
+
+    ``t`` is None at α = 180°; with ``theta_offset`` 180, ``length`` is −L1 (by_fields.py).
+    """
+    field = u.field
+    alpha = (field(-1), field(0)) if t is None else cos_sin(t)
+    theta = cos_sin(u)
+    pose = Pose(*alpha, *theta, field(length), omega)
+    local = LocalMap.at(slice_map, pose, 4)
+    kind = classify(slice_map, pose, local)
+    f, g = local.squared_lengths(slice_map, pose)
+    exact = ExactPose(kind or "rejected couple", t, u, theta_offset, f, g, slice_map)
+    shown = found_exactly(exact, _SHOWN_DIGITS).point
+    if kind is None:
+        b1 = theta[0] * pose.length, theta[1] * pose.length
+        reason = _why(_legs(slice_map, alpha, b1, omega, field(1)), f, g)
+        return Couple(shown.alpha_deg, shown.theta_deg, REJECTED, reason), None
+    verdict, reason = (KEPT, _TRIPLE) if kind == CUSP else (DEGENERATE, kind)
+    return Couple(shown.alpha_deg, shown.theta_deg, verdict, reason), found_exactly(exact, digits)
+
+
+def count_real(coefficients: Sequence[arb]) -> int | None:
+    """The number of real roots of a polynomial with simple roots; None if the balls do not tell."""
+    if not coefficients or coefficients[-1].contains(0):
+        return None
+    try:
+        roots = acb_poly(arb_poly(list(coefficients))).roots()
+    except ValueError:
+        return None
+    real = [root for root in roots if root.imag.contains(0)]
+    alone = all(not root.conjugate().overlaps(x) for root in real for x in roots if x is not root)
+    return len(real) if alone else None
+
+
+def _legs(slice_map: SliceMap, alpha: Vector, b1: Vector, omega: Any, one: Any) -> Legs:
+    """(12): the leg vectors of a pose, in any ring."""
+    cos, sin = alpha
+
+    def vector(leg: Leg) -> Vector:
+        x = cos * leg.m - sin * (omega * leg.n)
+        y = sin * leg.m + cos * (omega * leg.n)
+        return b1[0] + x - leg.ax, b1[1] + y - leg.ay
+
+    f, g = slice_map.f, slice_map.g
+    return Legs((b1, vector(f), vector(g)), f.ax, g.ax, g.ay, one)
+
+
+def _vanishing(zero: Collection[int]) -> list[str]:
+    """Which of the adjugate's first row and first column vanish if just these kᵢ are 0."""
+    adj = adjugate({i: 0 if i in zero else 1 for i in LEG_ALONG})
+    parts = {"row": adj[0], "column": [line[0] for line in adj]}
+    return [name for name, entries in parts.items() if not any(entries)]
+
+
+def _why(legs: Legs, f: Algebraic, g: Algebraic) -> str:
+    """Why (14) holds without three solutions coinciding."""
+    closed = [f"leg {leg} has length zero" for leg, square in ((2, f), (3, g)) if square.is_zero]
+    return _because(closed, {i for i, k in legs.k.items() if k.is_zero})
+
+
+def _because(reasons: list[str], zero: Collection[int]) -> str:
+    parts = _vanishing(zero)
+    if parts and not reasons:
+        where = ", ".join(LEG_ALONG[i] for i in sorted(zero))
+        names = " = ".join(f"k{i}" for i in sorted(zero))
+        verb = "vanishes" if len(parts) == 1 else "vanish"
+        reasons = [f"{names} = 0 ({where}), so the adjugate's first {' and '.join(parts)} {verb}"]
+    return "; ".join([*reasons, "v.grad J != 0: only two solutions coincide"])

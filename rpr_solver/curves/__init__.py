@@ -1,0 +1,1 @@
+"""Cusps followed through all lengths of one leg."""

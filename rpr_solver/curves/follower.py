@@ -1,0 +1,91 @@
+"""A cusp followed by proof along its curve J = E = 0 in (α, θ, L), from tube to tube.
+
+Tubes lead through swallowtails, lips and beaks as well, where the curve turns back in L. All along it is a
+curve of cusps, but for these: a zero at which neither ∇f = 0 nor v·∇E = 0 nor ∇J = 0 is a cusp, and poses
+with ∇f = 0 come in curves of their own, which a tube would hold beside the cusps'. E may be taken along
+either leg; it is taken along the one with the larger gradient, for a cusp may pass a pose at which the
+other gradient vanishes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+from flint import arb, ctx
+
+from rpr_solver.curves.neighbourhood import ALONG_L, CuspForms, Neighbourhood, Place
+from rpr_solver.curves.tubes import Tube, build
+from rpr_solver.exact.real_roots import ball_of
+
+_FIRST_BITS, _MAX_BITS = 128, 1 << 12
+_FIRST_REACH = Fraction(1, 32)
+
+
+class LostError(Exception):
+    """No tube leads on at any precision tried."""
+
+
+class Follower:
+    """A cusp of a slice on its way up, or down, along its curve.
+
+    ``start`` gives a box that holds the cusp, and no other zero, as small as a precision in bits allows.
+    Lengths are scaled.
+    """
+
+    def __init__(
+        self, forms: CuspForms, start: Callable[[int], Place], length: Fraction, *, upwards: bool
+    ) -> None:
+        self.forms = forms
+        self._start, self._begin, self._upwards = start, length, upwards
+        self._bits = _FIRST_BITS
+        self._reach = ball_of(_FIRST_REACH)
+        self._tube: Tube | None = None
+
+    def walk(self, low: Fraction, high: Fraction, tubes: int) -> tuple[Fraction, Place] | None:
+        """Go on, above ``low`` and below ``high``, to the first of these two slices that the curve meets.
+
+        Returns:
+            The slice that was met and the box there; None when so many new tubes lead to neither.
+
+        Raises:
+            LostError: no tube leads on.
+        """
+        for _ in range(tubes + 1):
+            if self._tube:
+                with ctx.workprec(self._bits):
+                    met = self._tube.meets(low, high)
+                    if met is not None:
+                        return met, self._tube.place_at(ball_of(met))
+            self._extend(low, high)
+        return None
+
+    def _extend(self, low: Fraction, high: Fraction) -> None:
+        while self._bits <= _MAX_BITS:
+            with ctx.workprec(self._bits):
+                tube = self._next(ball_of(low), ball_of(high))
+            if tube:
+                self._tube, self._reach = tube, 2 * tube.reach
+                return
+            self._bits *= 2
+        raise LostError
+
+    def _next(self, low: arb, high: arb) -> Tube | None:
+        if self._tube is None:
+            around = Neighbourhood.at(self.forms, self._start(self._bits), ball_of(self._begin), self._bits)
+            return build(around, ALONG_L, self._upwards, self._reach, None)
+        tube = self._tube
+        around = Neighbourhood.at(self.forms, *tube.end(), self._bits)
+        heading = around.heading(tube.axis, tube.forwards)
+        if heading is None:
+            return None
+        axis, forwards, upwards = heading
+        if axis == ALONG_L:
+            return build(around, axis, forwards, self._reach, None)
+        across = build(around, axis, forwards, self._reach, (low, high))
+        if (across and across.reach * 4 > self._reach) or upwards is None:
+            return across
+        along = build(around, ALONG_L, upwards, self._reach, None)
+        if across and along and along.advance(axis) < across.reach:
+            return across
+        return along or across

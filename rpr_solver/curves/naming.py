@@ -1,0 +1,141 @@
+"""The cusps of many slices named: each is followed from slice to slice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+
+from rpr_solver.curves.destinations import Cusp, Tracker
+from rpr_solver.curves.follower import Follower
+from rpr_solver.errors import SolverError
+from rpr_solver.exact.rationals import exact_str
+from rpr_solver.transitions.events import Event
+from rpr_solver.transitions.survey import Progress, Survey
+
+
+@dataclass
+class Track:
+    """One cusp through the slices of a survey.
+
+    ``cusps`` gives its place in the table of each slice, by the slice's number. ``born_with`` and
+    ``dies_with`` are the numbers of the tracks into which the curve turns back at its ends, where known.
+    """
+
+    cusps: dict[int, int]
+    born_with: int | None = None
+    dies_with: int | None = None
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """All cusps of a survey.
+
+    ``undecided`` are the groups of events at which tracks end and begin, alone, that may be the same.
+    """
+
+    tracks: tuple[Track, ...]
+    undecided: frozenset[int]
+
+
+def tracks(found: Survey, tracker: Tracker, progress: Progress) -> Tracks:
+    """Follow every cusp of a survey from slice to slice."""
+    everything: list[Track] = []
+    undecided = set()
+    alive: dict[int, Follower] = {}
+
+    def begin(k: int, indices: Sequence[int]) -> None:
+        for index in indices:
+            alive[len(everything)] = tracker.follower((found.slices[k].length, index), upwards=True)
+            everything.append(Track({k: index}))
+
+    begin(0, range(found.slices[0].count))
+    for k, (below, above) in enumerate(pairwise(found.slices)):
+        names = {everything[name].cusps[k]: name for name in alive}
+        met = tracker.destinations(alive, below.length, above.length)
+        for name, (length, index) in met.items():
+            if length == above.length:
+                everything[name].cusps[k + 1] = index
+            else:
+                everything[name].dies_with = names[index]
+        alive = {name: alive[name] for name, (length, _) in met.items() if length == above.length}
+        taken = {everything[name].cusps[k + 1] for name in alive}
+        born = [index for index in range(above.count) if index not in taken]
+        first = len(everything)
+        begin(k + 1, born)
+        for track, index in zip(everything[first:], born, strict=True):
+            sibling = _sibling(tracker, below.length, (above.length, index))
+            track.born_with = None if sibling is None else first + born.index(sibling)
+        from_nowhere = any(track.born_with is None for track in everything[first:])
+        if from_nowhere and len(met) < len(names) and not _only(tracker, found.groups[k], len(taken)):
+            undecided.add(k)
+        progress(k + 2, len(found.slices))
+    return Tracks(tuple(everything), frozenset(undecided))
+
+
+def _only(tracker: Tracker, group: Sequence[Event], passing: int) -> bool:
+    """Proof that no more than so many cusps pass events: there are no more at their very length."""
+    exact = next((x.rational for e in group if (x := e.exact_length) and x.rational is not None), None)
+    if exact is None:
+        return False
+    return tracker.table(exact / tracker.eliminant.slice_map.scale).count == passing
+
+
+def _sibling(tracker: Tracker, low: Fraction, cusp: Cusp) -> int | None:
+    """The cusp of the same slice to which the curve downwards from a cusp turns back."""
+    length, _ = cusp
+    met = tracker.destinations({0: tracker.follower(cusp, upwards=False)}, low, length)
+    return met[0][1] if met and met[0][0] == length else None
+
+
+def name_cusps(
+    tracker: Tracker, starts: Mapping[Fraction, Mapping[int, int]], lengths: Sequence[Fraction]
+) -> Iterator[tuple[Fraction, dict[int, int]]]:
+    """The names of the cusps of more slices, from those of a slice in each interval between transitions.
+
+    Args:
+        tracker: of the manipulator.
+        starts: for each slice where names are known, its cusps' places in the table by name.
+        lengths: the slices in question.
+
+    Yields:
+        Each length, in no order, with its cusps' places in the table by name.
+
+    Raises:
+        SolverError: a cusp of some slice could not be given its name.
+    """
+    known = sorted(starts)
+    wanted = sorted(set(lengths))
+    for low, high in pairwise([None, *known, None]):
+        inside = [x for x in wanted if (low is None or low < x) and (high is None or x < high)]
+        names: dict[Fraction, dict[int, int]] = {length: {} for length in inside}
+        for start, order in ((low, inside), (high, inside[::-1])):
+            if start is not None:
+                _pass(tracker, start, starts[start], order, names)
+        for length in inside:
+            if len(names[length]) < tracker.table(length).count:
+                raise SolverError(f"not all cusps of the slice {exact_str(length)} could be followed to it")
+            yield length, names[length]
+    yield from ((length, dict(starts[length])) for length in wanted if length in starts)
+
+
+def _pass(
+    tracker: Tracker,
+    start: Fraction,
+    cusps: Mapping[int, int],
+    order: Sequence[Fraction],
+    names: Mapping[Fraction, dict[int, int]],
+) -> None:
+    """Follow the cusps of one slice through others, nearest first, as far as these lack names."""
+    alive: dict[int, Follower] | None = None
+    for length in order:
+        if len(names[length]) == tracker.table(length).count:
+            return
+        if alive is None:
+            upwards = length > start
+            alive = {name: tracker.follower((start, i), upwards=upwards) for name, i in cusps.items()}
+        low, high = sorted((start, length))
+        met = tracker.destinations(alive, low, high, until_full=length)
+        alive = {name: alive[name] for name, (where, _) in met.items() if where == length}
+        names[length].update({name: met[name][1] for name in alive})

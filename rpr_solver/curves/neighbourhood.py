@@ -1,0 +1,233 @@
+"""J = E = 0 about one of its points, expanded exactly in local coordinates.
+
+The coordinates are x = tan(δα/2), y = tan(δθ/2) and z = δL/L, numbered 0, 1, 2: turning the half angles moves
+any pose to x = y = 0, so none of them is at infinity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from flint import arb, arb_mat, arb_poly, fmpz_poly
+
+from rpr_solver.exact.quadratic import Pair
+from rpr_solver.exact.real_roots import RealPolynomial, omega_ball
+from rpr_solver.model.half_tangent import HalfTangent, pose_of
+from rpr_solver.model.jets import LocalMap
+from rpr_solver.model.slice_map import BiForm, Leg, SliceMap
+
+ORDER = 6
+ALONG_L = 2
+
+Two = tuple[arb, arb]
+Three = tuple[arb, arb, arb]
+Expansion = list[arb_mat]
+"""The coefficients of 1, r, r², … (r one coordinate), each a matrix with powers of the other two."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A box in (α, θ) of one slice."""
+
+    alpha: HalfTangent
+    theta: HalfTangent
+
+    def apart(self, other: Place) -> bool:
+        """Proof that two boxes do not meet."""
+        pairs = ((self.alpha, other.alpha), (self.theta, other.theta))
+        crossed = (a.numerator * b.denominator - b.numerator * a.denominator for a, b in pairs)
+        return any(not x.contains(0) for x in crossed)
+
+
+class CuspForms:
+    """J, and E along either leg, as matrices of balls at any precision (scaled units)."""
+
+    def __init__(self, slice_map: SliceMap) -> None:
+        self.slice_map = slice_map
+        along_g = replace(slice_map, f=slice_map.g, g=slice_map.f)
+        self._singular = _raised(slice_map.singular)
+        self._coalescence = slice_map.coalescence.coefficients, along_g.coalescence.coefficients
+        self._known: dict[int, tuple[Expansion, tuple[Expansion, Expansion]]] = {}
+
+    def at(self, bits: int) -> tuple[Expansion, tuple[Expansion, Expansion]]:
+        """J, and E along leg f and along leg g, by powers of L: powers of t down and of u across."""
+        if bits not in self._known:
+            along_f, along_g = (self._balls(rows, bits) for rows in self._coalescence)
+            self._known[bits] = self._balls(self._singular, bits), (along_f, along_g)
+        return self._known[bits]
+
+    def _balls(self, rows: Sequence[Sequence[Pair]], bits: int) -> Expansion:
+        radicand = self.slice_map.radicand
+        balls = [[RealPolynomial(*pair, radicand).ball(bits) for pair in row] for row in rows]
+        return [
+            arb_mat([[row[k][j] for j in range(ORDER + 1)] for row in balls]) for k in range(len(rows[0]))
+        ]
+
+    def steeper(self, place: Place, length: arb, bits: int) -> int:
+        """0 or 1: the leg, f or g, whose gradient is the larger by its size."""
+        omega = omega_ball(self.slice_map.radicand, bits)
+        pose = pose_of(_middle(place.alpha), _middle(place.theta), length, omega)
+        local = LocalMap.at(self.slice_map, pose, 1)
+        steep = [
+            (jet.alpha.value**2 + jet.theta.value**2) / _size(leg, self.slice_map.radicand)
+            for jet, leg in ((local.f, self.slice_map.f), (local.g, self.slice_map.g))
+        ]
+        return 0 if steep[0].mid() >= steep[1].mid() else 1
+
+
+def _size(leg: Leg, radicand: int) -> int:
+    return leg.m**2 + leg.n**2 * radicand + leg.ax**2 + leg.ay**2
+
+
+def _middle(t: HalfTangent) -> HalfTangent:
+    return HalfTangent(t.numerator.mid(), t.denominator.mid())
+
+
+def _raised(form: BiForm) -> list[list[Pair]]:
+    """J, of degrees 4 and 4, times (1+t²)(1+u²), so that all forms have one size."""
+    one = fmpz_poly([1, 0, 1])
+    rows = [[(a * one, b * one) for a, b in row] for row in form.coefficients]
+    empty = [(fmpz_poly([]), fmpz_poly([]))] * len(rows[0])
+    low, high = [*rows, empty, empty], [empty, empty, *rows]
+    return [
+        [(a + c, b + d) for (a, b), (c, d) in zip(x, y, strict=True)] for x, y in zip(low, high, strict=True)
+    ]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where local coordinates begin: half angles as (sin, cos), exact and all but normed, and L."""
+
+    alpha: Two
+    theta: Two
+    length: arb
+
+    @classmethod
+    def about(cls, place: Place, length: arb) -> Frame:
+        """With its origin in the middle of a box."""
+
+        def origin(t: HalfTangent) -> Two:
+            n, d = t.numerator.mid(), t.denominator.mid()
+            norm = (n * n + d * d).sqrt()
+            return (n / norm).mid(), (d / norm).mid()
+
+        return cls(origin(place.alpha), origin(place.theta), length.mid())
+
+    def inside(self, place: Place, length: arb) -> Three:
+        """A box in local coordinates."""
+        origins = (self.alpha, place.alpha), (self.theta, place.theta)
+        x, y = (
+            (t.numerator * c - t.denominator * s) / (t.numerator * s + t.denominator * c)
+            for (s, c), t in origins
+        )
+        return x, y, self.of_length(length)
+
+    def of_length(self, length: arb) -> arb:
+        """z."""
+        return (length - self.length) / self.length
+
+    def outside(self, x: arb, y: arb) -> Place:
+        """The box with these local coordinates."""
+        alpha, theta = (HalfTangent(c * w + s, c - s * w) for (s, c), w in ((self.alpha, x), (self.theta, y)))
+        return Place(alpha, theta)
+
+    def expanded(self, form: Expansion) -> Expansion:
+        """A form by powers of z, those of x down and of y across."""
+        left, right = _moved(self.alpha).transpose(), _moved(self.theta)
+        form = [c * self.length**k for k, c in enumerate(form)]
+        c0, c1, *rest = form
+        if rest:
+            [c2] = rest
+            coefficients = [c0 + c1 + c2, c1 + c2 * 2, c2]
+        else:
+            coefficients = [c0 + c1, c1, c1 * 0]
+        return [left * c * right for c in coefficients]
+
+
+def _moved(origin: Two) -> arb_mat:
+    """Row i: the coefficients of (c x + s)ⁱ (c − s x)⁶⁻ⁱ, what tⁱ becomes about t = s/c."""
+    s, c = origin
+    ups, downs = [arb_poly([1])], [arb_poly([1])]
+    for _ in range(ORDER):
+        ups.append(ups[-1] * arb_poly([s, c]))
+        downs.append(downs[-1] * arb_poly([c, -s]))
+    rows = (up * down for up, down in zip(ups, reversed(downs), strict=True))
+    return arb_mat([[row[p] for p in range(ORDER + 1)] for row in rows])
+
+
+@dataclass(frozen=True)
+class Neighbourhood:
+    """The neighbourhood of a point of the curve: J and E in local coordinates, and a box for the point."""
+
+    frame: Frame
+    forms: tuple[Expansion, Expansion]
+    box: Three
+    bits: int
+
+    @classmethod
+    def at(cls, forms: CuspForms, place: Place, length: arb, bits: int) -> Neighbourhood:
+        """About the point of the curve that a box holds."""
+        frame = Frame.about(place, length)
+        singular, coalescence = forms.at(bits)
+        e = coalescence[forms.steeper(place, length, bits)]
+        return cls(frame, (frame.expanded(singular), frame.expanded(e)), frame.inside(place, length), bits)
+
+    def heading(self, axis: int, forwards: bool) -> tuple[int, bool, bool | None] | None:
+        """The best parameter, and whether it and L grow on the way on which coordinate ``axis`` does so.
+
+        None where the balls do not tell; in place of the last where they do not tell that.
+        """
+        tangent = self._tangent()
+        best = max(range(3), key=lambda i: abs(tangent[i].mid()))
+        if any(tangent[i].contains(0) or not tangent[i].is_finite() for i in (axis, best)):
+            return None
+        reverse = (tangent[axis] > 0) != forwards
+        upwards = None if tangent[ALONG_L].contains(0) else bool(tangent[ALONG_L] > 0) != reverse
+        return best, bool(tangent[best] > 0) != reverse, upwards
+
+    def _tangent(self) -> Three:
+        """∇J × ∇E."""
+        (a, b, c), (d, e, f) = (self._gradient(form) for form in self.forms)
+        return b * f - c * e, c * d - a * f, a * e - b * d
+
+    def _gradient(self, form: Expansion) -> Three:
+        x, y, z = self.box
+        table = values(at_parameter(form, z), x, y)
+        slope = value(form[1] + form[2] * (2 * z), x, y)
+        return table[1, 0], table[0, 1], slope
+
+
+def at_parameter(form: Expansion, r: arb) -> arb_mat:
+    """The expansion at one value of its parameter."""
+    total = form[-1]
+    for coefficient in reversed(form[:-1]):
+        total = total * r + coefficient
+    return total
+
+
+def value(form: arb_mat, p: arb, q: arb) -> arb:
+    """The value at (p, q)."""
+    rows, columns = form.nrows(), form.ncols()
+    product: Any = arb_mat(1, rows, _powers(p, rows)) * form * arb_mat(columns, 1, _powers(q, columns))
+    found: arb = product[0, 0]
+    return found
+
+
+def values(form: arb_mat, p: arb, q: arb) -> arb_mat:
+    """[[value, ∂/∂q], [∂/∂p, ∂²/∂p∂q]] at (p, q)."""
+    return _table(p, form.nrows()) * form * _table(q, form.ncols()).transpose()
+
+
+def _table(x: arb, size: int) -> arb_mat:
+    """1, x, x², … and, below, their derivatives."""
+    powers = _powers(x, size)
+    return arb_mat([powers, [arb(0), *((k + 1) * powers[k] for k in range(size - 1))]])
+
+
+def _powers(x: arb, size: int) -> list[arb]:
+    powers = [arb(1)]
+    for _ in range(size - 1):
+        powers.append(powers[-1] * x)
+    return powers

@@ -1,0 +1,1 @@
+"""Exact arithmetic that knows no manipulator: rationals, decimals, real roots, number fields."""

@@ -1,0 +1,307 @@
+"""Real algebraic numbers, exactly: a number field with one real embedding.
+
+For the rare poses that balls cannot decide (a multiple root, an angle of exactly 180°). An element
+is a polynomial in the field's generator, so "is it zero?" has an exact answer, and its sign a proof.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import count
+
+from flint import arb, arb_poly, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
+
+from rpr_solver.errors import SolverError
+from rpr_solver.exact.real_roots import MAX_BITS, RealPolynomial, RealRoot, bisected, real_roots
+
+_START_BITS = 128
+_PLANE = fmpq_mpoly_ctx.get(("x", "y"), "lex")
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """ℚ[x]/(modulus), modulus irreducible, with x sent to one of its real roots."""
+
+    modulus: fmpq_poly
+    root: RealRoot | None
+    """The embedding; None for ℚ itself, whose modulus is x."""
+
+    @classmethod
+    def rationals(cls) -> Field:
+        """ℚ."""
+        return cls(fmpq_poly([0, 1]), None)
+
+    @classmethod
+    def of_root(cls, root: RealRoot) -> Field:
+        """ℚ(r) for a root r of an irreducible polynomial with integer coefficients."""
+        return cls(fmpq_poly(root.polynomial.a), root)
+
+    @property
+    def degree(self) -> int:
+        """The degree over ℚ."""
+        return int(self.modulus.degree())
+
+    def __call__(self, value: int | fmpq | Fraction | fmpq_poly) -> Algebraic:
+        if isinstance(value, fmpq_poly):
+            return Algebraic(self, value % self.modulus)
+        if isinstance(value, Fraction):
+            value = fmpq(value.numerator, value.denominator)
+        return Algebraic(self, fmpq_poly([value]))
+
+    @property
+    def generator(self) -> Algebraic:
+        """The root itself."""
+        return self(fmpq_poly([0, 1]))
+
+    def generator_ball(self, bits: int) -> arb:
+        """The generator's real value to a relative accuracy of ``bits`` bits."""
+        if self.degree == 1:
+            with ctx.workprec(bits):
+                return arb(-self.modulus[0] / self.modulus[1])
+        assert self.root is not None
+        return self.root.refined(bits)
+
+
+@dataclass(frozen=True, eq=False)
+class Algebraic:
+    """An element of a :class:`Field`."""
+
+    field: Field
+    poly: fmpq_poly
+
+    def __add__(self, other: Algebraic | int) -> Algebraic:
+        return Algebraic(self.field, self.poly + _poly(other))
+
+    def __sub__(self, other: Algebraic | int) -> Algebraic:
+        return Algebraic(self.field, self.poly - _poly(other))
+
+    def __mul__(self, other: Algebraic | int) -> Algebraic:
+        return Algebraic(self.field, self.poly * _poly(other) % self.field.modulus)
+
+    def __neg__(self) -> Algebraic:
+        return Algebraic(self.field, -self.poly)
+
+    def inverse(self) -> Algebraic:
+        """1 / self.
+
+        Raises:
+            ZeroDivisionError: self is 0.
+        """
+        if not self.poly:
+            raise ZeroDivisionError("inverse of 0 in a number field")
+        _, cofactor, _ = self.poly.xgcd(self.field.modulus)
+        return Algebraic(self.field, cofactor % self.field.modulus)
+
+    @property
+    def is_zero(self) -> bool:
+        """Exactly zero."""
+        return not self.poly
+
+    @property
+    def rational(self) -> Fraction | None:
+        """The value, if it is seen to be rational."""
+        if self.poly.degree() > 0:
+            return None
+        value = self.poly[0]
+        return Fraction(int(value.p), int(value.q))
+
+    def ball(self, bits: int) -> arb:
+        """The real value as a ball, computed with ``bits`` bits."""
+        generator = self.field.generator_ball(bits)
+        with ctx.workprec(bits):
+            return arb_poly(self.poly)(generator)
+
+    @property
+    def sign(self) -> int:
+        """−1, 0 or 1, proved."""
+        if self.is_zero:
+            return 0
+        bits = _START_BITS
+        while bits <= MAX_BITS:
+            ball = self.ball(bits)
+            if not ball.contains(0):
+                return 1 if ball > 0 else -1
+            bits *= 2
+        raise SolverError("the sign of an algebraic number could not be decided")
+
+
+Polynomial = list[Algebraic]
+"""Ascending coefficients in one field; the last is not zero; [] is the zero polynomial."""
+
+
+def trimmed(coefficients: Sequence[Algebraic]) -> Polynomial:
+    """Without leading zeros."""
+    result = list(coefficients)
+    while result and result[-1].is_zero:
+        result.pop()
+    return result
+
+
+def poly_mod(a: Polynomial, b: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """Quotient and remainder; b must not be zero."""
+    lead, rest = b[-1].inverse(), list(a)
+    quotient: list[Algebraic] = []
+    while len(rest) >= len(b):
+        factor = rest[-1] * lead
+        shift = len(rest) - len(b)
+        for i, c in enumerate(b[:-1]):
+            rest[shift + i] = rest[shift + i] - factor * c
+        rest.pop()
+        quotient.append(factor)
+    return trimmed(quotient[::-1]), trimmed(rest)
+
+
+def poly_gcd(a: Polynomial, b: Polynomial) -> Polynomial:
+    """The monic greatest common divisor."""
+    while b:
+        a, b = b, poly_mod(a, b)[1]
+    if not a:
+        return a
+    lead = a[-1].inverse()
+    return [c * lead for c in a]
+
+
+def squarefree_part(a: Polynomial) -> Polynomial:
+    """The polynomial with the same zeros, each once."""
+    derivative = trimmed([c * i for i, c in enumerate(a)][1:])
+    return poly_mod(a, poly_gcd(a, derivative))[0]
+
+
+def evaluate(a: Sequence[Algebraic], x: Algebraic) -> Algebraic:
+    """Horner's rule."""
+    total = x.field(0)
+    for c in reversed(a):
+        total = total * x + c
+    return total
+
+
+@dataclass(frozen=True)
+class Extension:
+    """A larger field with the image of the old generator, and the root that was adjoined."""
+
+    field: Field
+    generator: Algebraic
+    root: Algebraic
+
+    def lift(self, x: Algebraic) -> Algebraic:
+        """An element of the old field in the new one."""
+        return evaluate([self.field(c) for c in x.poly.coeffs()], self.generator)
+
+
+def adjoin_real_roots(field: Field, polynomial: Polynomial) -> Iterator[Extension]:
+    """One extension for each real root of a squarefree polynomial over the field, ascending."""
+    if len(polynomial) <= 1:
+        return
+    if len(polynomial) == 2:
+        root = -(polynomial[0] * polynomial[1].inverse())
+        yield Extension(field, field.generator, root)
+        return
+    shift, norm = _squarefree_norm(field, polynomial)
+    primitive = fmpz_poly(norm.numer())
+    factors = [RealPolynomial(f, fmpz_poly([]), 1) for f, _ in primitive.factor()[1]]
+    candidates = [root for f in factors for root in real_roots(f)]
+    for ball in _real_balls(polynomial):
+        # w = root + shift · generator generates the new field
+        new = Field.of_root(_match(candidates, ball, field, shift))
+        yield _extension(field, polynomial, shift, new)
+
+
+def _squarefree_norm(field: Field, polynomial: Polynomial) -> tuple[int, fmpq_poly]:
+    """A shift s such that N(w) = Res_x(modulus(x), polynomial(w − s x)) is squarefree, and N."""
+    x, y = _PLANE.gens()
+    modulus = field.modulus.coeffs()
+    m = sum((c * x**i for i, c in enumerate(modulus)), x * 0)
+    for shift in count():
+        step = y - shift * x
+        total = x * 0
+        for c in reversed(polynomial):
+            total = total * step + sum((a * x**i for i, a in enumerate(c.poly.coeffs())), x * 0)
+        norm_xy = m.resultant(total, "x") if total.degrees()[0] else total**field.degree
+        norm = fmpq_poly([norm_xy[0, i] for i in range(norm_xy.degrees()[1] + 1)])
+        if norm.gcd(norm.derivative()).degree() == 0:
+            return shift, norm
+    raise AssertionError("unreachable: all but finitely many shifts are good")
+
+
+def _real_balls(polynomial: Polynomial) -> list[_BallRoot]:
+    """Functions that give the real roots as balls at any precision, ascending."""
+    bits = _START_BITS
+    while bits <= MAX_BITS:
+        with ctx.workprec(bits):
+            balls = arb_poly([c.ball(bits) for c in polynomial])
+        intervals = bisected(balls, bits)
+        if intervals is not None:
+            return [_BallRoot(polynomial, x) for x in intervals]
+        bits *= 2
+    raise SolverError("the roots of a polynomial over a number field could not be told apart")
+
+
+@dataclass(frozen=True)
+class _BallRoot:
+    """A real root of a polynomial over a number field, refined on demand."""
+
+    polynomial: Polynomial
+    ball: arb
+
+    def __call__(self, bits: int) -> arb:
+        with ctx.workprec(bits):
+            balls = arb_poly([c.ball(bits) for c in self.polynomial])
+            slope, x = balls.derivative(), self.ball
+            while True:
+                mid = x.mid()
+                y = mid - balls(mid) / slope(x)
+                if not (y.is_finite() and 2 * y.rad() < x.rad()):
+                    return x
+                x = y
+
+
+def _match(candidates: list[RealRoot], root: _BallRoot, field: Field, shift: int) -> RealRoot:
+    """The candidate equal to root + shift × generator, at a precision that excludes all others."""
+    bits = _START_BITS
+    while bits <= MAX_BITS:
+        with ctx.workprec(bits):
+            ball = root(bits) + field.generator_ball(bits) * shift
+        near = [c for c in candidates if c.refined(bits).overlaps(ball)]
+        if len(near) == 1:
+            return near[0]
+        bits *= 2
+    raise SolverError("an algebraic number could not be placed in its field")
+
+
+def _extension(old: Field, polynomial: Polynomial, shift: int, new: Field) -> Extension:
+    w = new.generator
+    modulus = [new(c) for c in old.modulus.coeffs()]
+    generator = _linear_root(poly_gcd(modulus, _as_polynomial_in_old_generator(polynomial, w, shift)))
+    return Extension(new, generator, w - generator * shift)
+
+
+def _as_polynomial_in_old_generator(polynomial: Polynomial, w: Algebraic, shift: int) -> Polynomial:
+    """polynomial(w − shift x) as a polynomial in x over the field of w."""
+    field = w.field
+    total: Polynomial = []
+    step = [w, field(-shift)]
+    for c in reversed(polynomial):
+        product = [field(0)] * (len(total) + 1)
+        for i, a in enumerate(total):
+            for k, b in enumerate(step):
+                product[i + k] = product[i + k] + a * b
+        constant = [field(a) for a in c.poly.coeffs()]
+        size = max(len(product), len(constant))
+        zero = field(0)
+        total = [
+            (product[i] if i < len(product) else zero) + (constant[i] if i < len(constant) else zero)
+            for i in range(size)
+        ]
+    return trimmed(total)
+
+
+def _linear_root(polynomial: Polynomial) -> Algebraic:
+    if len(polynomial) != 2:
+        raise SolverError("a primitive element did not separate the roots")
+    return -(polynomial[0] * polynomial[1].inverse())
+
+
+def _poly(x: Algebraic | int) -> fmpq_poly:
+    return x.poly if isinstance(x, Algebraic) else fmpq_poly([x])

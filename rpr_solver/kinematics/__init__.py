@@ -1,0 +1,1 @@
+"""Direct kinematics: all poses of one joint vector."""

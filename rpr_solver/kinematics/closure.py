@@ -1,0 +1,142 @@
+"""The closure equations at given leg lengths, and the sixth-degree polynomial of direct kinematics.
+
+With leg 1 fixed, X = B1 and v = R(α) m − a for each other leg, the squared lengths are
+
+    |X|² = s₁,    |X + v|² = s   ⟺   2 v·X = s − s₁ − |v|²,
+
+two equations linear in X. Solved for X and put into |X|² = s₁ they leave one form of degree 6 in
+t = tan(α/2). Only squares of the leg lengths occur.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import lcm
+from typing import Any, Generic, TypeVar
+
+from flint import fmpz_poly
+
+from rpr_solver.exact.quadratic import Pair, primitive_pair
+from rpr_solver.model.slice_map import Leg, SliceMap
+
+DEGREE = 6
+R = TypeVar("R")
+
+
+@dataclass(frozen=True)
+class LinearSystem(Generic[R]):
+    """``weight`` · vᵢ·X = cᵢ for the two moving legs, at one α, in any ring."""
+
+    first: tuple[R, R]
+    second: tuple[R, R]
+    right: tuple[R, R]
+    weight: int
+
+    @property
+    def determinant(self) -> R:
+        """v₂ × v₃: zero where the two equations are dependent."""
+        (a, b), (c, d) = self.first, self.second
+        return _any(a) * d - _any(b) * c  # type: ignore[no-any-return]
+
+    @property
+    def numerators(self) -> tuple[R, R]:
+        """``weight`` · determinant · X."""
+        (a, b), (c, d), (e, f) = self.first, self.second, self.right
+        return _any(e) * d - _any(f) * b, _any(f) * a - _any(e) * c
+
+
+@dataclass(frozen=True)
+class Closure:
+    """The closure equations of one joint vector: ``squares`` are s₁, s₂, s₃ in scaled units."""
+
+    slice_map: SliceMap
+    squares: tuple[Fraction, Fraction, Fraction]
+
+    @classmethod
+    def of(cls, slice_map: SliceMap, squares: Sequence[Fraction]) -> Closure:
+        """From squared lengths in the user's unit; leg 1 must be the slice map's fixed leg."""
+        s1, s2, s3 = (s * slice_map.scale**2 for s in squares)
+        return cls(slice_map, (s1, s2, s3))
+
+    @property
+    def denominator(self) -> int:
+        """A common denominator of the squares."""
+        return lcm(*(s.denominator for s in self.squares))
+
+    def linear(self, cos: Any, sin: Any, one: Any, omega: Any) -> LinearSystem[Any]:
+        """The linear system at α, where cos α : sin α : 1 = ``cos`` : ``sin`` : ``one``."""
+        den = self.denominator
+        s1, *others = self.squares
+
+        def equation(leg: Leg, square: Fraction) -> tuple[tuple[Any, Any], Any]:
+            n = omega * leg.n
+            x, y = cos * leg.m - sin * n, sin * leg.m + cos * n
+            norms = leg.m**2 + leg.n**2 * self.slice_map.radicand + leg.ax**2 + leg.ay**2
+            constant = int(den * (square - s1 - norms))
+            right = one * constant + (x * leg.ax + y * leg.ay) * (2 * den)
+            return (x - one * leg.ax, y - one * leg.ay), right
+
+        first, second = (
+            equation(leg, s) for leg, s in zip((self.slice_map.f, self.slice_map.g), others, strict=True)
+        )
+        return LinearSystem(first[0], second[0], (first[1], second[1]), 2 * den)
+
+    @cached_property
+    def sextic(self) -> Pair:
+        """A(t) + ω B(t), primitive and of formal degree 6; a lower degree is a root at α = 180°."""
+        radicand, den = self.slice_map.radicand, self.denominator
+        one = _poly(radicand, [1, 0, 1])
+        omega = (
+            _poly(radicand, [1]) if self.slice_map.rational else _OmegaPoly(_ZERO, fmpz_poly([1]), radicand)
+        )
+        system = self.linear(_poly(radicand, [1, 0, -1]), _poly(radicand, [0, 2]), one, omega)
+        x, y = system.numerators
+        determinant = system.determinant.divided(one.a)
+        # both terms hold 1 + t² once: X is isotropic at t = ±i
+        norm = (x * x + y * y).divided(one.a)
+        result = norm - one * determinant * determinant * (4 * den * int(den * self.squares[0]))
+        return primitive_pair(result.a, result.b)
+
+    @property
+    def degree(self) -> int:
+        """The actual degree of the sextic; 6 less it is the multiplicity of α = 180°."""
+        return max(int(part.degree()) for part in self.sextic)
+
+
+_ZERO = fmpz_poly([])
+
+
+@dataclass(frozen=True)
+class _OmegaPoly:
+    """A(t) + ω B(t)."""
+
+    a: fmpz_poly
+    b: fmpz_poly
+    radicand: int
+
+    def __add__(self, other: _OmegaPoly) -> _OmegaPoly:
+        return _OmegaPoly(self.a + other.a, self.b + other.b, self.radicand)
+
+    def __sub__(self, other: _OmegaPoly) -> _OmegaPoly:
+        return _OmegaPoly(self.a - other.a, self.b - other.b, self.radicand)
+
+    def __mul__(self, other: _OmegaPoly | int) -> _OmegaPoly:
+        if isinstance(other, int):
+            return _OmegaPoly(self.a * other, self.b * other, self.radicand)
+        a = self.a * other.a + self.b * other.b * self.radicand
+        return _OmegaPoly(a, self.a * other.b + self.b * other.a, self.radicand)
+
+    def divided(self, factor: fmpz_poly) -> _OmegaPoly:
+        """The exact quotient."""
+        return _OmegaPoly(self.a / factor, self.b / factor, self.radicand)
+
+
+def _poly(radicand: int, coefficients: list[int]) -> _OmegaPoly:
+    return _OmegaPoly(fmpz_poly(coefficients), _ZERO, radicand)
+
+
+def _any(x: object) -> Any:
+    return x

@@ -1,0 +1,326 @@
+"""All real poses of one joint vector: exactly counted, each with its exact multiplicity.
+
+Where the sixth-degree form has six simple finite roots, each real one is a single regular pose and
+balls settle everything. Otherwise its roots are taken apart over number fields: the form's
+multiplicity at an α is shared by the poses that have this α, and a pose's own multiplicity is the
+intersection number of L2² = const and L3² = const there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cmp_to_key
+from itertools import islice
+
+from flint import arb, ctx, fmpq, fmpz_poly
+
+from rpr_solver.errors import SolverError
+from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, root_and_omega
+from rpr_solver.exact.modular import pair_residue
+from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
+from rpr_solver.exact.real_roots import MAX_BITS, RealPolynomial, RealRoot, ball_of, omega_ball, real_roots
+from rpr_solver.kinematics.closure import DEGREE, Closure, LinearSystem
+from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.slice_map import Leg
+
+_ROUNDS_BEFORE_EXACT = 4
+_CHECK_PRIMES = 4
+
+
+@dataclass(frozen=True)
+class FoundPose:
+    """A pose in decimals: α, θ1, θ2, θ3 in degrees and the coordinates of B1."""
+
+    alpha: arb
+    theta: arb
+    texts: tuple[str, ...]
+    multiplicity: int
+    bits: int
+
+
+@dataclass(frozen=True)
+class Fibre:
+    """What lies over a joint vector.
+
+    ``circle_at`` is the α at which a whole circle of poses is translated into each other, 0 or 180.
+    """
+
+    poses: tuple[FoundPose, ...]
+    circle_at: int | None
+    factors: tuple[tuple[int, int], ...]
+    """(degree, multiplicity) of the sixth-degree form's factors; they add up to 6."""
+    method: str
+
+
+def fibre(closure: Closure, digits: int) -> Fibre:
+    """All real poses, sorted by α, then θ1.
+
+    Raises:
+        SolverError: the form vanishes identically, or digits could not be proved.
+    """
+    return _Fibre(closure, digits).solve()
+
+
+class _Fibre:
+    def __init__(self, closure: Closure, digits: int) -> None:
+        self.closure = closure
+        self.slice_map = closure.slice_map
+        self.digits = digits
+        self.digit_bits = digit_bits(digits)
+
+    def solve(self) -> Fibre:
+        a, b = self.closure.sextic
+        if not (a or b):
+            raise SolverError("the closure equations do not determine alpha: the locked machine moves")
+        if self._generic():
+            found = self._by_balls(real_roots(RealPolynomial(a, b, self.slice_map.radicand)))
+            if found is not None:
+                return Fibre(_sorted(found), None, ((DEGREE, 1),), "balls")
+        return self._exactly()
+
+    def _generic(self) -> bool:
+        """Proof, modulo a prime, of six different finite roots."""
+        a, b = self.closure.sextic
+        for p, omega in islice(self.slice_map.primes(), _CHECK_PRIMES):
+            residue = pair_residue(a, b, p, omega)
+            if residue.degree() == DEGREE and residue.gcd(residue.derivative()).degree() == 0:
+                return True
+        return False
+
+    def _by_balls(self, roots: Sequence[RealRoot]) -> list[FoundPose] | None:
+        """The one regular pose above each simple root; None where balls do not come to an end."""
+        bits = self.digit_bits + 128
+        found: list[FoundPose] = []
+        for _ in range(_ROUNDS_BEFORE_EXACT):
+            for root in roots[len(found) :]:
+                if (pose := self._ball_pose(root, bits)) is None:
+                    break
+                found.append(pose)
+            else:
+                return found
+            bits *= 2
+        return None
+
+    def _ball_pose(self, root: RealRoot, bits: int) -> FoundPose | None:
+        t = root.refined(bits - 32)
+        with ctx.workprec(bits):
+            omega = omega_ball(self.slice_map.radicand, bits)
+            cos, sin, one = 1 - t * t, 2 * t, 1 + t * t
+            system = self.closure.linear(cos, sin, one, omega)
+            determinant = system.determinant * system.weight
+            if determinant.contains(0):
+                return None
+            x, y = (n / determinant for n in system.numerators)
+            (v2x, v2y), (v3x, v3y) = system.first, system.second
+            alpha = HalfTangent(t, arb(1)).degrees()
+            angles = [_degrees(x, y), _degrees(x + v2x / one, y + v2y / one)]
+            angles.append(_degrees(x + v3x / one, y + v3y / one))
+            scale = self.slice_map.scale_ball()
+            balls = (alpha, *angles, x / scale, y / scale)
+            texts = [round_ball(ball, self.digits) for ball in balls]
+        return _found(alpha, angles[0], texts, 1, bits)
+
+    def _exactly(self) -> Fibre:
+        found: list[FoundPose] = []
+        circle_at = None
+        factors = norm_factors(self.closure.sextic, self.slice_map.radicand)
+        shapes = [shape for factor in factors for shape in factor.shape]
+        for root in exact_roots(factors):
+            simple = self._by_balls([root.root]) if root.multiplicity == 1 else None
+            if simple is not None:
+                found += simple
+                continue
+            for t, omega in root_and_omega(self.slice_map.radicand, root):
+                poses = self._above((-(t * t) + 1, t * 2, t * t + 1), t, omega, root.multiplicity)
+                if poses is None:
+                    circle_at = 0  # congruent triangles: B1B2 is parallel to A1A2, and t is not infinite
+                else:
+                    found += poses
+        if at_infinity := DEGREE - self.closure.degree:
+            shapes.append((at_infinity, 1) if at_infinity == 1 else (1, at_infinity))
+            for omega in _omega(self.closure):
+                field = omega.field
+                poses = self._above((field(-1), field(0), field(1)), None, omega, at_infinity)
+                if poses is None:
+                    circle_at = 180
+                else:
+                    found += poses
+        return Fibre(_sorted(found), circle_at, tuple(sorted(shapes)), "exact")
+
+    def _above(
+        self,
+        trig: tuple[Algebraic, Algebraic, Algebraic],
+        t: Algebraic | None,
+        omega: Algebraic,
+        order: int,
+    ) -> list[FoundPose] | None:
+        """The poses at one α, a root of this order; None if a whole circle of them."""
+        system: LinearSystem[Algebraic] = self.closure.linear(*trig, omega)
+        determinant = system.determinant
+        if not determinant.is_zero:
+            inverse = (determinant * system.weight).inverse()
+            x, y = (n * inverse for n in system.numerators)
+            return [self._exact_pose(_ExactPose(t, x, y, omega), order)]
+        sides = zip((system.first, system.second), system.right, strict=True)
+        line = next(((v, c) for v, c in sides if not (v[0].is_zero and v[1].is_zero)), None)
+        if line is None:
+            return None if all(c.is_zero for c in system.right) else []
+        (vx, vy), right = line
+        # X lies on one line, at ``foot`` + w (−vy, vx), and on the circle of leg 1
+        inverse = (vx * vx + vy * vy).inverse()
+        shift = right * inverse * omega.field(fmpq(1, system.weight))
+        foot = vx * shift, vy * shift
+        s1 = self.closure.squares[0]
+        w2 = (omega.field(s1) - foot[0] * foot[0] - foot[1] * foot[1]) * inverse
+        if w2.is_zero:
+            return [self._exact_pose(_ExactPose(t, *foot, omega), order)]
+        if w2.sign < 0:
+            return []
+        poses = []
+        for extension in adjoin_real_roots(omega.field, [-w2, omega.field(0), omega.field(1)]):
+            lift, w = extension.lift, extension.root
+            x, y = lift(foot[0]) - w * lift(vy), lift(foot[1]) + w * lift(vx)
+            poses.append(_ExactPose(t and lift(t), x, y, lift(omega)))
+        return [
+            self._exact_pose(pose, multiplicity)
+            for pose, multiplicity in zip(poses, _shared(self.closure, poses, order), strict=True)
+        ]
+
+    def _exact_pose(self, pose: _ExactPose, multiplicity: int) -> FoundPose:
+        cos, sin = pose.cos_sin()
+        vectors = [(pose.x, pose.y)]
+        for leg in (self.slice_map.f, self.slice_map.g):
+            mx, my = _turned(leg, cos, sin, pose.omega)
+            vectors.append((pose.x + mx - leg.ax, pose.y + my - leg.ay))
+        angles = [_exact_degrees(*vector) for vector in vectors]
+        scale = self.slice_map.scale
+        bits = self.digit_bits + 128
+        while bits <= MAX_BITS:
+            with ctx.workprec(bits):
+                alpha = arb(180) if pose.t is None else HalfTangent(pose.t.ball(bits), arb(1)).degrees()
+                thetas = [angle(bits) for angle in angles]
+                texts = [round_ball(ball, self.digits) for ball in (alpha, *thetas)]
+                unit = ball_of(scale)
+                for coordinate in (pose.x, pose.y):
+                    exact = coordinate.rational
+                    texts.append(
+                        round_ball(coordinate.ball(bits) / unit, self.digits)
+                        if exact is None
+                        else round_fraction(exact / scale, self.digits)
+                    )
+                found = _found(alpha, thetas[0], texts, multiplicity, bits)
+            if found is not None:
+                return found
+            bits *= 2
+        raise SolverError("the digits of a pose could not be decided")
+
+
+@dataclass(frozen=True)
+class _ExactPose:
+    """tan(α/2), or None at 180°, B1 and ω in one field (scaled units)."""
+
+    t: Algebraic | None
+    x: Algebraic
+    y: Algebraic
+    omega: Algebraic
+
+    def cos_sin(self) -> tuple[Algebraic, Algebraic]:
+        """cos α and sin α."""
+        if self.t is None:
+            return self.x.field(-1), self.x.field(0)
+        square = self.t * self.t
+        norm = (square + 1).inverse()
+        return (-square + 1) * norm, self.t * 2 * norm
+
+
+def _shared(closure: Closure, poses: Sequence[_ExactPose], order: int) -> tuple[int, ...]:
+    """How two poses with one α share the multiplicity of α."""
+    if order == 2:
+        return (1, 1)
+    known = [_local_multiplicity(closure, pose) for pose in poses]
+    first, second = known
+    if first is None and second is not None:
+        first = order - second
+    if first is None:
+        raise SolverError("the multiplicity of two poses with one alpha could not be told apart")
+    if second is not None and first + second != order:
+        raise SolverError("the multiplicities of two poses do not add up; please report this joint vector")
+    return first, order - first
+
+
+def _local_multiplicity(closure: Closure, pose: _ExactPose) -> int | None:
+    """The intersection number of f = s₂ and g = s₃ on the slice; None where both gradients vanish.
+
+    Where ∇f ≠ 0 it is one more than the number of derivatives of g along f = s₂ that vanish.
+    """
+    cos, sin = pose.cos_sin()
+    one = pose.x.field(1)
+    at = Pose(cos, sin, pose.x, pose.y, one, pose.omega)  # length × direction is B1
+    local = LocalMap.at(closure.slice_map, at, DEGREE + 1)
+    for leg in (local.f, local.g):
+        if leg.alpha.value.is_zero and leg.theta.value.is_zero:
+            continue
+        j = local.singularity()
+        for multiplicity in range(1, DEGREE + 1):
+            if not j.value.is_zero:
+                return multiplicity
+            j = local.along(leg, j)
+    return None
+
+
+def _omega(closure: Closure) -> Iterator[Algebraic]:
+    """ω in a field of its own."""
+    [zero] = real_roots(RealPolynomial(fmpz_poly([0, 1]), fmpz_poly([]), 1))
+    for _, omega in root_and_omega(closure.slice_map.radicand, ExactRoot(zero, 1, None)):
+        yield omega
+
+
+def _turned(leg: Leg, cos: Algebraic, sin: Algebraic, omega: Algebraic) -> tuple[Algebraic, Algebraic]:
+    n = omega * leg.n
+    return cos * leg.m - sin * n, sin * leg.m + cos * n
+
+
+def _degrees(x: arb, y: arb) -> arb:
+    """The direction of (x, y); useless, but true, where a ball meets the negative x-axis."""
+    return arb.atan2(y, x) * 180 / arb.pi()
+
+
+def _exact_degrees(x: Algebraic, y: Algebraic) -> Callable[[int], arb]:
+    """The direction of (x, y) at any precision."""
+    if y.is_zero:
+        return lambda _: arb(0 if x.sign > 0 else 180)
+    if x.is_zero:
+        return lambda _: arb(90 * y.sign)
+
+    def ball(bits: int) -> arb:
+        x_ball, y_ball = x.ball(bits), y.ball(bits)
+        with ctx.workprec(bits):
+            return _degrees(x_ball, y_ball)
+
+    return ball
+
+
+def _found(
+    alpha: arb, theta: arb, texts: Sequence[str | None], multiplicity: int, bits: int
+) -> FoundPose | None:
+    """The pose, if all its digits are proved."""
+    known = [text for text in texts if text is not None]
+    if len(known) < len(texts):
+        return None
+    angles = [text[1:] if text.startswith("-180") else text for text in known[:4]]
+    return FoundPose(alpha, theta, (*angles, *known[4:]), multiplicity, bits)
+
+
+def _sorted(poses: Sequence[FoundPose]) -> tuple[FoundPose, ...]:
+    def order(a: FoundPose, b: FoundPose) -> int:
+        for x, y in ((a.alpha, b.alpha), (a.theta, b.theta)):
+            if x < y:
+                return -1
+            if x > y:
+                return 1
+        return 0
+
+    return tuple(sorted(poses, key=cmp_to_key(order)))

@@ -1,0 +1,150 @@
+"""Partial derivatives of a slice's map at a pose, over any ring: balls or an algebraic number field.
+
+The squared length of a leg is a sum of three sinusoids (slice_map.py), so its derivatives are closed
+formulas; those of J, E and beyond follow by the product rule. Nothing is expanded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import comb
+from typing import Any, Generic, Protocol, TypeVar
+
+from rpr_solver.model.slice_map import Leg, SliceMap
+
+
+class Ring(Protocol):
+    """What a jet's entries must offer."""
+
+    def __add__(self, other: Any, /) -> Any: ...
+    def __sub__(self, other: Any, /) -> Any: ...
+    def __mul__(self, other: Any, /) -> Any: ...
+    def __neg__(self) -> Any: ...
+
+
+R = TypeVar("R", bound=Ring)
+
+
+@dataclass(frozen=True)
+class Jet(Generic[R]):
+    """Partial derivatives at one point: ``table[i][j]`` is ∂α^i ∂θ^j, for i + j ≤ order."""
+
+    table: tuple[tuple[R, ...], ...]
+
+    @classmethod
+    def build(cls, order: int, entry: Callable[[int, int], R]) -> Jet[R]:
+        """The jet with the given entries."""
+        return cls(tuple(tuple(entry(i, j) for j in range(order + 1 - i)) for i in range(order + 1)))
+
+    @property
+    def order(self) -> int:
+        """The highest derivative known."""
+        return len(self.table) - 1
+
+    @property
+    def value(self) -> R:
+        """The function itself."""
+        return self.table[0][0]
+
+    @property
+    def alpha(self) -> Jet[R]:
+        """∂/∂α."""
+        return Jet(tuple(row for row in self.table[1:]))
+
+    @property
+    def theta(self) -> Jet[R]:
+        """∂/∂θ."""
+        return Jet(tuple(row[1:] for row in self.table[:-1]))
+
+    def __mul__(self, other: Jet[R]) -> Jet[R]:
+        def entry(i: int, j: int) -> R:
+            total: Any = None
+            for k in range(i + 1):
+                for m in range(j + 1):
+                    term = self.table[k][m] * other.table[i - k][j - m]
+                    weight = comb(i, k) * comb(j, m)
+                    term = term * weight if weight != 1 else term
+                    total = term if total is None else total + term
+            return total  # type: ignore[no-any-return]
+
+        return Jet.build(min(self.order, other.order), entry)
+
+    def __sub__(self, other: Jet[R]) -> Jet[R]:
+        order = min(self.order, other.order)
+        return Jet.build(order, lambda i, j: self.table[i][j] - other.table[i][j])
+
+    def __add__(self, other: Jet[R]) -> Jet[R]:
+        order = min(self.order, other.order)
+        return Jet.build(order, lambda i, j: self.table[i][j] + other.table[i][j])
+
+    def __neg__(self) -> Jet[R]:
+        return Jet.build(self.order, lambda i, j: -self.table[i][j])
+
+
+@dataclass(frozen=True)
+class Pose(Generic[R]):
+    """A pose of a slice: cosines and sines of α and θ, the fixed length L and ω (scaled units)."""
+
+    cos_alpha: R
+    sin_alpha: R
+    cos_theta: R
+    sin_theta: R
+    length: R
+    omega: R
+
+
+@dataclass(frozen=True)
+class LocalMap(Generic[R]):
+    """The slice's map (α, θ) → (f, g) near a pose: jets of f/2 and g/2, each less a constant."""
+
+    f: Jet[R]
+    g: Jet[R]
+
+    @classmethod
+    def at(cls, slice_map: SliceMap, pose: Pose[R], order: int) -> LocalMap[R]:
+        """All derivatives up to ``order``."""
+        return cls(_variable_part(slice_map.f, pose, order), _variable_part(slice_map.g, pose, order))
+
+    def squared_lengths(self, slice_map: SliceMap, pose: Pose[R]) -> tuple[R, R]:
+        """f and g themselves (scaled units)."""
+
+        def square(leg: Leg, jet: Jet[R]) -> R:
+            constant = leg.m**2 + leg.n**2 * slice_map.radicand + leg.ax**2 + leg.ay**2
+            return pose.length * pose.length + jet.value * 2 + constant  # type: ignore[no-any-return]
+
+        return square(slice_map.f, self.f), square(slice_map.g, self.g)
+
+    def singularity(self) -> Jet[R]:
+        """J = f_α g_θ − f_θ g_α, zero at singular poses."""
+        return self.f.alpha * self.g.theta - self.f.theta * self.g.alpha
+
+    def along(self, leg: Jet[R], function: Jet[R]) -> Jet[R]:
+        """v·∇function, with v = (−leg_θ, leg_α) tangent to the curve on which ``leg`` is constant."""
+        return leg.alpha * function.theta - leg.theta * function.alpha
+
+
+def _variable_part(leg: Leg, pose: Pose[R], order: int) -> Jet[R]:
+    """The jet of X·R(α)m − X·a − a·R(α)m, X = L e(θ): half of f, less a constant."""
+    ca, sa, ct, st = pose.cos_alpha, pose.sin_alpha, pose.cos_theta, pose.sin_theta
+    n = pose.omega * leg.n
+    cos, sin = ca * ct + sa * st, sa * ct - ca * st
+    both = _sinusoid(pose.length * (cos * leg.m - n * sin), pose.length * (-(sin * leg.m) - n * cos))
+    x, y = ca * leg.m - n * sa, sa * leg.m + n * ca
+    platform = _sinusoid(x * leg.ax + y * leg.ay, x * leg.ay - y * leg.ax)
+    base = _sinusoid(pose.length * (ct * leg.ax + st * leg.ay), pose.length * (ct * leg.ay - st * leg.ax))
+
+    def entry(i: int, j: int) -> R:
+        value = both[(i + j) % 4] if j % 2 == 0 else -both[(i + j) % 4]
+        if i == 0:
+            value = value - base[j % 4]
+        if j == 0:
+            value = value - platform[i % 4]
+        return value  # type: ignore[no-any-return]
+
+    return Jet.build(order, entry)
+
+
+def _sinusoid(value: Any, slope: Any) -> tuple[Any, Any, Any, Any]:
+    """A sinusoid's derivatives of order 0, 1, 2, 3; they repeat with period 4."""
+    return value, slope, -value, -slope

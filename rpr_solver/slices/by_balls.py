@@ -1,0 +1,92 @@
+"""From a root u of the eliminant to the pose, its joint point, and the proof that it is a cusp."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb, arb_poly, ctx
+
+from rpr_solver.exact.real_roots import RealPolynomial, ball_of, omega_ball
+from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
+from rpr_solver.model.jets import LocalMap
+from rpr_solver.model.slice_map import BiForm, SliceMap
+
+
+@dataclass(frozen=True)
+class CuspBalls:
+    """A cusp as balls, in the user's unit, with the numbers that prove it."""
+
+    alpha_deg: arb
+    theta_deg: arb
+    first: arb
+    second: arb
+    proof: CuspProof
+
+
+@dataclass(frozen=True)
+class CuspProof:
+    """Balls that exclude zero where a cusp needs it (method.md section 2), lengths scaled."""
+
+    rank: arb
+    """A partial derivative of f: the map has rank 1."""
+    gradient: arb
+    """J_α or J_θ: the singular curve is smooth."""
+    transversal: arb
+    """v·∇E: exactly three poses coalesce."""
+
+    @property
+    def holds(self) -> bool:
+        """Whether every condition is proved at this precision."""
+        return not any(x.contains(0) for x in (self.rank, self.gradient, self.transversal))
+
+
+class SlicePoses:
+    """The slice L at one working precision, ready to turn roots into poses."""
+
+    def __init__(self, slice_map: SliceMap, length: Fraction, bits: int) -> None:
+        self.slice_map = slice_map
+        self.bits = bits
+        self._singular = _balls(slice_map.singular, slice_map, length, bits)
+        self._coalescence = _balls(slice_map.coalescence, slice_map, length, bits)
+        with ctx.workprec(bits):
+            self.length = ball_of(length)
+            self.scale = slice_map.scale_ball()
+            self.omega = omega_ball(slice_map.radicand, bits)
+
+    def alpha(self, u: arb) -> HalfTangent | None:
+        """tan(α/2) of the one pose above a simple root u; None if the precision does not tell."""
+        j = [p(u) for p in self._singular]
+        e = [p(u) for p in self._coalescence]
+        return common_root(j, e)
+
+    def cusp(self, u: arb, t: HalfTangent) -> CuspBalls | None:
+        """The cusp at (t, u), or None where a ball is still too wide."""
+        pose = pose_of(t, HalfTangent(u, arb(1)), self.length, self.omega)
+        local = LocalMap.at(self.slice_map, pose, 3)
+        j = local.singularity()
+        e = local.along(local.f, j)
+        proof = CuspProof(
+            rank=_larger(local.f.alpha.value, local.f.theta.value),
+            gradient=_larger(j.alpha.value, j.theta.value),
+            transversal=local.along(local.f, e).value,
+        )
+        f, g = local.squared_lengths(self.slice_map, pose)
+        at_half_turn = t.denominator.contains(0)  # α = ±180° cannot be told apart by a ball
+        if at_half_turn or not (proof.holds and f > 0 and g > 0):
+            return None
+        return CuspBalls(
+            alpha_deg=t.degrees(),
+            theta_deg=HalfTangent(u, arb(1)).degrees(),
+            first=f.sqrt() / self.scale,
+            second=g.sqrt() / self.scale,
+            proof=proof,
+        )
+
+
+def _balls(form: BiForm, slice_map: SliceMap, length: Fraction, bits: int) -> list[arb_poly]:
+    return [RealPolynomial(a, b, slice_map.radicand).ball(bits) for a, b in form.at(length)]
+
+
+def _larger(x: arb, y: arb) -> arb:
+    return x if x.abs_lower() >= y.abs_lower() else y

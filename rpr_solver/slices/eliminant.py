@@ -1,0 +1,197 @@
+"""The eliminant Q(u, L): every cusp of every slice, as one polynomial over ℤ[ω].
+
+Eliminating t = tan(α/2) gives (method.md section 3), with u = tan(θ/2) and all degrees formal,
+
+    Res_t(J, E) = c · w(u)² · (u²+1)⁹ · q(u, L) · Q(u, L),     48 = 4 + 18 + 2 + 24
+
+- w: the fixed leg lies along the base line to leg f; at both such poses ∇f = 0, so E = 0 says nothing;
+- q: leg f has length 0; again ∇f = 0;
+- u² + 1: the circular points. As Laurent polynomials in exp(iα), exp(iθ), J and E have Newton
+  polygons so small that the resultant spans the exponents −15…15 of exp(iθ), not −24…24: a factor
+  (u²+1)⁹ for every geometry;
+- Q: degree 24 in u, 10 in L.
+
+The first three are factors for every geometry, since each of their zeros is a common zero of J
+and E identically in the parameters. So Q is determined by its values on a 25 × 11 grid, computed
+modulo primes; enough primes are taken to exceed a proved bound on its coefficients.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import count, islice
+
+from flint import fmpz, fmpz_mat, fmpz_poly, nmod_mat, nmod_poly
+
+from rpr_solver.contract import SOLVER_VERSION
+from rpr_solver.errors import SolverError
+from rpr_solver.exact.modular import formal_resultant, pair_residue, reconstruct, vandermonde
+from rpr_solver.exact.quadratic import Pair, primitive_pair
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.slice_map import BiForm, SliceMap
+
+DEGREE_U = 24
+DEGREE_L = 10
+
+
+@dataclass(frozen=True)
+class Eliminant:
+    """Q(u, L) of one manipulator and one fixed leg, as A + ω B with integer coefficients.
+
+    ``a`` and ``b`` are matrices of 25 rows (powers of u) and 11 columns (powers of the scaled
+    L, see :class:`SliceMap`). The common content is removed.
+    """
+
+    manipulator: Manipulator
+    slice_map: SliceMap
+    a: fmpz_mat
+    b: fmpz_mat
+
+    def at(self, length: Fraction) -> Pair:
+        """Q at one scaled L, primitive: A(u) + ω B(u); zero if J and E share a curve there."""
+        n, d = fmpz(length.numerator), fmpz(length.denominator)
+        powers = fmpz_mat(DEGREE_L + 1, 1, [n**k * d ** (DEGREE_L - k) for k in range(DEGREE_L + 1)])
+        return primitive_pair(fmpz_poly((self.a * powers).entries()), fmpz_poly((self.b * powers).entries()))
+
+    @cached_property
+    def check_primes(self) -> list[tuple[int, int]]:
+        """A few primes with ω modulo each, for proofs of coprimality."""
+        return list(islice(self.slice_map.primes(), 4))
+
+    def to_json(self) -> dict[str, object]:
+        """A plain form to keep in a cache (about 100 kB); :meth:`from_json` reads it back."""
+        return {
+            "solver_version": SOLVER_VERSION,
+            "geometry": self.manipulator.to_json(),
+            "fixed_leg": self.slice_map.fixed_leg,
+            "a": " ".join(str(x) for x in self.a.entries()),
+            "b": " ".join(str(x) for x in self.b.entries()),
+        }
+
+    @classmethod
+    def from_json(cls, obj: Mapping[str, object]) -> Eliminant:
+        """The inverse of :meth:`to_json`.
+
+        Raises:
+            ValueError: made by another version of the solver.
+        """
+        if obj["solver_version"] != SOLVER_VERSION:
+            raise ValueError(f"eliminant of solver version {obj['solver_version']}, not {SOLVER_VERSION}")
+        geometry, leg = obj["geometry"], obj["fixed_leg"]
+        if not isinstance(geometry, Mapping) or not isinstance(leg, int):
+            raise ValueError("not an eliminant")
+        manipulator = Manipulator.from_json(geometry, max_digits=1 << 20)
+        a, b = (
+            fmpz_mat(DEGREE_U + 1, DEGREE_L + 1, [fmpz(x) for x in str(obj[part]).split()]) for part in "ab"
+        )
+        return cls(manipulator, SliceMap.of(manipulator, leg), a, b)
+
+
+def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
+    """Compute Q(u, L), once per manipulator and fixed leg.
+
+    Raises:
+        InputError: ``fixed_leg`` is not 1, 2 or 3.
+    """
+    slice_map = SliceMap.of(manipulator, fixed_leg)
+    grid = _Grid.of(slice_map)
+    parts = reconstruct(
+        slice_map.primes(), grid.image, _coefficient_bound(slice_map), rational=slice_map.rational
+    )
+    a, b = (fmpz_mat(DEGREE_L + 1, DEGREE_U + 1, part).transpose() for part in parts)
+    return Eliminant(manipulator, slice_map, a, b)
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """The points (u, L) at which the resultant is taken; no known factor vanishes at any."""
+
+    slice_map: SliceMap
+    us: tuple[int, ...]
+    ls: tuple[int, ...]
+    known: tuple[tuple[int, ...], ...]
+    """The product of the known factors at each point, a row for each L."""
+
+    @classmethod
+    def of(cls, slice_map: SliceMap) -> _Grid:
+        along = slice_map.collinear()
+        # one spare point in each direction checks the interpolation
+        us = tuple(islice((u for u in count(2) if along(u) != 0), DEGREE_U + 2))
+        ls: list[int] = []
+        known: list[tuple[int, ...]] = []
+        for length in count(1):
+            closed = slice_map.closed_leg(Fraction(length))
+            row = tuple(int(closed(u) * along(u) ** 2 * fmpz(u * u + 1) ** 9) for u in us)
+            if all(row):
+                ls.append(length)
+                known.append(row)
+                if len(ls) == DEGREE_L + 2:
+                    return cls(slice_map, us, tuple(ls), tuple(known))
+        raise AssertionError("unreachable: the count is endless")
+
+    def image(self, p: int, omega: int, check: bool) -> list[int] | None:
+        """The coefficients of Q modulo p, powers of L first; None if p divides a known factor."""
+        if any(x % p == 0 for row in self.known for x in row):
+            return None
+        us, ls = self.us[:-1], self.ls[:-1]
+        j, e = (_Residue(form, p, omega) for form in (self.slice_map.singular, self.slice_map.coalescence))
+
+        def values(length: int, row: Sequence[int], us: Sequence[int]) -> list[int]:
+            j_at, e_at = j.at(length), e.at(length)
+            return [
+                _resultant(j_at, e_at, u, p) * pow(k, -1, p) % p
+                for u, k in zip(us, row[: len(us)], strict=True)
+            ]
+
+        samples = [values(length, row, us) for length, row in zip(ls, self.known[:-1], strict=True)]
+        in_u, in_l = vandermonde(us, p), vandermonde(ls, p)
+        flat = [x for row in samples for x in row]
+        result = in_l.inv() * nmod_mat(len(ls), len(us), flat, p) * in_u.inv().transpose()
+        if check:
+            spare_u, spare_l = self.us[-1], self.ls[-1]
+            (*_, expected) = values(spare_l, self.known[-1], self.us)
+            row = nmod_mat(1, len(ls), [pow(spare_l, k, p) for k in range(len(ls))], p) * result
+            column = nmod_mat(len(us), 1, [pow(spare_u, k, p) for k in range(len(us))], p)
+            if int((row * column)[0, 0]) != expected:
+                raise SolverError(
+                    "the resultant does not have the known factors; please report this geometry"
+                )
+        return [int(x) for x in result.entries()]
+
+
+class _Residue:
+    """A form modulo p, with a value chosen for ω."""
+
+    def __init__(self, form: BiForm, p: int, omega: int) -> None:
+        self._rows = [[pair_residue(a, b, p, omega) for a, b in row] for row in form.coefficients]
+
+    def at(self, length: int) -> list[nmod_poly]:
+        """The coefficients of tⁱ at one L, polynomials in u."""
+        result = []
+        for row in self._rows:
+            total = row[-1]
+            for term in reversed(row[:-1]):
+                total = total * length + term
+            result.append(total)
+        return result
+
+
+def _resultant(j: list[nmod_poly], e: list[nmod_poly], u: int, p: int) -> int:
+    """Res_t at one u with the formal degrees, so that a common zero at t = ∞ counts."""
+    return formal_resultant([int(c(u)) for c in j], [int(c(u)) for c in e], p)
+
+
+def _coefficient_bound(slice_map: SliceMap) -> int:
+    """A bound on the coefficients of A and B.
+
+    The Mahler measure is multiplicative, at most the 1-norm, and at least 1 for the known
+    factors; a coefficient is at most 2^(degrees) times it. |A| ≤ max |A ± ωB|, and B likewise
+    since ω ≥ 1. The 1-norm of the resultant is at most ‖J‖⁶ ‖E‖⁴.
+    """
+    omega = int(fmpz(slice_map.radicand).isqrt()) + 1
+    j, e = slice_map.singular, slice_map.coalescence
+    bound: int = j.norm1(omega) ** e.degree_t * e.norm1(omega) ** j.degree_t
+    return bound << (DEGREE_U + DEGREE_L)

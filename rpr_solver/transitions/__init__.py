@@ -1,0 +1,1 @@
+"""All lengths of one leg: where the number of cusps changes, and what follows from it."""

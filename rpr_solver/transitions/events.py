@@ -1,0 +1,277 @@
+"""The events of a manipulator: each pose at which cusps of the slices meet, with its L, proved.
+
+An event is a real common zero of one of the systems of event_systems.py with L = −J0/J1 > 0, or a pose
+that is singular at every L and degenerate at some. Simple ones are settled by balls; the others, and
+poses that are always singular, exactly (exact_events.py).
+
+Complete by the implicit function theorem: where no pose of a slice is degenerate, every cusp is a
+transversal zero of (J, E) and goes on to the neighbouring slices. A degenerate pose with ∇f ≠ 0,
+J1 ≠ 0 satisfies M1 = M2 = 0 or C = W = 0; J1 = 0 makes it always singular (or L infinite); ∇f = 0
+makes it always singular too, or has leg f closed: there the fibre's order is even, so that such a
+pose is degenerate only where leg f closes while stretched along its base line (:func:`stretched_closings`).
+
+Where C and W share an angle α, its poses are degenerate at their L and never cusps; divided by it, C = 0
+still holds all cusps, and one of them can meet such a pose only where C vanishes there. Where M1 and M2
+share an angle, L is constant along it. Both are lengths to look at on both sides (shared_angles.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Protocol
+
+from flint import arb, ctx, fmpz_poly
+
+from rpr_solver.exact.factors import ExactRoot, exact_counterparts, simple_and_other_roots
+from rpr_solver.exact.modular import pair_residue
+from rpr_solver.exact.number_field import Algebraic, Field
+from rpr_solver.exact.real_roots import RealPolynomial, RealRoot, omega_ball, real_roots
+from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
+from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.transitions.event_systems import EventSystems, Form, System, limit_system
+from rpr_solver.transitions.exact_events import (
+    events_above,
+    located_poses,
+    permanent_events,
+    permanent_limits,
+)
+
+_START_BITS = 256
+_MAX_BITS = 1 << 12
+_CHECK_PRIMES = 4
+Namer = Callable[[LocalMap[arb]], "str | None"]
+"""The kind of an event from the jets at its pose; None where the balls do not prove it."""
+
+
+class Event(Protocol):
+    """A place on the axis of L at which the number of cusps may change (scaled units inside)."""
+
+    @property
+    def kind(self) -> str:
+        """The kind of the degenerate pose; empty where there is none."""
+
+    @property
+    def exact_length(self) -> Algebraic | None:
+        """L (scaled) as an algebraic number, where it is known as one."""
+
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+
+    def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
+        """α and θ in degrees, and the free legs in the user's unit."""
+
+
+@dataclass(frozen=True)
+class BallEvent:
+    """An event above a simple root of an eliminant, refined on demand."""
+
+    slice_map: SliceMap
+    system: System
+    root: RealRoot
+    kind: str
+
+    @property
+    def exact_length(self) -> None:
+        """Not known as an algebraic number."""
+        return None
+
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+        return self._refined(bits)[2]
+
+    def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
+        """α and θ in degrees, and the free legs in the user's unit."""
+        t, u, length, work = self._refined(bits)
+        with ctx.workprec(work):
+            pose = _pose(self.slice_map, t, u, length, work)
+            f, g = LocalMap.at(self.slice_map, pose, 0).squared_lengths(self.slice_map, pose)
+            scale = self.slice_map.scale_ball()
+            return t.degrees(), HalfTangent(u, arb(1)).degrees(), f.sqrt() / scale, g.sqrt() / scale
+
+    def exact(self) -> Event:
+        """The same event in a number field, for what balls cannot show: an angle of exactly 0, say."""
+        [root] = exact_counterparts([self.root], self.system.eliminant.pair, self.slice_map.radicand)
+        [event] = _exact_events(self.slice_map, self.system, root, named=bool(self.kind))
+        return event
+
+    def _refined(self, bits: int) -> tuple[HalfTangent, arb, arb, int]:
+        work = bits
+        while True:
+            located = _located(self.slice_map, self.system, self.root, work)
+            if located is not None and located[2].rel_accuracy_bits() >= bits - 32:
+                return *located, work
+            work *= 2
+
+
+@dataclass(frozen=True)
+class Landmark:
+    """A length to look at on both sides, without a degenerate pose of its own."""
+
+    exact_length: Algebraic
+    kind: str = ""
+
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+        return self.exact_length.ball(bits)
+
+    def coordinates(self, _bits: int) -> tuple[arb, arb, arb, arb]:
+        """No pose is meant."""
+        raise NotImplementedError
+
+
+def events(systems: EventSystems) -> Iterator[Event]:
+    """All events with L > 0, in no order.
+
+    Raises:
+        NotGeneric: the events are not isolated.
+    """
+    slice_map = systems.slice_map
+    yield from _system_events(slice_map, systems.swallowtails, _swallowtail)
+    yield from _system_events(slice_map, systems.critical, _critical)
+    for system in systems.beside:
+        yield from _system_events(slice_map, system, _limit)
+    yield from (Landmark(length) for length in systems.levels if length.sign > 0)
+    yield from permanent_events(slice_map, systems.j0, systems.j1, systems.permanent)
+    yield from stretched_closings(slice_map)
+
+
+def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[Event]:
+    """The lengths L > 0 at which a cusp has the squared free leg ``square`` (scaled), or may have.
+
+    Raises:
+        NotGeneric: these lengths are not isolated.
+    """
+    yield from _system_events(systems.slice_map, limit_system(systems, leg, square), _limit)
+    at = (systems.slice_map, systems.j0, systems.j1, systems.permanent)
+    for length in permanent_limits(*at, leg, square):
+        yield Landmark(length)
+
+
+def stretched_closings(slice_map: SliceMap) -> Iterator[Landmark]:
+    """The positive L with L = ±|a| ± |m|: a and m the base and platform sides between the legs."""
+    leg = slice_map.f
+    a2, m2 = leg.ax**2 + leg.ay**2, leg.m**2 + leg.n**2 * slice_map.radicand
+    quartic = fmpz_poly([(a2 - m2) ** 2, 0, -2 * (a2 + m2), 0, 1])
+    for factor, _ in quartic.factor()[1]:
+        yield from positive_roots(factor)
+
+
+def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
+    """The positive roots of an irreducible polynomial as lengths (scaled)."""
+    for root in real_roots(RealPolynomial(factor, fmpz_poly([]), 1)):
+        length = Field.of_root(root).generator
+        if length.sign > 0:
+            yield Landmark(length)
+
+
+def _system_events(slice_map: SliceMap, system: System, name: Namer) -> Iterator[Event]:
+    form = system.eliminant
+    if _simple(slice_map, form):
+        roots = real_roots(form.real(slice_map.radicand))
+        proved = [_prove(slice_map, system, root, name) for root in roots]
+        if "undecided" not in proved:
+            yield from (x for x in proved if isinstance(x, BallEvent))
+            return
+    a, b = form.pair
+    if max(a.degree(), b.degree()) < form.degree:
+        yield from _exact_events(slice_map, system, None, named=name is not _limit)
+    simple, others = simple_and_other_roots(form.pair, slice_map.radicand)
+    undecided = []
+    for root in simple:
+        event = _prove(slice_map, system, root, name)
+        if isinstance(event, BallEvent):
+            yield event
+        elif event == "undecided":
+            undecided.append(root)
+    if undecided:
+        others += exact_counterparts(undecided, form.pair, slice_map.radicand)
+    for exact in others:
+        yield from _exact_events(slice_map, system, exact, named=name is not _limit)
+
+
+def _exact_events(
+    slice_map: SliceMap, system: System, root: ExactRoot | None, *, named: bool
+) -> Iterator[Event]:
+    if named:
+        yield from events_above(slice_map, system.first, system.second, root)
+    else:
+        for pose in located_poses(slice_map, system.first, system.second, root):
+            yield Landmark(pose.length)
+
+
+def _simple(slice_map: SliceMap, form: Form) -> bool:
+    """Proof that the form has no root at infinity and no multiple one."""
+    a, b = form.pair
+    for (p, omega), _ in zip(slice_map.primes(), range(_CHECK_PRIMES), strict=False):
+        image = pair_residue(a, b, p, omega)
+        if image.degree() == form.degree and image.gcd(image.derivative()).degree() == 0:
+            return True
+    return False
+
+
+def _prove(slice_map: SliceMap, system: System, root: RealRoot, name: Namer) -> BallEvent | str:
+    """The event above a simple root; "negative" where L < 0, "undecided" where balls do not tell."""
+    bits = _START_BITS
+    while bits <= _MAX_BITS:
+        located = _located(slice_map, system, root, bits)
+        if located is not None:
+            t, u, length = located
+            if length < 0:
+                return "negative"
+            with ctx.workprec(bits):
+                local = LocalMap.at(slice_map, _pose(slice_map, t, u, length, bits), 4)
+                kind = name(local)
+            if length > 0 and kind is not None:
+                return BallEvent(slice_map, system, root, kind)
+        bits *= 2
+    return "undecided"
+
+
+def _located(
+    slice_map: SliceMap, system: System, root: RealRoot, work: int
+) -> tuple[HalfTangent, arb, arb] | None:
+    """t, u and L above a root, or None where the precision does not tell."""
+    u = root.refined(work - 64)
+    with ctx.workprec(work):
+        first, second = (
+            [RealPolynomial(*row[0], slice_map.radicand).ball(work)(u) for row in form.coefficients]
+            for form in (system.first, system.second)
+        )
+        t = common_root(first, second)
+        if t is None or t.denominator.contains(0):
+            return None
+        # J is L (J0 + L J1)
+        plus, minus = (
+            LocalMap.at(slice_map, _pose(slice_map, t, u, arb(sign), work), 1).singularity().value
+            for sign in (1, -1)
+        )
+        length = (minus - plus) / (plus + minus)
+        return (t, u, length) if length.is_finite() else None
+
+
+def _pose(slice_map: SliceMap, t: HalfTangent, u: arb, length: arb, work: int) -> Pose[arb]:
+    return pose_of(t, HalfTangent(u, arb(1)), length, omega_ball(slice_map.radicand, work))
+
+
+def _swallowtail(local: LocalMap[arb]) -> str | None:
+    j = local.singularity()
+    fourth = local.along(local.f, local.along(local.f, local.along(local.f, j)))
+    rank = not all(x.value.contains(0) for x in (local.f.alpha, local.f.theta))
+    smooth = not all(x.value.contains(0) for x in (j.alpha, j.theta))
+    return "swallowtail" if rank and smooth and not fourth.value.contains(0) else None
+
+
+def _critical(local: LocalMap[arb]) -> str | None:
+    j = local.singularity()
+    hessian = j.alpha.alpha.value * j.theta.theta.value - j.alpha.theta.value * j.alpha.theta.value
+    third = local.along(local.f, local.along(local.f, j)).value
+    if hessian.contains(0) or third.contains(0):
+        return None
+    return "lips" if hessian > 0 else "beak-to-beak"
+
+
+def _limit(_local: LocalMap[arb]) -> str:
+    return ""

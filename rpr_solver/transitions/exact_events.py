@@ -1,0 +1,308 @@
+"""Events that balls cannot settle, by exact arithmetic: multiple roots, and poses singular at every L.
+
+Both kinds of pose are the common zeros of two forms in (t, u) above a root u (or u = ∞) of their
+eliminant, found in a number field; J0 and J1, or E and v·∇E as polynomials in L, then say at which L
+the pose is an event.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, arb_mat, ctx, fmpq, fmpz_poly
+
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, root_and_omega, value_at
+from rpr_solver.exact.modular import sylvester
+from rpr_solver.exact.number_field import (
+    Algebraic,
+    Extension,
+    Field,
+    Polynomial,
+    adjoin_real_roots,
+    poly_gcd,
+    poly_mod,
+    squarefree_part,
+    trimmed,
+)
+from rpr_solver.exact.quadratic import Pair
+from rpr_solver.exact.real_roots import RealPolynomial, real_roots
+from rpr_solver.model.classify import CUSP, classify, cos_sin
+from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.slice_map import BiForm, Leg, SliceMap
+from rpr_solver.transitions.event_systems import Form, NotGeneric
+
+_APART_BITS = 512
+
+
+@dataclass(frozen=True)
+class ExactEvent:
+    """An event with L > 0, all of it in one real number field (scaled units)."""
+
+    slice_map: SliceMap
+    kind: str
+    pose: Pose[Algebraic]
+
+    @property
+    def exact_length(self) -> Algebraic:
+        """L (scaled)."""
+        return self.pose.length
+
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+        return self.pose.length.ball(bits)
+
+    def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
+        """α and θ in degrees, and the free legs in the user's unit."""
+        p = self.pose
+        alpha, theta = _degrees(p.cos_alpha, p.sin_alpha, bits), _degrees(p.cos_theta, p.sin_theta, bits)
+        squares = LocalMap.at(self.slice_map, p, 0).squared_lengths(self.slice_map, p)
+        balls = [x.ball(bits) for x in squares]
+        with ctx.workprec(bits):
+            first, second = (
+                arb(0) if x.is_zero else ball.sqrt() / self.slice_map.scale_ball()
+                for x, ball in zip(squares, balls, strict=True)
+            )
+        return alpha, theta, first, second
+
+
+def events_above(
+    slice_map: SliceMap, first: BiForm, second: BiForm, root: ExactRoot | None
+) -> Iterator[ExactEvent]:
+    """The events among the common zeros of a system above one root u; None is u = ∞."""
+    for pose in located_poses(slice_map, first, second, root):
+        yield from _event(slice_map, pose)
+
+
+def located_poses(
+    slice_map: SliceMap, first: BiForm, second: BiForm, root: ExactRoot | None
+) -> Iterator[Pose[Algebraic]]:
+    """The common zeros of a system above one root u, each with its L > 0."""
+    for pose in _common_poses(slice_map, first, second, root):
+        plus, minus = (_singularity(slice_map, pose, sign) for sign in (1, -1))
+        j1 = plus + minus  # twice J1; plus − minus is twice J0
+        if j1.is_zero:
+            continue  # L is infinite, or undetermined at a pose that is singular for every L
+        length = (minus - plus) * j1.inverse()
+        if length.sign > 0:
+            yield replace(pose, length=length)
+
+
+def permanent_events(slice_map: SliceMap, j0: BiForm, j1: BiForm, permanent: Form) -> Iterator[ExactEvent]:
+    """The events at poses that are singular for every L (J0 = J1 = 0).
+
+    Raises:
+        NotGeneric: such a pose is degenerate for every L.
+    """
+    for pose in _permanent_poses(slice_map, j0, j1, permanent):
+        for extension in _degenerate_lengths(slice_map, pose):
+            if extension.root.sign > 0:
+                lifted = _lifted(extension, pose)
+                yield from _event(slice_map, replace(lifted, length=extension.root))
+
+
+def permanent_limits(
+    slice_map: SliceMap, j0: BiForm, j1: BiForm, permanent: Form, leg: Leg, square: Fraction
+) -> Iterator[Algebraic]:
+    """The L > 0 at which a cusp passes a pose that is singular for every L, with leg² = square there.
+
+    That hardly ever happens, and balls mostly prove it does not; then nothing is given.
+    """
+    index = (slice_map.f, slice_map.g).index(leg)
+    for pose in _permanent_poses(slice_map, j0, j1, permanent):
+        local = _in_length(slice_map, pose)
+        gap = local.squared_lengths(slice_map, _symbolic(pose))[index] - _InLength([pose.omega.field(square)])
+        for moving in (local.f, local.g):
+            e = _without_zero(local.along(moving, local.singularity()).value.coefficients)
+            if not _apart(e, gap.coefficients):
+                common = poly_gcd(list(e), list(gap.coefficients))
+                for extension in adjoin_real_roots(pose.omega.field, squarefree_part(common)):
+                    if extension.root.sign > 0:
+                        yield extension.root
+
+
+def _without_zero(p: Sequence[Algebraic]) -> list[Algebraic]:
+    """Without the roots at 0."""
+    first = next((i for i, c in enumerate(p) if not c.is_zero), len(p))
+    return list(p[first:])
+
+
+def _apart(p: Sequence[Algebraic], q: Sequence[Algebraic]) -> bool:
+    """Proof by balls that two polynomials have no common root; False where balls do not prove it."""
+    if len(p) == 1 or len(q) == 1:
+        return True
+    if not p or not q:
+        return False
+    balls = [[c.ball(_APART_BITS) for c in r] for r in (p, q)]
+    with ctx.workprec(_APART_BITS):
+        return not arb_mat(sylvester(balls[0], balls[1], arb(0))).det().contains(0)
+
+
+def _permanent_poses(
+    slice_map: SliceMap, j0: BiForm, j1: BiForm, permanent: Form
+) -> Iterator[Pose[Algebraic]]:
+    a, b = permanent.pair
+    roots: list[ExactRoot | None] = list(exact_roots(norm_factors((a, b), slice_map.radicand)))
+    if max(a.degree(), b.degree()) < permanent.degree:
+        roots.append(None)
+    for root in roots:
+        yield from _common_poses(slice_map, j0, j1, root)
+
+
+def _lifted(extension: Extension, pose: Pose[Algebraic]) -> Pose[Algebraic]:
+    """The pose in the larger field."""
+    cos_a, sin_a, cos_t, sin_t, length, omega = (extension.lift(x) for x in _entries(pose))
+    return Pose(cos_a, sin_a, cos_t, sin_t, length, omega)
+
+
+def _entries(pose: Pose[Algebraic]) -> tuple[Algebraic, ...]:
+    return pose.cos_alpha, pose.sin_alpha, pose.cos_theta, pose.sin_theta, pose.length, pose.omega
+
+
+def _event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[ExactEvent]:
+    kind = classify(slice_map, pose, LocalMap.at(slice_map, pose, 4))
+    if kind not in (None, CUSP):
+        yield ExactEvent(slice_map, str(kind), pose)
+
+
+def _common_poses(
+    slice_map: SliceMap, first: BiForm, second: BiForm, root: ExactRoot | None
+) -> Iterator[Pose[Algebraic]]:
+    """The real poses above a root; their length is a placeholder."""
+    for cos_t, sin_t, omega, rows in _places(slice_map, first, second, root):
+        field = omega.field
+        a, b = rows
+        if a[-1].is_zero and b[-1].is_zero:
+            yield Pose(field(-1), field(0), cos_t, sin_t, field(1), omega)
+        common = poly_gcd(trimmed(a), trimmed(b))
+        if not common:
+            raise NotGeneric
+        for extension in adjoin_real_roots(field, squarefree_part(common)):
+            yield Pose(
+                *cos_sin(extension.root),
+                extension.lift(cos_t),
+                extension.lift(sin_t),
+                extension.field(1),
+                extension.lift(omega),
+            )
+
+
+def _places(
+    slice_map: SliceMap, first: BiForm, second: BiForm, root: ExactRoot | None
+) -> Iterator[tuple[Algebraic, Algebraic, Algebraic, list[list[Algebraic]]]]:
+    """cos θ, sin θ, ω and both forms' coefficients of t, at a root."""
+    if root is not None:
+        for u, omega in root_and_omega(slice_map.radicand, root):
+            rows = [[value_at(row[0], u, omega) for row in form.coefficients] for form in (first, second)]
+            yield *cos_sin(u), omega, rows
+        return
+    origin = real_roots(RealPolynomial(fmpz_poly([0, 1]), fmpz_poly([]), 1))[0]
+    for zero, omega in root_and_omega(slice_map.radicand, ExactRoot(origin, 1, None)):
+        field = zero.field
+        rows = [
+            [_leading(row[0], form.degree_u, omega) for row in form.coefficients] for form in (first, second)
+        ]
+        yield field(-1), field(0), omega, rows
+
+
+def _leading(pair: Pair, degree: int, omega: Algebraic) -> Algebraic:
+    a, b = (omega.field(fmpq(part[degree])) for part in pair)
+    return a + omega * b
+
+
+def _singularity(slice_map: SliceMap, pose: Pose[Algebraic], length: int) -> Algebraic:
+    at = replace(pose, length=pose.omega.field(length))
+    return LocalMap.at(slice_map, at, 1).singularity().value
+
+
+def _degenerate_lengths(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[Extension]:
+    """The L at which a pose that is always singular is degenerate as well."""
+    field = pose.omega.field
+    local = _in_length(slice_map, pose)
+    j = local.singularity()
+    conditions = [[j.alpha.value, j.theta.value]]
+    for leg in (local.f, local.g):
+        e = local.along(leg, j)
+        conditions.append([e.value, local.along(leg, e).value])
+    slopes = [poly_gcd(*(x.value.coefficients for x in (leg.alpha, leg.theta))) for leg in (local.f, local.g)]
+    if not all(slopes):
+        # ∇f = 0 at every L: only the other leg tells
+        conditions = [conditions[0]] + [c for c, s in zip(conditions[1:], slopes, strict=True) if s]
+        slopes = [s for s in slopes if s]
+    found: list[Polynomial] = []
+    for vanishing, condition in zip([[], *slopes], conditions, strict=True):
+        common = poly_gcd(*(x.coefficients for x in condition))
+        if not common:
+            raise NotGeneric
+        for known in ([field(0), field(1)], vanishing, *found):
+            common = _without(common, known)
+        found.append(common)
+        yield from adjoin_real_roots(field, squarefree_part(common))
+
+
+def _in_length(slice_map: SliceMap, pose: Pose[Algebraic]) -> LocalMap[Any]:
+    """The jets at a pose as polynomials in L."""
+    return LocalMap.at(slice_map, _symbolic(pose), 3)
+
+
+def _symbolic(pose: Pose[Algebraic]) -> Pose[_InLength]:
+    """The pose with L as an indeterminate."""
+    field = pose.omega.field
+    cos_a, sin_a, cos_t, sin_t, _, omega = (_InLength([x]) for x in _entries(pose))
+    return Pose(cos_a, sin_a, cos_t, sin_t, _InLength([field(0), field(1)]), omega)
+
+
+def _without(p: Polynomial, factor: Polynomial) -> Polynomial:
+    """p less all that it shares with a factor."""
+    while factor and len(common := poly_gcd(p, factor)) > 1:
+        p = poly_mod(p, common)[0]
+    return p
+
+
+def _degrees(cos: Algebraic, sin: Algebraic, bits: int) -> arb:
+    """The angle in (−180, 180], exact at 0 and 180."""
+    if sin.is_zero:
+        return arb(0) if cos.sign > 0 else arb(180)
+    c, s = cos.ball(bits), sin.ball(bits)
+    with ctx.workprec(bits):
+        return HalfTangent(s, 1 + c).degrees()
+
+
+@dataclass(frozen=True, eq=False)
+class _InLength:
+    """A polynomial in L over a number field: a ring for jets."""
+
+    coefficients: Sequence[Algebraic]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "coefficients", trimmed(self.coefficients))
+
+    def __add__(self, other: _InLength | int) -> _InLength:
+        if isinstance(other, int):
+            constant = self.coefficients[0] + other if self.coefficients else None
+            if constant is None:
+                raise TypeError("an integer needs a field to be added in")
+            return _InLength([constant, *self.coefficients[1:]])
+        a, b = sorted((self.coefficients, other.coefficients), key=len)
+        return _InLength([x + y for x, y in zip(a, b, strict=False)] + list(b[len(a) :]))
+
+    def __neg__(self) -> _InLength:
+        return _InLength([-x for x in self.coefficients])
+
+    def __sub__(self, other: _InLength) -> _InLength:
+        return self + -other
+
+    def __mul__(self, other: _InLength | int) -> _InLength:
+        if isinstance(other, int):
+            return _InLength([x * other for x in self.coefficients])
+        if not self.coefficients or not other.coefficients:
+            return _InLength([])
+        field: Field = self.coefficients[0].field
+        total = [field(0)] * (len(self.coefficients) + len(other.coefficients) - 1)
+        for i, x in enumerate(self.coefficients):
+            for k, y in enumerate(other.coefficients):
+                total[i + k] = total[i + k] + x * y
+        return _InLength(total)

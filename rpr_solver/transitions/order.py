@@ -1,0 +1,135 @@
+"""Events in the order of L, and which of them share one L exactly.
+
+Events of a symmetric machine come in pairs at one L. No precision shows that two numbers are equal:
+equality is proved by minimal polynomials, or by the machine's own mirror symmetry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cmp_to_key
+
+from flint import acb, arb, ctx, fmpq_mat, fmpq_poly
+
+from rpr_solver.errors import SolverError
+from rpr_solver.exact.number_field import Algebraic
+from rpr_solver.exact.real_roots import RealPolynomial, omega_ball, real_roots
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.transitions.events import BallEvent, Event
+
+_FIRST_BITS = 256
+_MAX_BITS = 1 << 13
+
+
+def grouped(slice_map: SliceMap, events: Sequence[Event]) -> list[list[Event]]:
+    """The events by ascending L, those of equal L together.
+
+    Raises:
+        SolverError: two lengths could be neither separated nor proved equal.
+    """
+
+    def compare(x: Event, y: Event) -> int:
+        return _compare(slice_map, x, y, events)
+
+    groups: list[list[Event]] = []
+    for event in sorted(events, key=cmp_to_key(compare)):
+        if groups and compare(groups[-1][0], event) == 0:
+            groups[-1].append(event)
+        else:
+            groups.append([event])
+    return groups
+
+
+def _compare(slice_map: SliceMap, x: Event, y: Event, events: Sequence[Event]) -> int:
+    if x is y:
+        return 0
+    bits = _FIRST_BITS
+    while bits <= _MAX_BITS:
+        a, b = x.scaled_length(bits), y.scaled_length(bits)
+        if not a.overlaps(b):
+            return -1 if a < b else 1
+        if bits == _FIRST_BITS and _equal(slice_map, x, y, events):
+            return 0
+        bits *= 2
+    raise SolverError("two transitions are nearer than 1e-2000 and could not be proved to be one")
+
+
+def _equal(slice_map: SliceMap, x: Event, y: Event, events: Sequence[Event]) -> bool:
+    if x.exact_length is not None and y.exact_length is not None:
+        return _same_number(x.exact_length, y.exact_length)
+    if isinstance(x, BallEvent) and isinstance(y, BallEvent):
+        return _isosceles(slice_map) and _mirror_images(slice_map, x, y, events)
+    exact = [e.exact().exact_length if isinstance(e, BallEvent) else e.exact_length for e in (x, y)]
+    first, second = exact
+    return first is not None and second is not None and _same_number(first, second)
+
+
+def _same_number(x: Algebraic, y: Algebraic) -> bool:
+    """Whether two real algebraic numbers are equal: one minimal polynomial, and the same root of it."""
+    minimal = _minimal_polynomial(x)
+    if _minimal_polynomial(y) != minimal:
+        return False
+    roots = real_roots(RealPolynomial(minimal.numer(), minimal.numer() * 0, 1))
+    bits = _FIRST_BITS
+    while bits <= _MAX_BITS:
+        places = [
+            [i for i, root in enumerate(roots) if root.refined(bits).overlaps(z.ball(bits))] for z in (x, y)
+        ]
+        if all(len(place) == 1 for place in places):
+            return places[0] == places[1]
+        bits *= 2
+    return False
+
+
+def _minimal_polynomial(x: Algebraic) -> fmpq_poly:
+    n = x.field.degree
+    power, columns = x.field(1), []
+    for _ in range(n):
+        columns.append([(x * power).poly[i] for i in range(n)])
+        power = power * x.field.generator
+    characteristic = fmpq_poly(fmpq_mat(columns).charpoly())
+    common = characteristic.gcd(characteristic.derivative())
+    return characteristic / common
+
+
+def _isosceles(slice_map: SliceMap) -> bool:
+    """Whether base and platform are both symmetric with respect to the fixed leg's corner."""
+    f, g, radicand = slice_map.f, slice_map.g, slice_map.radicand
+    return f.ax**2 + f.ay**2 == g.ax**2 + g.ay**2 and f.m**2 + radicand * f.n**2 == g.m**2 + radicand * g.n**2
+
+
+def _mirror_images(slice_map: SliceMap, x: BallEvent, y: BallEvent, events: Sequence[Event]) -> bool:
+    """Whether the mirror image of x, which is an event of the same L, can be no event but y."""
+    image = _mirrored(slice_map, x, _FIRST_BITS)
+    near = [
+        other
+        for other in events
+        if isinstance(other, BallEvent)
+        and other.system is x.system
+        and all(_overlap(a, b) for a, b in zip(image, _directions(other, _FIRST_BITS), strict=True))
+    ]
+    return near == [y]
+
+
+def _mirrored(slice_map: SliceMap, event: BallEvent, bits: int) -> tuple[acb, acb]:
+    """exp(iα) and exp(iθ) of the pose reflected in the base's axis, legs f and g renamed."""
+    alpha, theta = _directions(event, bits)
+    with ctx.workprec(bits):
+        omega = omega_ball(slice_map.radicand, bits)
+        f, g = slice_map.f, slice_map.g
+        base = acb(f.ax, f.ay) * acb(g.ax, g.ay) / (f.ax**2 + f.ay**2)
+        norm = f.m**2 + slice_map.radicand * f.n**2
+        platform = acb(f.m, -f.n * omega) * acb(g.m, -g.n * omega) / norm
+        return base * platform * alpha.conjugate(), base * theta.conjugate()
+
+
+def _directions(event: BallEvent, bits: int) -> tuple[acb, acb]:
+    alpha, theta, _, _ = event.coordinates(bits)
+    with ctx.workprec(bits):
+        to_radians = arb.pi() / 180
+        a, t = alpha * to_radians, theta * to_radians
+        return acb(a.cos(), a.sin()), acb(t.cos(), t.sin())
+
+
+def _overlap(a: acb, b: acb) -> bool:
+    return bool(a.real.overlaps(b.real) and a.imag.overlaps(b.imag))

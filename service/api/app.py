@@ -1,0 +1,55 @@
+"""The FastAPI application."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import anyio.to_thread
+from fastapi import FastAPI
+from starlette.middleware.gzip import GZipMiddleware
+from starlette.staticfiles import StaticFiles
+
+from service import __version__
+from service.api.context import Context
+from service.api.error_handlers import add_error_handlers
+from service.api.middleware import RequestEnvelope
+from service.api.openapi import describe, operation_id
+from service.api.operation_docs import WEB
+from service.api.routes import censuses, checks, cusp_curves, cusp_tables, jobs, operations, pages, poses
+from service.api.settings import Settings
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """Make the application. Nothing connects to Redis before the first request that needs it."""
+    settings = settings or Settings()
+    context = Context.of(settings)
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        anyio.to_thread.current_default_thread_limiter().total_tokens = settings.threads
+        try:
+            yield
+        finally:
+            await context.close()
+
+    app = FastAPI(
+        title="rpr-cusps",
+        version=__version__,
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
+        openapi_url=None,
+        redirect_slashes=False,
+        generate_unique_id_function=operation_id,
+    )
+    app.state.context = context
+    app.state.begin_shutdown = context.events.stop
+    for part in (cusp_tables, censuses, cusp_curves, checks, poses, jobs, operations, pages):
+        app.include_router(part.router)
+    app.mount("/static", StaticFiles(directory=WEB), name="static")
+    add_error_handlers(app)
+    describe(app)
+    app.add_middleware(GZipMiddleware, minimum_size=settings.gzip_bytes, compresslevel=5)
+    app.add_middleware(RequestEnvelope, metrics=context.metrics)
+    return app

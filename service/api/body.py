@@ -1,0 +1,75 @@
+"""Request bodies: bounded, and of the right type."""
+
+from __future__ import annotations
+
+from starlette.requests import Request
+
+from service.api.problems import ProblemError, ProblemType
+from service.schemas.exact_json import JsonError, parse_json
+
+JSON_TYPES = "application/json"
+
+
+async def read_body(request: Request, max_bytes: int) -> bytes:
+    """Read the body of a request, for :func:`json_of` (which may take long, so not in the event loop).
+
+    Raises:
+        ProblemError: 415 for another content type, 413 for a body over the limit.
+    """
+    _check_headers(request)
+    declared = request.headers.get("content-length", "")
+    if declared.isascii() and declared.isdigit() and (len(declared) > 18 or int(declared) > max_bytes):
+        raise _too_large(max_bytes, f"{declared[:40]} bytes were announced")
+    chunks: list[bytes] = []
+    size = 0
+    async for chunk in request.stream():
+        size += len(chunk)
+        if size > max_bytes:
+            raise _too_large(max_bytes, f"more than {max_bytes} bytes were sent")
+        chunks.append(chunk)
+    return b"".join(chunks)
+
+
+def json_of(body: bytes) -> object:
+    """The JSON of a body.
+
+    Raises:
+        ProblemError: 400, it is no strict JSON.
+    """
+    try:
+        return parse_json(body)
+    except JsonError as error:
+        raise ProblemError(
+            ProblemType.INVALID_JSON, error.detail, errors=[(error.field, error.detail)]
+        ) from None
+
+
+def _check_headers(request: Request) -> None:
+    sent = request.headers.get("content-type")
+    media_type = (sent or "").partition(";")[0].strip().lower()
+    is_json = media_type == JSON_TYPES or (
+        media_type.startswith("application/") and media_type.endswith("+json")
+    )
+    if not is_json:
+        what = "has no Content-Type" if sent is None else f"is sent as {sent[:100]!r}"
+        raise ProblemError(
+            ProblemType.UNSUPPORTED_MEDIA_TYPE,
+            f"The body {what}; send it as application/json.",
+            headers={"Accept-Post": JSON_TYPES},
+        )
+    encoding = request.headers.get("content-encoding", "identity").strip().lower()
+    if encoding not in ("", "identity"):
+        raise ProblemError(
+            ProblemType.UNSUPPORTED_MEDIA_TYPE,
+            f"The body is sent with Content-Encoding {encoding[:100]!r}; send it without one.",
+            headers={"Accept-Encoding": "identity"},
+        )
+
+
+def _too_large(limit: int, sent: str) -> ProblemError:
+    return ProblemError(
+        ProblemType.BODY_TOO_LARGE,
+        f"The body may have at most {limit} bytes (limit max_body_bytes); {sent}.",
+        errors=[("body", f"limit max_body_bytes is {limit}; {sent}")],
+        headers={"Connection": "close"},
+    )

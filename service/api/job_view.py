@@ -1,0 +1,22 @@
+"""A job as the contract shows it."""
+
+from __future__ import annotations
+
+from worker import JobView
+from worker.jobs.requests import kind_of
+
+
+def job_json(view: JobView) -> dict[str, object]:
+    """The job document."""
+    here = f"/v1/jobs/{view.id}"
+    return {
+        "id": view.id,
+        "kind": kind_of(view.id),
+        "status": view.status,
+        "progress": {"done": view.done, "total": view.total},
+        "created_at": view.created_at,
+        "started_at": view.started_at,
+        "finished_at": view.finished_at,
+        "error": view.error,
+        "links": {"self": here, "result": f"{here}/result", "events": f"{here}/events"},
+    }

@@ -1,0 +1,150 @@
+"""One document in the form that the client wants: media type, validators, compression."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import Response
+
+import rpr_solver
+from service.api.problems import ProblemError, ProblemType
+from worker.jobs.requests import Kind
+
+Document = Mapping[str, Any]
+
+JSON = "application/json"
+CSV = "text/csv"
+NDJSON = "application/x-ndjson"
+IMMUTABLE = "public, max-age=31536000, immutable"
+REVALIDATE = "no-cache"
+
+
+def json_bytes(document: object) -> bytes:
+    """A document as compact JSON."""
+    return json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode()
+
+
+def ndjson_bytes(table: Document) -> bytes:
+    """The slices of a table, one JSON object a line; each line also says which manipulator it belongs to."""
+    shared = {
+        key: table[key] for key in ("geometry_hash", "fixed_leg", "digits", "solver_version") if key in table
+    }
+    return b"".join(json_bytes({**shared, **part}) + b"\n" for part in table["slices"])
+
+
+Forms = Mapping[str, Callable[[Any], bytes]]
+
+TABLE_FORMS: Forms = {
+    JSON: json_bytes,
+    CSV: lambda table: rpr_solver.table_csv(table).encode(),
+    NDJSON: ndjson_bytes,
+}
+_FORMS: Mapping[Kind, Forms] = {
+    "cusp-table": TABLE_FORMS,
+    "article-table": TABLE_FORMS,
+    "cusp-curves": {JSON: json_bytes, CSV: lambda curves: rpr_solver.curves_csv(curves).encode()},
+    "census": {JSON: json_bytes, CSV: lambda census: rpr_solver.census_csv(census).encode()},
+}
+
+
+def forms_of(kind: Kind | None) -> Forms:
+    """The media types in which an answer of this kind can be had; without a kind all that there are."""
+    return TABLE_FORMS if kind is None else _FORMS.get(kind, {JSON: json_bytes})
+
+
+def negotiate(accept: Sequence[str], offered: Sequence[str]) -> str:
+    """The media type of `offered` that Accept headers like best; the first one if they like several equally.
+
+    Raises:
+        ProblemError: 406; none is acceptable.
+    """
+    ranges = [_media_range(part) for header in accept for part in header.split(",") if part.strip()]
+    if not ranges:
+        return offered[0]
+    best = max(offered, key=lambda kind: (_quality(kind, ranges), -offered.index(kind)))
+    if _quality(best, ranges) <= 0:
+        raise ProblemError(
+            ProblemType.NOT_ACCEPTABLE,
+            f"Accept {', '.join(accept)[:200]!r} matches none of {', '.join(offered)}.",
+        )
+    return best
+
+
+def document_response(
+    request: Request,
+    document: Document,
+    forms: Forms,
+    *,
+    headers: Mapping[str, str] | None = None,
+    min_gzip: int = 1024,
+) -> Response:
+    """A document in one of its forms, with a strong ETag; 304 when the client has it already.
+
+    A table in which a slice carries an error may turn out better next time; all others never change.
+    """
+    form = negotiate(request.headers.getlist("accept"), tuple(forms))
+    body = forms[form](document)
+    tag = hashlib.sha256(body).hexdigest()[:32]
+    compressed = len(body) >= min_gzip and accepts_gzip(request)
+    # another encoding is another representation, so a strong validator must differ
+    etag = f'"{tag}-gzip"' if compressed else f'"{tag}"'
+    found = {
+        "ETag": etag,
+        "Cache-Control": REVALIDATE
+        if any("error" in part for part in document.get("slices", ()))
+        else IMMUTABLE,
+        # the middleware says the same of what it could have compressed
+        "Vary": "Accept, Accept-Encoding" if compressed else "Accept",
+        **(headers or {}),
+    }
+    if request.method == "GET" and (known := _matching(request.headers.getlist("if-none-match"), tag, etag)):
+        return Response(status_code=304, headers={**found, "ETag": known, "Vary": "Accept, Accept-Encoding"})
+    if compressed:
+        found["Content-Encoding"] = "gzip"
+        body = gzip.compress(body, compresslevel=5, mtime=0)
+    if form == CSV:
+        return Response(body, headers={**found, "Content-Type": "text/csv; charset=utf-8; header=present"})
+    return Response(body, headers=found, media_type=form)
+
+
+def accepts_gzip(request: Request) -> bool:
+    """Whether the client takes gzip."""
+    qualities = {}
+    for part in ",".join(request.headers.getlist("accept-encoding")).split(","):
+        coding, quality = _media_range(part)
+        qualities[coding] = quality
+    return qualities.get("gzip", qualities.get("*", 0.0)) > 0
+
+
+def _matching(headers: Sequence[str], tag: str, preferred: str) -> str | None:
+    """The validator that the client has already, in whichever encoding."""
+    sent = {part.strip().removeprefix("W/") for header in headers for part in header.split(",")}
+    if "*" in sent:
+        return preferred
+    return next((known for known in (preferred, f'"{tag}"', f'"{tag}-gzip"') if known in sent), None)
+
+
+def _media_range(text: str) -> tuple[str, float]:
+    kind, *parameters = (part.strip().lower() for part in text.split(";"))
+    for parameter in parameters:
+        name, _, value = parameter.partition("=")
+        if name.strip() == "q":
+            try:
+                return kind, min(1.0, max(0.0, float(value)))
+            except ValueError:
+                return kind, 0.0
+    return kind, 1.0
+
+
+def _quality(kind: str, ranges: Sequence[tuple[str, float]]) -> float:
+    """The quality that the most specific range gives to a media type."""
+    for pattern in (kind, f"{kind.partition('/')[0]}/*", "*/*"):
+        for candidate, quality in ranges:
+            if candidate == pattern:
+                return quality
+    return 0.0

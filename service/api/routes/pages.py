@@ -1,0 +1,93 @@
+"""Pages for people: the landing page, the interactive documentation, and what each problem type means."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Mapping
+from functools import cache
+from string import Template
+
+from fastapi import APIRouter, Request, Response
+
+from service import __version__
+from service.api.negotiation import JSON, json_bytes
+from service.api.operation_docs import EXAMPLE_REQUEST, WEB
+from service.api.problems import ProblemError, ProblemType, TypeInfo
+
+router = APIRouter(include_in_schema=False)
+
+# The documentation's style is partly inline; nothing may come from, or go to, any other place.
+_POLICY = (
+    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; "
+    "base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
+)
+
+
+@router.get("/")
+async def index(request: Request) -> Response:
+    """What this is, and a first request to copy."""
+    example = {key: json.dumps(value) for key, value in EXAMPLE_REQUEST.items()}
+    return _page("index.html", text={"base": str(request.base_url).rstrip("/"), **example})
+
+
+@router.get("/docs")
+async def docs() -> Response:
+    """The interactive documentation; its assets are served from here."""
+    return _page("docs.html")
+
+
+@router.get("/openapi.json")
+async def openapi_json(request: Request) -> Response:
+    """The OpenAPI document."""
+    return Response(json_bytes(request.app.openapi()), headers={"Cache-Control": "no-cache"}, media_type=JSON)
+
+
+@router.get("/problems")
+async def problems() -> Response:
+    """All types of problems."""
+    rows = "".join(
+        f'<tr><td>{info.status}</td><td><a href="problems/{info.slug}"><code>{info.slug}</code></a></td>'
+        f"<td>{html.escape(info.title)}</td></tr>"
+        for info in _infos()
+    )
+    return _page("problems.html", markup={"rows": rows})
+
+
+@router.get("/problems/{slug}")
+async def problem(slug: str) -> Response:
+    """What one type of problem means."""
+    for info in _infos():
+        if info.slug == slug:
+            example = ProblemError(ProblemType(info), "…", errors=[("…", "…")]).document("/v1/…")
+            text = {
+                "slug": info.slug,
+                "title": info.title,
+                "status": str(info.status),
+                "meaning": info.meaning,
+                "example": json.dumps(example, indent=2, ensure_ascii=False),
+            }
+            return _page("problem.html", text=text)
+    raise ProblemError(ProblemType.NOT_FOUND, f"There is no problem type {slug[:80]!r}; /problems lists all.")
+
+
+def _infos() -> list[TypeInfo]:
+    return sorted((kind.value for kind in ProblemType), key=lambda info: (info.status, info.slug))
+
+
+def _page(
+    name: str, *, text: Mapping[str, str] | None = None, markup: Mapping[str, str] | None = None
+) -> Response:
+    escaped = {key: html.escape(value) for key, value in (text or {}).items()}
+    body = _template(name).substitute(version=__version__, **escaped, **(markup or {}))
+    headers = {
+        "Content-Security-Policy": _POLICY,
+        "Referrer-Policy": "no-referrer",
+        "Cache-Control": "no-cache",
+    }
+    return Response(body, headers=headers, media_type="text/html")
+
+
+@cache
+def _template(name: str) -> Template:
+    return Template((WEB / name).read_text(encoding="utf-8"))

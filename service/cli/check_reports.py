@@ -1,0 +1,168 @@
+"""The outcome of checks for people and for machines: text, JUnit XML, GitHub annotations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+from xml.etree import ElementTree
+
+from rpr_solver import EXAMPLES
+from service.cli.pages import Page, Section, counted
+
+SUITE = "rpr-cusps check"
+_NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one geometry: a report, or why there is none.
+
+    `error` holds a type ("input-error", "solver-error", …) and a detail.
+    """
+
+    source: str
+    report: Mapping[str, Any] | None = None
+    error: Mapping[str, str] | None = None
+    seconds: float = 0.0
+
+    @property
+    def passed(self) -> bool:
+        """Whether the requirement is proved."""
+        return self.report is not None and bool(self.report["passed"])
+
+    @property
+    def message(self) -> str:
+        """Why it is not passed, in one line: the first offending slice and its first cusp, or the error."""
+        if self.error is not None:
+            return " ".join(self.error["detail"].split())
+        if self.report is None or self.passed:
+            return ""
+        first = self.report["violations"][0]
+        leg = f"l{self.report['requirement']['fixed_leg']}"
+        found = counted(first["count"], "cusp")
+        text = f"{found} at {leg.upper()} = {first['example'][leg]}, {_wanted(self.report['requirement'])}"
+        if cusps := first["example"]["cusps"]:
+            text += "; the first: " + ", ".join(f"{key} = {value}" for key, value in cusps[0].items())
+        return text
+
+    def to_json(self) -> dict[str, object]:
+        """The report with the name of its geometry, or the error."""
+        found = {"source": self.source, "passed": self.passed}
+        return {**found, "report": self.report} if self.error is None else {**found, "error": self.error}
+
+
+def document(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> dict[str, object]:
+    """All outcomes as one JSON document."""
+    return {
+        "passed": all(outcome.passed for outcome in outcomes),
+        "requirement": requirement,
+        "checks": [outcome.to_json() for outcome in outcomes],
+    }
+
+
+def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> Page:
+    """All outcomes for a person."""
+    sections = []
+    for outcome in outcomes:
+        if outcome.passed:
+            sections.append(Section(f"{outcome.source}: passed, {_found(outcome)}"))
+            continue
+        verdict = "failed" if outcome.error is None else "no answer"
+        sections.append(
+            Section(f"{outcome.source}: {verdict}: {outcome.message}", list(_rows(outcome)), failed=True)
+        )
+    return Page(_about(requirement), sections)
+
+
+def junit_xml(outcomes: Sequence[Outcome]) -> str:
+    """JUnit XML, a test case for each geometry."""
+    suite = ElementTree.Element(
+        "testsuite",
+        name=SUITE,
+        tests=str(len(outcomes)),
+        failures=str(sum(not o.passed and o.error is None for o in outcomes)),
+        errors=str(sum(o.error is not None for o in outcomes)),
+        skipped="0",
+        time=f"{sum(o.seconds for o in outcomes):.3f}",
+    )
+    for outcome in outcomes:
+        case = ElementTree.SubElement(
+            suite, "testcase", classname=SUITE, name=_xml(outcome.source), time=f"{outcome.seconds:.3f}"
+        )
+        if outcome.error is not None:
+            kind, name = _xml(outcome.error["type"]), "error"
+        elif not outcome.passed:
+            kind, name = "requirement", "failure"
+        else:
+            continue
+        said = ElementTree.SubElement(case, name, message=_xml(outcome.message), type=kind)
+        said.text = "\n".join(" ".join(row) for row in _rows(outcome))
+    suites = ElementTree.Element("testsuites")
+    suites.append(suite)
+    ElementTree.indent(suites)
+    return ElementTree.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def github_annotations(outcomes: Sequence[Outcome]) -> Iterator[str]:
+    """A GitHub workflow command for each geometry that is not passed."""
+    for outcome in outcomes:
+        if outcome.passed:
+            continue
+        title = "check failed" if outcome.error is None else f"no answer ({outcome.error['type']})"
+        if outcome.source == "-" or outcome.source in EXAMPLES:
+            where = f"title={_property(f'{outcome.source}: {title}')}"
+        else:
+            where = f"file={_property(outcome.source)},title={_property(title)}"
+        yield f"::error {where}::{_data(outcome.message)}"
+
+
+def _wanted(requirement: Mapping[str, Any]) -> str:
+    parts = [
+        f"{words} {requirement[name]}"
+        for name, words in (("max_cusps", "at most"), ("min_cusps", "at least"))
+        if requirement[name] is not None
+    ]
+    return (
+        f"{' and '.join(parts)} allowed"
+        if requirement["min_cusps"] is None
+        else f"{' and '.join(parts)} wanted"
+    )
+
+
+def _about(requirement: Mapping[str, Any]) -> str:
+    ends, leg = requirement["range"], requirement["fixed_leg"]
+    upper = "" if ends["to"] is None else f" up to {ends['to']}"
+    limits = "".join(
+        f", {key.upper()} within {bounds['min'] or 0}:{bounds['max'] or ''}"
+        for key, bounds in requirement["limits"].items()
+    )
+    return f"cusps for L{leg} from {ends['from']}{upper}{limits}: {_wanted(requirement)}"
+
+
+def _found(outcome: Outcome) -> str:
+    assert outcome.report is not None
+    low, high = (outcome.report[f"{end}_cusps_found"] for end in ("min", "max"))
+    return counted(low, "cusp") if low == high else f"{low} to {high} cusps"
+
+
+def _rows(outcome: Outcome) -> Iterator[list[str]]:
+    if outcome.report is None:
+        return
+    yield ["from", "to", "cusps"]
+    for part in outcome.report["violations"]:
+        yield [part["from"], part["to"] or "∞", str(part["count"])]
+
+
+def _xml(text: str) -> str:
+    """Without what XML 1.0 cannot hold."""
+    return _NOT_XML.sub("\ufffd", text)
+
+
+def _data(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    return _data(text).replace(":", "%3A").replace(",", "%2C")

@@ -1,0 +1,87 @@
+"""`rpr-cusps demo`: the whole service, started, asked once over HTTP, and stopped."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rpr_solver import EXAMPLES
+from service.cli.pages import Progress, write_table
+from service.cli.solve import report
+from service.client import ServiceClient, ServiceError
+
+EXAMPLE, L1 = "innocenti", "14.98"
+
+# `-P` and this instead of `-m`: a directory called "service" where the user happens to be must not be taken.
+_PROGRAM = "import sys; sys.path.append(sys.argv.pop(1)); from service.cli import main; sys.exit(main())"
+_STOP_PATIENCE = 15.0
+
+
+def demo(*, keep: bool = False) -> int:
+    """Run the demonstration; returns the exit status.
+
+    Raises:
+        ServiceError: the service did not start or did not answer.
+    """
+    with (
+        tempfile.TemporaryDirectory(prefix="rpr-cusps-") as directory,
+        _service(Path(directory)) as (process, url),
+    ):
+        _say(f"The service runs at {url}; posting the manipulator {EXAMPLE!r} at L1 = {L1}.")
+        with ServiceClient(url) as client, Progress(1) as progress:
+            request = {"geometry": EXAMPLES[EXAMPLE].to_json(), "l1": L1}
+            table = client.cusp_table(request, progress.update)
+        write_table(table, "table")
+        sys.stdout.flush()
+        if keep:
+            _say(f"Still serving: {url}/ (documentation at {url}/docs); Ctrl-C stops it.")
+            with contextlib.suppress(KeyboardInterrupt):
+                process.wait()
+        status = report(table)
+    _say("Everything is stopped.")
+    return status
+
+
+@contextmanager
+def _service(data_dir: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """`rpr-cusps serve` on a free port, with data of its own, and its address."""
+    root = str(Path(__file__).parents[1])
+    environment = {key: value for key, value in os.environ.items() if key != "RPR_CUSPS_REDIS_URL"}
+    process = subprocess.Popen(
+        [
+            *(sys.executable, "-P", "-c", _PROGRAM, root, "serve", "--port", "0"),
+            *("--data-dir", str(data_dir), "--parent-pid", str(os.getpid())),
+        ],
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # a terminal's Ctrl-C reaches this process only, which stops the other
+    )
+    try:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        match = re.search(r"https?://\S+", line)
+        if match is None:
+            raise ServiceError(f"the service did not start: {line.strip() or 'it said nothing'}")
+        yield process, match[0]
+    finally:
+        process.terminate()
+        try:
+            process.wait(_STOP_PATIENCE)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        if process.stdout is not None:
+            process.stdout.close()
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)

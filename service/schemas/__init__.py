@@ -1,0 +1,1 @@
+"""What is asked and answered, as data: no HTTP and no terminal."""

@@ -1,0 +1,90 @@
+"""Request bodies: bounded, strict JSON in which every number is kept as it was written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import NoReturn
+
+MAX_DEPTH = 32
+"""No document of the contract is nested as deeply as this."""
+
+
+class JsonError(ValueError):
+    """The text is not strict JSON; ``field`` is the key at fault, or "body"."""
+
+    def __init__(self, detail: str, field: str = "body") -> None:
+        self.detail, self.field = detail, field[:100]
+        super().__init__(detail)
+
+
+class JsonNumber(str):
+    """The text of a JSON number. It differs from a JSON string by its type only."""
+
+    __slots__ = ()
+
+
+def parse_json(body: bytes) -> object:
+    """Parse strict JSON (RFC 8259). Numbers become :class:`JsonNumber`, with every digit that was sent.
+
+    Raises:
+        JsonError: not UTF-8, not JSON, a key given twice, or nested too deeply.
+
+    >>> parse_json(b'{"d1": 17.040}')
+    {'d1': '17.040'}
+    """
+    try:
+        text = body.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise JsonError(f"The body is not valid UTF-8: byte {error.start} cannot be decoded.") from None
+    try:
+        value: object = json.loads(
+            text,
+            parse_float=JsonNumber,
+            parse_int=JsonNumber,
+            parse_constant=_refuse_constant,
+            object_pairs_hook=_object,
+        )
+    except json.JSONDecodeError as error:
+        raise JsonError(
+            f"The body is not valid JSON: {error.msg} at line {error.lineno}, column {error.colno}."
+        ) from None
+    except RecursionError:
+        raise _too_deep() from None
+    _check_depth(value)
+    return value
+
+
+def _object(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        seen: set[str] = set()
+        for key, _ in pairs:
+            if key in seen:
+                raise JsonError(f"The key {key[:100]!r} is given twice in one object.", field=key)
+            seen.add(key)
+    return found
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise JsonError(f"{name} is not a JSON number; every number must be finite.")
+
+
+def _check_depth(value: object) -> None:
+    level: list[object] = [value]
+    for _ in range(MAX_DEPTH):
+        level = [child for parent in level for child in _children(parent)]
+        if not level:
+            return
+    raise _too_deep()
+
+
+def _children(value: object) -> Iterator[object]:
+    if isinstance(value, dict):
+        yield from (child for child in value.values() if isinstance(child, dict | list))
+    elif isinstance(value, list):
+        yield from (child for child in value if isinstance(child, dict | list))
+
+
+def _too_deep() -> JsonError:
+    return JsonError(f"The body is nested more than {MAX_DEPTH} levels deep.")

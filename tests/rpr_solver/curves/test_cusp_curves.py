@@ -1,0 +1,288 @@
+"""Cusp curves: names, ends, samples; against the census, slices, and a walk in floating point."""
+
+import json
+from collections import Counter
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from math import radians
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rpr_solver import (
+    EXAMPLES,
+    Census,
+    CurvePoint,
+    CuspCurves,
+    InputError,
+    Manipulator,
+    SolverError,
+    census,
+    cusp_curves,
+    cusp_table,
+    eliminate,
+    solve_slice,
+)
+from tests.support import newton
+from tests.support.families import FAMILIES, family
+from tests.support.strategies import manipulators
+
+INNOCENTI = EXAMPLES["innocenti"]
+
+
+@cache
+def curves_of(manipulator: Manipulator, fixed_leg: int = 1) -> CuspCurves:
+    return cusp_curves(manipulator, fixed_leg=fixed_leg, digits=30)
+
+
+def alive(curves: CuspCurves, length: Fraction) -> int:
+    """How many curves pass a length, by their ends alone."""
+    return sum(
+        Fraction(c.start.length or 0) < length and (c.stop.length is None or length < Fraction(c.stop.length))
+        for c in curves.curves
+    )
+
+
+def check_ends(curves: CuspCurves) -> None:
+    """Who joins whom is told by both, at one length; names are unique and in the order of birth."""
+    by_name = {c.name: c for c in curves.curves}
+    assert list(by_name) == [f"C{i + 1}" for i in range(len(curves.curves))]
+    starts = [Fraction(c.start.length or 0) for c in curves.curves]
+    assert starts == sorted(starts)
+    for c in curves.curves:
+        for side in ("start", "stop"):
+            end = getattr(c, side)
+            if end.joins is not None:
+                other = getattr(by_name[end.joins], side)
+                assert (other.joins, other.length, other.kind) == (c.name, end.length, end.kind)
+
+
+def agrees_with(curves: CuspCurves, whole: Census) -> None:
+    ends = [Fraction(0), *(Fraction(t.length) for t in whole.transitions)]
+    middles = [*((a + b) / 2 for a, b in pairwise(ends)), ends[-1] + 1]
+    assert [alive(curves, length) for length in middles] == list(whole.counts)
+
+
+@pytest.mark.parametrize(
+    ("name", "fixed_leg"),
+    [("innocenti", 1), ("innocenti", 2), ("zein-flat", 3), ("twelve-cusps", 1), ("fourteen-cusps", 2)],
+)
+def test_generic_curves_begin_and_end_in_pairs(name: str, fixed_leg: int) -> None:
+    curves = curves_of(EXAMPLES[name], fixed_leg)
+    check_ends(curves)
+    agrees_with(curves, census(EXAMPLES[name], fixed_leg=fixed_leg, digits=30))
+    ends = [end for c in curves.curves for end in (c.start, c.stop)]
+    assert all((end.kind == "open") == (end.joins is None) for end in ends)
+    assert all(len(end.points) == (end.kind != "open") for end in ends)
+
+
+def test_the_first_manipulators_curves() -> None:
+    """Twelve pairs are born; four cusps stay for every L1 beyond the last transition."""
+    curves = curves_of(INNOCENTI)
+    assert len(curves.curves) == 24
+    assert [c.name for c in curves.curves if c.stop.length is None] == ["C2", "C8", "C16", "C18"]
+    ten = [c for c in curves.curves if alive(replace(curves, curves=(c,)), Fraction("28.1"))]
+    assert len(ten) == 10
+    short = next(c for c in ten if c.name == "C22")
+    assert (short.start.kind, short.stop.kind) == ("beak-to-beak", "swallowtail")
+    assert (short.start.joins, short.stop.joins) == ("C21", "C6")
+
+
+@pytest.mark.parametrize(("name", "fixed_leg"), [(name, i % 3 + 1) for i, name in enumerate(FAMILIES)])
+def test_every_family_agrees_with_its_census(name: str, fixed_leg: int) -> None:
+    curves = curves_of(family(name), fixed_leg)
+    check_ends(curves)
+    agrees_with(curves, census(family(name), fixed_leg=fixed_leg, digits=30))
+
+
+def test_a_cusp_that_passes_a_degenerate_pose_begins_a_new_curve() -> None:
+    """Held at leg 2 the right-angled machine has six cusps about L2 = 16, and five and a node at 16."""
+    curves = curves_of(family("right angles"), 2)
+    ended = [c for c in curves.curves if c.stop.length == "16.0000000000000000000000000000"]
+    begun = [c for c in curves.curves if c.start.length == "16.0000000000000000000000000000"]
+    assert len(ended) == len(begun) == 1
+    assert ended[0].stop.kind == begun[0].start.kind == "node"
+    at = curves.sampled([Fraction(16)])
+    assert sum(len(c.points) for c in at.curves) == 5
+    assert not any(c.points for c in at.curves if c in (*ended, *begun))
+
+
+def test_unproved_continuations_are_called_so() -> None:
+    curves = curves_of(family("flat base"), 1)
+    undecided = [c for c in curves.curves if "undecided" in (c.start.kind, c.stop.kind)]
+    assert [(c.start.kind == "undecided", c.stop.kind == "undecided") for c in undecided] == [
+        (False, True),
+        (True, False),
+    ]
+    assert undecided[0].stop.length == undecided[1].start.length
+    assert [p.kind for p in undecided[0].stop.points] == ["quadruple"]
+
+
+def test_points_are_the_cusps_of_the_slices() -> None:
+    lengths = [Fraction("14.98"), Fraction("28.1"), Fraction(100)]
+    curves = curves_of(INNOCENTI).sampled(lengths)
+    for table in cusp_table(INNOCENTI, lengths, digits=30):
+        points = [p for c in curves.curves for p in c.points if p.length == table.length]
+        assert sorted(p.cusp for p in points) == list(range(1, table.count + 1))
+        assert all(p.point == table.cusps[p.cusp - 1] for p in points)
+
+
+def test_names_do_not_depend_on_what_is_asked_for() -> None:
+    whole = curves_of(INNOCENTI)
+    lengths = [Fraction(26) + Fraction(i, 4) for i in range(20)]
+    together = whole.sampled(lengths)
+    for length in lengths[::5]:
+        alone = whole.sampled([length]).within(length - 1, length + 1)
+        assert {c.name: p.cusp for c in alone.curves for p in c.points} == {
+            c.name: p.cusp for c in together.curves for p in c.points if p.length == length
+        }
+
+
+@pytest.mark.parametrize("exponent", [12, 30, 60])
+def test_slices_right_beside_transitions(exponent: int) -> None:
+    """The cusps that merge there are followed to the last."""
+    precise = census(INNOCENTI, digits=80)
+    whole = curves_of(INNOCENTI)
+    for transition in (precise.transitions[-1], precise.transitions[-2], precise.transitions[2]):
+        at = Fraction(transition.length)
+        below, above = (at * (1 + sign * Fraction(1, 10**exponent)) for sign in (-1, 1))
+        curves = whole.sampled([below, above])
+        for length, count in ((below, transition.count_before), (above, transition.count_after)):
+            passing = [c for c in curves.curves if any(p.length == length for p in c.points)]
+            assert len(passing) == count
+            for c in passing:
+                assert Fraction(c.start.length or 0) <= length * (1 + Fraction(1, 10**29))
+                assert c.stop.length is None or Fraction(c.stop.length) >= length * (1 - Fraction(1, 10**29))
+
+
+def test_the_farthest_slices_are_reached() -> None:
+    lengths = [Fraction(1, 10**20), Fraction(10**12)]
+    curves = curves_of(INNOCENTI).sampled(lengths)
+    assert [[p.length for p in c.points] for c in curves.curves if c.points] == [[Fraction(10**12)]] * 4
+
+
+def test_spread_samples_every_curve_between_its_ends() -> None:
+    whole = curves_of(INNOCENTI)
+    lengths = whole.spread(3)
+    assert len(lengths) == len(set(lengths))
+    for c in whole.sampled(lengths).curves:
+        assert len(c.points) >= 3
+        assert all(Fraction(c.start.length or 0) < p.length for p in c.points)
+        assert c.stop.length is None or c.points[-1].length < Fraction(c.stop.length)
+        assert c.points == tuple(sorted(c.points, key=lambda p: p.length))
+
+
+def test_intervals_too_narrow_for_their_digits_keep_a_sample() -> None:
+    coarse, start, stop = cusp_curves(INNOCENTI, digits=15), Fraction("14.5"), Fraction("14.6")
+    lengths = coarse.spread(2000, start, stop)
+    assert len(lengths) == 4001  # the window of width 1e-8 keeps one
+    few = [x for x in lengths if Fraction("14.57922") < x < Fraction("14.57923")]
+    assert all(c.points for c in coarse.sampled(few).within(start, stop).curves)
+
+
+def test_a_part_of_the_range() -> None:
+    whole = curves_of(INNOCENTI)
+    part = whole.within(Fraction("28.1"), Fraction("28.2"))
+    assert (part.start, part.stop) == (Fraction("28.1"), Fraction("28.2"))
+    assert {c.name for c in part.curves} <= {c.name for c in whole.curves}
+    assert len(part.curves) == 10
+    lengths = whole.spread(4, Fraction("28.1"), Fraction("28.2"))
+    assert all(Fraction("28.1") < x < Fraction("28.2") for x in lengths)
+    assert len(lengths) == 8
+    assert len(whole.within(Fraction(40), None).curves) == 4
+    assert all(40 < x < 80 for x in whole.spread(5, Fraction(40)))
+
+
+def test_documents_are_read_back() -> None:
+    for leg in (1, 2):
+        curves = curves_of(EXAMPLES["zein-flat"], leg)
+        assert CuspCurves.from_json(json.loads(json.dumps(curves.to_json()))) == curves
+
+
+def test_progress_is_told() -> None:
+    seen: list[tuple[int, int]] = []
+    curves = cusp_curves(EXAMPLES["zein-flat"], digits=15, progress=lambda *x: seen.append(x))
+    assert seen == sorted(seen)
+    assert seen[-1][0] == seen[-1][1]
+    seen.clear()
+    curves.sampled([Fraction(10), Fraction(20)], progress=lambda *x: seen.append(x))
+    assert seen == [(1, 2), (2, 2)]
+
+
+def test_bad_input_is_refused() -> None:
+    with pytest.raises(InputError, match="fixed_leg"):
+        cusp_curves(INNOCENTI, fixed_leg=4)
+    with pytest.raises(InputError, match="digits"):
+        cusp_curves(INNOCENTI, digits=3)
+    with pytest.raises(InputError, match="l1: is 0"):
+        curves_of(INNOCENTI).sampled([Fraction(0)])
+
+
+def angles(p: CurvePoint) -> newton.Point:
+    return radians(float(p.point.alpha_deg)), radians(float(p.point.theta_deg))
+
+
+@pytest.mark.parametrize("name", ["innocenti", "zein-flat"])
+def test_a_walk_in_floating_point_stays_on_the_curve(name: str) -> None:
+    """From sample to sample by small steps of L and Newton's method, away from the ends of the curve."""
+    manipulator = EXAMPLES[name]
+    whole = curves_of(manipulator)
+    walked: Counter[str] = Counter()
+    for c in whole.sampled(whole.spread(5)).curves:
+        for a, b in list(pairwise(c.points))[1:-1:3]:
+            low, high = float(a.length), float(b.length)
+            if high - low < 1e-6 * low:
+                continue
+            x = angles(a)
+            steps = 40
+            for i in range(1, steps + 1):
+                s = newton.Slice(manipulator, low + (high - low) * i / steps)
+                moved = [y for leg in (0, 1) if (y := newton.newton(s, leg, x)) and newton.is_cusp(s, y)]
+                assert moved
+                x = min(moved, key=lambda y: newton.distance(x, y))
+            assert newton.distance(x, angles(b)) < 1e-6, (c.name, low, high)
+            walked[c.name] += 1
+    assert len(walked) > len(whole.curves) / 2
+
+
+@given(manipulators(size=6, denominators=(1,)), st.sampled_from([1, 2, 3]))
+@settings(max_examples=2)
+def test_scale_and_mirror(m: Manipulator, fixed_leg: int) -> None:
+    names = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+    larger = replace(m, **{name: getattr(m, name) * 10**7 for name in names})
+    mirrored = replace(m, a3y=-m.a3y, orientation="cw" if m.orientation == "ccw" else "ccw")
+    try:
+        own, scaled, reflected = (
+            cusp_curves(x, fixed_leg=fixed_leg, digits=20) for x in (m, larger, mirrored)
+        )
+    except SolverError as error:
+        assert "not supported" in str(error)  # noqa: PT017 - a clear statement is a right answer
+        return
+    check_ends(own)
+
+    def shape(curves: CuspCurves, factor: int = 1) -> Counter[tuple[object, ...]]:
+        def length(text: str | None) -> float | None:
+            return None if text is None else float(f"{float(Fraction(text) / factor):.12g}")
+
+        return Counter(
+            (length(c.start.length), c.start.kind, length(c.stop.length), c.stop.kind) for c in curves.curves
+        )
+
+    assert shape(own) == shape(scaled, 10**7) == shape(reflected)
+    assert [c.name for c in own.curves] == [c.name for c in scaled.curves]
+
+
+@given(manipulators(size=20, denominators=(1, 2)), st.sampled_from([1, 2, 3]))
+@settings(max_examples=4)
+def test_random_curves_agree_with_slices(m: Manipulator, fixed_leg: int) -> None:
+    try:
+        curves = cusp_curves(m, fixed_leg=fixed_leg, digits=20)
+    except SolverError as error:
+        assert "not supported" in str(error)  # noqa: PT017 - a clear statement is a right answer
+        return
+    eliminant = eliminate(m, fixed_leg)
+    for length in curves.spread(2)[::5]:
+        assert alive(curves, length) == solve_slice(eliminant, length, 15).count

@@ -1,0 +1,223 @@
+"""The census: known transitions, agreement with slices, invariances, every degenerate family."""
+
+from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rpr_solver import (
+    EXAMPLES,
+    Census,
+    InputError,
+    Manipulator,
+    SolverError,
+    census,
+    census_csv,
+    eliminate,
+    exact_str,
+    restrict_census,
+    solve_slice,
+)
+from rpr_solver.transitions.discriminant import candidate_lengths
+from rpr_solver.transitions.survey import survey
+from tests.support.families import FAMILIES, family
+from tests.support.strategies import lengths, manipulators
+
+
+@cache
+def census_of(manipulator: Manipulator, fixed_leg: int = 1, digits: int = 30) -> Census:
+    return census(manipulator, fixed_leg=fixed_leg, digits=digits)
+
+
+def count_at(document: Census, length: Fraction) -> int:
+    return document.counts[sum(Fraction(t.length) < length for t in document.transitions)]
+
+
+def test_the_first_manipulators_largest_transitions() -> None:
+    """method.md section 5, and the article's IV.3: four cusps for every L1 beyond 31."""
+    known = [
+        ("26.7863808709", 6, 8), ("28.0948944789", 8, 10), ("28.1074306006", 10, 8), ("28.2578652083", 8, 6),
+        ("30.7403750266", 6, 8), ("30.7792617125", 8, 6), ("30.9469140343", 6, 4),
+    ]  # fmt: skip
+    document = census_of(EXAMPLES["innocenti"])
+    largest = document.transitions[-len(known) :]
+    rounded = [(f"{Decimal(t.length):.10f}", t.count_before, t.count_after) for t in largest]
+    assert rounded == known
+    assert all(len(t.length.replace(".", "").lstrip("0")) == 30 for t in document.transitions)
+    assert count_at(document, Fraction("28.1")) == 10
+    assert document.counts[-1] == 4
+    assert max(document.counts) == 10
+
+
+@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_generic_events_change_the_count_by_two(name: str, fixed_leg: int) -> None:
+    document = census_of(EXAMPLES[name], fixed_leg)
+    for t in document.transitions:
+        assert t.kind in ("swallowtail", "lips", "beak-to-beak")
+        assert abs(t.count_after - t.count_before) == 2
+
+
+def test_windows_narrower_than_any_scan_are_found() -> None:
+    ends = [Fraction(t.length) for t in census_of(EXAMPLES["innocenti"]).transitions]
+    gaps = [b - a for a, b in pairwise(ends)]
+    assert min(gaps) < Fraction(1, 10**8)
+    narrow = gaps.index(min(gaps))
+    inside = (ends[narrow] + ends[narrow + 1]) / 2
+    eliminant = eliminate(EXAMPLES["innocenti"])
+    outside = ends[narrow] - min(gaps)
+    assert solve_slice(eliminant, inside, 15).count == solve_slice(eliminant, outside, 15).count + 2
+
+
+@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
+@pytest.mark.parametrize("name", FAMILIES)
+def test_every_family_agrees_with_its_slices(name: str, fixed_leg: int) -> None:
+    manipulator = family(name)
+    document = census_of(manipulator, fixed_leg)
+    eliminant = eliminate(manipulator, fixed_leg)
+    ends = [Fraction(0), *(Fraction(t.length) for t in document.transitions)]
+    middles = [(a + b) / 2 for a, b in pairwise(ends)]
+    for length in [*middles[::3], ends[-1] + 1, Fraction(7, 5), Fraction(61, 3)]:
+        assert solve_slice(eliminant, length, 15).count == count_at(document, length)
+
+
+SHARED_ANGLES = {
+    "right angles": (family("right angles"), 1),
+    "right angles, at the third leg": (family("right angles"), 3),
+    "similar, mirrored": (family("similar, mirrored"), 1),
+    "isosceles, equal bases": (Manipulator(*map(Fraction, (2, 1, -4, 2, 4, 4))), 1),
+    "isosceles, equal bases, 180 deg": (Manipulator(*map(Fraction, (-4, -2, 5, 4, 2, 2))), 2),
+}
+"""Machines with an angle of the platform at which all poses are degenerate."""
+
+
+@pytest.mark.parametrize("name", SHARED_ANGLES)
+def test_degenerate_angles_leave_isolated_events(name: str) -> None:
+    m, fixed_leg = SHARED_ANGLES[name]
+    document = census_of(m, fixed_leg)
+    assert document.certificate["method"] == "events"
+    assert all(t.points and t.kind != "unclassified" for t in document.transitions)
+    eliminant = eliminate(m, fixed_leg)
+    ends = [Fraction(0), *(Fraction(t.length) for t in document.transitions)]
+    for length in [*((a + b) / 2 for a, b in pairwise(ends)), ends[-1] + 1, ends[-1] * 7]:
+        assert solve_slice(eliminant, length, 15).count == count_at(document, length)
+
+
+@pytest.mark.parametrize("name", ["right angles", "similar, mirrored"])
+def test_the_discriminant_agrees(name: str) -> None:
+    """Where both ways lead to the lengths, the events are among the discriminant's."""
+    m, fixed_leg = SHARED_ANGLES[name]
+    candidates = [x.scaled_length(300) for x in candidate_lengths(eliminate(m, fixed_leg))]
+    found = survey(m, fixed_leg, lambda *_: None)
+    for group, below, above in zip(found.groups, found.slices, found.slices[1:], strict=False):
+        if below.count != above.count:
+            assert any(group[0].scaled_length(300).overlaps(x) for x in candidates)
+
+
+def test_two_cusps_are_at_the_pose_where_they_merge() -> None:
+    m = family("right angles")
+    last = census_of(m, 3).transitions[-1]
+    assert last.kind == "swallowtail"
+    [merged] = last.points
+    eliminant = eliminate(m, 3)
+    table = solve_slice(eliminant, Fraction(last.length) * (1 - Fraction(1, 10**20)), 30)
+    near = [
+        c
+        for c in table.cusps
+        if abs(Fraction(c.alpha_deg) - Fraction(merged.point.alpha_deg)) < Fraction(1, 10**6)
+        and abs(Fraction(c.first) - Fraction(merged.point.first)) < Fraction(1, 10**6)
+    ]
+    assert len(near) == 2
+
+
+@pytest.mark.parametrize("name", ["similar", "congruent", "both flat"])
+@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
+def test_non_cuspidal_families_have_no_cusp_at_any_length(name: str, fixed_leg: int) -> None:
+    assert census_of(family(name), fixed_leg).counts == (0,)
+
+
+def test_mirror_images_share_their_length() -> None:
+    """An isosceles machine held at its apex: events off the mirror come in pairs, four cusps at once."""
+    document = census_of(family("isosceles"), 3)
+    pairs = [t for t in document.transitions if len(t.points) == 2]
+    assert pairs
+    assert all(abs(t.count_after - t.count_before) == 4 for t in pairs)
+    assert all(len({p.kind for p in t.points}) == 1 for t in pairs)
+
+
+@given(manipulators(size=20, denominators=(1, 2)), st.sampled_from([1, 2, 3]), st.data())
+@settings(max_examples=8)
+def test_counts_agree_with_slices(m: Manipulator, fixed_leg: int, data: st.DataObject) -> None:
+    try:
+        document = census(m, fixed_leg=fixed_leg, digits=20)
+    except SolverError as error:
+        assert "not supported" in str(error)  # noqa: PT017 - a clear statement is a right answer
+        return
+    eliminant = eliminate(m, fixed_leg)
+    for length in data.draw(st.lists(lengths(60), min_size=4, max_size=4)):
+        assert solve_slice(eliminant, length, 15).count == count_at(document, length)
+
+
+@given(manipulators(size=12), st.sampled_from([1, 2, 3]))
+@settings(max_examples=3)
+def test_scale_and_mirror(m: Manipulator, fixed_leg: int) -> None:
+    names = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+    factor = Fraction(10) ** 7
+    larger = replace(m, **{name: getattr(m, name) * factor for name in names})
+    mirrored = replace(m, a3y=-m.a3y, orientation="cw" if m.orientation == "ccw" else "ccw")
+    own, scaled, reflected = (census(x, fixed_leg=fixed_leg, digits=20) for x in (m, larger, mirrored))
+    assert own.counts == scaled.counts == reflected.counts
+    assert [t.length for t in own.transitions] == [t.length for t in reflected.transitions]
+    for a, b in zip(own.transitions, scaled.transitions, strict=True):
+        assert a.kind == b.kind
+        assert abs(Fraction(b.length) / Fraction(a.length) / factor - 1) < Fraction(1, 10**18)
+
+
+def test_a_range_is_cut_from_the_whole() -> None:
+    whole = census_of(EXAMPLES["innocenti"]).to_json()
+    part = restrict_census(whole, Fraction(27), Fraction("28.2"), 20)
+    assert part is not None
+    assert part["range"] == {"from": "27", "to": "28.2"}
+    assert [i["count"] for i in part["intervals"]] == [8, 10, 8]
+    assert part["intervals"][0]["from"] == "27"
+    assert [len(t["l1"]) for t in part["transitions"]] == [21, 21]
+    assert restrict_census(whole, None, None) == whole
+    assert restrict_census(whole, None, None, 31) is None
+    at_one = Fraction(part["transitions"][0]["l1"])
+    assert restrict_census(part, at_one, None) is None
+
+
+@pytest.mark.parametrize("exponent", [20, 50])
+def test_a_range_may_begin_right_beside_a_transition(exponent: int) -> None:
+    at = Fraction(census_of(EXAMPLES["innocenti"], digits=80).transitions[-1].length)
+    beside = (at * (1 + sign * Fraction(1, 10**exponent)) for sign in (-1, 1))
+    below, above = (census(EXAMPLES["innocenti"], digits=20, start=x) for x in beside)
+    assert (below.counts, above.counts) == ((6, 4), (4,))
+    assert below.to_json()["intervals"][0]["from"] == exact_str(below.start)  # type: ignore[index]
+
+
+def test_ranges_without_lengths_are_refused() -> None:
+    with pytest.raises(InputError, match=r"range\.from: is -1"):
+        census(EXAMPLES["innocenti"], start=Fraction(-1))
+    with pytest.raises(InputError, match=r"range\.to: is 2; it must exceed 2"):
+        census(EXAMPLES["innocenti"], start=Fraction(2), stop=Fraction(2))
+
+
+def test_csv_has_a_line_for_every_interval() -> None:
+    document = census_of(EXAMPLES["zein-flat"]).to_json()
+    lines = census_csv(document).splitlines()
+    assert lines[0] == "from,to,count,transition_at_end"
+    assert len(lines) == 1 + len(document["intervals"])  # type: ignore[arg-type]
+    assert lines[-1].endswith(",,4,")
+
+
+def test_progress_is_told() -> None:
+    seen: list[tuple[int, int]] = []
+    census(EXAMPLES["zein-flat"], digits=15, progress=lambda done, total: seen.append((done, total)))
+    assert seen == sorted(seen)
+    assert seen[-1][0] == seen[-1][1]

@@ -1,0 +1,169 @@
+"""Requirements over ranges of slices, with and without joint limits, against slices solved one by one."""
+
+from fractions import Fraction
+from functools import cache
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from rpr_solver import (
+    EXAMPLES,
+    CheckReport,
+    InputError,
+    Manipulator,
+    Requirement,
+    SolverError,
+    census,
+    check,
+    eliminate,
+    solve_slice,
+)
+from tests.support.families import family
+from tests.support.strategies import manipulators
+
+INNOCENTI = EXAMPLES["innocenti"]
+SIMILAR = Manipulator.from_json({"a2x": 30, "a3x": 0, "a3y": 40, "d1": 15, "d2": 25, "d3": 20})
+
+
+eliminated = cache(eliminate)
+
+
+def count_within(m: Manipulator, requirement: Requirement, length: Fraction) -> int:
+    """The cusps of one slice within the limits, from its table."""
+    free = [leg for leg in (1, 2, 3) if leg != requirement.fixed_leg]
+    table = solve_slice(eliminated(m, requirement.fixed_leg), length, 20)
+
+    def inside(leg: int, text: str) -> bool:
+        low, high = requirement.limits.get(leg, (None, None))
+        return (low is None or Fraction(text) > low) and (high is None or Fraction(text) < high)
+
+    return sum(inside(free[0], c.first) and inside(free[1], c.second) for c in table.cusps)
+
+
+def reported(report: CheckReport, length: Fraction) -> int:
+    [interval] = [
+        x
+        for x in report.intervals
+        if Fraction(x.start) < length and (x.stop is None or length < Fraction(x.stop))
+    ]
+    return interval.count
+
+
+def test_at_most_eight_cusps_holds_only_below_28() -> None:
+    below = check(INNOCENTI, Requirement(start=Fraction(1), stop=Fraction(28), max_cusps=8))
+    assert below.passed
+    assert (below.intervals[0].start, below.intervals[-1].stop) == ("1", "28")
+    whole = check(INNOCENTI, Requirement(max_cusps=8))
+    assert not whole.passed
+    [violation] = whole.violations
+    assert violation.start.startswith("28.0948944788774")
+    assert violation.count == len(violation.cusps) == 10
+    assert Fraction(violation.start) < violation.example < Fraction(violation.stop or 0)
+
+
+def test_at_least_one_cusp() -> None:
+    assert check(INNOCENTI, Requirement(start=Fraction(1), min_cusps=1)).passed
+    report = check(INNOCENTI, Requirement(start=Fraction(1, 10), min_cusps=1))
+    assert [v.count for v in report.violations] == [0]
+    assert report.violations[0].stop is not None
+
+
+def test_cusp_free_for_every_length() -> None:
+    for leg in (1, 2, 3):
+        report = check(SIMILAR, Requirement(fixed_leg=leg, max_cusps=0))
+        assert report.passed
+        assert report.to_json()["intervals"] == [{"from": "0", "to": None, "count": 0}]
+
+
+def test_a_bound_exactly_at_a_rational_transition() -> None:
+    folded = Manipulator.from_json(
+        {"a2x": 2, "a3x": -4, "a3y": 4, "d1": 1, "d2": 4, "d3": 3, "orientation": "cw"}
+    )
+    report = check(folded, Requirement(start=Fraction(1), stop=Fraction(11, 10), min_cusps=0))
+    assert [(x.start, x.stop, x.count) for x in report.intervals] == [("1", "1.1", 6)]
+
+
+def test_a_range_that_begins_right_beside_a_transition() -> None:
+    last = Fraction(census(INNOCENTI, digits=60).transitions[-1].length)
+    beside = (last * (1 + sign * Fraction(1, 10**40)) for sign in (-1, 1))
+    below, above = (check(INNOCENTI, Requirement(start=x, max_cusps=4)) for x in beside)
+    assert (below.passed, above.passed) == (False, True)
+    [violation] = below.violations
+    assert violation.count == 6
+    assert below.requirement.start < violation.example < last
+
+
+@pytest.mark.parametrize(
+    ("fixed_leg", "limits"),
+    [
+        (1, {2: (Fraction(5), Fraction(40)), 3: (Fraction(5), Fraction(40))}),
+        (2, {3: (None, Fraction(30))}),
+        (3, {1: (Fraction(25), None), 2: (Fraction(0), Fraction(33))}),
+    ],
+)
+def test_joint_limits(fixed_leg: int, limits: dict[int, tuple[Fraction | None, Fraction | None]]) -> None:
+    requirement = Requirement(fixed_leg, Fraction(26), Fraction(31), max_cusps=0, limits=limits)
+    report = check(INNOCENTI, requirement, digits=20)
+    assert len(report.intervals) > 1
+    for n in range(1, 40):
+        length = 26 + Fraction(n, 8)
+        assert reported(report, length) == count_within(INNOCENTI, requirement, length)
+
+
+@pytest.mark.parametrize(("name", "fixed_leg"), [("right angles", 1), ("right angles", 3), ("both flat", 2)])
+def test_joint_limits_of_degenerate_machines(name: str, fixed_leg: int) -> None:
+    first, second = (leg for leg in (1, 2, 3) if leg != fixed_leg)
+    limits = {first: (None, Fraction(9)), second: (Fraction(2), None)}
+    requirement = Requirement(fixed_leg, max_cusps=0, limits=limits)
+    report = check(family(name), requirement, digits=20)
+    for length in (Fraction(n * n, 50) + Fraction(1, 997) for n in range(1, 40)):
+        assert reported(report, length) == count_within(family(name), requirement, length)
+
+
+def test_limits_that_are_not_supported_are_said_to_be() -> None:
+    requirement = Requirement(max_cusps=0, limits={2: (None, Fraction(9))})
+    with pytest.raises(SolverError, match="joint limits are not supported"):
+        check(family("congruent, mirrored"), requirement)
+
+
+@given(manipulators(size=15, denominators=(1, 2)), st.integers(5, 30), st.data())
+@settings(max_examples=5)
+def test_limits_agree_with_slices(m: Manipulator, limit: int, data: st.DataObject) -> None:
+    requirement = Requirement(stop=Fraction(40), max_cusps=0, limits={2: (None, Fraction(limit))})
+    try:
+        report = check(m, requirement, digits=20)
+    except SolverError as error:
+        assume("not supported" not in str(error))
+        raise
+    for n in data.draw(st.lists(st.integers(1, 3999), min_size=4, max_size=4)):
+        length = Fraction(n, 100)
+        assert reported(report, length) == count_within(m, requirement, length)
+
+
+def test_requirements_survive_json() -> None:
+    requirement = Requirement(2, Fraction(1, 3), Fraction(9), 4, 1, {3: (None, Fraction(5, 2))})
+    assert Requirement.from_json(requirement.to_json()) == requirement
+
+
+@pytest.mark.parametrize(
+    ("obj", "fields"),
+    [
+        ([], ["requirement"]),
+        ({}, ["requirement.max_cusps"]),
+        ({"max_cusps": 1, "colour": 2}, ["requirement.colour"]),
+        ({"max_cusps": -1}, ["requirement.max_cusps"]),
+        ({"max_cusps": "1.5"}, ["requirement.max_cusps"]),
+        ({"max_cusps": 1, "fixed_leg": 4}, ["requirement.fixed_leg"]),
+        ({"max_cusps": 1, "range": {"from": 5, "to": 5}}, ["requirement.range.to"]),
+        ({"max_cusps": 1, "range": {"from": -1}}, ["requirement.range.from"]),
+        ({"max_cusps": 1, "range": {"start": 1}}, ["requirement.range"]),
+        ({"max_cusps": 1, "limits": {"l1": {"min": 2}}}, ["requirement.limits.l1"]),
+        ({"max_cusps": 1, "limits": {"l2": {"min": 2, "max": 1}}}, ["requirement.limits.l2.max"]),
+        ({"max_cusps": 1, "limits": {"l9": {}}}, ["requirement.limits"]),
+    ],
+)
+def test_bad_requirements_are_named(obj: object, fields: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        Requirement.from_json(obj)  # type: ignore[arg-type]
+    assert [p.field for p in caught.value.problems] == fields

@@ -1,0 +1,311 @@
+"""The service with a real queue and a real worker."""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import io
+import json
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import httpx
+import pytest
+from redis import Redis
+
+from rpr_solver import EXAMPLES, exact_str, parse_exact
+from service.api.app import create_app
+from service.api.operation_docs import EXAMPLE_REQUEST
+from service.api.settings import Settings
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.service_server import GEOMETRY, serving_app
+from worker import JobQueue, TableRequest
+
+Fresh = Callable[[], str]
+
+
+def post(client: httpx.Client, slices: object, wait: int | None = 20, **more: object) -> httpx.Response:
+    headers = {} if wait is None else {"Prefer": f"wait={wait}"}
+    return client.post("/v1/cusp-tables", json={"geometry": GEOMETRY, "l1": slices, **more}, headers=headers)
+
+
+def long_job(client: httpx.Client, fresh: Fresh) -> str:
+    """A job of some seconds, of slices that no other test asks for."""
+    first = parse_exact(fresh(), "l1")
+    step = parse_exact("1/1000000", "step")
+    slices = [exact_str(first + step * i) for i in range(1, 900)]
+    answer = post(client, slices, wait=None, digits=300)
+    assert answer.status_code == 202
+    job_id: str = answer.json()["id"]
+    return job_id
+
+
+def ended(client: httpx.Client, job_id: str) -> dict[str, object]:
+    while (job := client.get(f"/v1/jobs/{job_id}").json())["status"] in ("queued", "running"):
+        time.sleep(0.02)
+    return dict(job)
+
+
+def test_the_documented_example_works_as_it_stands(api: httpx.Client) -> None:
+    answer = api.post("/v1/cusp-tables", json=EXAMPLE_REQUEST, headers={"Prefer": "wait=20"})
+    assert answer.status_code == 200
+    table = answer.json()
+    assert table["geometry"] == EXAMPLES["innocenti"].to_json()
+    assert table["slices"][0]["count"] == 6
+    assert len(table["slices"][0]["cusps"][0]["alpha_deg"].lstrip("-").replace(".", "")) == 90
+
+
+def test_an_unknown_table_is_a_job_that_leads_to_it(api: httpx.Client, fresh: Fresh) -> None:
+    answer = post(api, [fresh(), fresh()], wait=None)
+    assert answer.status_code == 202
+    job = answer.json()
+    assert answer.headers["location"] == job["links"]["self"] == f"/v1/jobs/{job['id']}"
+    assert int(answer.headers["retry-after"]) >= 1
+    assert job["progress"]["total"] == 2
+    done = ended(api, job["id"])
+    assert (done["status"], done["progress"]) == ("succeeded", {"done": 2, "total": 2})
+    assert api.get(job["links"]["result"]).json()["slices"][1]["count"] >= 0
+
+
+def test_a_known_table_is_answered_at_once_and_in_any_spelling(api: httpx.Client, fresh: Fresh) -> None:
+    l1 = fresh()
+    first = post(api, l1)
+    again = api.post(
+        "/v1/cusp-tables",
+        content=f'{{"l1": [{l1}000], "geometry": {json.dumps({k: f"{v}e0" for k, v in GEOMETRY.items()})}}}',
+        headers={"Content-Type": "application/json; charset=utf-8"},
+    )
+    assert (first.status_code, again.status_code) == (200, 200)
+    assert again.json() == first.json()
+
+
+def test_the_same_request_at_once_is_one_job(api: httpx.Client, fresh: Fresh) -> None:
+    l1 = fresh()
+    with ThreadPoolExecutor(8) as pool:
+        answers = list(pool.map(lambda _: post(api, l1, wait=None), range(8)))
+    assert {a.status_code for a in answers} <= {200, 202}
+    assert len({a.json()["id"] for a in answers if a.status_code == 202}) == 1
+
+
+def test_prefer_is_honoured_and_confirmed(api: httpx.Client, fresh: Fresh) -> None:
+    assert post(api, fresh(), wait=7).headers["preference-applied"] == "wait=7"
+    assert post(api, fresh(), wait=10**9).headers["preference-applied"] == "wait=30"
+    body = {"geometry": GEOMETRY, "l1": fresh()}
+    answer = api.post("/v1/cusp-tables", json=body, headers=[("Prefer", "respond-async"), ("Prefer", "x=1")])
+    assert (answer.status_code, answer.headers["preference-applied"]) == (202, "respond-async")
+
+
+def test_a_slice_without_an_answer_does_not_spoil_the_others(api: httpx.Client, fresh: Fresh) -> None:
+    answer = post(api, [0, fresh()])
+    bad, good = answer.json()["slices"]
+    assert answer.status_code == 200
+    assert (bad["l1"], bad["error"]["type"]) == ("0", "input-error")
+    assert "count" in good
+
+
+@pytest.mark.parametrize("leg", [2, 3])
+def test_another_leg_can_be_fixed(api: httpx.Client, leg: int) -> None:
+    body = {"geometry": GEOMETRY, f"l{leg}": 14.98, "fixed_leg": leg}
+    answer = api.post("/v1/cusp-tables", json=body, headers={"Prefer": "wait=20"})
+    [slice_] = answer.json()["slices"]
+    assert slice_[f"l{leg}"] == "14.98"
+    assert all(f"theta{leg}_deg" in cusp for cusp in slice_["cusps"])
+
+
+def test_fewer_digits_are_served_from_more(api: httpx.Client, fresh: Fresh) -> None:
+    l1 = fresh()
+    post(api, l1, digits=60)
+    answer = post(api, l1, wait=None, digits=20)
+    assert (answer.status_code, answer.json()["digits"]) == (200, 20)
+
+
+def test_results_in_every_form_with_validators(api: httpx.Client, fresh: Fresh) -> None:
+    job = post(api, [fresh(), fresh()], wait=None).json()
+    ended(api, job["id"])
+    path = job["links"]["result"]
+    plain = {"Accept-Encoding": "identity"}
+    whole = api.get(path, headers=plain)
+    assert whole.headers["cache-control"] == "public, max-age=31536000, immutable"
+    etag = whole.headers["etag"]
+    assert not etag.startswith("W/")
+    for sent in (etag, f'"other", {etag}', f"W/{etag}", "*"):
+        again = api.get(path, headers={**plain, "If-None-Match": sent})
+        assert (again.status_code, again.content, again.headers["etag"]) == (304, b"", etag)
+    assert api.get(path, headers={"If-None-Match": '"other"'}).status_code == 200
+
+    with api.stream("GET", path, headers={"Accept-Encoding": "gzip"}) as packed:
+        assert packed.headers["content-encoding"] == "gzip"
+        assert packed.headers["etag"] != etag
+        assert gzip.decompress(b"".join(packed.iter_raw())) == whole.content
+
+    table = whole.json()
+    rows = list(csv.DictReader(io.StringIO(api.get(path, headers={"Accept": "text/csv"}).text)))
+    assert [row["alpha_deg"] for row in rows if row["cusp"]] == [
+        cusp["alpha_deg"] for part in table["slices"] for cusp in part["cusps"]
+    ]
+    lines = api.get(path, headers={"Accept": "application/x-ndjson"}).text.splitlines()
+    assert [json.loads(line)["l1"] for line in lines] == [part["l1"] for part in table["slices"]]
+    assert json.loads(lines[0])["geometry_hash"] == table["geometry_hash"]
+
+    head = api.head(path, headers=plain)
+    assert (head.status_code, head.content) == (200, b"")
+    assert head.headers["content-length"] == str(len(whole.content))
+
+
+def test_events_tell_each_slice_and_end_with_the_job(api: httpx.Client, fresh: Fresh) -> None:
+    slices = [fresh() for _ in range(5)]
+    job_id = post(api, slices, wait=None).json()["id"]
+    events = read_events(api, job_id)
+    done = [data for _, name, data in events if name == "slice"]
+    assert [data["l1"] for data in done] == [exact_str(parse_exact(x, "l1")) for x in slices]
+    assert [data["progress"] for data in done] == [{"done": i, "total": 5} for i in range(1, 6)]
+    assert all(data["slice"]["count"] == len(data["slice"]["cusps"]) for data in done)
+    assert events[-1][1:][0] == "status"
+    assert events[-1][2]["status"] == "succeeded"
+
+    third = next(i for i, event in enumerate(events) if event[2].get("l1") == done[2]["l1"])
+    assert read_events(api, job_id, last=events[third][0]) == events[third + 1 :]
+    over = api.get(f"/v1/jobs/{job_id}/events", headers={"Last-Event-ID": events[-1][0]})
+    assert over.status_code == 204
+
+
+def read_events(client: httpx.Client, job_id: str, last: str | None = None) -> list[tuple[str, str, dict]]:  # type: ignore[type-arg]
+    headers = {"Last-Event-ID": last} if last else {}
+    with client.stream("GET", f"/v1/jobs/{job_id}/events", headers=headers) as stream:
+        assert stream.headers["content-type"].startswith("text/event-stream")
+        blocks = stream.read().decode().split("\n\n")
+    found = []
+    for block in blocks:
+        fields = dict(line.split(": ", 1) for line in block.splitlines() if not line.startswith(":"))
+        if "data" in fields:
+            found.append((fields["id"], fields["event"], json.loads(fields["data"])))
+    return found
+
+
+def test_a_running_job_has_no_result_yet_and_can_be_canceled(api: httpx.Client, fresh: Fresh) -> None:
+    job_id = long_job(api, fresh)
+    early = api.get(f"/v1/jobs/{job_id}/result")
+    assert (early.status_code, early.json()["type"]) == (409, "/problems/job-not-finished")
+    assert "retry-after" in early.headers
+    canceled = api.delete(f"/v1/jobs/{job_id}")
+    assert (canceled.status_code, canceled.json()["status"]) == (200, "canceled")
+    assert api.delete(f"/v1/jobs/{job_id}").json() == canceled.json()
+    late = api.get(f"/v1/jobs/{job_id}/result")
+    assert (late.status_code, late.json()["type"]) == (409, "/problems/job-canceled")
+
+
+def test_who_waits_for_a_job_that_is_canceled_is_told(idle: httpx.Client, fresh: Fresh) -> None:
+    l1 = fresh()
+    job_id = post(idle, l1, wait=None).json()["id"]
+    with ThreadPoolExecutor(1) as pool:
+        waiting = pool.submit(post, idle, l1, wait=1)
+        time.sleep(0.2)
+        idle.delete(f"/v1/jobs/{job_id}")
+        answer = waiting.result()
+    assert (answer.status_code, answer.json()["type"]) == (409, "/problems/job-canceled")
+
+
+def test_a_canceled_job_can_be_asked_for_again(api: httpx.Client, fresh: Fresh) -> None:
+    l1 = fresh()
+    request = {"geometry": GEOMETRY, "l1": [l1, fresh()]}
+    job_id = api.post("/v1/cusp-tables", json=request).json()["id"]
+    api.delete(f"/v1/jobs/{job_id}")
+    answer = api.post("/v1/cusp-tables", json=request, headers={"Prefer": "wait=20"})
+    assert answer.status_code == 200
+
+
+def test_an_expired_result_is_gone(api: httpx.Client, redis: Redis, fresh: Fresh) -> None:
+    l1 = fresh()
+    job = post(api, l1, wait=None).json()
+    ended(api, job["id"])
+    queue = JobQueue(redis)
+    request = queue.request(job["id"])
+    assert request is not None
+    redis.delete(*queue.store.slice_keys(request, request.l1))
+    answer = api.get(job["links"]["result"])
+    assert (answer.status_code, answer.json()["type"]) == (410, "/problems/result-expired")
+    assert post(api, l1).status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("kind", "status", "slug"),
+    [
+        ("timeout", 504, "job-timeout"),
+        ("worker-lost", 500, "job-worker-lost"),
+        ("resource-exhausted", 500, "job-resource-exhausted"),
+        ("solver-error", 422, "job-solver-error"),
+        ("input-error", 422, "job-input-error"),
+        ("something-new", 500, "job-failed"),
+    ],
+)
+def test_a_failed_job_says_why(
+    idle: httpx.Client, idle_queue: JobQueue, fresh: Fresh, kind: str, status: int, slug: str
+) -> None:
+    request = TableRequest.of(EXAMPLES["innocenti"], [parse_exact(fresh(), "l1")])
+    refs = idle_queue.records.create(request, request.l1, "")
+    assert refs
+    idle_queue.records.fail(refs[0], kind, "This is why.")
+    answer = idle.get(f"/v1/jobs/{request.job_id}/result")
+    problem = answer.json()
+    assert (answer.status_code, problem["type"], problem["detail"]) == (
+        status,
+        f"/problems/{slug}",
+        "This is why.",
+    )
+    assert idle.get(f"/v1/jobs/{request.job_id}").json()["error"] == {"type": kind, "detail": "This is why."}
+
+
+def test_waiting_ends_when_the_time_is_over(idle: httpx.Client, fresh: Fresh) -> None:
+    answer = post(idle, fresh(), wait=1)
+    assert (answer.status_code, answer.json()["status"]) == (202, "queued")
+    assert answer.headers["preference-applied"] == "wait=1"
+
+
+def test_a_quiet_event_stream_is_kept_alive(idle: httpx.Client, fresh: Fresh) -> None:
+    job_id = post(idle, fresh(), wait=None).json()["id"]
+    with idle.stream("GET", f"/v1/jobs/{job_id}/events") as stream:
+        for line in stream.iter_lines():
+            if line == ": waiting":
+                break
+    assert idle.delete(f"/v1/jobs/{job_id}").json()["status"] == "canceled"
+
+
+def test_readiness_needs_a_worker(api: httpx.Client, idle: httpx.Client) -> None:
+    assert api.get("/readyz").json() == {"status": "ready", "workers": 1}
+    answer = idle.get("/readyz")
+    assert (answer.status_code, answer.headers["retry-after"]) == (503, "2")
+
+
+def test_metrics_count_requests_and_show_the_queue(api: httpx.Client) -> None:
+    api.get("/healthz")
+    text = api.get("/metrics").text
+    assert 'rpr_cusps_http_requests_total{method="GET",route="/healthz",status="200"}' in text
+    assert "rpr_cusps_workers 1.0" in text
+    assert "rpr_cusps_up 1.0" in text
+    assert "rpr_cusps_queue_depth " in text
+
+
+def test_limits_and_version(api: httpx.Client, idle: httpx.Client) -> None:
+    assert api.get("/v1/limits").json()["max_slices"]["value"] == 2000
+    assert idle.get("/v1/limits").json()["max_slices"]["value"] == 5
+    assert set(api.get("/version").json()) == {"service", "solver_version", "python", "libraries"}
+
+
+def test_streams_end_when_the_server_does(valkey: EmbeddedValkey, fresh: Fresh) -> None:
+    """A stream with nothing to tell for a long time does not hold up the end of the service."""
+    app = create_app(Settings(redis_url=f"{valkey.url}?db=1", keepalive_seconds=600))
+
+    @app.post("/stop")
+    async def stop() -> None:
+        app.state.begin_shutdown()
+
+    with serving_app(app) as url, httpx.Client(base_url=url) as client:
+        job_id = post(client, fresh(), wait=None).json()["id"]
+        with client.stream("GET", f"/v1/jobs/{job_id}/events", timeout=30) as stream:
+            lines = stream.iter_lines()
+            while "queued" not in next(lines):
+                pass
+            httpx.post(f"{url}/stop")
+            assert not any(line.startswith("data") for line in lines)
+        client.delete(f"/v1/jobs/{job_id}")

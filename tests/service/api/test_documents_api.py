@@ -1,0 +1,294 @@
+"""Questions whose answer is one document, with a real queue and a real worker."""
+
+from __future__ import annotations
+
+import csv
+import io
+import time
+from fractions import Fraction
+from typing import Any
+
+import httpx
+import pytest
+from redis import Redis
+
+import rpr_solver
+from rpr_solver import EXAMPLES, cusp_curves, poses
+from service.api.app import create_app
+from service.schemas.document_models import DOCUMENT_MODELS
+from service.schemas.models import MODELS, CuspTable
+from tests.support.service_server import GEOMETRY
+from worker import JobQueue
+
+POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
+
+
+def ended(client: httpx.Client, job_id: str) -> dict[str, Any]:
+    while (job := client.get(f"/v1/jobs/{job_id}").json())["status"] in ("queued", "running"):
+        time.sleep(0.02)
+    return dict(job)
+
+
+def is_whole(model: str, document: object) -> bool:
+    """Whether the model takes the document and knows every one of its fields."""
+    parsed = DOCUMENT_MODELS[model].model_validate(document)
+    return parsed.model_dump(exclude_unset=True, by_alias=True) == document
+
+
+def documented() -> list[tuple[str, str, Any]]:
+    """Every example of a request: its path, its model and what is sent."""
+    found = []
+    for path, operations in create_app().openapi()["paths"].items():
+        for content in operations.get("post", {}).get("requestBody", {}).get("content", {}).values():
+            model = content["schema"]["$ref"].rpartition("/")[2]
+            found += [(path, model, example["value"]) for example in content["examples"].values()]
+    return found
+
+
+@pytest.mark.parametrize(("path", "model", "body"), documented())
+def test_documented_requests_work_as_they_stand(api: httpx.Client, path: str, model: str, body: Any) -> None:
+    parsed = {**MODELS, **DOCUMENT_MODELS}[model].model_validate(body)
+    assert parsed.model_dump(exclude_unset=True, by_alias=True) == body
+    assert api.post(path, json=body, headers={"Prefer": "wait=30"}).status_code == 200
+
+
+def test_poses_are_answered_without_being_asked_to_wait(api: httpx.Client) -> None:
+    answer = api.post("/v1/poses", json=POSES)
+    assert answer.status_code == 200
+    assert "preference-applied" not in answer.headers
+    assert answer.json() == poses(EXAMPLES["innocenti"], "14.98", 15, 30, digits=20).to_json()
+    assert is_whole("PoseTable", answer.json())
+
+
+def test_a_document_can_be_had_by_its_job(api: httpx.Client) -> None:
+    body = {**POSES, "l3": "30.125"}
+    answer = api.post("/v1/poses", json=body, headers={"Prefer": "respond-async"})
+    assert (answer.status_code, answer.headers["preference-applied"]) == (202, "respond-async")
+    job = answer.json()
+    assert (job["kind"], answer.headers["location"]) == ("poses", job["links"]["self"])
+    done = ended(api, job["id"])
+    assert (done["status"], done["progress"]) == ("succeeded", {"done": 1, "total": 1})
+    result = api.get(job["links"]["result"])
+    assert result.headers["cache-control"] == "public, max-age=31536000, immutable"
+    assert result.json() == api.post("/v1/poses", json=body).json()
+    etag = result.headers["etag"]
+    assert api.get(job["links"]["result"], headers={"If-None-Match": etag}).status_code == 304
+    no_csv = api.get(job["links"]["result"], headers={"Accept": "text/csv"})
+    assert (no_csv.status_code, no_csv.json()["type"]) == (406, "/problems/not-acceptable")
+    events = api.get(job["links"]["events"]).text
+    assert events.rstrip().splitlines()[-1].startswith('data: {"id":"po-')
+
+
+def test_a_document_that_has_expired_is_gone(api: httpx.Client, redis: Redis) -> None:
+    body = {**POSES, "l3": "30.25"}
+    job = api.post("/v1/poses", json=body, headers={"Prefer": "respond-async"}).json()
+    ended(api, job["id"])
+    queue = JobQueue(redis)
+    request = queue.request(job["id"])
+    assert request is not None
+    assert request.job_id == job["id"]
+    redis.delete(queue.records.keys.document(request.content_hash))  # type: ignore[union-attr]
+    gone = api.get(job["links"]["result"])
+    assert (gone.status_code, gone.json()["type"]) == (410, "/problems/result-expired")
+    assert api.post("/v1/poses", json=body).status_code == 200
+
+
+def test_a_document_is_canceled_like_a_table(idle: httpx.Client) -> None:
+    job = idle.post("/v1/poses", json=POSES, headers={"Prefer": "wait=0"}).json()
+    early = idle.get(job["links"]["result"])
+    assert (early.status_code, early.json()["detail"]) == (409, "The job is queued: 0 of 1 steps are done.")
+    assert idle.delete(job["links"]["self"]).json()["status"] == "canceled"
+    assert idle.get(job["links"]["result"]).json()["type"] == "/problems/job-canceled"
+
+
+def test_a_census_is_computed_once_and_serves_every_range(api: httpx.Client) -> None:
+    body = {"geometry": EXAMPLES["zein-flat"].to_json(), "digits": 30}
+    answer = api.post("/v1/censuses", json={**body, "range": {"from": 1, "to": "10"}})
+    assert answer.status_code == 202
+    job = answer.json()
+    assert job["kind"] == "census"
+    done = ended(api, job["id"])
+    assert done["status"] == "succeeded"
+    assert done["progress"]["done"] == done["progress"]["total"] > 1
+    assert '\nevent: progress\ndata: {"progress":{"done":' in api.get(job["links"]["events"]).text
+    part = api.get(job["links"]["result"]).json()
+    assert is_whole("Census", part)
+    assert part["range"] == {"from": "1", "to": "10"}
+
+    known = [api.post("/v1/censuses", json=question) for question in (body, {**body, "digits": 20})]
+    assert [found.status_code for found in known] == [200, 200]
+    whole, short = (found.json() for found in known)
+    assert whole == rpr_solver.census(EXAMPLES["zein-flat"], digits=30).to_json()
+    assert short["digits"] == 20
+    assert [t["l1"][:15] for t in short["transitions"]] == [t["l1"][:15] for t in whole["transitions"]]
+    assert {t["l1"] for t in part["transitions"]} <= {t["l1"] for t in whole["transitions"]}
+
+
+def test_a_census_can_be_had_as_csv(api: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "digits": 30, "range": {"from": "28"}}
+    headers = {"Accept": "text/csv", "Prefer": "wait=30"}
+    answer = api.post("/v1/censuses", json=body, headers=headers)
+    rows = list(csv.DictReader(io.StringIO(answer.text)))
+    assert [row["count"] for row in rows] == ["8", "10", "8", "6", "8", "6", "4"]
+    assert answer.headers["content-type"].startswith("text/csv")
+    lines = api.post("/v1/censuses", json=body, headers={"Accept": "application/x-ndjson"})
+    assert lines.status_code == 406
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"range": {"from": -1}}, "range.from"),
+        ({"range": {"from": 2, "to": 2}}, "range.to"),
+        ({"range": {"form": 2}}, "range.form"),
+        ({"range": {"to": "x"}}, "range.to"),
+        ({"range": "1:2"}, "range"),
+        ({"fixed_leg": 4}, "fixed_leg"),
+        ({"l1": 4}, "l1"),
+    ],
+)
+def test_wrong_fields_of_a_census_are_named(idle: httpx.Client, change: dict[str, Any], field: str) -> None:
+    answer = idle.post("/v1/censuses", json={"geometry": GEOMETRY, **change})
+    assert answer.status_code == 422
+    assert field in [error["field"] for error in answer.json()["errors"]]
+
+
+def test_cusp_curves_are_followed_once_and_sampled_at_will(api: httpx.Client) -> None:
+    body = {"geometry": EXAMPLES["zein-flat"].to_json(), "digits": 20, "fixed_leg": 2}
+    lengths = {"start": 10, "stop": "12", "step": 1}
+    answer = api.post(
+        "/v1/cusp-curves", json={**body, "l2": lengths, "range": {"from": 9.5, "to": 12}, "samples": 2}
+    )
+    assert answer.status_code == 202
+    job = answer.json()
+    assert (job["kind"], job["id"][:3]) == ("cusp-curves", "cc-")
+    done = ended(api, job["id"])
+    assert (done["status"], done["progress"]["done"]) == ("succeeded", done["progress"]["total"])
+    part = api.get(job["links"]["result"]).json()
+    assert is_whole("CuspCurves", part)
+    found = {p["l2"] for curve in part["curves"] for p in curve["points"]}
+    assert {"10", "11", "12"} < found
+
+    whole = api.post("/v1/cusp-curves", json=body)
+    assert whole.status_code == 200
+    expected = cusp_curves(EXAMPLES["zein-flat"], fixed_leg=2, digits=20)
+    assert whole.json() == expected.to_json()
+    inner = api.post("/v1/cusp-curves", json={**body, "range": {"to": "10"}})
+    assert inner.json() == expected.within(Fraction(0), Fraction(10)).to_json()
+    as_csv = api.post("/v1/cusp-curves", json=body, headers={"Accept": "text/csv"})
+    rows = list(csv.DictReader(io.StringIO(as_csv.text)))
+    assert [row["curve"] for row in rows] == [c.name for c in expected.curves for _ in c.points]
+    assert rows[0]["theta2_deg"] == expected.curves[0].points[0].point.theta_deg
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"l1": 0}, "l1: is 0; a leg length must be > 0"),
+        ({"l1": [3, 9], "range": {"to": 8}}, "l1: is 9, outside the range from 0 to 8"),
+        ({"l1": []}, "l1: is an empty list"),
+        ({"l2": 3}, "l2: unknown field; with fixed_leg 1 the slices are l1"),
+        ({"samples": 0}, "samples: is 0; give 1 to 5"),
+        ({"samples": 1.5}, "samples: is 1.5; give the whole number 1 to 5"),
+        ({"samples": 6}, "samples: asks for 6 points; the limit max_samples is 5"),
+        ({"l1": {"start": 1, "stop": 100, "step": 1}}, "the limit max_slices is 5"),
+    ],
+)
+def test_wrong_fields_of_cusp_curves_are_named(
+    idle: httpx.Client, change: dict[str, Any], message: str
+) -> None:
+    answer = idle.post("/v1/cusp-curves", json={"geometry": GEOMETRY, **change})
+    assert answer.status_code == 422
+    problem = answer.json()
+    assert message in next(f"{error['field']}: {error['message']}" for error in problem["errors"])
+
+
+def test_the_articles_method_is_audited_and_kept_apart(api: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "l1": ["14.98", 0], "digits": 20}
+    answers = [
+        api.post("/v1/cusp-tables", json={**body, "method": method}, headers={"Prefer": "wait=30"})
+        for method in ("fast", "article")
+    ]
+    assert [answer.status_code for answer in answers] == [200, 200]
+    fast, article = (answer.json() for answer in answers)
+    assert CuspTable.model_validate(article).model_dump(exclude_unset=True) == article
+    assert "method" not in fast
+    assert article["method"] == article["slices"][0]["method"] == "article"
+    assert article["slices"][0]["cusps"] == fast["slices"][0]["cusps"]
+    assert sum(f["degree"] * f["multiplicity"] for f in article["slices"][0]["audit"]["factors"]) == 96
+    assert article["slices"][1] == fast["slices"][1]
+    known = api.post("/v1/cusp-tables", json={**body, "method": "article"}, headers={"Accept": "text/csv"})
+    assert known.text == rpr_solver.table_csv(fast)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"method": "slow"}, "it must be one of fast, article"),
+        ({"method": ["article"]}, "is a list"),
+        ({"method": "article", "fixed_leg": 2, "l2": 1, "l1": None}, "fixes leg 1, but fixed_leg is 2"),
+        ({"method": "article", "l1": [1, 2, 3]}, "the limit max_article_slices is 2"),
+    ],
+)
+def test_wrong_uses_of_the_method_are_told(idle: httpx.Client, change: dict[str, Any], said: str) -> None:
+    body = {
+        key: value for key, value in {"geometry": GEOMETRY, "l1": 1, **change}.items() if value is not None
+    }
+    answer = idle.post("/v1/cusp-tables", json=body)
+    assert answer.status_code == 422
+    assert said in answer.json()["detail"]
+
+
+def test_a_check_is_a_job_with_a_report(api: httpx.Client) -> None:
+    requirement = {"range": {"from": 28, "to": 31}, "max_cusps": 8}
+    answer = api.post(
+        "/v1/checks",
+        json={"geometry": GEOMETRY, "requirement": requirement},
+        headers={"Prefer": "wait=30"},
+    )
+    report = answer.json()
+    assert (answer.status_code, report["passed"], report["max_cusps_found"]) == (200, False, 10)
+    assert is_whole("CheckReport", report)
+    [violation] = report["violations"]
+    assert len(violation["example"]["cusps"]) == violation["count"] == 10
+    exact = {**requirement, "range": {"from": "28.0", "to": "62/2"}, "limits": {}}
+    again = api.post("/v1/checks", json={"geometry": GEOMETRY, "requirement": exact, "digits": 30})
+    assert (again.status_code, again.json()) == (200, report)
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({}, "requirement.max_cusps"),
+        ({"max_cusps": 1.5}, "requirement.max_cusps"),
+        ({"max_cusps": -1}, "requirement.max_cusps"),
+        ({"max_cusps": 1, "fixed_leg": 4}, "fixed_leg"),
+        ({"max_cusps": 1, "range": {"from": 2, "to": 1}}, "requirement.range.to"),
+        ({"max_cusps": 1, "limits": {"l1": {"min": 1}}}, "requirement.limits.l1"),
+        ({"most_cusps": 1}, "requirement.most_cusps"),
+        (None, "requirement"),
+        ("max 1", "requirement"),
+    ],
+)
+def test_wrong_fields_of_a_requirement_are_named(idle: httpx.Client, change: Any, field: str) -> None:
+    answer = idle.post("/v1/checks", json={"geometry": GEOMETRY, "requirement": change})
+    assert answer.status_code == 422
+    assert field in [error["field"] for error in answer.json()["errors"]]
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"l1": 0}, "l1"),
+        ({"l2": "-1/3"}, "l2"),
+        ({"l3": None}, "l3"),
+        ({"digits": 3}, "digits"),
+        ({"fixed_leg": 1}, "fixed_leg"),
+        ({"geometry": {}}, "geometry.a2x"),
+        ({"l1": "1" * 31}, "l1"),
+    ],
+)
+def test_wrong_fields_of_poses_are_named(idle: httpx.Client, change: dict[str, Any], field: str) -> None:
+    answer = idle.post("/v1/poses", json={**POSES, **change})
+    assert answer.status_code == 422
+    assert field in [error["field"] for error in answer.json()["errors"]]

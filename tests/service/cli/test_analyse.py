@@ -1,0 +1,108 @@
+"""The commands that need no service."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import pytest
+
+from rpr_solver import EXAMPLES, census, census_csv, curves_csv, cusp_curves, poses, restrict_census
+from tests.support.cli_process import run
+
+LEGS = ("--l1", "14.98", "--l2", "15", "--l3", "30")
+
+
+def test_poses_as_json_and_as_text() -> None:
+    done = run("poses", "innocenti", *LEGS, "--digits", "20", "--format", "json")
+    assert (done.returncode, done.stderr) == (0, "")
+    expected = poses(EXAMPLES["innocenti"], "14.98", 15, 30, digits=20).to_json()
+    assert json.loads(done.stdout) == expected
+    lines = run("poses", "innocenti", *LEGS, "--digits", "20").stdout.splitlines()
+    assert lines[2] == "L1 = 14.98, L2 = 15, L3 = 30: 2 poses"
+    assert lines[4].split()[:2] == [expected["poses"][0]["alpha_deg"], expected["poses"][0]["theta1_deg"]]  # type: ignore[index]
+
+
+def test_the_articles_method_shows_its_factors(base_url: str) -> None:
+    args = ("solve", "innocenti", "--l1", "14.98", "--digits", "20", "--method", "article")
+    lines = run(*args).stdout.splitlines()
+    assert "L1 = 14.98: 6 cusps" in lines
+    head = lines.index("The article's eliminant of degree 96, factor by factor")
+    assert lines[head + 1].split("  ")[0] == "factor"
+    assert sum(line.startswith("  rejected (") for line in lines) > 0
+    here = run(*args, "--format", "json")
+    assert (here.returncode, here.stderr) == (0, "")
+    assert json.loads(here.stdout)["method"] == "article"
+    assert run(*args, "--format", "json", "--url", base_url).stdout == here.stdout
+
+
+def test_a_census_in_every_form() -> None:
+    part = ("census", "innocenti", "--l1-range", "28:31", "--digits", "20")
+    done = run(*part, "--format", "json")
+    assert (done.returncode, done.stderr) == (0, "")
+    document = json.loads(done.stdout)
+    part_itself = census(EXAMPLES["innocenti"], digits=20, start=Fraction(28), stop=Fraction(31)).to_json()
+    assert document == part_itself
+    cut = restrict_census(census(EXAMPLES["innocenti"], digits=20).to_json(), Fraction(28), Fraction(31))
+    assert {**document, "certificate": None} == {**(cut or {}), "certificate": None}
+    assert run(*part, "--format", "csv").stdout == census_csv(document)
+    lines = run(*part).stdout.splitlines()
+    assert "L1 from 28 up to 31: 4 to 10 cusps, 6 transitions" in lines
+    assert sum("swallowtail" in line for line in lines) == 3
+
+
+def test_a_census_of_another_leg() -> None:
+    done = run("census", "innocenti", "--l2-range", ":3", "--digits", "15")
+    assert done.returncode == 0
+    assert "L2 from 0 up to 3: 0 to 6 cusps, 6 transitions" in done.stdout
+
+
+def test_cusp_curves_in_every_form() -> None:
+    wanted = ("curves", "zein-flat", "--l1-range", "3:3.2:0.1", "--l1", "3.15", "--digits", "20")
+    done = run(*wanted, "--format", "json")
+    assert (done.returncode, done.stderr) == (0, "")
+    document = json.loads(done.stdout)
+    lengths = [Fraction(x) for x in ("3", "3.1", "3.15", "3.2")]
+    expected = cusp_curves(EXAMPLES["zein-flat"], digits=20).sampled(lengths).within(lengths[0], lengths[-1])
+    assert document == expected.to_json()
+    assert run(*wanted, "--format", "csv").stdout == curves_csv(document)
+    lines = run(*wanted).stdout.splitlines()
+    assert "L1: 4 cusp curves" in lines
+    assert sum(line.startswith("C3 ") for line in lines) == 1 + len(lengths)
+
+
+def test_cusp_curves_of_another_leg() -> None:
+    done = run("curves", "zein-flat", "--l2-range", "10:20", "--samples", "2", "--digits", "15")
+    assert done.returncode == 0
+    assert "L2: " in done.stdout
+    assert "θ2 [deg]" in done.stdout
+    same = run("curves", "zein-flat", "--l2", "15", "--digits", "15", "--format", "csv")
+    assert same.stdout.startswith("curve,l2,cusp,alpha_deg,theta2_deg,l1,l3\n")
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("poses", "innocenti", "--l1", "1"), "--l2, --l3"),
+        (("poses", "innocenti", "--l1", "x", "--l2", "1", "--l3", "1"), "--l1: 'x' is not a finite number"),
+        (("poses", "innocenti", "--l1", "0", "--l2", "1", "--l3", "1"), "l1: is 0; a leg length must be > 0"),
+        (("solve", "innocenti", "--l2", "1", "--fixed-leg", "2", "--method", "article"), "fixes leg 1"),
+        (("census", "innocenti", "--l1-range", "2:1"), "--l1-range.to: is 1; it must exceed 2"),
+        (("census", "innocenti", "--l1-range", "1:2:3"), "is not A:B"),
+        (("census", "innocenti", "--l1-range", "1:2", "--l1-range", "3:4"), "one range too many"),
+        (("census", "innocenti", "--l2-range", "1:", "--fixed-leg", "1"), "the range is --l1-range"),
+        (("curves", "innocenti", "--l1", "0"), "--l1: is 0; a leg length must be > 0"),
+        (("curves", "innocenti", "--l1", "5", "--l1-range", "6:8"), "outside the range from 6 to 8"),
+        (("curves", "innocenti", "--l1", "5", "--l2", "5"), "--l2: with fixed leg 1 the lengths are --l1"),
+        (("curves", "innocenti", "--samples", "0"), "samples: is 0; give 1 to 50"),
+        (("curves", "innocenti", "--l1-range", "8:6:1"), "the range is empty"),
+        (("census", "innocenti", "--fixed-leg", "0"), "fixed_leg: is 0"),
+        (("poses", "nope", *LEGS), "one of innocenti"),
+        (("poses", "innocenti", *LEGS, "--digits", "9"), "min_digits is 15"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(args: tuple[str, ...], said: str) -> None:
+    done = run(*args)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1

@@ -1,0 +1,133 @@
+"""`rpr-cusps check` as a build server runs it."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from rpr_solver import EXAMPLES, Requirement, check
+from tests.support.cli_process import ENVIRONMENT, command, run
+
+RANGE = ("--l1-range", "1:10", "--digits", "15")
+ZEIN = json.dumps(EXAMPLES["zein-flat"].to_json())
+
+
+@pytest.fixture
+def designs(tmp_path: Path) -> Path:
+    """A folder with two geometries, one that is none, and something else."""
+    folder = tmp_path / "designs"
+    folder.mkdir()
+    turned = json.dumps({**EXAMPLES["zein-flat"].to_json(), "orientation": "cw"})
+    for name, text in (("b.json", ZEIN), ("a.json", turned), ("c.json", "{}"), ("notes.txt", "{")):
+        (folder / name).write_text(text)
+    return folder
+
+
+def test_a_requirement_that_holds() -> None:
+    done = run("check", "zein-flat", *RANGE, "--max-cusps", "4", "--format", "json")
+    assert (done.returncode, done.stderr) == (0, "")
+    found = json.loads(done.stdout)
+    requirement = Requirement.from_json({"range": {"from": "1", "to": "10"}, "max_cusps": 4})
+    assert found["requirement"] == requirement.to_json()
+    report = check(EXAMPLES["zein-flat"], requirement, digits=15).to_json()
+    assert found["checks"] == [{"source": "zein-flat", "passed": True, "report": report}]
+
+
+def test_a_requirement_that_does_not_hold() -> None:
+    done = run("check", "zein-flat", *RANGE, "--max-cusps", "3")
+    assert (done.returncode, done.stderr) == (1, "")
+    assert "zein-flat: failed: 4 cusps at L1 = " in done.stdout
+    assert "::error" not in done.stdout
+
+
+def test_a_folder_in_parallel_with_all_reports(designs: Path) -> None:
+    report = designs.parent / "report.xml"
+    done = run("check", str(designs), *RANGE, "--max-cusps", "4", "--jobs", "2", "--junit", str(report))
+    assert done.returncode == 2
+    assert f"{designs / 'c.json'}: no answer (input-error)" in done.stderr
+    titles = [line for line in done.stdout.splitlines() if line.startswith(str(designs))]
+    assert [Path(line.split(":")[0]).name for line in titles] == ["a.json", "b.json", "c.json"]
+    cases = ElementTree.parse(report).findall("testsuite/testcase")
+    assert [Path(case.get("name", "")).name for case in cases] == ["a.json", "b.json", "c.json"]
+    assert [child.tag for case in cases for child in case] == ["error"]
+
+
+def test_annotations_on_github_leave_the_json_whole() -> None:
+    args = ("check", "-", *RANGE, "--min-cusps", "3")
+    shown = run(*args, "--github", stdin=ZEIN)
+    assert shown.stdout.splitlines()[-1].startswith("::error title=-%3A check failed::2 cusps at L1 = ")
+    machine = run(*args, "--format", "json", stdin=ZEIN, GITHUB_ACTIONS="true")
+    assert json.loads(machine.stdout)["passed"] is False
+    assert machine.stderr.startswith("::error ")
+    assert (shown.returncode, machine.returncode) == (1, 1)
+
+
+def test_joint_limits_and_another_leg() -> None:
+    limits = ("--l1-limits", "1:2", "--l3-limits", ":5")
+    done = run("check", "zein-flat", "--l2-range", "1:5", "--max-cusps", "4", *limits, "--format", "json")
+    requirement = json.loads(done.stdout)["requirement"]
+    assert requirement["fixed_leg"] == 2
+    assert requirement["limits"] == {"l1": {"min": "1", "max": "2"}, "l3": {"min": None, "max": "5"}}
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        ((), "--l1-range: is missing"),
+        (("--l1-range", "1:2"), "--max-cusps: is missing"),
+        (("--l1-range", "2:1", "--max-cusps", "1"), "--l1-range.to"),
+        (("--l1-range", "1:2", "--max-cusps", "-1"), "at least 0"),
+        (("--l1-range", "1:2", "--max-cusps", "many"), "--max-cusps: is many"),
+        (("--l1-range", "1:2", "--max-cusps", "1", "--l1-limits", "1:2"), "limits the fixed leg"),
+        (("--l1-range", "1:2", "--max-cusps", "1", "--l2-limits", "1"), "is not A:B"),
+        (("--l1-range", "1:2", "--max-cusps", "1", "--jobs", "0"), "--jobs: is 0"),
+    ],
+)
+def test_a_bad_option_is_one_line_and_status_2(args: tuple[str, ...], said: str) -> None:
+    done = run("check", "zein-flat", *args)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_file_name_that_is_no_text(tmp_path: Path) -> None:
+    (tmp_path / os.fsdecode(b"a\xff.json")).write_text(ZEIN)
+    (tmp_path / os.fsdecode(b"b\xff.json")).write_text("{}")
+    report = tmp_path / "report.xml"
+    done = run("check", str(tmp_path), *RANGE, "--max-cusps", "4", "--github", "--junit", str(report))
+    assert done.returncode == 2
+    assert "a\ufffd.json: passed" in done.stdout
+    assert len(ElementTree.parse(report).findall("testsuite/testcase")) == 2
+
+
+def test_an_empty_folder_is_bad_input(tmp_path: Path) -> None:
+    done = run("check", str(tmp_path), *RANGE, "--max-cusps", "4")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "has no *.json" in done.stderr
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks at /proc")
+def test_ctrl_c_ends_all_processes() -> None:
+    with subprocess.Popen(
+        command("check", *["fourteen-cusps"] * 8, "--l1-range", "1:10", "--max-cusps", "4", "--jobs", "2"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=ENVIRONMENT,
+    ) as process:
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        while len(running := children.read_text().split()) < 3:
+            assert process.poll() is None
+        process.send_signal(2)
+        out, err = process.communicate(timeout=30)
+    assert (process.returncode, out, err) == (130, b"", b"")
+    end = time.monotonic() + 10
+    while any(Path(f"/proc/{pid}").exists() for pid in running):
+        assert time.monotonic() < end
+        time.sleep(0.01)

@@ -1,0 +1,102 @@
+"""The outcome of checks as text, JUnit XML and GitHub annotations."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+from xml.etree import ElementTree
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from service.cli.check_reports import Outcome, document, github_annotations, junit_xml, page
+
+REQUIREMENT: dict[str, Any] = {
+    "fixed_leg": 2,
+    "range": {"from": "1", "to": None},
+    "max_cusps": 2,
+    "min_cusps": None,
+    "limits": {"l1": {"min": "5", "max": None}},
+}
+CUSP = {"alpha_deg": "1.5", "theta2_deg": "-2.5", "l1": "3.5", "l3": "4.5"}
+VIOLATION = {"from": "7", "to": None, "count": 4, "example": {"l2": "8", "cusps": [CUSP] * 4}}
+FAILED_REPORT = {
+    "requirement": REQUIREMENT,
+    "passed": False,
+    "max_cusps_found": 4,
+    "min_cusps_found": 0,
+    "violations": [VIOLATION],
+}
+PASSED_REPORT = {**FAILED_REPORT, "passed": True, "max_cusps_found": 0, "violations": []}
+
+GOOD = Outcome("good.json", PASSED_REPORT, seconds=0.25)
+BAD = Outcome("a/bad.json", FAILED_REPORT, seconds=0.5)
+LOST = Outcome("lost.json", error={"type": "solver-error", "detail": "two\nlines"})
+
+
+def test_a_failure_names_the_first_offending_slice_and_cusp() -> None:
+    assert BAD.message == (
+        "4 cusps at L2 = 8, at most 2 allowed; "
+        "the first: alpha_deg = 1.5, theta2_deg = -2.5, l1 = 3.5, l3 = 4.5"
+    )
+    assert (GOOD.message, LOST.message) == ("", "two lines")
+
+
+def test_too_few_cusps_have_no_first_one() -> None:
+    requirement = {**REQUIREMENT, "max_cusps": None, "min_cusps": 1}
+    violation = {**VIOLATION, "count": 0, "example": {"l2": "8", "cusps": []}}
+    report = {**FAILED_REPORT, "requirement": requirement, "violations": [violation]}
+    assert Outcome("x", report).message == "0 cusps at L2 = 8, at least 1 wanted"
+
+
+def test_all_outcomes_are_in_the_document_and_on_the_page() -> None:
+    found = document([GOOD, BAD, LOST], REQUIREMENT)
+    assert found["passed"] is False
+    assert [check["passed"] for check in found["checks"]] == [True, False, False]  # type: ignore[attr-defined]
+    shown = page([GOOD, BAD, LOST], REQUIREMENT)
+    assert shown.about == "cusps for L2 from 1, L1 within 5:: at most 2 allowed"
+    assert [section.title.split(",")[0] for section in shown.sections] == [
+        "good.json: passed",
+        "a/bad.json: failed: 4 cusps at L2 = 8",
+        "lost.json: no answer: two lines",
+    ]
+
+
+def test_junit_has_a_case_for_each_geometry() -> None:
+    suite = ElementTree.fromstring(junit_xml([GOOD, BAD, LOST])).find("testsuite")
+    assert suite is not None
+    assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("3", "1", "1")
+    good, bad, lost = suite.findall("testcase")
+    assert (good.get("name"), good.get("time"), len(good)) == ("good.json", "0.250", 0)
+    assert [child.tag for child in (*bad, *lost)] == ["failure", "error"]
+    assert bad[0].get("message") == BAD.message
+    assert bad[0].text == "from to cusps\n7 ∞ 4"
+
+
+def test_annotations_name_the_file() -> None:
+    built_in = Outcome("innocenti", FAILED_REPORT)
+    failed, lost, named = github_annotations([GOOD, BAD, LOST, built_in])
+    assert failed == f"::error file=a/bad.json,title=check failed::{BAD.message}"
+    assert lost == "::error file=lost.json,title=no answer (solver-error)::two lines"
+    assert named.startswith("::error title=innocenti%3A check failed::")
+
+
+@given(st.text(), st.text())
+def test_any_text_survives_as_an_annotation(source: str, detail: str) -> None:
+    [line] = github_annotations([Outcome(source, error={"type": "input-error", "detail": detail})])
+    assert "\n" not in line
+    assert "\r" not in line
+    match = re.fullmatch(r"::error (?:file=([^,:]*),)?title=([^,:]*)::(.*)", line, re.DOTALL)
+    assert match is not None
+    decoded = match[1] and match[1].replace("%0D", "\r").replace("%0A", "\n").replace("%3A", ":")
+    if decoded:
+        assert decoded.replace("%2C", ",").replace("%25", "%") == source
+    assert match[3].replace("%25", "%") == " ".join(detail.split())
+
+
+@given(st.text(), st.text())
+def test_any_text_is_well_formed_xml(source: str, detail: str) -> None:
+    document = junit_xml([Outcome(source, error={"type": "input-error", "detail": detail})])
+    case = ElementTree.fromstring(document.encode()).find("testsuite/testcase")
+    assert case is not None
+    assert len(case.get("name", "")) == len(source)

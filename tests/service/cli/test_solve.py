@@ -1,0 +1,232 @@
+"""The command line as a user runs it: a process, its output and its exit status."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import pty
+import re
+import signal
+import subprocess
+from pathlib import Path
+
+import httpx
+import pytest
+
+from service import __version__
+from tests.support.cli_process import ENVIRONMENT, command, run
+from tests.support.service_server import GEOMETRY
+
+
+def test_solve_prints_json_like_the_service(base_url: str) -> None:
+    here = run("solve", "innocenti", "--l1", "14.98", "--format", "json")
+    assert (here.returncode, here.stderr) == (0, "")
+    body = {"geometry": GEOMETRY, "l1": 14.98}
+    there = httpx.post(f"{base_url}/v1/cusp-tables", json=body, headers={"Prefer": "wait=20"})
+    assert json.loads(here.stdout) == there.json()
+
+
+def test_solve_by_a_service_is_the_same(base_url: str) -> None:
+    slices = ("--l1", "14.98", "--l1-range", "10.001:10.2:0.001", "--digits", "40", "--format", "csv")
+    there = run("solve", "zein-flat", *slices, "--url", base_url)
+    here = run("solve", "zein-flat", *slices)
+    assert (there.returncode, there.stderr) == (0, "")
+    assert there.stdout == here.stdout
+
+
+def test_a_table_in_a_pipe_is_aligned_and_whole() -> None:
+    done = run("solve", "innocenti", "--l1", "14.98", "--digits", "15")
+    lines = done.stdout.splitlines()
+    assert "L1 = 14.98: 6 cusps" in lines
+    first, *cusps = lines[lines.index("L1 = 14.98: 6 cusps") + 1 :]
+    assert first.split() == ["α", "[deg]", "θ1", "[deg]", "L2", "L3"]
+    assert len(cusps) == 6
+    assert {len(re.sub(r"[-.]|^0\.", "", cell).lstrip("0")) for row in cusps for cell in row.split()} == {15}
+    assert len({row.index(row.split()[2]) for row in cusps}) == 1
+
+
+def test_csv_has_a_line_for_each_cusp() -> None:
+    done = run("solve", "fourteen-cusps", "--l1", "1", "--l1", "2", "--digits", "15", "--format", "csv")
+    rows = list(csv.DictReader(io.StringIO(done.stdout)))
+    assert {row["l1"] for row in rows} == {"1", "2"}
+    assert all(
+        int(row["count"]) == sum(r["l1"] == row["l1"] and r["cusp"] != "" for r in rows) for row in rows
+    )
+
+
+def test_the_geometry_may_come_from_a_file_or_standard_input(tmp_path: Path) -> None:
+    file = tmp_path / "robot.json"
+    file.write_text(json.dumps(GEOMETRY))
+    named = run("solve", "innocenti", "--l1", "3", "--digits", "20", "--format", "json")
+    read = run("solve", str(file), "--l1", "3", "--digits", "20", "--format", "json")
+    piped = run("solve", "-", "--l1", "3.0", "--digits", "20", "--format", "json", stdin=json.dumps(GEOMETRY))
+    assert named.stdout == read.stdout == piped.stdout
+    assert json.loads(named.stdout)["slices"]
+
+
+@pytest.mark.parametrize(
+    ("args", "stdin", "said"),
+    [
+        ((), "", "COMMAND"),
+        (("bogus",), "", "invalid choice"),
+        (("solve",), "", "GEOMETRY"),
+        (("solve", "nope", "--l1", "1"), "", "one of innocenti, zein-flat"),
+        (("solve", "innocenti"), "", "--l1: is missing"),
+        (("solve", "innocenti", "--l1", "abc"), "", "--l1: 'abc' is not a finite number"),
+        (("solve", "innocenti", "--l1", "1", "--digits", "14"), "", "min_digits is 15"),
+        (("solve", "innocenti", "--l1", "1", "--digits", "1001"), "", "max_digits is 1000"),
+        (("solve", "innocenti", "--l1", "1", "--fixed-leg", "4"), "", "must be 1, 2 or 3"),
+        (("solve", "innocenti", "--l1", "1", "--fixed-leg", "2"), "", "the slices are --l2"),
+        (("solve", "innocenti", "--l1-range", "1:2"), "", "START:STOP:STEP"),
+        (("solve", "innocenti", "--l1-range", "2:1:1"), "", "range is empty"),
+        (("solve", "innocenti", "--l1-range", "0:1:1e-300"), "", "max_slices"),
+        (("solve", "innocenti", "--l1", "1", "--format", "xml"), "", "invalid choice: 'xml'"),
+        (("solve", "innocenti", "--l1", "1", "--url", "ftp://x"), "", "not an HTTP address"),
+        (("solve", "-", "--l1", "1"), "{", "not valid JSON"),
+        (("solve", "-", "--l1", "1"), '{"a2x": 0}', "geometry.d1: is missing"),
+        (("solve", "-", "--l1", "1"), "[1]", "geometry: is a list"),
+        (("serve", "--port", "65536"), "", "from 0 to 65535"),
+        (("serve", "--redis-url", "localhost"), "", "redis://"),
+        (("worker",), "", "--redis-url is missing"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(args: tuple[str, ...], stdin: str, said: str) -> None:
+    done = run(*args, stdin=stdin)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert done.stderr.startswith(f"rpr-cusps {args[0]}: " if args and args[0] != "bogus" else "rpr-cusps: ")
+
+
+def test_a_bad_setting_in_the_environment_is_named() -> None:
+    done = run("solve", "innocenti", "--l1", "1", RPR_CUSPS_MAX_DIGITS="many")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "RPR_CUSPS_MAX_DIGITS" in done.stderr
+
+
+def test_a_slice_without_an_answer_is_told_beside_the_others() -> None:
+    done = run("solve", "innocenti", "--l1", "0", "--l1", "14.98", "--digits", "15")
+    assert done.returncode == 2
+    assert "L1 = 14.98: 6 cusps" in done.stdout
+    assert done.stderr.startswith("rpr-cusps solve: L1 = 0: no answer (input-error)")
+
+
+def test_no_service_is_status_3() -> None:
+    done = run("solve", "innocenti", "--l1", "1", "--url", "http://127.0.0.1:1")
+    assert (done.returncode, done.stderr.count("\n")) == (3, 1)
+    assert "no service answers at http://127.0.0.1:1" in done.stderr
+
+
+def test_a_refusal_of_the_service_is_status_2(idle_url: str) -> None:
+    done = run("solve", "innocenti", "--l1-range", "1:100:1", "--url", idle_url)
+    assert done.returncode == 2
+    assert "max_slices is 5" in done.stderr
+
+
+def test_version_and_help() -> None:
+    assert run("--version").stdout == f"rpr-cusps {__version__}\n"
+    for name in ("solve", "census", "check", "poses", "serve", "worker", "demo"):
+        done = run(name, "--help")
+        assert done.returncode == 0
+        assert done.stdout.startswith(f"usage: rpr-cusps {name}")
+
+
+def test_a_broken_pipe_is_quiet() -> None:
+    with subprocess.Popen(
+        command("solve", "innocenti", "--l1-range", "1:20:0.02"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=ENVIRONMENT,
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.read(1)
+        process.stdout.close()
+        assert process.stderr.read() == b""
+    assert process.returncode == 141
+
+
+def test_ctrl_c_is_quiet_and_status_130() -> None:
+    main, side = pty.openpty()
+    with subprocess.Popen(
+        command("solve", "innocenti", "--l1-range", "1:20:0.0001", "--digits", "1000"),
+        stdout=subprocess.PIPE,
+        stderr=side,
+        env={**ENVIRONMENT, "TERM": "xterm"},
+    ) as process:
+        os.close(side)
+        seen = b""
+        while b"slices" not in seen:
+            seen += os.read(main, 4096)
+        process.send_signal(signal.SIGINT)
+        seen += read_to_the_end(main)
+        assert process.stdout is not None
+        out = process.stdout.read()
+    assert (process.returncode, out) == (130, b"")
+    assert b"Traceback" not in seen
+
+
+def read_to_the_end(terminal: int) -> bytes:
+    seen = b""
+    try:
+        while part := os.read(terminal, 65536):
+            seen += part
+    except OSError:  # how Linux says that the other end is closed
+        pass
+    os.close(terminal)
+    return seen
+
+
+def test_on_a_terminal_there_is_a_table_that_fits_and_a_progress_bar() -> None:
+    main, side = pty.openpty()
+    with subprocess.Popen(
+        command("solve", "innocenti", "--l1", "14.98"),
+        stdout=side,
+        stderr=side,
+        env={**ENVIRONMENT, "TERM": "xterm"},
+    ) as process:
+        os.close(side)
+        seen = read_to_the_end(main)
+    assert process.returncode == 0
+    text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", seen.decode())
+    assert "slices" in text
+    rows = [line for line in text.splitlines() if line.startswith("│")]
+    assert len(rows) == 7
+    assert all(len(row) <= 100 for row in rows)
+    assert "-69.1293760614882655…" in text
+    assert "Cut to fit" in text
+
+
+def test_the_demonstration_shows_the_table_and_leaves_nothing_behind(tmp_path: Path) -> None:
+    done = run("demo", TMPDIR=str(tmp_path), XDG_RUNTIME_DIR=str(tmp_path))
+    assert done.returncode == 0
+    assert "L1 = 14.98: 6 cusps" in done.stdout
+    address = re.search(r"http://\S+?(?=;)", done.stderr)
+    assert address is not None
+    with pytest.raises(httpx.ConnectError):
+        httpx.get(address[0])
+    assert [path for path in tmp_path.rglob("*") if not path.name.startswith("rpr-cusps-")] == []
+
+
+def test_the_demonstration_stops_everything_on_ctrl_c(tmp_path: Path) -> None:
+    with subprocess.Popen(
+        command("demo", "--keep"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**ENVIRONMENT, "TMPDIR": str(tmp_path), "XDG_RUNTIME_DIR": str(tmp_path)},
+    ) as process:
+        assert process.stderr is not None
+        seen = process.stderr.readline() + process.stderr.readline()
+        assert "Still serving" in seen
+        address = seen.split(" runs at ")[1].split(";")[0]
+        assert httpx.get(f"{address}/readyz").status_code == 200
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30)
+    assert process.returncode == 0
+    assert "Traceback" not in err
+    with pytest.raises(httpx.ConnectError):
+        httpx.get(address)
+    assert "6 cusps" in out

@@ -1,0 +1,164 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rpr_solver import EXAMPLES, InputError
+from service.schemas.exact_json import parse_json
+from service.schemas.limits import LimitError, Limits
+from service.schemas.models import CuspTableRequest
+from service.schemas.numbers import digits_of
+from service.schemas.table_requests import table_request
+from tests.support.service_server import GEOMETRY
+from worker import TableRequest
+
+LIMITS = Limits(max_slices=10)
+
+
+def read(text: str | Mapping[str, Any]) -> TableRequest:
+    body = text if isinstance(text, str) else json.dumps(text)
+    return table_request(parse_json(body.encode()), LIMITS)
+
+
+def with_slices(slices: str) -> TableRequest:
+    return read(f'{{"geometry": {json.dumps(GEOMETRY)}, "l1": {slices}}}')
+
+
+def test_the_first_manipulator_of_the_article() -> None:
+    request = read({"geometry": GEOMETRY, "l1": 14.98})
+    assert request.geometry == EXAMPLES["innocenti"].to_json()
+    assert (request.l1, request.digits, request.fixed_leg) == (("14.98",), 90, 1)
+
+
+@pytest.mark.parametrize(
+    ("slices", "expected"),
+    [
+        ("14.98", ["14.98"]),
+        ('"1498/100"', ["14.98"]),
+        ('["14.98", 27, 14.980, "1/3"]', ["14.98", "27", "1/3"]),
+        ('{"start": 0.1, "stop": 0.3, "step": 0.1}', ["0.1", "0.2", "0.3"]),
+        ('{"start": 1, "stop": 2, "step": "1/3"}', ["1", "4/3", "5/3", "2"]),
+        ('{"start": 1, "stop": 1.99, "step": 0.5}', ["1", "1.5"]),
+        ('{"start": 5, "stop": 5, "step": 1e30}', ["5"]),
+        ("1e-30", ["0." + "0" * 29 + "1"]),
+    ],
+)
+def test_slices(slices: str, expected: list[str]) -> None:
+    assert list(with_slices(slices).l1) == expected
+
+
+@given(st.integers(-(10**6), 10**6), st.integers(1, 10**6), st.integers(0, 9), st.integers(0, 6))
+def test_a_range_is_exact_and_holds_its_stop_only_when_it_is_hit(
+    start: int, step: int, count: int, shift: int
+) -> None:
+    def text(x: int) -> str:
+        return f"{x}e-{shift}"
+
+    stop = start + count * step
+    hit = with_slices(json.dumps({"start": text(start), "stop": text(stop), "step": text(step)}))
+    past = with_slices(json.dumps({"start": text(start), "stop": text(stop + step - 1), "step": text(step)}))
+    assert hit.l1 == past.l1
+    assert len(hit.l1) == count + 1
+    assert hit.l1 == with_slices(json.dumps([text(start + i * step) for i in range(count + 1)])).l1
+
+
+@pytest.mark.parametrize(
+    ("slices", "said"),
+    [
+        ("null", "is null"),
+        ("true", "is true"),
+        ("[]", "empty list"),
+        ("[[1]]", r"l1\[0\]: is a list"),
+        ('["1", "x"]', r"l1\[1\]: 'x' is not a finite number"),
+        ('"NaN"', "not a finite number"),
+        ('{"start": 1, "stop": 2}', "l1.step: is missing"),
+        ('{"start": 1, "stop": 2, "step": 1, "stepp": 1}', "l1.stepp: unknown field; did you mean step"),
+        ('{"start": 1, "stop": 2, "step": 0}', "must be > 0"),
+        ('{"start": 1, "stop": 2, "step": -1}', "must be > 0"),
+        ('{"start": 2, "stop": 1, "step": 1}', "the range is empty"),
+    ],
+)
+def test_wrong_slices_are_named(slices: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        with_slices(slices)
+
+
+@pytest.mark.parametrize(
+    ("change", "limit", "sent"),
+    [
+        ({"l1": list(range(1, 12))}, "max_slices", "asks for 11 slices"),
+        ({"l1": {"start": 1, "stop": 11, "step": 1}}, "max_slices", "asks for 11 slices"),
+        ({"l1": {"start": 0, "stop": "1e300", "step": "1e-99"}}, "max_slices", "more than 10^20 slices"),
+        ({"digits": 1001}, "max_digits", "asks for 1001 digits"),
+        ({"digits": 14}, "min_digits", "asks for 14 digits"),
+        ({"l1": "1" * 401}, "max_number_digits", "a number with 401 digits"),
+        ({"l1": "1e400"}, "max_number_digits", "a number with 401 digits"),
+        ({"l1": "1e-999999999"}, "max_number_digits", "a number with 1000000000 digits"),
+        ({"l1": "1/" + "7" * 500}, "max_number_digits", "a number with 500 digits"),
+    ],
+)
+def test_a_limit_that_is_exceeded_is_named_with_what_was_sent(
+    change: dict[str, Any], limit: str, sent: str
+) -> None:
+    with pytest.raises(LimitError) as caught:
+        read({"geometry": GEOMETRY, "l1": 1, **change})
+    assert caught.value.limit == limit
+    assert sent in str(caught.value)
+    assert str(caught.value.value) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "fields"),
+    [
+        ({"geometry": None}, {"geometry"}),
+        ({"geometry": {**GEOMETRY, "d1": 0, "d2": -1}}, {"geometry.d1", "geometry.d2"}),
+        (
+            {"geometry": {**GEOMETRY, "d1": None, "dd": 2}, "digits": "90"},
+            {"geometry.d1", "geometry.dd", "digits"},
+        ),
+        ({"geometry": {**GEOMETRY, "orientation": 7}}, {"geometry.orientation"}),
+        ({"digit": 90}, {"digit"}),
+        ({"digits": 90.5, "fixed_leg": 4}, {"digits", "fixed_leg"}),
+        ({"fixed_leg": 2}, {"l1", "l2"}),
+        ({"fixed_leg": True, "l1": "?"}, {"fixed_leg", "l1"}),
+    ],
+)
+def test_every_field_at_fault_is_named_at_once(change: dict[str, Any], fields: set[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        read({"geometry": GEOMETRY, "l1": 1, **change})
+    assert {problem.field for problem in caught.value.problems} == fields
+
+
+def test_an_unknown_field_brings_the_nearest_right_name() -> None:
+    with pytest.raises(InputError, match=r"digts: unknown field; did you mean digits\?"):
+        read({"geometry": GEOMETRY, "l1": 1, "digts": 30})
+
+
+def test_with_another_fixed_leg_the_key_follows() -> None:
+    request = read({"geometry": GEOMETRY, "l3": ["7"], "fixed_leg": 3})
+    assert (request.fixed_leg, request.l1) == (3, ("7",))
+
+
+def test_whole_numbers_may_be_written_in_any_way() -> None:
+    request = read(f'{{"geometry": {json.dumps(GEOMETRY)}, "l1": 1, "digits": 3.00e1, "fixed_leg": 1.0}}')
+    assert (request.digits, request.fixed_leg) == (30, 1)
+
+
+def test_the_documented_model_has_the_fields_that_are_read() -> None:
+    documented = CuspTableRequest.model_json_schema()
+    assert set(documented["properties"]) == {*("geometry", "l1", "l2", "l3", "digits", "fixed_leg", "method")}
+    assert set(documented["$defs"]["Geometry"]["properties"]) == {*GEOMETRY, "orientation"}
+    assert set(documented["$defs"]["SliceRange"]["properties"]) == {"start", "stop", "step"}
+
+
+@pytest.mark.parametrize(
+    ("text", "digits"),
+    [("17.04", 4), ("0.001", 4), ("1e3", 4), ("1e-3", 4), ("12/345", 3), ("x", 0), ("1e" + "9" * 50, 10**20)],
+)
+def test_digits_of(text: str, digits: int) -> None:
+    assert digits_of(text) == digits

@@ -1,0 +1,96 @@
+"""Chunks that misbehave, for tests of the worker process. Each runs in a forked work horse only."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from typing import Any
+
+import flint
+
+import rpr_solver
+from worker.process import tasks
+
+# A proof that this is a prime takes minutes, in one C call that holds the interpreter's lock.
+HARD_PRIME = 10**1000 + 453
+
+
+def endless(**chunk: Any) -> None:
+    """A long C call."""
+    _run(lambda: flint.fmpz(HARD_PRIME).is_prime(), chunk)
+
+
+def greedy(**chunk: Any) -> None:
+    """More memory than there is."""
+    _run(lambda: flint.fmpz(3) ** (10**10), chunk)
+
+
+def greedy_python(**chunk: Any) -> None:
+    """More memory than there is, outside of FLINT."""
+    _run(lambda: bytearray(1 << 40), chunk)
+
+
+def crash(**chunk: Any) -> None:
+    """A segmentation fault."""
+    _run(lambda: os.kill(os.getpid(), signal.SIGSEGV), chunk)
+
+
+def killed(**chunk: Any) -> None:
+    """Killed from outside, each time."""
+    _run(lambda: os.kill(os.getpid(), signal.SIGKILL), chunk)
+
+
+def broken(**chunk: Any) -> None:
+    """An error that nobody foresaw, before any slice or document."""
+
+    def fail(*_: Any) -> None:
+        raise ZeroDivisionError
+
+    tasks.eliminant_of = tasks.compute = fail  # type: ignore[assignment]
+    tasks.run_chunk(**chunk)
+
+
+def slow(**chunk: Any) -> None:
+    """A tenth of a second for a slice."""
+    _run(lambda: time.sleep(0.1), chunk)
+
+
+def counted(**chunk: Any) -> None:
+    """Counts how often an eliminant is computed."""
+    eliminate = rpr_solver.eliminate
+
+    def count(manipulator: rpr_solver.Manipulator, fixed_leg: int = 1) -> rpr_solver.Eliminant:
+        assert tasks._context is not None
+        tasks._context.redis.incr("eliminations")
+        return eliminate(manipulator, fixed_leg)
+
+    rpr_solver.eliminate = count
+    tasks.run_chunk(**chunk)
+
+
+def slow_once(**chunk: Any) -> None:
+    """The first attempt is a long C call, a later one works."""
+    _run(lambda: chunk["attempt"] or flint.fmpz(HARD_PRIME).is_prime(), chunk)
+
+
+def _run(act: Callable[[], object], chunk: dict[str, Any]) -> None:
+    def solve(_eliminant: object, l1: str, _request: object) -> dict[str, Any]:
+        act()
+        return {
+            "l1": l1,
+            "count": 0,
+            "cusps": [],
+            "degenerate_points": [],
+            "certificate": {"pid": os.getpid()},
+        }
+
+    def compute(*_: object) -> dict[str, Any]:
+        act()
+        return {"pid": os.getpid()}
+
+    tasks.solve = solve  # type: ignore[assignment]
+    tasks.compute = compute
+    tasks.eliminant_of = lambda *_: None  # type: ignore[assignment]
+    tasks.run_chunk(**chunk)

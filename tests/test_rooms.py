@@ -1,0 +1,137 @@
+"""The plan of the house: which room may import which, and what the solver may not know."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+SOLVER = "rpr_solver"
+MAY_IMPORT = {
+    # rpr_solver: pure mathematics
+    "rpr_solver.errors": "",
+    "rpr_solver.contract": "errors",
+    "rpr_solver.exact": "errors contract",
+    "rpr_solver.model": "errors contract exact",
+    "rpr_solver.kinematics": "errors contract exact model",
+    "rpr_solver.slices": "errors contract exact model",
+    "rpr_solver.documents": "errors contract exact model slices",
+    "rpr_solver.transitions": "errors contract exact model slices",
+    "rpr_solver.article": "errors contract exact model slices",
+    "rpr_solver.curves": "errors contract exact model slices transitions",
+    "rpr_solver": "errors contract exact model kinematics slices documents transitions article curves",
+    # worker: jobs in Redis, and the processes that compute
+    "worker.settings": "rpr_solver",
+    "worker.connection": "",
+    "worker.jobs": "rpr_solver worker.settings worker.answers",
+    "worker.answers": "rpr_solver worker.settings worker.jobs",
+    "worker.process": "rpr_solver worker.settings worker.connection worker.jobs worker.answers",
+    "worker.__main__": "worker.process",
+    "worker": "worker.connection worker.settings worker.jobs worker.answers",
+    # service: faces people and programs
+    "service.schemas": "rpr_solver worker",
+    "service.api": "rpr_solver worker service service.schemas",
+    "service.openapi_yaml": "service.api service.schemas",
+    "service.stack": "worker service service.schemas service.api",
+    "service.client": "service.schemas",
+    "service.cli": "rpr_solver worker service service.schemas service.client service.stack service.api",
+    "service.__main__": "service.cli",
+    "service": "",
+}
+"""Room → the rooms it may import; inside ``rpr_solver`` without the prefix."""
+
+FORBIDDEN = {
+    "redis",
+    "rq",
+    "fastapi",
+    "starlette",
+    "uvicorn",
+    "httpx",
+    "pydantic",
+    "time",
+    "datetime",
+    "socket",
+}
+"""What ``rpr_solver`` never imports: no Redis, no web, no clock."""
+
+LONGEST = 400
+
+
+def modules() -> Iterator[tuple[str, Path]]:
+    for package in ("rpr_solver", "worker", "service"):
+        for path in sorted((ROOT / package).rglob("*.py")):
+            parts = path.relative_to(ROOT).with_suffix("").parts
+            yield ".".join(parts[:-1] if parts[-1] == "__init__" else parts), path
+
+
+FILES = dict(modules())
+
+
+def room_of(module: str) -> str:
+    """The room in which a module stands: the longest name in the plan that holds it."""
+    parts = module.split(".")
+    return next(name for n in (2, 1) if (name := ".".join(parts[:n])) in MAY_IMPORT)
+
+
+def imported(path: Path) -> Iterator[str]:
+    """Every module that a file names, those inside functions too."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            submodules = [f"{base}.{alias.name}" for alias in node.names if f"{base}.{alias.name}" in FILES]
+            yield from submodules or [base]
+
+
+@pytest.mark.parametrize("module", FILES)
+def test_a_module_imports_only_what_its_room_may(module: str) -> None:
+    room = room_of(module)
+    names = MAY_IMPORT[room].split()
+    allowed = {f"{SOLVER}.{name}" for name in names} if room.startswith(SOLVER) else set(names)
+    allowed |= {room}
+    wider = {name for name in allowed if name in ("rpr_solver", "worker")}
+    for name in imported(FILES[module]):
+        if name.split(".")[0] not in ("rpr_solver", "worker", "service"):
+            continue
+        other = room_of(name)
+        assert other in allowed or other.split(".")[0] in wider - {room.split(".")[0]}, (
+            f"{module} imports {name}"
+        )
+
+
+def test_no_circles() -> None:
+    arrows = {
+        module: {name for name in imported(path) if name in FILES and name != module}
+        for module, path in FILES.items()
+    }
+    done: set[str] = set()
+
+    def visit(module: str, way: tuple[str, ...]) -> None:
+        assert module not in way, " → ".join((*way[way.index(module) :], module))
+        if module not in done:
+            for other in arrows[module]:
+                visit(other, (*way, module))
+            done.add(module)
+
+    for module in arrows:
+        visit(module, ())
+
+
+@pytest.mark.parametrize("module", [name for name in FILES if name.startswith(SOLVER)])
+def test_the_solver_knows_no_redis_no_web_and_no_clock(module: str) -> None:
+    assert not {name.split(".")[0] for name in imported(FILES[module])} & FORBIDDEN
+
+
+@pytest.mark.parametrize("module", FILES)
+def test_no_file_is_long(module: str) -> None:
+    assert len(FILES[module].read_text(encoding="utf-8").splitlines()) <= LONGEST
+
+
+def test_no_module_of_the_solver_hides_behind_an_exported_name() -> None:
+    import rpr_solver
+
+    own = {name.removeprefix("rpr_solver.") for name in FILES if name.count(".") == 1}
+    assert not own & set(rpr_solver.__all__)

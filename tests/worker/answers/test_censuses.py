@@ -1,0 +1,112 @@
+"""Parts of a census come from the whole one, which is computed once."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from redis import Redis
+
+import rpr_solver
+from rpr_solver import EXAMPLES, Manipulator
+from worker import DocumentRequest, ResultStore, WorkerSettings
+from worker.answers.censuses import census_request
+from worker.answers.documents import compute, known_document
+
+MANIPULATOR = EXAMPLES["innocenti"]
+
+
+class Computed:
+    """Stands before the solver's census and counts; one computation for each number of digits is enough."""
+
+    def __init__(self) -> None:
+        self.solve, self.calls = rpr_solver.census, 0
+        self.kept: dict[tuple[object, ...], rpr_solver.Census] = {}
+
+    def __call__(self, manipulator: rpr_solver.Manipulator, **options: Any) -> rpr_solver.Census:
+        self.calls += 1
+        options.pop("progress")
+        key = (manipulator.geometry_hash, *options.values())
+        if key not in self.kept:
+            self.kept[key] = self.solve(manipulator, **options)
+        return self.kept[key]
+
+
+_computed = Computed()
+
+
+@pytest.fixture
+def solver(monkeypatch: pytest.MonkeyPatch) -> Computed:
+    _computed.calls = 0
+    monkeypatch.setattr(rpr_solver, "census", _computed)
+    return _computed
+
+
+@pytest.fixture
+def store(redis: Redis, settings: WorkerSettings) -> ResultStore:
+    return ResultStore(redis, settings)
+
+
+def request(start: str = "0", stop: str | None = None, digits: int = 20) -> DocumentRequest:
+    end = None if stop is None else Fraction(stop)
+    return census_request(MANIPULATOR, digits=digits, start=Fraction(start), stop=end)
+
+
+def get(wanted: DocumentRequest, store: ResultStore) -> dict[str, Any]:
+    return known_document(wanted, store) or compute(wanted, store, lambda *_: None)
+
+
+def test_any_part_with_fewer_digits_follows_from_the_whole(solver: Computed, store: ResultStore) -> None:
+    part = get(request("28", "31"), store)
+    assert part["range"] == {"from": "28", "to": "31"}
+    assert max(interval["count"] for interval in part["intervals"]) == 10
+    whole = get(request(), store)
+    assert len(whole["transitions"]) == 22
+    shorter = get(request("30", digits=15), store)
+    assert [t["l1"] for t in shorter["transitions"]] == [
+        "30.7403750266458",
+        "30.7792617125353",
+        "30.9469140342512",
+    ]
+    assert solver.calls == 1
+
+
+def test_more_digits_are_computed(solver: Computed, store: ResultStore) -> None:
+    get(request(), store)
+    assert known_document(request(digits=21), store) is None
+    assert len(get(request(digits=21), store)["transitions"][0]["l1"]) > 20
+    assert solver.calls == 2
+
+
+def test_at_once_it_is_computed_once(solver: Computed, store: ResultStore) -> None:
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(lambda start: compute(request(str(start)), store, lambda *_: None), range(4)))
+    assert solver.calls == 1
+
+
+def test_an_end_that_digits_do_not_tell_from_a_transition(solver: Computed, store: ResultStore) -> None:
+    lengths = [t["l1"] for t in get(request(digits=40), store)["transitions"]]
+    near = lengths[-1][:23]  # as many digits as the shorter census has
+    store.redis.flushall()
+    part = get(request(near), store)
+    assert len(part["transitions"]) == 1  # it was cut off, so the transition is above
+    assert [(i["from"], i["count"]) for i in part["intervals"]] == [
+        (near, 6),
+        (part["transitions"][0]["l1"], 4),
+    ]
+    assert solver.calls == 3  # with 40 digits, the whole, and the part by itself
+
+
+def test_an_end_at_a_transition(store: ResultStore) -> None:
+    """Held at leg 2, this machine passes a node at L2 = 16 exactly."""
+    machine = Manipulator(*(Fraction(x) for x in (10, 0, 8, 6, 10, 8)))
+    at, wanted = Fraction(16), {"fixed_leg": 2, "digits": 20}
+    whole = get(census_request(machine, **wanted), store)  # type: ignore[arg-type]
+    [k] = [k for k, t in enumerate(whole["transitions"]) if Fraction(t["l2"]) == at]
+    above = get(census_request(machine, start=at, **wanted), store)  # type: ignore[arg-type]
+    below = get(census_request(machine, stop=at, **wanted), store)  # type: ignore[arg-type]
+    assert above["transitions"] == whole["transitions"][k + 1 :]
+    assert below["transitions"] == whole["transitions"][:k]
+    assert above["intervals"][0]["from"] == below["intervals"][-1]["to"] == "16"

@@ -1,0 +1,152 @@
+"""Jobs that compute one document, with the test in the place of the worker."""
+
+from __future__ import annotations
+
+import pytest
+from redis import Redis
+
+from rpr_solver import EXAMPLES, SolverError, poses
+from worker import DocumentRequest, JobQueue, WorkerSettings
+from worker.answers import documents
+from worker.jobs.records import ChunkRef
+from worker.jobs.requests import kind_of, request_from_json
+from worker.jobs.sweeper import Sweeper
+from worker.process import tasks
+
+
+@pytest.fixture
+def wanted() -> DocumentRequest:
+    content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": "14.98", "l2": "15", "l3": "30"}
+    return DocumentRequest("poses", {**content, "digits": 20})
+
+
+@pytest.fixture(autouse=True)
+def _context(redis: Redis, settings: WorkerSettings, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tasks, "_context", tasks.Context(redis, settings))
+
+
+def open_chunk(queue: JobQueue) -> ChunkRef:
+    [entry] = queue.records.open_chunks()
+    return entry.ref
+
+
+def run(ref: ChunkRef) -> None:
+    tasks.run_chunk(ref.job_id, ref.run, ref.index, ref.attempt)
+
+
+def test_from_queued_to_succeeded(queue: JobQueue, wanted: DocumentRequest) -> None:
+    assert queue.known(wanted) is None
+    view = queue.submit(wanted)
+    assert (view.id, view.status, view.done, view.total) == (wanted.job_id, "queued", 0, 1)
+    assert queue.submit(wanted).run == view.run
+    assert queue.depth() == 1
+    run(open_chunk(queue))
+    done = queue.get(view.id)
+    assert done is not None
+    assert (done.status, done.done, done.total) == ("succeeded", 1, 1)
+    expected = poses(EXAMPLES["innocenti"], "14.98", 15, 30, digits=20).to_json()
+    assert queue.result(view.id) == queue.known(wanted) == expected
+    assert queue.submit(wanted).run == view.run
+
+
+def test_a_known_document_needs_no_work(queue: JobQueue, redis: Redis, wanted: DocumentRequest) -> None:
+    first = queue.submit(wanted)
+    run(open_chunk(queue))
+    redis.delete(queue.records.keys.job(first.id).record)
+    again = queue.submit(wanted)
+    assert (again.status, again.done, again.total) == ("succeeded", 1, 1)
+    assert queue.records.open_chunks() == []
+
+
+def test_a_document_that_was_lost_is_computed_again(
+    queue: JobQueue, redis: Redis, wanted: DocumentRequest
+) -> None:
+    first = queue.submit(wanted)
+    run(open_chunk(queue))
+    redis.delete(queue.records.keys.document(wanted.content_hash))
+    assert queue.result(first.id) is None
+    assert queue.submit(wanted).status == "queued"
+
+
+def test_progress_is_told_and_forgotten_after_the_end(queue: JobQueue, wanted: DocumentRequest) -> None:
+    view = queue.submit(wanted)
+    ref = open_chunk(queue)
+    queue.records.start(ref)
+    queue.records.put_progress(ref, 3, 8)
+    running = queue.get(view.id)
+    assert running is not None
+    assert (running.status, running.done, running.total) == ("running", 3, 8)
+    queue.records.put_document(ref, wanted, {"answer": 42})
+    queue.records.put_progress(ref, 4, 8)
+    done = queue.get(view.id)
+    assert done is not None
+    assert (done.status, done.done, done.total) == ("succeeded", 8, 8)
+
+
+def test_a_canceled_job_keeps_its_state_when_its_document_comes_late(
+    queue: JobQueue, wanted: DocumentRequest
+) -> None:
+    view = queue.submit(wanted)
+    ref = open_chunk(queue)
+    queue.records.start(ref)
+    canceled = queue.cancel(view.id)
+    assert canceled is not None
+    assert canceled.status == "canceled"
+    queue.records.put_document(ref, wanted, {"answer": 42})
+    assert queue.get(view.id) == canceled
+    assert queue.result(view.id) is None
+    assert queue.known(wanted) == {"answer": 42}  # true whatever became of the job
+
+
+@pytest.mark.parametrize(
+    ("error", "kind"), [(SolverError("undecided"), "solver-error"), (KeyError("x"), "internal-error")]
+)
+def test_what_goes_wrong_fails_the_job(
+    queue: JobQueue, wanted: DocumentRequest, monkeypatch: pytest.MonkeyPatch, error: Exception, kind: str
+) -> None:
+    def fail(*_: object) -> None:
+        raise error
+
+    view = queue.submit(wanted)
+    monkeypatch.setattr(tasks, "compute", fail)
+    run(open_chunk(queue))
+    failed = queue.get(view.id)
+    assert failed is not None
+    assert (failed.status, (failed.error or {})["type"]) == ("failed", kind)
+    assert queue.submit(wanted).status == "queued"
+
+
+def test_a_lost_document_is_put_back(queue: JobQueue, redis: Redis, wanted: DocumentRequest) -> None:
+    queue.submit(wanted)
+    ref = open_chunk(queue)
+    redis.delete(queue.chunks.small.key)
+    queue.records.start(ref)
+    sweeper = Sweeper(redis, WorkerSettings(sweep_interval=0.001, lost_grace=0))
+    assert sweeper.sweep() == 1
+    assert open_chunk(queue).attempt == 1
+
+
+def test_equal_questions_are_one_request(wanted: DocumentRequest) -> None:
+    assert request_from_json(wanted.to_json()) == wanted
+    turned = DocumentRequest("poses", dict(reversed(wanted.content.items())))
+    assert turned.job_id == wanted.job_id
+    assert hash(turned) == hash(wanted)
+    assert kind_of(wanted.job_id) == "poses"
+    assert kind_of("xx-1") is None
+    others = {
+        DocumentRequest("census", wanted.content),
+        DocumentRequest("poses", {**wanted.content, "l1": "1"}),
+    }
+    assert len({wanted.job_id, *(other.job_id for other in others)}) == 3
+
+
+def test_progress_is_told_a_few_times_a_second() -> None:
+    told: list[tuple[int, int]] = []
+    progress = tasks.Throttle(lambda done, total: told.append((done, total)), pause=60)
+    for step in range(5):
+        progress(step, 5)
+    assert told == [(0, 5)]
+
+
+def test_every_computation_has_a_kind() -> None:
+    assert set(documents._COMPUTATIONS) <= {"poses", "census", "check", "cusp-curves", "article-table"}

@@ -1,0 +1,96 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+from redis import Redis
+
+import rpr_solver
+from tests.support.worker_requests import a_request
+from worker import ResultStore, WorkerSettings
+
+
+def slice_of(l1: str, mark: int = 0) -> dict[str, object]:
+    return {"l1": l1, "count": mark, "cusps": []}
+
+
+def test_the_first_result_stays(redis: Redis) -> None:
+    store = ResultStore(redis)
+    request = a_request("1", "2")
+    store.put_slice(request, "1", slice_of("1", 1))
+    store.put_slice(request, "1", slice_of("1", 2))
+    assert store.get_slices(request) == {"1": slice_of("1", 1)}
+
+
+def test_results_are_bounded_in_time_and_errors_more_so(redis: Redis) -> None:
+    store = ResultStore(redis, WorkerSettings(result_ttl=1000, error_ttl=10))
+    request = a_request("1", "2")
+    store.put_slice(request, "1", slice_of("1"))
+    store.put_slice(request, "2", {"l1": "2", "error": {"type": "solver-error", "detail": "no"}})
+    good, bad = store.slice_keys(request, request.l1)
+    assert 990 < redis.ttl(good) <= 1000
+    assert 0 < redis.ttl(bad) <= 10
+    assert set(store.get_slices(request)) == {"1", "2"}
+    assert all(redis.ttl(key) > 0 for key in redis.keys("cusps:*"))
+
+
+def test_another_question_has_other_results(redis: Redis) -> None:
+    store = ResultStore(redis)
+    request = a_request("1")
+    store.put_slice(request, "1", slice_of("1"))
+    assert store.get_slices(replace(request, fixed_leg=2)) == {}
+    assert store.get_slices(replace(request, digits=40)) == {}
+
+
+def test_more_digits_serve_fewer(redis: Redis) -> None:
+    store = ResultStore(redis)
+    long, short = a_request("14.98", digits=60), a_request("14.98", "15", digits=20)
+    eliminant = rpr_solver.eliminate(rpr_solver.EXAMPLES["innocenti"])
+    solved = rpr_solver.solve_slice(eliminant, Fraction("14.98"), 60).to_json()
+    store.put_slice(long, "14.98", solved)
+    expected = rpr_solver.shorten_slice(solved, 60, 20)
+    assert store.get_slices(short) == {"14.98": expected}
+
+    store.renew_slices(short, store.get_slices(short))
+    redis.delete(*store.slice_keys(long, long.l1))
+    assert store.get_slices(short) == {"14.98": expected}
+
+
+def test_held_slices_last_as_long_as_new_ones(redis: Redis) -> None:
+    store = ResultStore(redis)
+    request = a_request("1")
+    store.put_slice(request, "1", slice_of("1"))
+    key = store.slice_keys(request, request.l1)[0]
+    redis.expire(key, 5)
+    store.renew_slices(request, store.get_slices(request))
+    assert redis.ttl(key) > 1000
+
+
+def test_one_worker_at_a_time_computes_an_eliminant(redis: Redis) -> None:
+    store, other = ResultStore(redis), ResultStore(redis)
+    request = a_request("1")
+    with store.eliminant_lock(request) as mine, other.eliminant_lock(request) as theirs:
+        assert mine
+        assert not theirs
+    with other.eliminant_lock(request) as held:
+        assert held
+
+
+def test_a_lock_that_ran_out_is_not_released_for_its_next_holder(redis: Redis) -> None:
+    store = ResultStore(redis)
+    request = a_request("1")
+    with store.eliminant_lock(request):
+        redis.delete(store.keys.eliminant_lock(request.geometry_hash, 1))
+        redis.set(store.keys.eliminant_lock(request.geometry_hash, 1), "another")
+    assert redis.exists(store.keys.eliminant_lock(request.geometry_hash, 1))
+
+
+def test_the_eliminant_is_kept(redis: Redis) -> None:
+    store = ResultStore(redis)
+    request = a_request("1")
+    assert store.get_eliminant(request) is None
+    eliminant = rpr_solver.eliminate(rpr_solver.EXAMPLES["innocenti"])
+    store.put_eliminant(request, eliminant)
+    known = store.get_eliminant(request)
+    assert known is not None
+    assert known.to_json() == eliminant.to_json()

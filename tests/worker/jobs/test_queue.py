@@ -1,0 +1,258 @@
+"""The life of a job, with the test in the place of the worker."""
+
+from __future__ import annotations
+
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import pytest
+from redis import Redis
+
+from tests.support.worker_requests import a_request
+from worker import JobQueue, TableRequest, WorkerSettings
+from worker.jobs.records import ChunkEntry, ChunkRef
+from worker.jobs.sweeper import Sweeper
+
+
+def refs(queue: JobQueue) -> list[ChunkRef]:
+    return sorted((entry.ref for entry in queue.records.open_chunks()), key=lambda ref: ref.index)
+
+
+def work(queue: JobQueue, ref: ChunkRef, slices: int = 100, *, error: str = "") -> None:
+    """Do what a worker does with a chunk, or with the first slices of it."""
+    chunk = queue.records.start(ref)
+    assert chunk is not None
+    for offset, l1 in enumerate(chunk.l1[:slices]):
+        value: dict[str, object] = {"l1": l1, "count": 0, "cusps": []}
+        if l1 == error:
+            value = {"l1": l1, "error": {"type": "solver-error", "detail": "undecided"}}
+        queue.records.put_slice(ref, chunk, offset, value)
+
+
+def finish(queue: JobQueue) -> None:
+    for ref in refs(queue):
+        work(queue, ref)
+
+
+def entry(queue: JobQueue, index: int = 0) -> ChunkEntry:
+    return next(e for e in queue.records.open_chunks() if e.ref.index == index)
+
+
+def test_from_queued_to_succeeded(queue: JobQueue, table_request: TableRequest) -> None:
+    view = queue.submit(table_request)
+    assert (view.id, view.status, view.done, view.total) == (table_request.job_id, "queued", 0, 5)
+    assert view.created_at.endswith("Z")
+    assert view.started_at is view.finished_at is view.error is None
+    assert queue.depth() == 2
+    assert queue.result(view.id) is None
+
+    first, second = refs(queue)
+    work(queue, first, 2)
+    running = queue.get(view.id)
+    assert running is not None
+    assert (running.status, running.done) == ("running", 2)
+    assert running.started_at is not None
+
+    work(queue, first)
+    work(queue, second)
+    done = queue.get(view.id)
+    assert done is not None
+    assert (done.status, done.done, done.total) == ("succeeded", 5, 5)
+    assert done.created_at <= (done.started_at or "") <= (done.finished_at or "")
+    table = queue.result(view.id)
+    assert table == queue.table(table_request)
+    assert table is not None
+    assert [s["l1"] for s in table["slices"]] == list(table_request.l1)
+
+
+def test_unknown_job(queue: JobQueue) -> None:
+    assert (
+        queue.get("ct-0") is queue.result("ct-0") is queue.cancel("ct-0") is queue.wait("ct-0", 0.1) is None
+    )
+
+
+def test_the_same_at_once_is_one_job(
+    redis: Redis, settings: WorkerSettings, table_request: TableRequest
+) -> None:
+    queues = [JobQueue(redis, settings) for _ in range(8)]
+    with ThreadPoolExecutor(8) as pool:
+        views = list(pool.map(lambda q: q.submit(table_request), queues))
+    assert len({view.run for view in views}) == 1
+    assert queues[0].depth() == 2
+
+
+def test_only_missing_slices_are_computed(queue: JobQueue, table_request: TableRequest) -> None:
+    queue.submit(table_request)
+    finish(queue)
+    view = queue.submit(a_request("4", "5", "6", "7"))
+    assert (view.done, view.total) == (2, 4)
+    (ref,) = refs(queue)
+    chunk = queue.records.start(ref)
+    assert chunk is not None
+    assert chunk.l1 == ("6", "7")
+
+
+def test_all_known_is_done_at_once(queue: JobQueue, table_request: TableRequest) -> None:
+    queue.submit(table_request)
+    finish(queue)
+    view = queue.submit(a_request("2", "1"))
+    assert (view.status, view.done, view.total) == ("succeeded", 2, 2)
+    assert queue.depth() == 2  # what the first job had put there
+    assert queue.result(view.id) is not None
+
+
+def test_a_succeeded_job_is_joined_while_its_results_last(
+    queue: JobQueue, table_request: TableRequest
+) -> None:
+    first = queue.submit(table_request)
+    finish(queue)
+    assert queue.submit(table_request).run == first.run
+    queue.redis.delete(*queue.store.slice_keys(table_request, ["3"]))
+    assert queue.result(first.id) is None
+    again = queue.submit(table_request)
+    assert (again.run != first.run, again.status, again.done) == (True, "queued", 4)
+
+
+def test_a_failed_job_is_replaced(queue: JobQueue, table_request: TableRequest) -> None:
+    first = queue.submit(table_request)
+    ref = refs(queue)[0]
+    work(queue, ref, 1)
+    queue.records.fail(ref, "timeout", "too long")
+    failed = queue.get(first.id)
+    assert failed is not None
+    assert (failed.status, failed.error) == ("failed", {"type": "timeout", "detail": "too long"})
+    assert queue.redis.ttl(queue.records.keys.job(first.id).record) > 0
+
+    again = queue.submit(table_request)
+    assert (again.status, again.error, again.done) == ("queued", None, 1)
+    finish(queue)
+    done = queue.get(first.id)
+    assert done is not None
+    assert done.status == "succeeded"
+
+
+def test_a_canceled_job_stays_canceled_until_asked_again(
+    queue: JobQueue, table_request: TableRequest
+) -> None:
+    first = queue.submit(table_request)
+    stale = refs(queue)
+    view = queue.cancel(first.id)
+    assert view is not None
+    assert view.status == "canceled"
+    assert queue.depth() == 0
+    assert queue.cancel(first.id) == view
+    assert [queue.records.start(ref) for ref in stale] == [None, None]
+    assert queue.submit(table_request).status == "queued"
+    finish(queue)
+    assert queue.cancel(first.id) == queue.get(first.id)
+    assert queue.result(first.id) is not None
+
+
+def test_what_comes_late_changes_nothing(queue: JobQueue, table_request: TableRequest) -> None:
+    queue.submit(table_request)
+    old = refs(queue)[0]
+    chunk = queue.records.start(old)
+    assert chunk is not None
+    queue.cancel(table_request.job_id)
+    queue.submit(table_request)
+    assert not queue.records.put_slice(old, chunk, 0, {"l1": "1", "count": 0, "cusps": []})
+    assert queue.records.fail(old, "worker-lost", "late") is None
+    assert queue.records.reopen(old, lost=True) == "stale"
+    view = queue.get(table_request.job_id)
+    assert view is not None
+    assert (view.status, view.done, view.error) == ("queued", 0, None)
+    assert "1" in queue.store.get_slices(table_request)  # a true result is not thrown away
+
+
+def test_a_slice_that_fails_does_not_spoil_the_others(queue: JobQueue, table_request: TableRequest) -> None:
+    queue.submit(table_request)
+    first, second = refs(queue)
+    work(queue, first, error="2")
+    work(queue, second)
+    table = queue.result(table_request.job_id)
+    assert table is not None
+    assert [s["l1"] for s in table["slices"] if "error" in s] == ["2"]
+    # the error leaves the store soon; the job that saw it keeps it, and the next one tries again
+    queue.redis.delete(*queue.store.slice_keys(table_request, ["2"]))
+    assert queue.result(table_request.job_id) == table
+    assert queue.table(table_request) is None
+    assert queue.submit(table_request).done == 4
+
+
+def test_a_slice_is_counted_once(queue: JobQueue, table_request: TableRequest) -> None:
+    queue.submit(table_request)
+    first = refs(queue)[0]
+    work(queue, first, 2)
+    again = queue.records.reopen(first, lost=True)
+    assert isinstance(again, ChunkRef)
+    assert queue.records.start(first) is None
+    work(queue, again)
+    view = queue.get(table_request.job_id)
+    assert view is not None
+    assert view.done == 3
+
+
+def test_wait(queue: JobQueue, table_request: TableRequest) -> None:
+    view = queue.submit(table_request)
+    assert queue.wait(view.id, 0) == view
+    threading.Timer(0.2, finish, [queue]).start()
+    done = queue.wait(view.id, 10)
+    assert done is not None
+    assert done.status == "succeeded"
+    assert queue.wait(view.id, 10) == done
+
+
+def test_a_chunk_that_nobody_has_is_put_back(queue: JobQueue, table_request: TableRequest) -> None:
+    queue.submit(table_request)
+    queue.redis.delete(queue.chunks.bulk.key)
+    sweeper = Sweeper(queue.redis, queue.settings)
+    sweeper.sweep()
+    assert queue.depth() == 0  # suspected only
+    time.sleep(0.01)
+    assert sweeper.sweep() == 2
+    assert queue.depth() == 2
+    assert [(e.ref.attempt, e.losses) for e in queue.records.open_chunks()] == [(1, 0), (1, 0)]
+    finish(queue)
+    assert queue.result(table_request.job_id) is not None
+
+
+def test_a_chunk_with_a_sign_of_life_is_left_alone(queue: JobQueue) -> None:
+    request = a_request("1")
+    queue.submit(request)
+    (ref,) = refs(queue)
+    queue.redis.delete(queue.chunks.small.key)
+    queue.redis.set(queue.records.keys.beat(ref.rq_id), "worker")
+    sweeper = Sweeper(queue.redis, queue.settings)
+    for _ in range(3):
+        time.sleep(0.01)
+        assert sweeper.sweep() == 0
+
+
+def test_a_chunk_lost_too_often_fails_its_job(queue: JobQueue, table_request: TableRequest) -> None:
+    queue.submit(table_request)
+    sweeper = Sweeper(queue.redis, queue.settings)
+    for _ in range(2 * queue.settings.max_losses + 2):
+        queue.records.start(entry(queue).ref)
+        queue.redis.ltrim(queue.chunks.small.key, 1, 0)
+        queue.redis.lrem(queue.chunks.bulk.key, 1, entry(queue).ref.rq_id)
+        sweeper.sweep()
+        time.sleep(0.01)
+    view = queue.get(table_request.job_id)
+    assert view is not None
+    assert view.error is not None
+    assert (view.status, view.error["type"]) == ("failed", "worker-lost")
+    assert queue.depth() == 0
+    assert queue.submit(table_request).status == "queued"
+
+
+@pytest.mark.parametrize("lost", [True, False])
+def test_what_was_not_begun_cannot_be_lost(queue: JobQueue, lost: bool) -> None:
+    queue.submit(a_request("1"))
+    ref = refs(queue)[0]
+    for attempt in range(1, 10):
+        following = queue.records.reopen(ref, lost=lost)
+        assert following == replace(ref, attempt=attempt)
+        assert isinstance(following, ChunkRef)
+        ref = following

@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+import signal
+
+import pytest
+
+from worker import WorkerSettings
+from worker.process.horse_exit import Failed, RunAgain, judge_exit
+
+SETTINGS = WorkerSettings(deadline=5, memory_limit_mb=100)
+
+
+def test_a_horse_that_ended_by_itself() -> None:
+    assert judge_exit(0, None, SETTINGS) is None
+    assert judge_exit(0, "deadline", SETTINGS) is None
+
+
+@pytest.mark.parametrize(
+    ("status", "ended_for", "kind"),
+    [
+        (signal.SIGKILL, "deadline", "timeout"),
+        (signal.SIGABRT, None, "resource-exhausted"),
+        (signal.SIGSEGV, None, "worker-crashed"),
+        (signal.SIGKILL, "canceled", ""),
+    ],
+)
+def test_failures(status: int, ended_for: str | None, kind: str) -> None:
+    outcome = judge_exit(int(status), ended_for, SETTINGS)
+    assert isinstance(outcome, Failed)
+    assert outcome.kind == kind
+
+
+def test_what_is_tried_again() -> None:
+    assert judge_exit(int(signal.SIGKILL), "shutdown", SETTINGS) == RunAgain(lost=False)
+    killed = judge_exit(int(signal.SIGKILL), None, SETTINGS)
+    assert isinstance(killed, RunAgain)
+    assert killed.lost
+    assert "SIGKILL" in killed.detail
+    exited = judge_exit(1 << 8, None, SETTINGS)
+    assert isinstance(exited, RunAgain)
+    assert exited.lost

@@ -1,0 +1,29 @@
+"""What several workers need at once is computed by one of them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from typing import TypeVar
+
+T = TypeVar("T")
+
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.05
+
+
+def single_flight(
+    known: Callable[[], T | None], lock: Callable[[], AbstractContextManager[bool]], make: Callable[[], T]
+) -> T:
+    """What is known, or is made here, or by another worker that holds the lock; `make` has to keep it."""
+    pause = _FIRST_PAUSE
+    while True:
+        found = known()
+        if found is not None:
+            return found
+        with lock() as held:
+            if held:
+                found = known()  # it may have come between the look and the lock
+                return make() if found is None else found
+        time.sleep(pause)
+        pause = min(2 * pause, _LONGEST_PAUSE)

@@ -1,0 +1,164 @@
+"""Results in Redis: immutable, keyed by their content, bounded by their time to live."""
+
+from __future__ import annotations
+
+import json
+import secrets
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from typing import Any, cast
+
+from redis import Redis
+
+import rpr_solver
+from worker.jobs.keys import Keys
+from worker.jobs.requests import DocumentRequest, TableRequest
+from worker.settings import WorkerSettings
+
+SliceJson = dict[str, Any]
+
+# Deletes the lock only if it is still ours: it may have run out and be held by another worker.
+_RELEASE = "if redis.call('GET', KEYS[1]) == ARGV[1] then return redis.call('DEL', KEYS[1]) end return 0"
+
+
+class ResultStore:
+    """Slices, eliminants and documents. All state is in Redis; an instance is cheap and may be shared."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings | None = None) -> None:
+        self.redis = redis
+        self.settings = settings or WorkerSettings()
+        self.keys = Keys(self.settings.key_prefix)
+        self._release = redis.register_script(_RELEASE)
+
+    def slice_keys(self, request: TableRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
+        """The keys of some slices of a request, at its own or another number of digits."""
+        at = request.digits if digits is None else digits
+        return [self.keys.slice(request.geometry_hash, request.fixed_leg, at, x) for x in l1]
+
+    def get_slices(self, request: TableRequest, l1: Sequence[str] | None = None) -> dict[str, SliceJson]:
+        """The known slices of a request (or those of `l1`), by L1.
+
+        One round trip when all are known with just these digits. Slices known with more digits are
+        shortened, where correct rounding can be told from what is stored.
+        """
+        wanted = request.l1 if l1 is None else tuple(l1)
+        if not wanted:
+            return {}
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.mget(self.slice_keys(request, wanted))
+            pipe.smembers(self.keys.digits(request.geometry_hash, request.fixed_leg))
+            values, digits = pipe.execute()
+        found = _parse(wanted, values)
+        for more in sorted(d for d in map(int, digits) if d > request.digits):
+            missing = [x for x in wanted if x not in found]
+            if not missing:
+                break
+            longer = _parse(missing, self._mget(self.slice_keys(request, missing, more)))
+            for x, value in longer.items():
+                short = None if "error" in value else rpr_solver.shorten_slice(value, more, request.digits)
+                if short is not None:
+                    found[x] = short
+        return found
+
+    def put_slice(self, request: TableRequest, l1: str, value: Mapping[str, Any]) -> None:
+        """Keep one slice result. The first one stays; a slice's error is kept for a short time only."""
+        failed = "error" in value
+        ttl = self.settings.error_ttl if failed else self.settings.result_ttl
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.set(self.slice_keys(request, [l1])[0], dump(value), ex=ttl, nx=True)
+            if not failed:
+                self._note_digits(pipe, request)
+            pipe.execute()
+
+    def renew_slices(self, request: TableRequest, slices: Mapping[str, SliceJson]) -> None:
+        """Make known slices last as long as new ones, so that a job's table stays whole.
+
+        What came from more digits is kept at the request's own digits too.
+        """
+        if not slices:
+            return
+        ttl = self.settings.result_ttl
+        with self.redis.pipeline(transaction=False) as pipe:
+            for l1, key in zip(slices, self.slice_keys(request, list(slices)), strict=True):
+                if "error" not in slices[l1]:
+                    pipe.expire(key, ttl)
+            renewed = iter(pipe.execute())
+            for l1, key in zip(slices, self.slice_keys(request, list(slices)), strict=True):
+                if "error" not in slices[l1] and not next(renewed):
+                    pipe.set(key, dump(slices[l1]), ex=ttl, nx=True)
+            if pipe.command_stack:
+                self._note_digits(pipe, request)
+                pipe.execute()
+
+    def get_eliminant(self, request: TableRequest) -> rpr_solver.Eliminant | None:
+        """The geometry's eliminant, if it is known."""
+        raw = self.redis.get(self.keys.eliminant(request.geometry_hash, request.fixed_leg))
+        return None if raw is None else rpr_solver.Eliminant.from_json(json.loads(cast(bytes, raw)))
+
+    def put_eliminant(self, request: TableRequest, eliminant: rpr_solver.Eliminant) -> None:
+        """Keep the eliminant of the request's geometry."""
+        key = self.keys.eliminant(request.geometry_hash, request.fixed_leg)
+        self.redis.set(key, dump(eliminant.to_json()), ex=self.settings.eliminant_ttl)
+
+    def get_document(self, request: DocumentRequest) -> dict[str, Any] | None:
+        """A document that was computed in one piece, if it is known."""
+        raw = self.redis.get(self.keys.document(request.content_hash))
+        return None if raw is None else cast("dict[str, Any]", json.loads(cast(bytes, raw)))
+
+    def put_document(self, request: DocumentRequest, document: Mapping[str, Any]) -> None:
+        """Keep a document; the first one stays."""
+        key = self.keys.document(request.content_hash)
+        self.redis.set(key, dump(document), ex=self.settings.result_ttl, nx=True)
+
+    def renew_document(self, request: DocumentRequest) -> bool:
+        """Make a known document last as long as a new one; False when it is not known."""
+        return bool(self.redis.expire(self.keys.document(request.content_hash), self.settings.result_ttl))
+
+    def note_census(self, family: DocumentRequest, digits: int) -> None:
+        """Note that a census of this family is known with so many digits."""
+        key = self.keys.census_digits(family.content_hash)
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.sadd(key, digits)
+            pipe.expire(key, self.settings.result_ttl)
+            pipe.execute()
+
+    def census_digits(self, family: DocumentRequest) -> list[int]:
+        """The numbers of digits with which censuses of this family have been kept, ascending."""
+        found = cast("set[bytes]", self.redis.smembers(self.keys.census_digits(family.content_hash)))
+        return sorted(map(int, found))
+
+    def eliminant_lock(self, request: TableRequest) -> AbstractContextManager[bool]:
+        """Try to become the one who computes the eliminant; gives False when somebody else does."""
+        return self._lock(self.keys.eliminant_lock(request.geometry_hash, request.fixed_leg))
+
+    def document_lock(self, request: DocumentRequest) -> AbstractContextManager[bool]:
+        """Try to become the one who computes a document; gives False when somebody else does."""
+        return self._lock(self.keys.document_lock(request.content_hash))
+
+    @contextmanager
+    def _lock(self, key: str) -> Iterator[bool]:
+        """The lock runs out by itself, so that a worker that died with it does not stop the others."""
+        token = secrets.token_hex(8)
+        held = bool(self.redis.set(key, token, nx=True, px=int(self.settings.eliminant_lock * 1000)))
+        try:
+            yield held
+        finally:
+            if held:
+                self._release(keys=[key], args=[token])
+
+    def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
+        return cast("list[bytes | None]", self.redis.mget(keys))
+
+    def _note_digits(self, pipe: Any, request: TableRequest) -> None:
+        key = self.keys.digits(request.geometry_hash, request.fixed_leg)
+        pipe.sadd(key, request.digits)
+        pipe.expire(key, self.settings.result_ttl)
+
+
+def dump(value: object) -> str:
+    """Compact JSON, as it is stored."""
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False)
+
+
+def _parse(l1: Sequence[str], values: Sequence[bytes | None]) -> dict[str, SliceJson]:
+    return {x: json.loads(value) for x, value in zip(l1, values, strict=True) if value is not None}

@@ -1,0 +1,125 @@
+"""Chunks as RQ jobs: put in the queue, take out, stop."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+
+from redis import Redis
+from rq import Queue
+from rq.command import send_stop_job_command
+from rq.exceptions import DuplicateJobError, InvalidJobOperation, NoSuchJobError
+from rq.job import Job, JobStatus
+from rq.serializers import JSONSerializer
+
+from worker.jobs.keys import Keys
+from worker.jobs.records import ChunkEntry, ChunkRef
+from worker.settings import WorkerSettings
+
+STOP_PATIENCE = 1.0
+"""Seconds in which a stop command is repeated; afterwards the worker's own look at the record must do."""
+
+_LEFTOVER_TTL = 600
+
+
+def queue_names(settings: WorkerSettings) -> tuple[str, str]:
+    """The queue of jobs of one chunk, which is served first, and the queue of larger ones."""
+    return settings.queue_name, f"{settings.queue_name}-bulk"
+
+
+class ChunkQueue:
+    """The two RQ queues that carry chunks."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        self.redis = redis
+        self.settings = settings
+        self.keys = Keys(settings.key_prefix)
+        self.small, self.bulk = (
+            Queue(name, connection=redis, serializer=JSONSerializer) for name in queue_names(settings)
+        )
+
+    def enqueue(self, refs: Iterable[ChunkRef], *, bulk: bool, at_front: bool = False) -> None:
+        """Put chunks in the queue; one that is there already stays as it is."""
+        queue = self.bulk if bulk else self.small
+        for ref in refs:
+            try:
+                queue.enqueue_call(
+                    self.settings.task,
+                    kwargs={"job_id": ref.job_id, "run": ref.run, "index": ref.index, "attempt": ref.attempt},
+                    job_id=ref.rq_id,
+                    unique=True,
+                    timeout=-1,  # RQ's own timeout cannot end a C call; see process/worker.py
+                    result_ttl=0,
+                    failure_ttl=600,
+                    description=ref.rq_id,
+                    at_front=at_front,
+                )
+            except DuplicateJobError:
+                continue
+
+    def waiting(self) -> set[str]:
+        """The RQ ids of all chunks in the queues."""
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.lrange(self.small.key, 0, -1)
+            pipe.lrange(self.bulk.key, 0, -1)
+            small, bulk = pipe.execute()
+        return {raw.decode() for raw in [*small, *bulk]}
+
+    def depth(self) -> int:
+        """How many chunks wait for a worker."""
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.llen(self.small.key)
+            pipe.llen(self.bulk.key)
+            return sum(pipe.execute())
+
+    def withdraw(self, entries: Iterable[ChunkEntry]) -> None:
+        """Take chunks out of the queue, and stop the workers of those that are running."""
+        running = [entry.ref for entry in entries if entry.state != "queued" or not self._take_out(entry.ref)]
+        deadline = time.monotonic() + STOP_PATIENCE
+        while running:
+            running = [ref for ref in running if not self._stop(ref)]
+            if time.monotonic() > deadline:
+                return
+            if running:
+                time.sleep(0.02)
+
+    def discard(self, ref: ChunkRef) -> None:
+        """Forget the RQ job of a chunk that nobody works on."""
+        if not self._take_out(ref):
+            self._delete(ref)
+
+    def _take_out(self, ref: ChunkRef) -> bool:
+        """Take a chunk out of the queue; False when it is not there (any more)."""
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.lrem(self.small.key, 1, ref.rq_id)
+            pipe.lrem(self.bulk.key, 1, ref.rq_id)
+            pipe.hdel(self.keys.suspects, ref.rq_id)
+            removed = sum(pipe.execute()[:2])
+        if removed:
+            self._delete(ref)
+        else:
+            # A worker has just taken it. RQ needs the job until that worker has seen that there is nothing
+            # to do, and deletes it then; if the worker died in between, it runs out by itself.
+            self.redis.expire(Job.key_for(ref.rq_id), _LEFTOVER_TTL)
+        return bool(removed)
+
+    def _delete(self, ref: ChunkRef) -> None:
+        try:
+            job = Job.fetch(ref.rq_id, connection=self.redis, serializer=JSONSerializer)
+        except NoSuchJobError:
+            return
+        job.delete(remove_from_queue=False)
+
+    def _stop(self, ref: ChunkRef) -> bool:
+        """Ask the worker to stop; True once nobody works on the chunk any more."""
+        if not self.redis.exists(self.keys.beat(ref.rq_id)):
+            return True
+        try:
+            job = Job.fetch(ref.rq_id, connection=self.redis, serializer=JSONSerializer)
+            if job.get_status() == JobStatus.STARTED:
+                send_stop_job_command(self.redis, ref.rq_id, serializer=JSONSerializer)
+        except NoSuchJobError:
+            return True
+        except InvalidJobOperation:
+            pass  # started, but the worker has not written its name yet: ask again
+        return False

@@ -1,0 +1,148 @@
+"""Jobs as the API sees them: submit, look, wait, cancel.
+
+Nothing is remembered in the process, so any number of API processes can serve the same jobs.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any, cast
+
+from redis import Redis
+
+import rpr_solver
+from worker.answers.documents import known_document
+from worker.answers.store import ResultStore, SliceJson
+from worker.jobs.chunks import ChunkQueue
+from worker.jobs.records import JobRecords, JobView
+from worker.jobs.requests import DocumentRequest, JobRequest, TableRequest
+from worker.settings import WorkerSettings
+
+_BLOCK_MS = 1000
+
+
+class JobQueue:
+    """The jobs of one installation. Instances are cheap and may be shared between threads."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings | None = None) -> None:
+        self.redis = redis
+        self.settings = settings or WorkerSettings()
+        self.store = ResultStore(redis, self.settings)
+        self.records = JobRecords(redis, self.settings)
+        self.chunks = ChunkQueue(redis, self.settings)
+
+    def submit(self, request: JobRequest) -> JobView:
+        """Have a table or another document computed.
+
+        Joins the job if it is queued or running, or has succeeded and its results are still there. A job
+        that failed, was canceled, or lost its results to time is replaced.
+        """
+        seen = self.records.view(request.job_id)
+        if seen is not None and not seen.is_terminal:
+            return seen
+        todo = self._open_parts(request)
+        if seen is not None and seen.status == "succeeded" and not todo:
+            return seen
+        refs = self.records.create(request, todo, seen.run if seen else "")
+        if refs:
+            self.chunks.enqueue(refs, bulk=len(refs) > 1)
+        view = self.records.view(request.job_id)
+        return view if view is not None else self.submit(request)
+
+    def known(self, request: JobRequest) -> dict[str, Any] | None:
+        """The complete answer if it is known, else None."""
+        return self.table(request) if isinstance(request, TableRequest) else self.document(request)
+
+    def document(self, request: DocumentRequest) -> dict[str, Any] | None:
+        """The document if it is known or follows from what is."""
+        return known_document(request, self.store)
+
+    def table(self, request: TableRequest) -> dict[str, Any] | None:
+        """The complete table if every slice is known, else None."""
+        known = self.store.get_slices(request)
+        return _table(request, known) if len(known) == len(request.l1) else None
+
+    def get(self, job_id: str) -> JobView | None:
+        """The job as it is now, or None when there is none (any more)."""
+        return self.records.view(job_id)
+
+    def request(self, job_id: str) -> JobRequest | None:
+        """What a job was asked for."""
+        found = self.records.request(job_id)
+        return None if found is None else found[1]
+
+    def result(self, job_id: str) -> dict[str, Any] | None:
+        """The answer of a job that succeeded; None for any other, and when results have expired."""
+        found = self.records.request(job_id)
+        if found is None or found[0].status != "succeeded":
+            return None
+        _, request, errors = found
+        if isinstance(request, DocumentRequest):
+            return self.document(request)
+        known = {**self.store.get_slices(request, [x for x in request.l1 if x not in errors]), **errors}
+        return _table(request, known) if len(known) == len(request.l1) else None
+
+    def cancel(self, job_id: str) -> JobView | None:
+        """Cancel a job that is queued or running; a job that has ended stays as it is."""
+        entries = self.records.cancel(job_id)
+        if entries:
+            self.chunks.withdraw(entries)
+        return self.records.view(job_id)
+
+    def wait(self, job_id: str, seconds: float) -> JobView | None:
+        """Return the job when it has ended, or as it is when the time is over."""
+        end = time.monotonic() + seconds
+        events = self.records.keys.job(job_id).events
+        while True:
+            last = self._last_event(events)
+            view = self.records.view(job_id)
+            left = end - time.monotonic()
+            if view is None or view.is_terminal or left <= 0:
+                return view
+            self._next_status(events, last, left)
+
+    def depth(self) -> int:
+        """How many chunks wait for a worker."""
+        return self.chunks.depth()
+
+    def workers(self) -> int:
+        """How many workers are alive, by RQ's register."""
+        names = cast("set[bytes]", self.redis.smembers("rq:workers"))
+        return self.redis.exists(*names) if names else 0
+
+    def _open_parts(self, request: JobRequest) -> list[str]:
+        """What is not known of a request; what is known will last as long as what is new."""
+        if isinstance(request, DocumentRequest):
+            return [] if self.store.renew_document(request) else list(request.parts)
+        known = self.store.get_slices(request)
+        self.store.renew_slices(request, known)
+        return [l1 for l1 in request.l1 if l1 not in known]
+
+    def _last_event(self, events: str) -> bytes:
+        newest = cast("list[tuple[bytes, Any]]", self.redis.xrevrange(events, count=1))
+        return newest[0][0] if newest else b"0"
+
+    def _next_status(self, events: str, last: bytes, seconds: float) -> None:
+        """Block until the job's status changes, at most for a while."""
+        end = time.monotonic() + min(seconds, _BLOCK_MS / 1000)
+        while (left := end - time.monotonic()) > 0:
+            reply = cast(Any, self.redis.xread({events: last}, block=max(1, int(left * 1000))))
+            for event, fields in _entries(reply):
+                last = event
+                if fields[b"type"] == b"status" and fields[b"status"] not in (b"queued", b"running"):
+                    return
+
+
+def _entries(reply: Any) -> list[tuple[bytes, dict[bytes, bytes]]]:
+    # One stream is read. RESP2 answers with a list of pairs, RESP3 with a mapping.
+    if not reply:
+        return []
+    if isinstance(reply, dict):
+        return [entry for batches in reply.values() for batch in batches for entry in batch]
+    return list(reply[0][1])
+
+
+def _table(request: TableRequest, known: dict[str, SliceJson]) -> dict[str, Any]:
+    manipulator = rpr_solver.Manipulator.from_json(cast(Any, request.geometry))
+    slices = [known[l1] for l1 in request.l1]
+    return rpr_solver.table_json(manipulator, request.fixed_leg, request.digits, slices)

@@ -1,0 +1,268 @@
+"""The record of a job in Redis and the atomic steps that change it."""
+
+from __future__ import annotations
+
+import json
+import secrets
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any, Literal, cast
+
+from redis import Redis
+
+from worker.answers.store import dump
+from worker.jobs import scripts
+from worker.jobs.keys import JobKeys, Keys
+from worker.jobs.requests import DocumentRequest, JobRequest, TableRequest, request_from_json
+from worker.settings import WorkerSettings
+
+Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
+ACTIVE: frozenset[str] = frozenset({"queued", "running"})
+
+_FIELDS = ("run", "status", "done", "total", "created", "started", "finished", "error")
+
+
+@dataclass(frozen=True)
+class JobView:
+    """What can be said about a job. Times are ISO 8601 in UTC."""
+
+    id: str
+    status: Status
+    done: int
+    total: int
+    created_at: str
+    started_at: str | None
+    finished_at: str | None
+    error: dict[str, str] | None
+    run: str
+
+    @property
+    def is_terminal(self) -> bool:
+        """Whether the job has come to its end."""
+        return self.status not in ACTIVE
+
+
+@dataclass(frozen=True)
+class ChunkRef:
+    """One attempt at one chunk of one run of a job."""
+
+    job_id: str
+    run: str
+    index: int
+    attempt: int
+
+    @property
+    def rq_id(self) -> str:
+        """The id of the RQ job that carries this attempt."""
+        return f"{self.job_id}-{self.run}-{self.index}-{self.attempt}"
+
+
+@dataclass(frozen=True)
+class ChunkEntry:
+    """A chunk that is not done yet, as its job's record has it."""
+
+    ref: ChunkRef
+    state: str
+    losses: int
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Some slices of a table: the request they belong to, and their positions in the job."""
+
+    request: TableRequest
+    l1: tuple[str, ...]
+    first_position: int
+
+
+class JobRecords:
+    """Reads and changes job records. Every change is one atomic script; see `worker.scripts`."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        self.redis = redis
+        self.settings = settings
+        self.keys = Keys(settings.key_prefix)
+        self._create = redis.register_script(scripts.CREATE)
+        self._start = redis.register_script(scripts.START)
+        self._slice = redis.register_script(scripts.SLICE)
+        self._progress = redis.register_script(scripts.PROGRESS)
+        self._document = redis.register_script(scripts.DOCUMENT)
+        self._end = redis.register_script(scripts.END)
+        self._reopen = redis.register_script(scripts.REOPEN)
+
+    def view(self, job_id: str) -> JobView | None:
+        """The job as it is now, or None when there is none (any more)."""
+        fields = self.redis.hmget(self.keys.job(job_id).record, _FIELDS)
+        return _view(job_id, cast("list[bytes | None]", fields))
+
+    def request(self, job_id: str) -> tuple[JobView, JobRequest, dict[str, Any]] | None:
+        """The job, what it was asked for and the errors of single slices."""
+        keys = self.keys.job(job_id)
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.hmget(keys.record, [*_FIELDS, "request"])
+            pipe.hgetall(keys.errors)
+            fields, errors = pipe.execute()
+        view = _view(job_id, fields)
+        if view is None or fields[-1] is None:
+            return None
+        by_l1 = {raw.decode(): json.loads(error) for raw, error in errors.items()}
+        return view, request_from_json(fields[-1]), by_l1
+
+    def create(self, request: JobRequest, todo: Sequence[str], seen_run: str) -> list[ChunkRef] | None:
+        """Start a job afresh, in place of the run `seen_run` ("" for none); `todo` are the open parts.
+
+        Returns its chunks, or None when another client was faster.
+        """
+        settings = self.settings
+        count = -(-len(todo) // settings.chunk_size)
+        size = -(-len(todo) // count) if count else 1
+        run = secrets.token_hex(4)
+        keys = self.keys.job(request.job_id)
+        made = self._create(
+            keys=[*_all(keys), self.keys.active],
+            args=[
+                request.job_id, run, seen_run, len(request.parts), len(todo),
+                request.to_json(), dump(list(todo)), size, count, settings.job_ttl,
+            ],
+        )  # fmt: skip
+        return [ChunkRef(request.job_id, run, i, 0) for i in range(count)] if made else None
+
+    def start(self, ref: ChunkRef) -> Chunk | DocumentRequest | None:
+        """Begin a chunk, which is some slices or a whole document; None when it is out of date."""
+        keys = self.keys.job(ref.job_id)
+        reply = self._start(
+            keys=[keys.record, keys.chunks, keys.events], args=[ref.run, ref.index, ref.attempt]
+        )
+        if not reply:
+            return None
+        raw, todo, size = reply
+        request = request_from_json(raw)
+        if isinstance(request, DocumentRequest):
+            return request
+        first = ref.index * int(size)
+        return Chunk(request, tuple(json.loads(todo)[first : first + int(size)]), first)
+
+    def put_slice(self, ref: ChunkRef, chunk: Chunk, offset: int, value: Mapping[str, Any]) -> bool:
+        """Keep the result of the chunk's slice `offset` and count it; False when the job wants no more."""
+        settings, request, l1 = self.settings, chunk.request, chunk.l1[offset]
+        keys = self.keys.job(ref.job_id)
+        geometry = request.geometry_hash, request.fixed_leg
+        failed = "error" in value
+        reply = self._slice(
+            keys=[
+                self.keys.slice(*geometry, request.digits, l1), self.keys.digits(*geometry),
+                *_all(keys), self.keys.active,
+            ],
+            args=[
+                ref.job_id, ref.run, ref.index, int(offset == len(chunk.l1) - 1),
+                chunk.first_position + offset, l1, dump(value), int(failed), request.digits,
+                settings.error_ttl if failed else settings.result_ttl, settings.job_ttl,
+            ],
+        )  # fmt: skip
+        return bool(reply == 1)
+
+    def put_progress(self, ref: ChunkRef, done: int, total: int) -> None:
+        """Tell how far the job of a document is."""
+        keys = self.keys.job(ref.job_id)
+        self._progress(keys=[keys.record, keys.events], args=[ref.run, done, total])
+
+    def put_document(self, ref: ChunkRef, request: DocumentRequest, document: Mapping[str, Any]) -> None:
+        """Keep a document, and end its job if it is still wanted."""
+        self._document(
+            keys=[
+                self.keys.document(request.content_hash),
+                *_all(self.keys.job(ref.job_id)), self.keys.active,
+            ],
+            args=[ref.job_id, ref.run, dump(document), self.settings.result_ttl, self.settings.job_ttl],
+        )  # fmt: skip
+
+    def fail(self, ref: ChunkRef, kind: str, detail: str) -> list[ChunkEntry] | None:
+        """End the job because of this chunk; returns its open chunks, None when it was out of date."""
+        problem = dump({"type": kind, "detail": detail})
+        return self._finish(ref.job_id, "failed", problem, ref.run, ref.index, ref.attempt)
+
+    def cancel(self, job_id: str) -> list[ChunkEntry] | None:
+        """End the job on request; returns its open chunks, None when it was not active."""
+        return self._finish(job_id, "canceled", "", "", "", "")
+
+    def reopen(self, ref: ChunkRef, *, lost: bool) -> ChunkRef | Literal["stale", "too-often"]:
+        """Open the next attempt at a chunk that was interrupted, or lost with its worker."""
+        keys = self.keys.job(ref.job_id)
+        reply = self._reopen(
+            keys=[keys.record, keys.chunks],
+            args=[ref.run, ref.index, ref.attempt, int(lost), self.settings.max_losses],
+        )
+        if reply == -1:
+            return "stale"
+        return "too-often" if reply == -2 else ChunkRef(ref.job_id, ref.run, ref.index, int(reply))
+
+    def is_wanted(self, ref: ChunkRef) -> bool:
+        """Whether the run that this chunk belongs to is still active."""
+        run, status = cast(
+            "list[bytes | None]", self.redis.hmget(self.keys.job(ref.job_id).record, ["run", "status"])
+        )
+        return run == ref.run.encode() and (status or b"").decode() in ACTIVE
+
+    def open_chunks(self) -> list[ChunkEntry]:
+        """The chunks of all active jobs that are not done."""
+        job_ids = [raw.decode() for raw in cast("list[bytes]", self.redis.zrange(self.keys.active, 0, -1))]
+        with self.redis.pipeline(transaction=False) as pipe:
+            for job_id in job_ids:
+                keys = self.keys.job(job_id)
+                pipe.hget(keys.record, "run")
+                pipe.hgetall(keys.chunks)
+            replies = pipe.execute()
+        entries: list[ChunkEntry] = []
+        for job_id, run, chunks in zip(job_ids, replies[::2], replies[1::2], strict=True):
+            if run is None:
+                self.redis.zrem(self.keys.active, job_id)
+            else:
+                entries += [_entry(job_id, run, index, entry) for index, entry in chunks.items()]
+        return entries
+
+    def _finish(
+        self, job_id: str, status: str, problem: str, run: str, index: int | str, attempt: int | str
+    ) -> list[ChunkEntry] | None:
+        reply = self._end(
+            keys=[*_all(self.keys.job(job_id)), self.keys.active],
+            args=[job_id, status, problem, self.settings.failure_ttl, run, index, attempt],
+        )
+        if not reply:
+            return None
+        return [_entry(job_id, reply[0], *pair) for pair in zip(reply[1::2], reply[2::2], strict=True)]
+
+
+def _all(keys: JobKeys) -> tuple[str, str, str, str, str]:
+    return keys.record, keys.chunks, keys.bits, keys.errors, keys.events
+
+
+def _entry(job_id: str, run: bytes, index: bytes, entry: bytes) -> ChunkEntry:
+    state, attempt, losses = entry.decode().split(":")
+    return ChunkEntry(ChunkRef(job_id, run.decode(), int(index), int(attempt)), state, int(losses))
+
+
+def _view(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:
+    run, status, done, total, created, started, finished, error = (
+        None if raw is None else raw.decode() for raw in fields[: len(_FIELDS)]
+    )
+    if run is None or status is None:
+        return None
+    return JobView(
+        id=job_id,
+        status=cast(Status, status),
+        done=int(done or 0),
+        total=int(total or 0),
+        created_at=_iso(created) or "",
+        started_at=_iso(started),
+        finished_at=_iso(finished),
+        error=json.loads(error) if error else None,
+        run=run,
+    )
+
+
+def _iso(seconds: str | None) -> str | None:
+    if seconds is None:
+        return None
+    text = datetime.fromtimestamp(float(seconds), UTC).isoformat(timespec="milliseconds")
+    return text.replace("+00:00", "Z")

@@ -1,0 +1,83 @@
+"""Finds chunks that nobody works on any more, and has them run again.
+
+A chunk that is not done must be in a queue or show signs of life. One that does neither (its worker was
+killed, or a process died between two steps) is suspected, and when it stays so, put back in the queue.
+"""
+
+from __future__ import annotations
+
+import threading
+from typing import cast
+
+from redis import Redis
+from redis.exceptions import RedisError
+
+from worker.jobs.chunks import ChunkQueue
+from worker.jobs.records import ChunkEntry, JobRecords
+from worker.settings import WorkerSettings
+
+_LOST = "The worker that computed this was lost, {} times. It is not tried again by itself."
+
+
+class Sweeper:
+    """The search for lost chunks. Any number may run; only one at a time really searches."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        self.redis = redis
+        self.settings = settings
+        self.records = JobRecords(redis, settings)
+        self.chunks = ChunkQueue(redis, settings)
+        self.keys = self.records.keys
+
+    def sweep(self) -> int:
+        """Search once, unless it has been done a moment ago; returns how many chunks were put back."""
+        pause = int(self.settings.sweep_interval * 1000)
+        if not self.redis.set(self.keys.sweep_lock, 1, nx=True, px=pause):
+            return 0
+        # The order matters: what leaves the queue after this look shows signs of life soon, and a chunk
+        # that was opened after the look at the records is not in it.
+        entries = self.records.open_chunks()
+        waiting = self.chunks.waiting()
+        missing = self._without_sign_of_life([e for e in entries if e.ref.rq_id not in waiting])
+        return sum(self._put_back(entry) for entry in self._overdue(missing))
+
+    def run(self, stop: threading.Event) -> None:
+        """Search again and again until `stop` is set; for a thread of an API process."""
+        while not stop.wait(self.settings.sweep_interval):
+            try:
+                self.sweep()
+            except RedisError:
+                continue
+
+    def _without_sign_of_life(self, entries: list[ChunkEntry]) -> list[ChunkEntry]:
+        with self.redis.pipeline(transaction=False) as pipe:
+            for entry in entries:
+                pipe.exists(self.keys.beat(entry.ref.rq_id))
+            return [entry for entry, beats in zip(entries, pipe.execute(), strict=True) if not beats]
+
+    def _overdue(self, missing: list[ChunkEntry]) -> list[ChunkEntry]:
+        suspects = cast("dict[bytes, bytes]", self.redis.hgetall(self.keys.suspects))
+        if not suspects and not missing:
+            return []
+        seconds, micros = self.redis.time()
+        now = seconds + micros / 1e6
+        since = {raw.decode(): float(first) for raw, first in suspects.items()}
+        ids = {entry.ref.rq_id for entry in missing}
+        with self.redis.pipeline(transaction=False) as pipe:
+            for rq_id in since.keys() - ids:
+                pipe.hdel(self.keys.suspects, rq_id)
+            for rq_id in ids - since.keys():
+                pipe.hset(self.keys.suspects, rq_id, repr(now))
+            pipe.execute()
+        return [e for e in missing if now - since.get(e.ref.rq_id, now) >= self.settings.lost_grace]
+
+    def _put_back(self, entry: ChunkEntry) -> bool:
+        following = self.records.reopen(entry.ref, lost=True)
+        self.chunks.discard(entry.ref)
+        if following == "too-often":
+            open_chunks = self.records.fail(entry.ref, "worker-lost", _LOST.format(entry.losses + 1))
+            self.chunks.withdraw(open_chunks or [])
+        elif following != "stale":
+            self.chunks.enqueue([following], bulk=False, at_front=True)
+            return True
+        return False
