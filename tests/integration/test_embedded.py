@@ -16,7 +16,7 @@ from worker import connect
 HOLD = """
 import sys, time
 from pathlib import Path
-from service.embedded import EmbeddedValkey
+from service.stack.embedded_valkey import EmbeddedValkey
 server = EmbeddedValkey(Path(sys.argv[1])).start()
 print(server.pid, flush=True)
 time.sleep(60)
