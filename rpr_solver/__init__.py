@@ -10,7 +10,7 @@ from rpr_solver.article.audit import ArticleTable, article_table
 from rpr_solver.contract import DEFAULT_DIGITS, MAX_DIGITS, MIN_DIGITS, SOLVER_VERSION
 from rpr_solver.curves.cusp_curves import CurveEnd, CurvePoint, CuspCurve, CuspCurves, cusp_curves
 from rpr_solver.documents import census_csv, curves_csv, restrict_census, shorten_slice, table_csv
-from rpr_solver.errors import FieldProblem, InputError, SolverError
+from rpr_solver.errors import FieldProblem, InputError, SolverError, Unproved
 from rpr_solver.exact.rationals import exact_str, parse_exact
 from rpr_solver.kinematics.pose_table import (
     DirectPolynomial,
@@ -53,6 +53,7 @@ __all__ = [
     "SolverError",
     "Transition",
     "TransitionPoint",
+    "Unproved",
     "article_table",
     "census",
     "census_csv",

@@ -1,9 +1,14 @@
 """What can go wrong in the solver.
 
 ValueError
-└── InputError      the caller gave something that is no manipulator, slice or number
+└── InputError          the caller gave something that is no manipulator, slice or number
 Exception
-└── SolverError     the input is right, and this version cannot prove an answer
+└── SolverError         the input is right, and this version has no answer
+    └── Unproved        the answer, or a step to it, was still open at the highest precision
+
+A plain SolverError is a case that is not supported (an eliminant that vanishes identically, coefficients
+that are too large), or an identity that failed and should be reported. ``NotGeneric`` (transitions) and
+``LostError`` (curves) are signals between modules that no caller sees.
 """
 
 from __future__ import annotations
@@ -35,3 +40,7 @@ class InputError(ValueError):
 
 class SolverError(Exception):
     """An honest refusal: no answer could be proved for this slice. Nothing was guessed."""
+
+
+class Unproved(SolverError):  # noqa: N818 - a verdict, not a fault
+    """What the text names could not be proved at any precision up to the limit (exact/precision.py)."""

@@ -43,6 +43,7 @@ from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, root_and_omega, value_at
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
+from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.quadratic import Pair
 from rpr_solver.exact.rationals import parse_exact
 from rpr_solver.exact.real_roots import RealPolynomial
@@ -56,7 +57,6 @@ from rpr_solver.slices.joint_points import Found, JointPoint, found_by_balls, in
 
 METHOD = "article"
 _Q = "Q"
-_ROUNDS_BEFORE_EXACT = 4
 _Q_REASON = "all that is left: degree 24 (13 and 14 hold, and the adjugate does not vanish)"
 
 
@@ -219,8 +219,10 @@ class _Audit:
     def _by_balls(self, row: _Row, root: ExactRoot) -> bool:
         """The one couple above a simple root, proved a cusp or none; False where balls do not tell."""
         flat, radicand = self.eliminant.flat, self.slice_map.radicand
-        bits = digit_bits(self.digits) + 192
-        for _ in range(0 if flat and row.factor.origin != _Q else _ROUNDS_BEFORE_EXACT):
+        if flat and row.factor.origin != _Q:
+            return False
+
+        def settled(bits: int) -> bool | None:
             u = root.root.refined(bits - 64)
             poses = SlicePoses(self.slice_map, self.scaled, bits)
             with ctx.workprec(bits):
@@ -230,11 +232,13 @@ class _Audit:
                 )
                 # for h = 0 (14) is void; above a root of Q it is J and E that have one common root
                 t = poses.alpha(u) if flat else common_root(f1, e1)
-                if t is not None and self._decided(row, poses, u, t):
-                    row.reject(None if flat else count_real(f1), 1)
-                    return True
-            bits *= 2
-        return False
+                if t is None or not self._decided(row, poses, u, t):
+                    return None
+                row.reject(None if flat else count_real(f1), 1)
+                return True
+
+        start = digit_bits(self.digits) + 192
+        return bool(decided_or_none(settled, start, TIMES_BEFORE_EXACT * start))
 
     def _decided(self, row: _Row, poses: SlicePoses, u: arb, t: HalfTangent) -> bool:
         pose = self.slice_map, poses.length, u, t, poses.omega

@@ -14,7 +14,7 @@ from flint import arb, ctx
 
 from rpr_solver.curves.follower import Follower, LostError
 from rpr_solver.curves.neighbourhood import CuspForms, Place
-from rpr_solver.errors import SolverError
+from rpr_solver.exact.precision import MATCH_BITS, decided
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.half_tangent import HalfTangent
@@ -24,7 +24,7 @@ from rpr_solver.slices.eliminant import Eliminant
 _TUBES_A_TURN = 16
 _PATIENCE, _GREAT_PATIENCE = 512, 1 << 13
 """Tubes spent on one cusp: between slices chosen well, and wherever slices may lie."""
-_FIRST_BITS, _MAX_BITS = 128, 1 << 13
+_FIRST_BITS = 128
 
 Cusp = tuple[Fraction, int]
 """A cusp by the length of its slice and its place in the table, from 0."""
@@ -92,14 +92,13 @@ class Tracker:
         return met
 
     def _index(self, place: Place, length: Fraction) -> int:
-        bits = _FIRST_BITS
-        while bits <= _MAX_BITS:
+        def index(bits: int) -> int | None:
             with ctx.workprec(bits):
                 near = [i for i, cusp in enumerate(self._places(length, bits)) if not place.apart(cusp)]
-            if len(near) == 1:
-                return near[0]
-            bits *= 2
-        raise SolverError(f"cusps of the slice {exact_str(length)} are too close to tell which is followed")
+            return near[0] if len(near) == 1 else None
+
+        message = f"cusps of the slice {exact_str(length)} are too close to tell which is followed"
+        return decided(index, _FIRST_BITS, MATCH_BITS, message)
 
     def _places(self, length: Fraction, bits: int) -> list[Place]:
         table = self.table(length, bits // 6)

@@ -16,9 +16,10 @@ from flint import arb, ctx
 
 from rpr_solver.curves.neighbourhood import ALONG_L, CuspForms, Neighbourhood, Place
 from rpr_solver.curves.tubes import Tube, build
+from rpr_solver.exact.precision import TUBE_BITS, decided_or_none
 from rpr_solver.exact.real_roots import ball_of
 
-_FIRST_BITS, _MAX_BITS = 128, 1 << 12
+_FIRST_BITS = 128
 _FIRST_REACH = Fraction(1, 32)
 
 
@@ -61,14 +62,15 @@ class Follower:
         return None
 
     def _extend(self, low: Fraction, high: Fraction) -> None:
-        while self._bits <= _MAX_BITS:
-            with ctx.workprec(self._bits):
-                tube = self._next(ball_of(low), ball_of(high))
-            if tube:
-                self._tube, self._reach = tube, 2 * tube.reach
-                return
-            self._bits *= 2
-        raise LostError
+        def tube(bits: int) -> Tube | None:
+            self._bits = bits
+            with ctx.workprec(bits):
+                return self._next(ball_of(low), ball_of(high))
+
+        following = decided_or_none(tube, self._bits, TUBE_BITS)
+        if following is None:
+            raise LostError
+        self._tube, self._reach = following, 2 * following.reach
 
     def _next(self, low: arb, high: arb) -> Tube | None:
         if self._tube is None:

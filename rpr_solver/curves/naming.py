@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from rpr_solver.curves.destinations import Cusp, Tracker
 from rpr_solver.curves.follower import Follower
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import Unproved
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.transitions.events import Event
 from rpr_solver.transitions.survey import Progress, Survey
@@ -103,7 +103,7 @@ def name_cusps(
         Each length, in no order, with its cusps' places in the table by name.
 
     Raises:
-        SolverError: a cusp of some slice could not be given its name.
+        Unproved: a cusp of some slice could not be given its name.
     """
     known = sorted(starts)
     wanted = sorted(set(lengths))
@@ -115,7 +115,7 @@ def name_cusps(
                 _pass(tracker, start, starts[start], order, names)
         for length in inside:
             if len(names[length]) < tracker.table(length).count:
-                raise SolverError(f"not all cusps of the slice {exact_str(length)} could be followed to it")
+                raise Unproved(f"not all cusps of the slice {exact_str(length)} could be followed to it")
             yield length, names[length]
     yield from ((length, dict(starts[length])) for length in wanted if length in starts)
 

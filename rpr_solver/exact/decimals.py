@@ -7,7 +7,7 @@ from functools import lru_cache
 
 from flint import arb, fmpz
 
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import Unproved
 
 
 @lru_cache(maxsize=512)
@@ -42,7 +42,7 @@ def round_ball(x: arb, digits: int) -> str | None:
             rounded, place = rounded // 10, place + 1
         if _power_of_ten(digits - 1) <= rounded < _power_of_ten(digits):
             return place_digits(str(rounded), place, negative=bool(x < 0))
-    raise SolverError("a number's leading digit could not be placed")
+    raise Unproved("a number's leading digit could not be placed")
 
 
 def round_fraction(x: Fraction, digits: int) -> str:

@@ -11,15 +11,16 @@ from dataclasses import dataclass
 
 from flint import ctx, fmpq, fmpq_poly, fmpz_poly
 
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import Unproved
 from rpr_solver.exact.number_field import (
     Algebraic,
     Field,
     adjoin_real_roots,
     evaluate,
 )
+from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.quadratic import Pair
-from rpr_solver.exact.real_roots import MAX_BITS, RealPolynomial, RealRoot, real_roots
+from rpr_solver.exact.real_roots import RealPolynomial, RealRoot, real_roots
 
 _NOTHING = fmpz_poly([])
 _FIRST_BITS, _APART_BITS = 256, 1 << 12
@@ -96,7 +97,7 @@ def exact_counterparts(roots: Sequence[RealRoot], pair: Pair, radicand: int) -> 
     ]
     found = [root for root in exact_roots(factors) if wanted(root.root)]
     if len(found) != len(roots):
-        raise SolverError("a root was lost between balls and exact arithmetic")
+        raise Unproved("a root was lost between balls and exact arithmetic")
     return found
 
 
@@ -116,15 +117,14 @@ def _is_root(pair: Pair, radicand: int, root: RealRoot) -> bool:
     a, b = pair
     if not b:
         return True
-    bits = _FIRST_BITS
-    while bits <= MAX_BITS:
+
+    def vanishes(bits: int) -> bool | None:
         u = root.refined(bits)
         with ctx.workprec(bits):
             own, other = (RealPolynomial(a, part, radicand).ball(bits)(u) for part in (b, -b))
-            if own.contains(0) != other.contains(0):
-                return bool(own.contains(0))
-        bits *= 2
-    raise SolverError("a root could not be told from its conjugate")
+            return bool(own.contains(0)) if own.contains(0) != other.contains(0) else None
+
+    return decided(vanishes, _FIRST_BITS, GREATEST_BITS, "a root could not be told from its conjugate")
 
 
 def _norm_factor(pair: Pair, factor: fmpz_poly, exponent: int) -> NormFactor:

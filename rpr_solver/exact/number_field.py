@@ -14,7 +14,8 @@ from itertools import count
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.real_roots import MAX_BITS, RealPolynomial, RealRoot, bisected, real_roots
+from rpr_solver.exact.precision import GREATEST_BITS, decided
+from rpr_solver.exact.real_roots import RealPolynomial, RealRoot, bisected, real_roots
 
 _START_BITS = 128
 _PLANE = fmpq_mpoly_ctx.get(("x", "y"), "lex")
@@ -118,13 +119,14 @@ class Algebraic:
         """−1, 0 or 1, proved."""
         if self.is_zero:
             return 0
-        bits = _START_BITS
-        while bits <= MAX_BITS:
+
+        def sign(bits: int) -> int | None:
             ball = self.ball(bits)
-            if not ball.contains(0):
-                return 1 if ball > 0 else -1
-            bits *= 2
-        raise SolverError("the sign of an algebraic number could not be decided")
+            return None if ball.contains(0) else 1 if ball > 0 else -1
+
+        return decided(
+            sign, _START_BITS, GREATEST_BITS, "the sign of an algebraic number could not be decided"
+        )
 
 
 Polynomial = list[Algebraic]
@@ -227,15 +229,14 @@ def _squarefree_norm(field: Field, polynomial: Polynomial) -> tuple[int, fmpq_po
 
 def _real_balls(polynomial: Polynomial) -> list[_BallRoot]:
     """Functions that give the real roots as balls at any precision, ascending."""
-    bits = _START_BITS
-    while bits <= MAX_BITS:
+
+    def isolated(bits: int) -> list[arb] | None:
         with ctx.workprec(bits):
             balls = arb_poly([c.ball(bits) for c in polynomial])
-        intervals = bisected(balls, bits)
-        if intervals is not None:
-            return [_BallRoot(polynomial, x) for x in intervals]
-        bits *= 2
-    raise SolverError("the roots of a polynomial over a number field could not be told apart")
+        return bisected(balls, bits)
+
+    message = "the roots of a polynomial over a number field could not be told apart"
+    return [_BallRoot(polynomial, x) for x in decided(isolated, _START_BITS, GREATEST_BITS, message)]
 
 
 @dataclass(frozen=True)
@@ -259,15 +260,14 @@ class _BallRoot:
 
 def _match(candidates: list[RealRoot], root: _BallRoot, field: Field, shift: int) -> RealRoot:
     """The candidate equal to root + shift × generator, at a precision that excludes all others."""
-    bits = _START_BITS
-    while bits <= MAX_BITS:
+
+    def match(bits: int) -> RealRoot | None:
         with ctx.workprec(bits):
             ball = root(bits) + field.generator_ball(bits) * shift
         near = [c for c in candidates if c.refined(bits).overlaps(ball)]
-        if len(near) == 1:
-            return near[0]
-        bits *= 2
-    raise SolverError("an algebraic number could not be placed in its field")
+        return near[0] if len(near) == 1 else None
+
+    return decided(match, _START_BITS, GREATEST_BITS, "an algebraic number could not be placed in its field")
 
 
 def _extension(old: Field, polynomial: Polynomial, shift: int, new: Field) -> Extension:

@@ -13,10 +13,9 @@ from itertools import pairwise
 
 from flint import acb_poly, arb, arb_poly, ctx, fmpz_poly
 
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import Unproved
+from rpr_solver.exact.precision import GREATEST_BITS, decided, precisions
 
-MAX_BITS = 1 << 18
-"""Beyond this working precision a polynomial is taken to have been meant squarefree and not to be."""
 _NEWTON_STEPS = 64
 _FIRST_BITS = 192
 _BISECTION_BITS = 768
@@ -67,13 +66,13 @@ class RealRoot:
         """A ball round the root with ``bits`` correct bits, by interval Newton steps; 0 is exact.
 
         Raises:
-            SolverError: the accuracy cannot be reached within the precision limit.
+            Unproved: the accuracy cannot be reached within the precision limit.
         """
         if not (self.polynomial.a[0] or self.polynomial.b[0]) and self.ball.contains(0):
             return arb(0)
         # from low precision up: a wide ball is best evaluated by the scheme that FLINT uses there
-        wanted, work, x = bits + 64, min(_FIRST_BITS, bits + 64), self.ball
-        while work <= MAX_BITS:
+        x, last = self.ball, bits + 64
+        for work in precisions(min(_FIRST_BITS, last), GREATEST_BITS, stop_at=last):
             polynomial = self.polynomial.ball(work)
             with ctx.workprec(work):
                 slope = polynomial.derivative()
@@ -90,8 +89,7 @@ class RealRoot:
                             break
                         y = half
                     x = y
-            work = wanted if work < wanted <= 2 * work else 2 * work
-        raise SolverError(f"a root could not be refined to {bits} bits")
+        raise Unproved(f"a root could not be refined to {bits} bits")
 
 
 def _half(x: arb, value: arb, slope: arb) -> arb | None:
@@ -107,24 +105,25 @@ def real_roots(polynomial: RealPolynomial) -> list[RealRoot]:
     The leading coefficient must not be zero.
 
     Raises:
-        SolverError: the roots cannot be told apart within the precision limit.
+        Unproved: the roots cannot be told apart within the precision limit.
     """
     if max(polynomial.a.degree(), polynomial.b.degree()) < 1:
         return []
-    bits = _FIRST_BITS
-    while bits <= MAX_BITS:
+
+    def isolated(bits: int) -> list[RealRoot] | None:
         # the first discs that FLINT finds are cheap and often good enough
         for tolerance_bits in (0, bits // 4) if bits == _FIRST_BITS else (bits // 4,):
-            found = _isolate(polynomial, bits, tolerance_bits)
-            if found is not None:
-                return found
-        if bits >= _BISECTION_BITS:
-            # FLINT's iteration misses some clusters far from the unit circle; Descartes' rule does not
-            intervals = bisected(polynomial.ball(bits), bits)
-            if intervals is not None:
-                return [RealRoot(polynomial, x) for x in intervals]
-        bits *= 2
-    raise SolverError("two roots of the eliminant could not be told apart; it should have been squarefree")
+            roots = _isolate(polynomial, bits, tolerance_bits)
+            if roots is not None:
+                return roots
+        if bits < _BISECTION_BITS:
+            return None
+        # FLINT's iteration misses some clusters far from the unit circle; Descartes' rule does not
+        intervals = bisected(polynomial.ball(bits), bits)
+        return None if intervals is None else [RealRoot(polynomial, x) for x in intervals]
+
+    message = "two roots of the eliminant could not be told apart; it should have been squarefree"
+    return decided(isolated, _FIRST_BITS, GREATEST_BITS, message)
 
 
 def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:

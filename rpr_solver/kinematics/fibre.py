@@ -15,18 +15,18 @@ from itertools import islice
 
 from flint import arb, ctx, fmpq, fmpz_poly
 
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, root_and_omega
 from rpr_solver.exact.modular import pair_residue
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
-from rpr_solver.exact.real_roots import MAX_BITS, RealPolynomial, RealRoot, ball_of, omega_ball, real_roots
+from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided, decided_or_none
+from rpr_solver.exact.real_roots import RealPolynomial, RealRoot, ball_of, omega_ball, real_roots
 from rpr_solver.kinematics.closure import DEGREE, Closure, LinearSystem
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg
 
-_ROUNDS_BEFORE_EXACT = 4
 _CHECK_PRIMES = 4
 
 
@@ -92,17 +92,17 @@ class _Fibre:
 
     def _by_balls(self, roots: Sequence[RealRoot]) -> list[FoundPose] | None:
         """The one regular pose above each simple root; None where balls do not come to an end."""
-        bits = self.digit_bits + 128
         found: list[FoundPose] = []
-        for _ in range(_ROUNDS_BEFORE_EXACT):
+
+        def complete(bits: int) -> list[FoundPose] | None:
             for root in roots[len(found) :]:
                 if (pose := self._ball_pose(root, bits)) is None:
-                    break
+                    return None
                 found.append(pose)
-            else:
-                return found
-            bits *= 2
-        return None
+            return found
+
+        start = self.digit_bits + 128
+        return decided_or_none(complete, start, TIMES_BEFORE_EXACT * start)
 
     def _ball_pose(self, root: RealRoot, bits: int) -> FoundPose | None:
         t = root.refined(bits - 32)
@@ -197,8 +197,8 @@ class _Fibre:
             vectors.append((pose.x + mx - leg.ax, pose.y + my - leg.ay))
         angles = [_exact_degrees(*vector) for vector in vectors]
         scale = self.slice_map.scale
-        bits = self.digit_bits + 128
-        while bits <= MAX_BITS:
+
+        def decimals(bits: int) -> FoundPose | None:
             with ctx.workprec(bits):
                 alpha = arb(180) if pose.t is None else HalfTangent(pose.t.ball(bits), arb(1)).degrees()
                 thetas = [angle(bits) for angle in angles]
@@ -211,11 +211,10 @@ class _Fibre:
                         if exact is None
                         else round_fraction(exact / scale, self.digits)
                     )
-                found = _found(alpha, thetas[0], texts, multiplicity, bits)
-            if found is not None:
-                return found
-            bits *= 2
-        raise SolverError("the digits of a pose could not be decided")
+                return _found(alpha, thetas[0], texts, multiplicity, bits)
+
+        message = "the digits of a pose could not be decided"
+        return decided(decimals, self.digit_bits + 128, GREATEST_BITS, message)
 
 
 @dataclass(frozen=True)
@@ -245,7 +244,7 @@ def _shared(closure: Closure, poses: Sequence[_ExactPose], order: int) -> tuple[
     if first is None and second is not None:
         first = order - second
     if first is None:
-        raise SolverError("the multiplicity of two poses with one alpha could not be told apart")
+        raise Unproved("the multiplicity of two poses with one alpha could not be told apart")
     if second is not None and first + second != order:
         raise SolverError("the multiplicities of two poses do not add up; please report this joint vector")
     return first, order - first

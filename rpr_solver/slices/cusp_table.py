@@ -18,6 +18,7 @@ from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import exact_roots, norm_factors
 from rpr_solver.exact.modular import pair_residue, residue
+from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.quadratic import Pair
 from rpr_solver.exact.rationals import exact_str, parse_exact
 from rpr_solver.exact.real_roots import RealPolynomial, RealRoot, real_roots
@@ -35,8 +36,6 @@ from rpr_solver.slices.joint_points import (
     in_order,
 )
 from rpr_solver.slices.shared_curves import SliceForms, without_shared_curves
-
-_ROUNDS_BEFORE_EXACT = 4
 
 
 @dataclass(frozen=True)
@@ -184,18 +183,18 @@ class _Slice:
 
     def _by_balls(self, roots: list[RealRoot]) -> list[Found] | None:
         """The cusps above simple roots; None where balls alone do not come to an end."""
-        bits = self.digit_bits + 192
         found: list[Found] = []
-        for _ in range(_ROUNDS_BEFORE_EXACT):
+
+        def complete(bits: int) -> list[Found] | None:
             poses = SlicePoses(self.slice_map, self.scaled, bits)
             for root in roots[len(found) :]:
                 if (cusp := self._cusp(poses, root)) is None:
-                    break
+                    return None
                 found.append(cusp)
-            else:
-                return found
-            bits *= 2
-        return None
+            return found
+
+        start = self.digit_bits + 192
+        return decided_or_none(complete, start, TIMES_BEFORE_EXACT * start)
 
     def _cusp(self, poses: SlicePoses, root: RealRoot) -> Found | None:
         u = root.refined(poses.bits - 64)

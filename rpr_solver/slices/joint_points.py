@@ -9,9 +9,8 @@ from functools import cmp_to_key
 
 from flint import arb, ctx
 
-from rpr_solver.errors import SolverError
 from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
-from rpr_solver.exact.real_roots import MAX_BITS
+from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.model.classify import CUSP
 from rpr_solver.slices.by_balls import CuspBalls, CuspProof
 from rpr_solver.slices.by_fields import ExactPose
@@ -78,22 +77,24 @@ def found_exactly(pose: ExactPose, digits: int) -> Found:
     """A classified exact pose in decimals.
 
     Raises:
-        SolverError: the digits could not be decided.
+        Unproved: the digits could not be decided.
     """
     exact: list[Fraction | None] = [None, None, *pose.exact_lengths()]
-    bits = digit_bits(digits) + 128
-    while bits <= MAX_BITS:
+
+    def decimals(bits: int) -> Found | None:
         balls = pose.coordinates(bits)
         with ctx.workprec(bits):
             texts = [
                 round_fraction(x, digits) if x is not None else round_ball(ball, digits)
                 for x, ball in zip(exact, balls, strict=True)
             ]
-        if None not in texts:
-            proof = {"field_degree": str(pose.u.field.degree)}
-            return Found(pose.kind, balls[1], balls[0], joint_point(texts), proof, bits)
-        bits *= 2
-    raise SolverError(f"the digits of a {pose.kind} could not be decided")
+        if None in texts:
+            return None
+        proof = {"field_degree": str(pose.u.field.degree)}
+        return Found(pose.kind, balls[1], balls[0], joint_point(texts), proof, bits)
+
+    message = f"the digits of a {pose.kind} could not be decided"
+    return decided(decimals, digit_bits(digits) + 128, GREATEST_BITS, message)
 
 
 def in_order(found: Iterable[Found]) -> list[Found]:

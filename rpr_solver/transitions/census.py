@@ -9,10 +9,10 @@ from fractions import Fraction
 from flint import arb, ctx
 
 from rpr_solver.contract import DEFAULT_DIGITS, SOLVER_VERSION, check_digits
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
+from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.exact.real_roots import MAX_BITS
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.joint_points import JointPoint, joint_point
@@ -164,16 +164,16 @@ def length_text(slice_map: SliceMap, group: Sequence[Event], digits: int) -> str
         with ctx.workprec(bits):
             return [ball / slice_map.scale_ball()]
 
-    return _rounded(length, digits, MAX_BITS)[0]
+    return _rounded(length, digits, GREATEST_BITS)[0]
 
 
 def _point(event: Event, digits: int) -> JointPoint:
-    limit = MAX_BITS
+    limit = GREATEST_BITS
     if isinstance(event, BallEvent):
-        limit = 8 * digit_bits(digits)
+        limit = TIMES_BEFORE_EXACT * digit_bits(digits)
     try:
         texts = _rounded(lambda bits: list(event.coordinates(bits)), digits, limit)
-    except SolverError:
+    except Unproved:
         if not isinstance(event, BallEvent):
             raise
         return _point(event.exact(), digits)
@@ -181,12 +181,11 @@ def _point(event: Event, digits: int) -> JointPoint:
 
 
 def _rounded(balls: Callable[[int], list[arb]], digits: int, limit: int) -> list[str]:
-    bits = digit_bits(digits) + 128
-    while bits <= limit:
+    def texts(bits: int) -> list[str] | None:
         values = balls(bits)
         with ctx.workprec(bits):
-            texts = [round_ball(x, digits) for x in values]
-        if None not in texts:
-            return [text or "" for text in texts]
-        bits *= 2
-    raise SolverError("the digits of a transition could not be decided")
+            rounded = [round_ball(x, digits) for x in values]
+        known = [text for text in rounded if text is not None]
+        return known if len(known) == len(values) else None
+
+    return decided(texts, digit_bits(digits) + 128, limit, "the digits of a transition could not be decided")

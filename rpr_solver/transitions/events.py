@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
 from typing import Protocol
 
 from flint import arb, ctx, fmpz_poly
@@ -27,6 +28,7 @@ from flint import arb, ctx, fmpz_poly
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts, simple_and_other_roots
 from rpr_solver.exact.modular import pair_residue
 from rpr_solver.exact.number_field import Algebraic, Field
+from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS, decided, decided_or_none
 from rpr_solver.exact.real_roots import RealPolynomial, RealRoot, omega_ball, real_roots
 from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
 from rpr_solver.model.jets import LocalMap, Pose
@@ -40,7 +42,6 @@ from rpr_solver.transitions.exact_events import (
 )
 
 _START_BITS = 256
-_MAX_BITS = 1 << 12
 _CHECK_PRIMES = 4
 Namer = Callable[[LocalMap[arb]], "str | None"]
 """The kind of an event from the jets at its pose; None where the balls do not prove it."""
@@ -98,12 +99,13 @@ class BallEvent:
         return event
 
     def _refined(self, bits: int) -> tuple[HalfTangent, arb, arb, int]:
-        work = bits
-        while True:
+        def accurate(work: int) -> tuple[HalfTangent, arb, arb, int] | None:
             located = _located(self.slice_map, self.system, self.root, work)
-            if located is not None and located[2].rel_accuracy_bits() >= bits - 32:
-                return *located, work
-            work *= 2
+            if located is None or located[2].rel_accuracy_bits() < bits - 32:
+                return None
+            return *located, work
+
+        return decided(accurate, bits, GREATEST_BITS, "an event could not be located on its curve")
 
 
 @dataclass(frozen=True)
@@ -172,8 +174,8 @@ def _system_events(slice_map: SliceMap, system: System, name: Namer) -> Iterator
     if _simple(slice_map, form):
         roots = real_roots(form.real(slice_map.radicand))
         proved = [_prove(slice_map, system, root, name) for root in roots]
-        if "undecided" not in proved:
-            yield from (x for x in proved if isinstance(x, BallEvent))
+        if None not in proved:
+            yield from chain.from_iterable(events or () for events in proved)
             return
     a, b = form.pair
     if max(a.degree(), b.degree()) < form.degree:
@@ -181,11 +183,11 @@ def _system_events(slice_map: SliceMap, system: System, name: Namer) -> Iterator
     simple, others = simple_and_other_roots(form.pair, slice_map.radicand)
     undecided = []
     for root in simple:
-        event = _prove(slice_map, system, root, name)
-        if isinstance(event, BallEvent):
-            yield event
-        elif event == "undecided":
+        here = _prove(slice_map, system, root, name)
+        if here is None:
             undecided.append(root)
+        else:
+            yield from here
     if undecided:
         others += exact_counterparts(undecided, form.pair, slice_map.radicand)
     for exact in others:
@@ -212,22 +214,22 @@ def _simple(slice_map: SliceMap, form: Form) -> bool:
     return False
 
 
-def _prove(slice_map: SliceMap, system: System, root: RealRoot, name: Namer) -> BallEvent | str:
-    """The event above a simple root; "negative" where L < 0, "undecided" where balls do not tell."""
-    bits = _START_BITS
-    while bits <= _MAX_BITS:
+def _prove(slice_map: SliceMap, system: System, root: RealRoot, name: Namer) -> tuple[BallEvent, ...] | None:
+    """The event above a simple root; none where L < 0; None where balls do not tell."""
+
+    def event(bits: int) -> tuple[BallEvent, ...] | None:
         located = _located(slice_map, system, root, bits)
-        if located is not None:
-            t, u, length = located
-            if length < 0:
-                return "negative"
-            with ctx.workprec(bits):
-                local = LocalMap.at(slice_map, _pose(slice_map, t, u, length, bits), 4)
-                kind = name(local)
-            if length > 0 and kind is not None:
-                return BallEvent(slice_map, system, root, kind)
-        bits *= 2
-    return "undecided"
+        if located is None:
+            return None
+        t, u, length = located
+        if length < 0:
+            return ()
+        with ctx.workprec(bits):
+            local = LocalMap.at(slice_map, _pose(slice_map, t, u, length, bits), 4)
+            kind = name(local)
+        return (BallEvent(slice_map, system, root, kind),) if length > 0 and kind is not None else None
+
+    return decided_or_none(event, _START_BITS, EVENT_BITS)
 
 
 def _located(

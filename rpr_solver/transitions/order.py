@@ -11,21 +11,20 @@ from functools import cmp_to_key
 
 from flint import acb, arb, ctx, fmpq_mat, fmpq_poly
 
-from rpr_solver.errors import SolverError
 from rpr_solver.exact.number_field import Algebraic
+from rpr_solver.exact.precision import LENGTH_BITS, decided, decided_or_none
 from rpr_solver.exact.real_roots import RealPolynomial, omega_ball, real_roots
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.events import BallEvent, Event
 
 _FIRST_BITS = 256
-_MAX_BITS = 1 << 13
 
 
 def grouped(slice_map: SliceMap, events: Sequence[Event]) -> list[list[Event]]:
     """The events by ascending L, those of equal L together.
 
     Raises:
-        SolverError: two lengths could be neither separated nor proved equal.
+        Unproved: two lengths could be neither separated nor proved equal.
     """
 
     def compare(x: Event, y: Event) -> int:
@@ -43,15 +42,15 @@ def grouped(slice_map: SliceMap, events: Sequence[Event]) -> list[list[Event]]:
 def _compare(slice_map: SliceMap, x: Event, y: Event, events: Sequence[Event]) -> int:
     if x is y:
         return 0
-    bits = _FIRST_BITS
-    while bits <= _MAX_BITS:
+
+    def order(bits: int) -> int | None:
         a, b = x.scaled_length(bits), y.scaled_length(bits)
         if not a.overlaps(b):
             return -1 if a < b else 1
-        if bits == _FIRST_BITS and _equal(slice_map, x, y, events):
-            return 0
-        bits *= 2
-    raise SolverError("two transitions are nearer than 1e-2000 and could not be proved to be one")
+        return 0 if bits == _FIRST_BITS and _equal(slice_map, x, y, events) else None
+
+    message = "two transitions are nearer than 1e-2000 and could not be proved to be one"
+    return decided(order, _FIRST_BITS, LENGTH_BITS, message)
 
 
 def _equal(slice_map: SliceMap, x: Event, y: Event, events: Sequence[Event]) -> bool:
@@ -70,15 +69,14 @@ def _same_number(x: Algebraic, y: Algebraic) -> bool:
     if _minimal_polynomial(y) != minimal:
         return False
     roots = real_roots(RealPolynomial(minimal.numer(), minimal.numer() * 0, 1))
-    bits = _FIRST_BITS
-    while bits <= _MAX_BITS:
-        places = [
+
+    def same(bits: int) -> bool | None:
+        first, second = (
             [i for i, root in enumerate(roots) if root.refined(bits).overlaps(z.ball(bits))] for z in (x, y)
-        ]
-        if all(len(place) == 1 for place in places):
-            return places[0] == places[1]
-        bits *= 2
-    return False
+        )
+        return first == second if len(first) == len(second) == 1 else None
+
+    return bool(decided_or_none(same, _FIRST_BITS, LENGTH_BITS))
 
 
 def _minimal_polynomial(x: Algebraic) -> fmpq_poly:

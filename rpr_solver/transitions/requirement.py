@@ -14,8 +14,10 @@ from functools import partial
 from itertools import groupby
 from typing import Any
 
+from rpr_solver.contract import MAX_DIGITS as MOST_DIGITS
 from rpr_solver.contract import SOLVER_VERSION
 from rpr_solver.errors import FieldProblem, InputError, SolverError
+from rpr_solver.exact.precision import decided
 from rpr_solver.exact.rationals import MAX_DIGITS, exact_str, parse_exact, shown
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
@@ -265,16 +267,19 @@ def _limit_cuts(
 def _within(eliminant: Eliminant, table: SliceTable, requirement: Requirement) -> tuple[JointPoint, ...]:
     """The cusps of a slice strictly within the limits; none of them stands on one."""
     first, second = free_legs(requirement.fixed_leg)
-    cusps, digits = table.cusps, table.digits
-    while True:
+
+    def within(digits: int) -> tuple[JointPoint, ...] | None:
+        cusps = (table if digits == table.digits else solve_slice(eliminant, table.length, digits)).cusps
         sides = [
             [_side(text, requirement.limits.get(leg, (None, None)), digits) for leg, text in legs]
             for legs in ([(first, c.first), (second, c.second)] for c in cusps)
         ]
-        if not any(None in side for side in sides):
-            return tuple(c for c, side in zip(table.cusps, sides, strict=True) if all(side))
-        digits *= 2
-        cusps = solve_slice(eliminant, table.length, digits).cusps
+        if any(None in side for side in sides):
+            return None
+        return tuple(c for c, side in zip(table.cusps, sides, strict=True) if all(side))
+
+    message = f"the cusps of the slice {exact_str(table.length)} could not be told from the joint limits"
+    return decided(within, table.digits, MOST_DIGITS, message)
 
 
 def _side(text: str, bounds: Bounds, digits: int) -> bool | None:

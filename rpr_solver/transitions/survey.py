@@ -19,7 +19,7 @@ from flint import arb, ctx
 from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.number_field import Field
-from rpr_solver.exact.real_roots import MAX_BITS
+from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.cusp_table import SliceTable, solve_slice
@@ -131,14 +131,14 @@ def _sample_lengths(
 
 def _gap(below: Event | None, above: Event) -> tuple[Fraction, Fraction]:
     """Two rationals between neighbours, at almost the whole distance of these."""
-    bits = _FIRST_BITS
-    while bits <= MAX_BITS:
+
+    def gap(bits: int) -> tuple[Fraction, Fraction] | None:
         low, high = (Fraction(0), Fraction(0)) if below is None else _bounds(below, bits)
         next_low, next_high = _bounds(above, bits)
-        if next_low - high > _WIDE * (high - low + next_high - next_low):
-            return high, next_low
-        bits *= 2
-    raise SolverError("two neighbouring transitions could not be separated")
+        wide = next_low - high > _WIDE * (high - low + next_high - next_low)
+        return (high, next_low) if wide else None
+
+    return decided(gap, _FIRST_BITS, GREATEST_BITS, "two neighbouring transitions could not be separated")
 
 
 def _bounds(place: Event, bits: int) -> tuple[Fraction, Fraction]:
