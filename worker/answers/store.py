@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import secrets
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any, cast
 
 from redis import Redis
+from redis.exceptions import LockNotOwnedError
 
 import rpr_solver
 from worker.jobs.keys import Keys
@@ -16,9 +16,6 @@ from worker.jobs.requests import DocumentRequest, TableRequest
 from worker.settings import WorkerSettings
 
 SliceJson = dict[str, Any]
-
-# Deletes the lock only if it is still ours: it may have run out and be held by another worker.
-_RELEASE = "if redis.call('GET', KEYS[1]) == ARGV[1] then return redis.call('DEL', KEYS[1]) end return 0"
 
 
 class ResultStore:
@@ -28,7 +25,6 @@ class ResultStore:
         self.redis = redis
         self.settings = settings or WorkerSettings()
         self.keys = Keys(self.settings.key_prefix)
-        self._release = redis.register_script(_RELEASE)
 
     def slice_keys(self, request: TableRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
         """The keys of some slices of a request, at its own or another number of digits."""
@@ -137,14 +133,15 @@ class ResultStore:
 
     @contextmanager
     def _lock(self, key: str) -> Iterator[bool]:
-        """The lock runs out by itself, so that a worker that died with it does not stop the others."""
-        token = secrets.token_hex(8)
-        held = bool(self.redis.set(key, token, nx=True, px=int(self.settings.eliminant_lock * 1000)))
+        """The lock expires by itself, so a worker that died with it does not stop the others for long."""
+        lock = self.redis.lock(key, timeout=self.settings.eliminant_lock, blocking=False)
+        held = bool(lock.acquire())
         try:
             yield held
         finally:
             if held:
-                self._release(keys=[key], args=[token])
+                with suppress(LockNotOwnedError):  # it expired; another worker may hold it by now
+                    lock.release()
 
     def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
         return cast("list[bytes | None]", self.redis.mget(keys))

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import replace
 from fractions import Fraction
 
+import pytest
 from redis import Redis
 
 import rpr_solver
@@ -76,13 +78,35 @@ def test_one_worker_at_a_time_computes_an_eliminant(redis: Redis) -> None:
         assert held
 
 
-def test_a_lock_that_ran_out_is_not_released_for_its_next_holder(redis: Redis) -> None:
+def test_a_lock_expires_so_that_a_dead_worker_stops_nobody(redis: Redis) -> None:
+    store = ResultStore(redis, WorkerSettings(eliminant_lock=30))
+    request = a_request("1")
+    key = store.keys.eliminant_lock(request.geometry_hash, 1)
+    with store.eliminant_lock(request):
+        assert 0 < redis.pttl(key) <= 30_000
+    assert not redis.exists(key)
+
+
+def test_a_lock_that_expired_is_not_released_for_its_next_holder(redis: Redis) -> None:
+    store, other = ResultStore(redis), ResultStore(redis)
+    request = a_request("1")
+    key = store.keys.eliminant_lock(request.geometry_hash, 1)
+    late = ExitStack()
+    assert late.enter_context(store.eliminant_lock(request))
+    redis.delete(key)  # as its expiry does
+    with other.eliminant_lock(request) as held:
+        assert held
+        late.close()
+        assert redis.exists(key)
+    assert not redis.exists(key)
+
+
+def test_an_error_releases_the_lock(redis: Redis) -> None:
     store = ResultStore(redis)
     request = a_request("1")
-    with store.eliminant_lock(request):
-        redis.delete(store.keys.eliminant_lock(request.geometry_hash, 1))
-        redis.set(store.keys.eliminant_lock(request.geometry_hash, 1), "another")
-    assert redis.exists(store.keys.eliminant_lock(request.geometry_hash, 1))
+    with pytest.raises(ZeroDivisionError), store.eliminant_lock(request):
+        raise ZeroDivisionError
+    assert not redis.exists(store.keys.eliminant_lock(request.geometry_hash, 1))
 
 
 def test_the_eliminant_is_kept(redis: Redis) -> None:
