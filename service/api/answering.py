@@ -51,9 +51,7 @@ async def answer(
     if isinstance(found, JobView):
         headers |= {"Location": f"/v1/jobs/{found.id}", "Retry-After": str(settings.poll_seconds)}
         return Response(json_bytes(job_json(found)), 202, headers, media_type=JSON)
-    return await in_thread(
-        document_response, request, found, forms, headers=headers, min_gzip=settings.gzip_bytes
-    )
+    return await in_thread(document_response, request, found, forms, headers=headers)
 
 
 def _begin(context: Context, wanted: JobRequest) -> Document | JobView:

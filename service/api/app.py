@@ -7,10 +7,10 @@ from contextlib import asynccontextmanager
 
 import anyio.to_thread
 from fastapi import FastAPI
-from starlette.middleware.gzip import GZipMiddleware
 from starlette.staticfiles import StaticFiles
 
 from service import __version__
+from service.api.compression import Compression
 from service.api.context import Context
 from service.api.error_handlers import add_error_handlers
 from service.api.middleware import RequestEnvelope
@@ -50,6 +50,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.mount("/static", StaticFiles(directory=WEB), name="static")
     add_error_handlers(app)
     describe(app)
-    app.add_middleware(GZipMiddleware, minimum_size=settings.gzip_bytes, compresslevel=5)
+    app.add_middleware(
+        Compression, minimum_size=settings.gzip_bytes, compresslevel=5, thread_minimum_size=1 << 14
+    )
     app.add_middleware(RequestEnvelope, metrics=context.metrics)
     return app

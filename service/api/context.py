@@ -42,7 +42,7 @@ class Context:
 
 
 async def in_thread(function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-    """Run what blocks (Redis, exact arithmetic, compression) outside the event loop."""
+    """Run what blocks (Redis, exact arithmetic) outside the event loop."""
     return await anyio.to_thread.run_sync(partial(function, *args, **kwargs))
 
 

@@ -170,7 +170,7 @@ class JobEvents:
 
 
 def sse(event_id: str, name: str, data: object) -> bytes:
-    """One server-sent event."""
+    """One server-sent event. The id comes first; `fastapi.sse` would write it last."""
     text = json.dumps(data, separators=(",", ":"), ensure_ascii=False)
     return f"id: {event_id}\nevent: {name}\ndata: {text}\n\n".encode()
 

@@ -1,8 +1,7 @@
-"""One document in the form that the client wants: media type, validators, compression."""
+"""One document in the form that the client wants: media type and validators."""
 
 from __future__ import annotations
 
-import gzip
 import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -63,7 +62,7 @@ def negotiate(accept: Sequence[str], offered: Sequence[str]) -> str:
     Raises:
         ProblemError: 406; none is acceptable.
     """
-    ranges = [_media_range(part) for header in accept for part in header.split(",") if part.strip()]
+    ranges = [media_range(part) for header in accept for part in header.split(",") if part.strip()]
     if not ranges:
         return offered[0]
     best = max(offered, key=lambda kind: (_quality(kind, ranges), -offered.index(kind)))
@@ -81,7 +80,6 @@ def document_response(
     forms: Forms,
     *,
     headers: Mapping[str, str] | None = None,
-    min_gzip: int = 1024,
 ) -> Response:
     """A document in one of its forms, with a strong ETag; 304 when the client has it already.
 
@@ -89,47 +87,28 @@ def document_response(
     """
     form = negotiate(request.headers.getlist("accept"), tuple(forms))
     body = forms[form](document)
-    tag = hashlib.sha256(body).hexdigest()[:32]
-    compressed = len(body) >= min_gzip and accepts_gzip(request)
-    # another encoding is another representation, so a strong validator must differ
-    etag = f'"{tag}-gzip"' if compressed else f'"{tag}"'
+    tag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
+    has_errors = any("error" in part for part in document.get("slices", ()))
     found = {
-        "ETag": etag,
-        "Cache-Control": REVALIDATE
-        if any("error" in part for part in document.get("slices", ()))
-        else IMMUTABLE,
-        # the middleware says the same of what it could have compressed
-        "Vary": "Accept, Accept-Encoding" if compressed else "Accept",
+        "ETag": tag,
+        "Cache-Control": REVALIDATE if has_errors else IMMUTABLE,
+        "Vary": "Accept",
         **(headers or {}),
     }
-    if request.method == "GET" and (known := _matching(request.headers.getlist("if-none-match"), tag, etag)):
-        return Response(status_code=304, headers={**found, "ETag": known, "Vary": "Accept, Accept-Encoding"})
-    if compressed:
-        found["Content-Encoding"] = "gzip"
-        body = gzip.compress(body, compresslevel=5, mtime=0)
+    if request.method == "GET" and _is_known(request.headers.getlist("if-none-match"), tag):
+        return Response(status_code=304, headers=found)
     if form == CSV:
         return Response(body, headers={**found, "Content-Type": "text/csv; charset=utf-8; header=present"})
     return Response(body, headers=found, media_type=form)
 
 
-def accepts_gzip(request: Request) -> bool:
-    """Whether the client takes gzip."""
-    qualities = {}
-    for part in ",".join(request.headers.getlist("accept-encoding")).split(","):
-        coding, quality = _media_range(part)
-        qualities[coding] = quality
-    return qualities.get("gzip", qualities.get("*", 0.0)) > 0
-
-
-def _matching(headers: Sequence[str], tag: str, preferred: str) -> str | None:
-    """The validator that the client has already, in whichever encoding."""
+def _is_known(headers: Sequence[str], tag: str) -> bool:
     sent = {part.strip().removeprefix("W/") for header in headers for part in header.split(",")}
-    if "*" in sent:
-        return preferred
-    return next((known for known in (preferred, f'"{tag}"', f'"{tag}-gzip"') if known in sent), None)
+    return not sent.isdisjoint({tag, "*"})
 
 
-def _media_range(text: str) -> tuple[str, float]:
+def media_range(text: str) -> tuple[str, float]:
+    """What an element of an `Accept…` header names, and its quality."""
     kind, *parameters = (part.strip().lower() for part in text.split(";"))
     for parameter in parameters:
         name, _, value = parameter.partition("=")

@@ -70,7 +70,7 @@ def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response
         raise ProblemError(
             ProblemType.RESULT_EXPIRED, "The result of this job is no longer kept; post the request again."
         )
-    return document_response(request, document, forms, min_gzip=context.settings.gzip_bytes)
+    return document_response(request, document, forms)
 
 
 @router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)
