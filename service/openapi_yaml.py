@@ -8,7 +8,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import yaml
+try:
+    import yaml
+except ModuleNotFoundError:
+    raise SystemExit("python -m service.openapi_yaml is for developers: pip install -e '.[dev]'") from None
 
 from service.api.app import create_app
 from service.api.settings import Settings

