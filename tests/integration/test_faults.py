@@ -13,13 +13,9 @@ import pytest
 from redis import Redis
 
 from rpr_solver import EXAMPLES
+from tests.support.jobs import a_request, ended
 from tests.support.processes import ROOT, Workers, descendants, environment, is_running, until
-from worker import DocumentRequest, JobQueue, JobRequest, JobView, TableRequest, WorkerSettings
-
-
-def a_request(*l1: str, digits: int = 30) -> TableRequest:
-    manipulator = EXAMPLES["innocenti"]
-    return TableRequest(manipulator.to_json(), manipulator.geometry_hash, 1, digits, l1)
+from worker import DocumentRequest, JobQueue, JobRequest, JobView, WorkerSettings
 
 
 def a_document() -> DocumentRequest:
@@ -34,13 +30,6 @@ def jobs(redis: Redis, task: str = "", **settings: object) -> JobQueue:
     """The queue as an API process sees it; with `task`, its chunks run one of the hard tasks."""
     name = f"tests.support.hard_tasks.{task}" if task else "worker.process.tasks.run_chunk"
     return JobQueue(redis, WorkerSettings.model_validate({"task": name, **settings}))
-
-
-def ended(queue: JobQueue, job_id: str, seconds: float = 30.0) -> JobView:
-    view = queue.wait(job_id, seconds)
-    assert view is not None
-    assert view.is_terminal, view
-    return view
 
 
 def is_at_work(queue: JobQueue, view: JobView) -> bool:

@@ -18,16 +18,16 @@ import httpx
 import pytest
 from redis import Redis
 
-from rpr_solver import EXAMPLES
 from service.stack.embedded_valkey import EmbeddedValkey, runtime_dir
+from tests.support.jobs import a_request, ended
 from tests.support.processes import ROOT, descendants, environment, is_running, until
-from worker import JobQueue, TableRequest, WorkerSettings, connect
+from worker import JobQueue, WorkerSettings, connect
 
 SLOW = "tests.support.hard_tasks.slow_once"
 SERVE = """
 import sys
 from pathlib import Path
-from service.stack import ServeSettings, serve
+from service.stack.serve import ServeSettings, serve
 _, port, workers, data, url = sys.argv
 settings = ServeSettings(port=int(port), workers=int(workers), data_dir=Path(data), redis_url=url or None)
 sys.exit(serve(settings))
@@ -93,11 +93,6 @@ def running(data: Path, *, workers: int = 1, url: str = "", **settings: object) 
                     process.kill()
 
 
-def a_request(*l1: str) -> TableRequest:
-    manipulator = EXAMPLES["innocenti"]
-    return TableRequest(manipulator.to_json(), manipulator.geometry_hash, 1, 30, l1)
-
-
 def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
     with running(tmp_path, workers=2) as stack:
         assert re.fullmatch(
@@ -137,8 +132,7 @@ def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None
         until(lambda: not any(is_running(pid) for pid in parts), seconds=5)
     # and nothing is lost either
     with running(tmp_path) as stack, stack.redis() as redis:
-        done = JobQueue(redis).wait(view.id, 20)
-        assert done is not None
+        done = ended(JobQueue(redis), view.id)
         assert (done.run, done.status) == (view.run, "succeeded")
 
 
@@ -151,8 +145,7 @@ def test_queued_jobs_are_there_again(tmp_path: Path) -> None:
         assert stack.process.wait(10) == 0
     with running(tmp_path, workers=2) as stack, stack.redis() as redis:
         for request in requests:
-            done = JobQueue(redis).wait(request.job_id, 20)
-            assert done is not None
+            done = ended(JobQueue(redis), request.job_id)
             assert done.status == "succeeded"
 
 
@@ -172,8 +165,7 @@ def test_a_dead_worker_is_replaced(tmp_path: Path) -> None:
         (worker,) = stack.workers()
         os.kill(worker, signal.SIGKILL)
         done = JobQueue(redis).submit(a_request("1"))
-        result = JobQueue(redis).wait(done.id, 20)
-        assert result is not None
+        result = ended(JobQueue(redis), done.id)
         assert result.status == "succeeded"
         assert not is_running(worker)
         stack.process.terminate()
@@ -185,15 +177,14 @@ def test_a_dead_worker_is_replaced(tmp_path: Path) -> None:
 def test_a_dead_server_is_replaced(tmp_path: Path) -> None:
     with running(tmp_path) as stack, stack.redis() as redis:
         request = a_request("1")
-        JobQueue(redis).wait(JobQueue(redis).submit(request).id, 20)
+        ended(JobQueue(redis), JobQueue(redis).submit(request).id)
         redis.waitaof(1, 0, 5000)
         server = int(redis.info("server")["process_id"])
         os.kill(server, signal.SIGKILL)
         until(lambda: not is_running(server))
         until(lambda: (runtime_dir(tmp_path) / "valkey.sock").exists())
         until(lambda: httpx.get(f"{stack.base}/readyz").status_code == 200)
-        done = JobQueue(redis).wait(JobQueue(redis).submit(a_request("1", "2")).id, 20)
-        assert done is not None
+        done = ended(JobQueue(redis), JobQueue(redis).submit(a_request("1", "2")).id)
         assert done.status == "succeeded"
 
 
@@ -201,8 +192,7 @@ def test_with_a_server_of_ones_own(tmp_path: Path, valkey: EmbeddedValkey, redis
     data = tmp_path / "unused"
     with running(data, url=valkey.url) as stack:
         assert "data in the given Redis" in stack.announcement
-        done = JobQueue(redis).wait(JobQueue(redis).submit(a_request("1")).id, 20)
-        assert done is not None
+        done = ended(JobQueue(redis), JobQueue(redis).submit(a_request("1")).id)
         assert done.status == "succeeded"
         stack.process.terminate()
         assert stack.process.wait(10) == 0
@@ -232,7 +222,7 @@ def test_clients_that_wait_do_not_hold_the_end(tmp_path: Path) -> None:
 
 
 def failure(data: Path, environ: dict[str, str] | None = None, **options: object) -> str:
-    ended = subprocess.run(
+    done = subprocess.run(
         command(data, **options),  # type: ignore[arg-type]
         env={**environment(), **(environ or {})},
         cwd=ROOT,
@@ -241,10 +231,10 @@ def failure(data: Path, environ: dict[str, str] | None = None, **options: object
         timeout=20,
         check=False,
     )
-    assert ended.returncode == 1
-    assert ended.stdout == ""
-    assert ended.stderr.count("\n") == 1
-    return ended.stderr
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert done.stderr.count("\n") == 1
+    return done.stderr
 
 
 def test_a_port_that_is_taken(tmp_path: Path) -> None:

@@ -10,8 +10,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
 from worker import connect
+
+T = TypeVar("T")
 
 ROOT = Path(__file__).parents[2]
 
@@ -58,12 +61,13 @@ def environment(**settings: object) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **given}
 
 
-def until(condition: Callable[[], object], seconds: float = 20.0) -> None:
-    """Wait for something that must come about."""
+def until(condition: Callable[[], T], seconds: float = 20.0) -> T:
+    """Wait for something that must come about, and give what it came to."""
     end = time.monotonic() + seconds
-    while not condition():
+    while not (value := condition()):
         assert time.monotonic() < end, "it did not come about in time"
         time.sleep(0.02)
+    return value
 
 
 def is_running(pid: int) -> bool:

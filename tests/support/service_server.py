@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import socket
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
+import httpx
 import uvicorn
 from fastapi import FastAPI
 
 from service.api.app import create_app
 from service.api.settings import Settings
+from tests.support.processes import until
 
 GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
 
@@ -32,11 +34,20 @@ def serving_app(app: FastAPI) -> Iterator[str]:
         server = uvicorn.Server(uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=1))
         thread = threading.Thread(target=server.run, args=([listener],), daemon=True)
         thread.start()
-        while not server.started:
-            assert thread.is_alive(), "the server did not start"
-            time.sleep(0.005)
+        until(lambda: server.started or not thread.is_alive())
+        assert thread.is_alive(), "the server did not start"
         try:
             yield f"http://127.0.0.1:{listener.getsockname()[1]}"
         finally:
             server.should_exit = True
             thread.join(10)
+
+
+def ended(client: httpx.Client, job_id: str) -> dict[str, Any]:
+    """The document of a job when it has come to its end."""
+
+    def terminal() -> dict[str, Any] | None:
+        job: dict[str, Any] = client.get(f"/v1/jobs/{job_id}").json()
+        return None if job["status"] in ("queued", "running") else job
+
+    return until(terminal, 30)

@@ -6,7 +6,7 @@ import pytest
 from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.worker_requests import a_request
+from tests.support.jobs import a_request
 from worker import JobQueue, TableRequest, WorkerSettings, connect
 
 

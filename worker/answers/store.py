@@ -56,16 +56,6 @@ class ResultStore:
                     found[x] = short
         return found
 
-    def put_slice(self, request: TableRequest, l1: str, value: Mapping[str, Any]) -> None:
-        """Keep one slice result. The first one stays; a slice's error is kept for a short time only."""
-        failed = "error" in value
-        ttl = self.settings.error_ttl if failed else self.settings.result_ttl
-        with self.redis.pipeline(transaction=False) as pipe:
-            pipe.set(self.slice_keys(request, [l1])[0], dump(value), ex=ttl, nx=True)
-            if not failed:
-                self._note_digits(pipe, request)
-            pipe.execute()
-
     def renew_slices(self, request: TableRequest, slices: Mapping[str, SliceJson]) -> None:
         """Make known slices last as long as new ones, so that a job's table stays whole.
 

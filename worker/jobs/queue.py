@@ -1,11 +1,10 @@
-"""Jobs as the API sees them: submit, look, wait, cancel.
+"""Jobs as the API sees them: submit, look, cancel.
 
 Nothing is remembered in the process, so any number of API processes can serve the same jobs.
 """
 
 from __future__ import annotations
 
-import time
 from typing import Any, cast
 
 from redis import Redis
@@ -17,8 +16,6 @@ from worker.jobs.chunks import ChunkQueue
 from worker.jobs.records import JobRecords, JobView
 from worker.jobs.requests import DocumentRequest, JobRequest, TableRequest
 from worker.settings import WorkerSettings
-
-_BLOCK_MS = 1000
 
 
 class JobQueue:
@@ -66,11 +63,6 @@ class JobQueue:
         """The job as it is now, or None when there is none (any more)."""
         return self.records.view(job_id)
 
-    def request(self, job_id: str) -> JobRequest | None:
-        """What a job was asked for."""
-        found = self.records.request(job_id)
-        return None if found is None else found[1]
-
     def result(self, job_id: str) -> dict[str, Any] | None:
         """The answer of a job that succeeded; None for any other, and when results have expired."""
         found = self.records.request(job_id)
@@ -89,18 +81,6 @@ class JobQueue:
             self.chunks.withdraw(entries)
         return self.records.view(job_id)
 
-    def wait(self, job_id: str, seconds: float) -> JobView | None:
-        """Return the job when it has ended, or as it is when the time is over."""
-        end = time.monotonic() + seconds
-        events = self.records.keys.job(job_id).events
-        while True:
-            last = self._last_event(events)
-            view = self.records.view(job_id)
-            left = end - time.monotonic()
-            if view is None or view.is_terminal or left <= 0:
-                return view
-            self._next_status(events, last, left)
-
     def depth(self) -> int:
         """How many chunks wait for a worker."""
         return self.chunks.depth()
@@ -117,29 +97,6 @@ class JobQueue:
         known = self.store.get_slices(request)
         self.store.renew_slices(request, known)
         return [l1 for l1 in request.l1 if l1 not in known]
-
-    def _last_event(self, events: str) -> bytes:
-        newest = cast("list[tuple[bytes, Any]]", self.redis.xrevrange(events, count=1))
-        return newest[0][0] if newest else b"0"
-
-    def _next_status(self, events: str, last: bytes, seconds: float) -> None:
-        """Block until the job's status changes, at most for a while."""
-        end = time.monotonic() + min(seconds, _BLOCK_MS / 1000)
-        while (left := end - time.monotonic()) > 0:
-            reply = cast(Any, self.redis.xread({events: last}, block=max(1, int(left * 1000))))
-            for event, fields in _entries(reply):
-                last = event
-                if fields[b"type"] == b"status" and fields[b"status"] not in (b"queued", b"running"):
-                    return
-
-
-def _entries(reply: Any) -> list[tuple[bytes, dict[bytes, bytes]]]:
-    # One stream is read. RESP2 answers with a list of pairs, RESP3 with a mapping.
-    if not reply:
-        return []
-    if isinstance(reply, dict):
-        return [entry for batches in reply.values() for batch in batches for entry in batch]
-    return list(reply[0][1])
 
 
 def _table(request: TableRequest, known: dict[str, SliceJson]) -> dict[str, Any]:

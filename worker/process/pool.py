@@ -48,11 +48,6 @@ class WorkerPool:
         }
         self._members: list[_Member] = []
 
-    @property
-    def pids(self) -> list[int]:
-        """The process ids of the workers that run."""
-        return [m.process.pid for m in self._members if m.process is not None and m.process.poll() is None]
-
     def start(self) -> None:
         """Start all workers."""
         self._members = [self._spawn() for _ in range(self.count)]

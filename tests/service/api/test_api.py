@@ -19,7 +19,7 @@ from service.api.app import create_app
 from service.api.operation_docs import EXAMPLE_REQUEST
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.service_server import GEOMETRY, serving_app
+from tests.support.service_server import GEOMETRY, ended, serving_app
 from worker import JobQueue, TableRequest
 
 Fresh = Callable[[], str]
@@ -39,12 +39,6 @@ def long_job(client: httpx.Client, fresh: Fresh) -> str:
     assert answer.status_code == 202
     job_id: str = answer.json()["id"]
     return job_id
-
-
-def ended(client: httpx.Client, job_id: str) -> dict[str, object]:
-    while (job := client.get(f"/v1/jobs/{job_id}").json())["status"] in ("queued", "running"):
-        time.sleep(0.02)
-    return dict(job)
 
 
 def test_the_documented_example_works_as_it_stands(api: httpx.Client) -> None:
@@ -220,8 +214,7 @@ def test_an_expired_result_is_gone(api: httpx.Client, redis: Redis, fresh: Fresh
     job = post(api, l1, wait=None).json()
     ended(api, job["id"])
     queue = JobQueue(redis)
-    request = queue.request(job["id"])
-    assert request is not None
+    _, request, _ = queue.records.request(job["id"])  # type: ignore[misc]
     redis.delete(*queue.store.slice_keys(request, request.l1))
     answer = api.get(job["links"]["result"])
     assert (answer.status_code, answer.json()["type"]) == (410, "/problems/result-expired")

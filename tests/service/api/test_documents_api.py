@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import time
 from fractions import Fraction
 from typing import Any
 
@@ -17,16 +16,10 @@ from rpr_solver import EXAMPLES, cusp_curves, poses
 from service.api.app import create_app
 from service.schemas.document_models import DOCUMENT_MODELS
 from service.schemas.models import MODELS, CuspTable
-from tests.support.service_server import GEOMETRY
+from tests.support.service_server import GEOMETRY, ended
 from worker import JobQueue
 
 POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
-
-
-def ended(client: httpx.Client, job_id: str) -> dict[str, Any]:
-    while (job := client.get(f"/v1/jobs/{job_id}").json())["status"] in ("queued", "running"):
-        time.sleep(0.02)
-    return dict(job)
 
 
 def is_whole(model: str, document: object) -> bool:
@@ -84,8 +77,7 @@ def test_a_document_that_has_expired_is_gone(api: httpx.Client, redis: Redis) ->
     job = api.post("/v1/poses", json=body, headers={"Prefer": "respond-async"}).json()
     ended(api, job["id"])
     queue = JobQueue(redis)
-    request = queue.request(job["id"])
-    assert request is not None
+    _, request, _ = queue.records.request(job["id"])  # type: ignore[misc]
     assert request.job_id == job["id"]
     redis.delete(queue.records.keys.document(request.content_hash))  # type: ignore[union-attr]
     gone = api.get(job["links"]["result"])

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from fractions import Fraction
@@ -8,8 +9,15 @@ import pytest
 from redis import Redis
 
 import rpr_solver
-from tests.support.worker_requests import a_request
-from worker import ResultStore, WorkerSettings
+from tests.support.jobs import a_request
+from worker import ResultStore, TableRequest, WorkerSettings
+from worker.jobs.records import Chunk, ChunkRef, JobRecords
+
+
+def keep(store: ResultStore, request: TableRequest, l1: str, value: Mapping[str, object]) -> None:
+    """Keep a slice as a worker does, here for a job that is gone."""
+    ref, chunk = ChunkRef(request.job_id, "gone", 0, 0), Chunk(request, (l1,), 0)
+    assert not JobRecords(store.redis, store.settings).put_slice(ref, chunk, 0, value)
 
 
 def slice_of(l1: str, mark: int = 0) -> dict[str, object]:
@@ -19,16 +27,16 @@ def slice_of(l1: str, mark: int = 0) -> dict[str, object]:
 def test_the_first_result_stays(redis: Redis) -> None:
     store = ResultStore(redis)
     request = a_request("1", "2")
-    store.put_slice(request, "1", slice_of("1", 1))
-    store.put_slice(request, "1", slice_of("1", 2))
+    keep(store, request, "1", slice_of("1", 1))
+    keep(store, request, "1", slice_of("1", 2))
     assert store.get_slices(request) == {"1": slice_of("1", 1)}
 
 
 def test_results_are_bounded_in_time_and_errors_more_so(redis: Redis) -> None:
     store = ResultStore(redis, WorkerSettings(result_ttl=1000, error_ttl=10))
     request = a_request("1", "2")
-    store.put_slice(request, "1", slice_of("1"))
-    store.put_slice(request, "2", {"l1": "2", "error": {"type": "solver-error", "detail": "no"}})
+    keep(store, request, "1", slice_of("1"))
+    keep(store, request, "2", {"l1": "2", "error": {"type": "solver-error", "detail": "no"}})
     good, bad = store.slice_keys(request, request.l1)
     assert 990 < redis.ttl(good) <= 1000
     assert 0 < redis.ttl(bad) <= 10
@@ -39,7 +47,7 @@ def test_results_are_bounded_in_time_and_errors_more_so(redis: Redis) -> None:
 def test_another_question_has_other_results(redis: Redis) -> None:
     store = ResultStore(redis)
     request = a_request("1")
-    store.put_slice(request, "1", slice_of("1"))
+    keep(store, request, "1", slice_of("1"))
     assert store.get_slices(replace(request, fixed_leg=2)) == {}
     assert store.get_slices(replace(request, digits=40)) == {}
 
@@ -49,7 +57,7 @@ def test_more_digits_serve_fewer(redis: Redis) -> None:
     long, short = a_request("14.98", digits=60), a_request("14.98", "15", digits=20)
     eliminant = rpr_solver.eliminate(rpr_solver.EXAMPLES["innocenti"])
     solved = rpr_solver.solve_slice(eliminant, Fraction("14.98"), 60).to_json()
-    store.put_slice(long, "14.98", solved)
+    keep(store, long, "14.98", solved)
     expected = rpr_solver.shorten_slice(solved, 60, 20)
     assert store.get_slices(short) == {"14.98": expected}
 
@@ -61,7 +69,7 @@ def test_more_digits_serve_fewer(redis: Redis) -> None:
 def test_held_slices_last_as_long_as_new_ones(redis: Redis) -> None:
     store = ResultStore(redis)
     request = a_request("1")
-    store.put_slice(request, "1", slice_of("1"))
+    keep(store, request, "1", slice_of("1"))
     key = store.slice_keys(request, request.l1)[0]
     redis.expire(key, 5)
     store.renew_slices(request, store.get_slices(request))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -10,7 +9,7 @@ from dataclasses import replace
 import pytest
 from redis import Redis
 
-from tests.support.worker_requests import a_request
+from tests.support.jobs import a_request
 from worker import JobQueue, TableRequest, WorkerSettings
 from worker.jobs.records import ChunkEntry, ChunkRef
 from worker.jobs.sweeper import Sweeper
@@ -68,9 +67,7 @@ def test_from_queued_to_succeeded(queue: JobQueue, table_request: TableRequest) 
 
 
 def test_unknown_job(queue: JobQueue) -> None:
-    assert (
-        queue.get("ct-0") is queue.result("ct-0") is queue.cancel("ct-0") is queue.wait("ct-0", 0.1) is None
-    )
+    assert queue.get("ct-0") is queue.result("ct-0") is queue.cancel("ct-0") is None
 
 
 def test_the_same_at_once_is_one_job(
@@ -192,16 +189,6 @@ def test_a_slice_is_counted_once(queue: JobQueue, table_request: TableRequest) -
     view = queue.get(table_request.job_id)
     assert view is not None
     assert view.done == 3
-
-
-def test_wait(queue: JobQueue, table_request: TableRequest) -> None:
-    view = queue.submit(table_request)
-    assert queue.wait(view.id, 0) == view
-    threading.Timer(0.2, finish, [queue]).start()
-    done = queue.wait(view.id, 10)
-    assert done is not None
-    assert done.status == "succeeded"
-    assert queue.wait(view.id, 10) == done
 
 
 def test_a_chunk_that_nobody_has_is_put_back(queue: JobQueue, table_request: TableRequest) -> None:
