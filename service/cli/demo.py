@@ -20,7 +20,7 @@ from service.client import ServiceClient, ServiceError
 EXAMPLE, L1 = "innocenti", "14.98"
 
 # `-P` and this instead of `-m`: a directory called "service" where the user happens to be must not be taken.
-_PROGRAM = "import sys; sys.path.append(sys.argv.pop(1)); from service.cli import main; sys.exit(main())"
+_PROGRAM = "import sys; sys.path.append(sys.argv.pop(1)); from service.cli.main import main; sys.exit(main())"
 _STOP_PATIENCE = 15.0
 
 
@@ -52,7 +52,7 @@ def demo(*, keep: bool = False) -> int:
 @contextmanager
 def _service(data_dir: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """`rpr-cusps serve` on a free port, with data of its own, and its address."""
-    root = str(Path(__file__).parents[1])
+    root = str(Path(__file__).parents[2])
     environment = {key: value for key, value in os.environ.items() if key != "RPR_CUSPS_REDIS_URL"}
     process = subprocess.Popen(
         [
