@@ -8,20 +8,9 @@ from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import Workers
-from worker import connect
+from tests.support.valkey import redis, valkey
 
-
-@pytest.fixture(scope="session")
-def valkey(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedValkey]:
-    with EmbeddedValkey(tmp_path_factory.mktemp("valkey")) as server:
-        yield server
-
-
-@pytest.fixture
-def redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
-    with connect(valkey.url) as client:
-        client.flushall()
-        yield client
+__all__ = ["redis", "valkey"]
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Callable, Iterator
 
 import httpx
@@ -11,15 +10,13 @@ from redis import Redis
 from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import until
 from tests.support.service_server import serving
+from tests.support.valkey import valkey
 from worker import JobQueue, connect
 from worker.process.pool import WorkerPool
 
-
-@pytest.fixture(scope="session")
-def valkey(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedValkey]:
-    with EmbeddedValkey(tmp_path_factory.mktemp("valkey")) as server:
-        yield server
+__all__ = ["valkey"]
 
 
 @pytest.fixture(scope="session")
@@ -27,10 +24,11 @@ def worker(valkey: EmbeddedValkey) -> Iterator[None]:
     """One real worker process."""
     pool = WorkerPool(1, valkey.url)
     pool.start()
-    while not pool.is_ready():
-        time.sleep(0.01)
-    yield
-    pool.stop()
+    try:
+        until(pool.is_ready)
+        yield
+    finally:
+        pool.stop()
 
 
 @pytest.fixture(scope="session")
@@ -80,6 +78,7 @@ def idle_queue(valkey: EmbeddedValkey) -> Iterator[JobQueue]:
 
 @pytest.fixture
 def redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
+    """A client of the server, which the service and its worker use at the same time."""
     with connect(valkey.url) as client:
         yield client
 

@@ -1,26 +1,13 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 from redis import Redis
 
-from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request
-from worker import JobQueue, TableRequest, WorkerSettings, connect
+from tests.support.valkey import redis, valkey
+from worker import JobQueue, TableRequest, WorkerSettings
 
-
-@pytest.fixture(scope="session")
-def valkey(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedValkey]:
-    with EmbeddedValkey(tmp_path_factory.mktemp("valkey")) as server:
-        yield server
-
-
-@pytest.fixture
-def redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
-    with connect(valkey.url) as client:
-        client.flushall()
-        yield client
+__all__ = ["redis", "valkey"]
 
 
 @pytest.fixture

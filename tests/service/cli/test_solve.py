@@ -10,6 +10,7 @@ import pty
 import re
 import signal
 import subprocess
+from contextlib import suppress
 from pathlib import Path
 
 import httpx
@@ -17,6 +18,7 @@ import pytest
 
 from service import __version__
 from tests.support.cli_process import ENVIRONMENT, command, run
+from tests.support.processes import until
 from tests.support.service_server import GEOMETRY
 
 
@@ -157,15 +159,22 @@ def test_ctrl_c_is_quiet_and_status_130() -> None:
         env={**ENVIRONMENT, "TERM": "xterm"},
     ) as process:
         os.close(side)
-        seen = b""
-        while b"slices" not in seen:
-            seen += os.read(main, 4096)
+        seen = bytearray()
+        os.set_blocking(main, False)
+        until(lambda: b"slices" in read_some(main, seen))
+        os.set_blocking(main, True)
         process.send_signal(signal.SIGINT)
         seen += read_to_the_end(main)
         assert process.stdout is not None
         out = process.stdout.read()
     assert (process.returncode, out) == (130, b"")
     assert b"Traceback" not in seen
+
+
+def read_some(terminal: int, seen: bytearray) -> bytearray:
+    with suppress(BlockingIOError):
+        seen += os.read(terminal, 4096)
+    return seen
 
 
 def read_to_the_end(terminal: int) -> bytes:

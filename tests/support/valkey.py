@@ -1,0 +1,29 @@
+"""A Valkey server of one's own and a client of it, as fixtures for the conftest that imports them.
+
+Each conftest that does has another server: the workers of one directory of tests never see the jobs of
+another, and a flush there takes nothing from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from redis import Redis
+
+from service.stack.embedded_valkey import EmbeddedValkey
+from worker import connect
+
+
+@pytest.fixture(scope="session")
+def valkey(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedValkey]:
+    with EmbeddedValkey(tmp_path_factory.mktemp("valkey")) as server:
+        yield server
+
+
+@pytest.fixture
+def redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
+    """A client of the server, which is empty."""
+    with connect(valkey.url) as client:
+        client.flushall()
+        yield client
