@@ -1,6 +1,7 @@
 """The plan of the house: which room may import which, and what the solver may not know."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -28,7 +29,7 @@ MAY_IMPORT = {
     "worker.jobs": "rpr_solver worker.settings worker.answers",
     "worker.answers": "rpr_solver worker.settings worker.jobs",
     "worker.process": "rpr_solver worker.settings worker.connection worker.jobs worker.answers",
-    "worker.__main__": "worker.process",
+    "worker.__main__": "worker.settings worker.process",
     "worker": "worker.connection worker.settings worker.jobs worker.answers",
     # service: faces people and programs
     "service.schemas": "rpr_solver worker",
@@ -135,3 +136,13 @@ def test_no_module_of_the_solver_hides_behind_an_exported_name() -> None:
 
     own = {name.removeprefix("rpr_solver.") for name in FILES if name.count(".") == 1}
     assert not own & set(rpr_solver.__all__)
+
+
+def test_every_error_of_the_service_is_in_its_tree() -> None:
+    import service
+
+    tree = dict(re.findall(r"^[│ ]*[├└]── (\w+) +(\S.*)$", service.__doc__ or "", re.MULTILINE))
+    for module, path in FILES.items():
+        for name in re.findall(r"^class (\w+Error)\((?!BaseModel)", path.read_text(), re.MULTILINE):
+            if not module.startswith(SOLVER):
+                assert module.removeprefix("service.") in tree[name]

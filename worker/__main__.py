@@ -6,7 +6,10 @@ import argparse
 import os
 import sys
 
-from worker.process.worker import run_worker
+from pydantic import ValidationError
+
+from worker.process.worker import WorkerError, run_worker
+from worker.settings import settings_problem
 
 
 def main() -> int:
@@ -19,7 +22,17 @@ def main() -> int:
     args = parser.parse_args()
     if not args.redis_url:
         parser.error("no Redis URL: give --redis-url or set RPR_CUSPS_REDIS_URL")
-    return run_worker(args.redis_url, name=args.name, parent_pid=args.parent_pid, burst=args.burst)
+    try:
+        return run_worker(args.redis_url, name=args.name, parent_pid=args.parent_pid, burst=args.burst)
+    except ValidationError as error:
+        return _fail(settings_problem(error), 2)
+    except WorkerError as error:
+        return _fail(str(error), 1)
+
+
+def _fail(message: str, status: int) -> int:
+    print(f"worker: {message}", file=sys.stderr)
+    return status
 
 
 if __name__ == "__main__":

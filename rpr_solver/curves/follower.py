@@ -24,7 +24,7 @@ _FIRST_REACH = Fraction(1, 32)
 
 
 class LostError(Exception):
-    """No tube leads on at any precision tried."""
+    """A signal between modules, no error of the user's: no tube leads on at any precision tried."""
 
 
 class Follower:

@@ -20,7 +20,7 @@ from rpr_solver.errors import InputError
 from service import __version__
 from service.cli.arguments import Options, add_analysis, add_command, add_format, add_geometry
 
-BAD_INPUT, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 2, 3, 130, 141
+WORKER_FAILED, BAD_INPUT, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 1, 2, 3, 130, 141
 
 _FORMATTER = argparse.RawDescriptionHelpFormatter
 _DESCRIPTION = "Certified cusp points in the joint space of planar 3-RPR parallel manipulators."
@@ -244,9 +244,12 @@ def _worker(args: argparse.Namespace) -> int:
             "--redis-url is missing; give the address of the queue, for example redis://127.0.0.1:6379/0",
             BAD_INPUT,
         )
-    from worker.process.worker import run_worker
+    from worker.process.worker import WorkerError, run_worker
 
-    return run_worker(args.redis_url)
+    try:
+        return run_worker(args.redis_url)
+    except WorkerError as error:
+        return _fail("rpr-cusps worker", str(error), WORKER_FAILED)
 
 
 def _demo(args: argparse.Namespace) -> int:

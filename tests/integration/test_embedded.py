@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from service.stack.embedded_valkey import EmbeddedError, EmbeddedValkey, default_data_dir
+from service.stack.embedded_valkey import EmbeddedValkey, default_data_dir
+from service.stack.errors import EmbeddedError
 from tests.support.processes import ROOT, environment, is_running, until
 from worker import connect
 

@@ -260,5 +260,5 @@ def test_a_worker_without_its_server_says_so(tmp_path: Path) -> None:
             check=False,
         )
         assert ended_worker.returncode == 1
-        assert ended_worker.stderr.startswith("rpr-cusps worker: cannot reach Redis: ")
+        assert ended_worker.stderr.startswith("worker: cannot reach Redis: ")
         assert ended_worker.stderr.count("\n") == 1

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any, cast
 
 from redis import Redis
+from rq.worker_registration import REDIS_WORKER_KEYS
 
 import rpr_solver
 from worker.answers.documents import known_document
@@ -87,8 +88,8 @@ class JobQueue:
 
     def workers(self) -> int:
         """How many workers are alive, by RQ's register."""
-        names = cast("set[bytes]", self.redis.smembers("rq:workers"))
-        return self.redis.exists(*names) if names else 0
+        keys = cast("set[bytes]", self.redis.smembers(REDIS_WORKER_KEYS))
+        return self.redis.exists(*keys) if keys else 0
 
     def _open_parts(self, request: JobRequest) -> list[str]:
         """What is not known of a request; what is known will last as long as what is new."""

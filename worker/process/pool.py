@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import secrets
 import socket
@@ -13,10 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from redis.exceptions import RedisError
+from rq import Worker
 
 from worker.connection import connect
 from worker.process.os_limits import signal_name
 from worker.settings import WorkerSettings
+
+log = logging.getLogger("rpr_cusps.worker")
 
 _HEALTHY = 30.0  # seconds of life after which an end counts as the first one again
 _LONGEST_DELAY = 30.0
@@ -36,10 +40,21 @@ class _Member:
 
 
 class WorkerPool:
-    """`count` workers. Use it from one thread that lives as long as the workers shall."""
+    """`count` workers. Use it from one thread that lives as long as the workers shall.
 
-    def __init__(self, count: int, redis_url: str, log_level: str = "WARNING") -> None:
+    `rq.worker_pool.WorkerPool` does not serve: its workers outlive it when it is killed, it starts one that
+    dies at once again and again without a pause, and it cannot tell when all of them are ready.
+    """
+
+    def __init__(
+        self,
+        count: int,
+        redis_url: str,
+        log_level: str = "WARNING",
+        on_death: Callable[[str], None] = lambda how: log.warning("a worker ended (%s)", how),
+    ) -> None:
         self.count = count
+        self._on_death = on_death
         self._redis = connect(redis_url)
         self._environment = {
             **os.environ,
@@ -57,10 +72,12 @@ class WorkerPool:
         if not self._members:
             return True
         try:
-            found = self._redis.exists(*(f"rq:worker:{m.name}" for m in self._members))
+            registered = self._redis.exists(
+                *(Worker.redis_worker_namespace_prefix + m.name for m in self._members)
+            )
         except RedisError:
             return False
-        return found == len(self._members)
+        return registered == len(self._members)
 
     def look_after(self) -> None:
         """Start workers again that have died, later and later when it goes on."""
@@ -109,10 +126,8 @@ class WorkerPool:
         )
         return _Member(process, name, time.monotonic())
 
-    @staticmethod
-    def _note_death(member: _Member, code: int, moment: float) -> None:
+    def _note_death(self, member: _Member, code: int, moment: float) -> None:
         member.deaths = 1 if moment - member.started > _HEALTHY else member.deaths + 1
         delay = min(_LONGEST_DELAY, 0.5 * 2 ** (member.deaths - 1)) if member.deaths > 1 else 0.0
-        how = signal_name(-code) if code < 0 else f"exit status {code}"
-        print(f"rpr-cusps serve: a worker ended ({how}); starting another", file=sys.stderr)
+        self._on_death(signal_name(-code) if code < 0 else f"exit status {code}")
         member.process, member.next_start = None, moment + delay

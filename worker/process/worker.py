@@ -11,12 +11,10 @@ import secrets
 import select
 import signal
 import socket
-import sys
 import time
 from types import FrameType
 
 import flint  # noqa: F401  # loaded before the fork, so that no work horse has to
-from pydantic import ValidationError
 from redis import Redis
 from redis.client import Pipeline
 from redis.exceptions import RedisError
@@ -35,13 +33,17 @@ from worker.jobs.sweeper import Sweeper
 from worker.process.horse_exit import Outcome, RunAgain, judge_exit
 from worker.process.os_limits import die_with_parent, limit_memory
 from worker.process.tasks import Context, set_context
-from worker.settings import WorkerSettings, settings_problem
+from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 
 _RQ_MAINTENANCE = 60.0
 _WATCHDOG_MARGIN = 15.0
 _REGISTER_TTL = 15
+
+
+class WorkerError(Exception):
+    """The worker cannot run, or cannot go on; the message is for the user."""
 
 
 class CuspWorker(Worker):
@@ -285,12 +287,12 @@ def run_worker(
     """Run one worker until it is told to stop; returns the exit status.
 
     With `parent_pid` the worker ends at once when that process, its parent, is gone.
+
+    Raises:
+        ValidationError: a setting makes no sense.
+        WorkerError: Redis cannot be reached, or not any more.
     """
-    try:
-        settings = settings or WorkerSettings()
-    except ValidationError as error:
-        print(f"rpr-cusps worker: {settings_problem(error)}", file=sys.stderr)
-        return 2
+    settings = settings or WorkerSettings()
     logging.basicConfig(level=settings.log_level, format="%(asctime)s %(name)s %(levelname)s %(message)s")
     if parent_pid is not None:
         die_with_parent(parent_pid)
@@ -298,8 +300,7 @@ def run_worker(
         redis = connect(redis_url)
         redis.ping()
     except (RedisError, ValueError) as error:
-        print(f"rpr-cusps worker: cannot reach Redis: {error}", file=sys.stderr)
-        return 1
+        raise WorkerError(f"cannot reach Redis: {error}") from error
     set_context(Context(redis, settings))
     try:
         worker = CuspWorker(redis, settings, name, parent_pid)
@@ -315,5 +316,4 @@ def run_worker(
     except KeyboardInterrupt:
         return 130
     except RedisError as error:
-        print(f"rpr-cusps worker: lost the connection to Redis: {error}", file=sys.stderr)
-        return 1
+        raise WorkerError(f"lost the connection to Redis: {error}") from error
