@@ -1,0 +1,125 @@
+"""What docs/worker.md says of RQ's internals is what the code touches, and what this RQ has."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+import rq
+from redis import Redis
+from rq.job import Job
+from rq.worker_registration import REDIS_WORKER_KEYS
+
+from worker import WorkerSettings
+from worker.process.worker import CuspWorker
+
+TEXT = (Path(__file__).parents[3] / "docs" / "worker.md").read_text(encoding="utf-8")
+SECTION = TEXT[TEXT.index("## Which of RQ's internals are touched") :]
+
+SIGNATURES = {
+    "dequeue_timeout": "(self)",
+    "run_maintenance_tasks": "(self)",
+    "heartbeat": "(self, timeout, pipeline)",
+    "execute_job": "(self, job, queue)",
+    "fork_work_horse": "(self, job, queue)",
+    "kill_horse": "(self, sig)",
+    "monitor_work_horse": "(self, job, queue)",
+    "request_stop": "(self, signum, frame)",
+    "request_force_stop": "(self, signum, frame)",
+    "unsubscribe": "(self)",
+    "prepare_execution": "(self, job)",
+    "cleanup_execution": "(self, job, pipeline)",
+    "main_work_horse": "(self, job, queue)",
+    "setup_work_horse_signals": "(self)",
+    "wait_for_horse": "(self)",
+    "maintain_heartbeats": "(self, job)",
+    "get_state": "(self)",
+    "set_state": "(self, state, pipeline)",
+}
+
+
+def documented(title: str) -> set[str]:
+    """The names of one paragraph of the section."""
+    [paragraph] = [p for p in SECTION.split("\n\n") if p.startswith(title)]
+    return set(re.findall(r"`([\w:]+)`", paragraph))
+
+
+OVERRIDDEN = set(re.findall(r"^\| `(\w+)` \|", SECTION, re.MULTILINE))
+CALLED = documented("Methods that are called")
+
+
+@pytest.fixture
+def pair(redis: Redis, settings: WorkerSettings) -> tuple[rq.Worker, CuspWorker]:
+    """A worker of RQ's and one of ours."""
+    return rq.Worker(["x"], connection=redis), CuspWorker(redis, settings)
+
+
+@pytest.fixture(scope="module")
+def touched() -> set[str]:
+    """Every attribute of `self` in the class."""
+    tree = ast.parse(inspect.getsource(CuspWorker))
+    return {
+        node.attr
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
+    }
+
+
+def test_what_is_overridden() -> None:
+    both = {name for name in vars(CuspWorker) if hasattr(rq.Worker, name)}
+    assert both - {"__module__", "__doc__"} == OVERRIDDEN
+
+
+def test_which_methods_are_called(touched: set[str]) -> None:
+    methods = {name for name in touched if callable(getattr(rq.Worker, name, None))}
+    assert methods - OVERRIDDEN == CALLED
+
+
+def test_which_attributes_are_used(pair: tuple[rq.Worker, CuspWorker], touched: set[str]) -> None:
+    theirs, _ = pair
+    assert touched & vars(theirs).keys() == documented("Attributes")
+
+
+def test_the_names_of_our_own_attributes_are_free(pair: tuple[rq.Worker, CuspWorker]) -> None:
+    theirs, ours = pair
+    assigned = set(re.findall(r"self\.(\w+)(?:, self\.\w+)* = ", inspect.getsource(CuspWorker.__init__)))
+    assert assigned & set(dir(theirs)) == {"log_job_description"}
+    assert vars(theirs).keys() <= vars(ours).keys()
+
+
+def test_the_signatures_are_as_they_were() -> None:
+    assert set(SIGNATURES) == OVERRIDDEN - {"__init__"} | CALLED
+    for name, signature in SIGNATURES.items():
+        member = inspect.getattr_static(rq.Worker, name)
+        function = member.fget if isinstance(member, property) else member
+        assert f"({', '.join(inspect.signature(function).parameters)})" == signature, name
+
+
+def test_the_keys_are_as_they_were(redis: Redis, pair: tuple[rq.Worker, CuspWorker]) -> None:
+    theirs, ours = pair
+    keys = {
+        REDIS_WORKER_KEYS,
+        theirs.key.replace(theirs.name, "NAME"),
+        rq.Queue("NAME", connection=redis).key,
+        Job("ID", connection=redis).key,
+    }
+    assert keys == documented("Keys")
+    ours.register_birth()
+    assert redis.smembers(REDIS_WORKER_KEYS) == {ours.key.encode()}
+
+
+def test_the_stop_command_kills_the_horse_of_its_job(pair: tuple[rq.Worker, CuspWorker]) -> None:
+    _, ours = pair
+    with subprocess.Popen(["sleep", "60"], start_new_session=True) as horse:
+        ours._horse_pid = horse.pid
+        ours.set_current_job_id("some-chunk")
+        ours.handle_payload({"data": b'{"command": "stop-job", "job_id": "another"}'})
+        assert (ours._stopped_job_id, horse.poll()) == (None, None)
+        ours.handle_payload({"data": b'{"command": "stop-job", "job_id": "some-chunk"}'})
+        assert ours._stopped_job_id == "some-chunk"
+        assert horse.wait(10) == -signal.SIGKILL
