@@ -7,51 +7,63 @@ from pydantic_settings import BaseSettings, SettingsConfigDict
 
 
 class WorkerSettings(BaseSettings):
-    """Everything that the queue, the store and the worker processes can be told.
+    """Settings of the queue, the store and the worker processes.
 
-    API processes and workers of one installation must agree on `key_prefix` and `queue_name`.
+    The API processes and workers of one installation must agree on `key_prefix` and `queue_name`.
     """
 
     model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
 
-    key_prefix: str = Field(default="cusps", description="prefix of every Redis key of this service")
-    queue_name: str = Field(default="cusps", description="RQ queue of small jobs; large ones use NAME-bulk")
+    key_prefix: str = Field(default="cusps", description="prefix of every Redis key")
+    queue_name: str = Field(
+        default="cusps", description="RQ queue for jobs of one chunk; larger jobs go to NAME-bulk"
+    )
     task: str = Field(
-        default="worker.process.tasks.run_chunk", description="dotted name of the function a chunk runs"
+        default="worker.process.tasks.run_chunk", description="dotted name of the function that runs a chunk"
     )
 
-    chunk_size: int = Field(default=40, ge=1, description="slices in one RQ job, at most")
-    deadline: float = Field(default=600.0, gt=0, description="wall-clock seconds a chunk may take")
-    memory_limit_mb: int | None = Field(default=4096, ge=64, description="address space of a work horse, MiB")
+    chunk_size: int = Field(default=40, ge=1, description="maximum number of slices in one chunk")
+    deadline: float = Field(default=600.0, gt=0, description="maximum run time of a chunk, in seconds")
+    memory_limit_mb: int | None = Field(
+        default=4096, ge=64, description="maximum address space of a work horse, in MiB"
+    )
     max_losses: int = Field(
-        default=2, ge=0, description="how often a chunk is run again after its worker was lost"
+        default=2, ge=0, description="how many times a chunk is run again after its worker was lost"
     )
 
-    result_ttl: int = Field(default=7 * 86400, ge=1, description="seconds a slice result is kept")
-    job_ttl: int = Field(default=7 * 86400, ge=1, description="seconds a succeeded job is kept")
-    failure_ttl: int = Field(default=86400, ge=1, description="seconds a failed or canceled job is kept")
-    error_ttl: int = Field(
-        default=600, ge=1, description="seconds a slice's own error is kept for other jobs"
+    result_ttl: int = Field(default=7 * 86400, ge=1, description="how long a result is kept, in seconds")
+    job_ttl: int = Field(default=7 * 86400, ge=1, description="how long a succeeded job is kept, in seconds")
+    failure_ttl: int = Field(
+        default=86400, ge=1, description="how long a failed or canceled job is kept, in seconds"
     )
-    eliminant_ttl: int = Field(default=30 * 86400, ge=1, description="seconds an eliminant is kept")
+    error_ttl: int = Field(
+        default=600, ge=1, description="how long the error of a slice is kept for other jobs, in seconds"
+    )
+    eliminant_ttl: int = Field(
+        default=30 * 86400, ge=1, description="how long an eliminant is kept, in seconds"
+    )
     eliminant_lock: float = Field(
-        default=30.0, gt=0, description="seconds one worker may keep others waiting"
+        default=30.0, gt=0, description="how long workers wait for another one that computes the same, in seconds"
     )
 
     beat_interval: float = Field(
-        default=1.0, gt=0, description="seconds between two signs of life of a chunk"
+        default=1.0, gt=0, description="time between two signs of life of a chunk, in seconds"
     )
-    beat_ttl: float = Field(default=4.0, gt=0, description="seconds after which a silent chunk is suspected")
+    beat_ttl: float = Field(
+        default=4.0, gt=0, description="time without a sign of life before a chunk is suspected, in seconds"
+    )
     sweep_interval: float = Field(
-        default=1.5, gt=0, description="seconds between two searches for lost chunks"
+        default=1.5, gt=0, description="time between two searches for lost chunks, in seconds"
     )
     lost_grace: float = Field(
-        default=2.0, ge=0, description="seconds a chunk stays suspected before it is run again"
+        default=2.0,
+        ge=0,
+        description="time for which a chunk is suspected before it is run again, in seconds",
     )
     shutdown_grace: float = Field(
-        default=1.0, ge=0, description="seconds a running chunk may still use at a stop"
+        default=1.0, ge=0, description="time a running chunk has left when its worker must stop, in seconds"
     )
-    log_level: str = Field(default="WARNING", description="log level of worker processes")
+    log_level: str = Field(default="WARNING", description="log level of the worker processes")
 
 
 def settings_problem(error: ValidationError) -> str:

@@ -14,19 +14,26 @@ class Settings(BaseSettings):
     model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
 
     redis_url: str = Field(
-        default="redis://127.0.0.1:6379/0", description="Redis or Valkey of the queue and the results"
+        default="redis://127.0.0.1:6379/0",
+        description="Redis or Valkey server with the queue and the results",
     )
-    redis_connections: int = Field(default=64, ge=2, description="connections for short commands, at most")
+    redis_connections: int = Field(
+        default=64, ge=2, description="maximum number of connections for short commands"
+    )
     stream_connections: int = Field(
-        default=512, ge=2, description="clients that wait or follow events at once, at most"
+        default=512, ge=2, description="maximum number of clients that wait or follow events at once"
     )
-    threads: int = Field(default=40, ge=1, description="threads for blocking work")
-    poll_seconds: int = Field(default=1, ge=1, description="`Retry-After` of a job that is not finished")
-    retry_seconds: int = Field(default=2, ge=1, description="`Retry-After` when Redis cannot be reached")
+    threads: int = Field(default=40, ge=1, description="number of threads for blocking work")
+    poll_seconds: int = Field(
+        default=1, ge=1, description="`Retry-After` while a job is not finished, in seconds"
+    )
+    retry_seconds: int = Field(
+        default=2, ge=1, description="`Retry-After` when Redis cannot be reached, in seconds"
+    )
     keepalive_seconds: float = Field(
-        default=15.0, gt=0, description="pause between comments on a quiet event stream"
+        default=15.0, gt=0, description="time between two comments on a quiet event stream, in seconds"
     )
     gzip_bytes: int = Field(
-        default=1024, ge=0, description="answers of this size and more are compressed on request"
+        default=1024, ge=0, description="minimum size of an answer that is compressed, in bytes"
     )
     limits: Limits = Field(default_factory=Limits)

@@ -16,37 +16,40 @@ class Limits(BaseSettings):
 
     model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
 
-    max_slices: int = Field(default=2000, ge=1, description="slices in one request, at most")
+    max_slices: int = Field(default=2000, ge=1, description="maximum number of slices in one request")
     max_article_slices: int = Field(
-        default=50, ge=1, description="slices in one request by the article's method, at most"
+        default=50, ge=1, description="maximum number of slices in one request by the article's method"
     )
     max_samples: int = Field(
-        default=50, ge=1, description="points of cusp curves in each interval between transitions, at most"
+        default=50, ge=1, description="maximum number of sample points per cusp curve in each interval"
     )
     min_digits: int = Field(
         default=MIN_DIGITS,
         ge=MIN_DIGITS,
         le=MAX_DIGITS,
-        description="significant digits of an answer, at least",
+        description="minimum number of significant digits of an answer",
     )
     max_digits: int = Field(
         default=MAX_DIGITS,
         ge=MIN_DIGITS,
         le=MAX_DIGITS,
-        description="significant digits of an answer, at most",
+        description="maximum number of significant digits of an answer",
     )
     default_digits: int = Field(
-        default=90, ge=MIN_DIGITS, le=MAX_DIGITS, description="significant digits when a request does not say"
+        default=90,
+        ge=MIN_DIGITS,
+        le=MAX_DIGITS,
+        description="number of significant digits when a request gives none",
     )
     max_number_digits: int = Field(
         default=400,
         ge=1,
         le=4000,
-        description="digits of an input number's numerator and of its denominator, at most",
+        description="maximum number of digits in the numerator or denominator of an input number",
     )
-    max_body_bytes: int = Field(default=1 << 20, ge=1, description="bytes of a request body, at most")
+    max_body_bytes: int = Field(default=1 << 20, ge=1, description="maximum size of a request body, in bytes")
     max_wait_seconds: int = Field(
-        default=30, ge=0, description="seconds that `Prefer: wait` can hold a request"
+        default=30, ge=0, description="maximum time that `Prefer: wait` can hold a request, in seconds"
     )
 
 
@@ -54,5 +57,5 @@ class LimitError(InputError):
     """The input is right, but larger than a limit allows."""
 
     def __init__(self, field: str, limit: str, value: int, sent: str) -> None:
-        self.limit, self.value, self.sent = limit, value, sent
+        self.limit, self.value = limit, value
         super().__init__([FieldProblem(field, f"{sent}; the limit {limit} is {value}")])

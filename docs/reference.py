@@ -1,0 +1,125 @@
+"""Writes the tables of docs/reference.md from the code they describe.
+
+python docs/reference.py            rewrite what stands between the markers
+python docs/reference.py --check    write nothing; exit 1 with a diff when it differs
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import inspect
+import re
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+from pydantic_settings import BaseSettings
+
+import rpr_solver
+from service.api.problems import ProblemType
+from service.api.settings import Settings
+from service.cli.main import _parser
+from service.schemas.limits import Limits
+from worker.settings import WorkerSettings
+
+FILE = Path(__file__).with_name("reference.md")
+GROUPS: dict[str, type[BaseSettings]] = {
+    "limits of requests": Limits,
+    "API process": Settings,
+    "jobs and workers": WorkerSettings,
+}
+
+
+def settings() -> Iterator[str]:
+    """Every setting, group by group."""
+    for group, model in GROUPS.items():
+        rows = [
+            (f"`RPR_CUSPS_{name.upper()}`", f"`{field.default}`", field.description or "")
+            for name, field in model.model_fields.items()
+            if field.annotation is not Limits
+        ]
+        yield from table((group, "default", "meaning"), rows)
+
+
+def problems() -> Iterator[str]:
+    """Every type of problem, by status."""
+    infos = sorted((kind.value for kind in ProblemType), key=lambda info: (info.status, info.slug))
+    rows = [(f"`{info.slug}`", str(info.status), info.meaning) for info in infos]
+    return table(("type, at `/problems/…`", "status", "meaning"), rows)
+
+
+def options() -> Iterator[str]:
+    """Every option of every command."""
+    for name, command in commands():
+        yield from table((f"`rpr-cusps {name}`", "meaning"), map(option_row, visible(command)))
+
+
+def names() -> Iterator[str]:
+    """Every public name of the solver."""
+    rows = []
+    for name in rpr_solver.__all__:
+        value = getattr(rpr_solver, name)
+        if inspect.isclass(value) or inspect.isfunction(value):
+            summary = " ".join((inspect.getdoc(value) or "").partition("\n\n")[0].split())
+            meaning = re.sub(r":\w+:`|``", "`", summary)
+        else:
+            meaning = f"`{', '.join(value) if isinstance(value, Mapping) else value}`"
+        rows.append((f"`{name}`", meaning))
+    return table(("`rpr_solver.`", "meaning"), rows)
+
+
+def commands() -> list[tuple[str, argparse.ArgumentParser]]:
+    """The commands of `rpr-cusps` and their parsers."""
+    [choices] = [a.choices for a in _parser()._actions if isinstance(a, argparse._SubParsersAction)]
+    return list(choices.items())
+
+
+def visible(parser: argparse.ArgumentParser) -> list[argparse.Action]:
+    """The arguments of a parser that its help shows, but for the help itself."""
+    return [a for a in parser._actions if a.help != argparse.SUPPRESS and a.dest != "help"]
+
+
+def option_row(action: argparse.Action) -> tuple[str, str]:
+    """An argument as it is written, and its help."""
+    value = action.metavar or (f"{{{','.join(action.choices)}}}" if action.choices else action.dest.upper())
+    shown = [f"{name} {value}" if action.nargs != 0 else name for name in action.option_strings] or [value]
+    return ", ".join(f"`{text}`" for text in shown), action.help or ""
+
+
+def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
+    """A table in Markdown, and the empty line behind it."""
+    for row in (head, ("---",) * len(head), *rows):
+        yield f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |"
+    yield ""
+
+
+def rewritten(text: str) -> str:
+    """The document with all tables made afresh."""
+    for part in (settings, problems, options, names):
+        begin, end = f"<!-- {part.__name__} -->\n", f"<!-- end of {part.__name__} -->\n"
+        before, _, rest = text.partition(begin)
+        _, found, after = rest.partition(end)
+        assert found, f"{FILE.name} has no markers for {part.__name__}"
+        text = before + begin + "\n" + "\n".join(part()) + "\n" + end + after
+    return text
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Write or check the tables."""
+    parser = argparse.ArgumentParser(prog="python docs/reference.py", description=main.__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 with a diff")
+    check = parser.parse_args(argv).check
+    old = FILE.read_text(encoding="utf-8")
+    new = rewritten(old)
+    if not check:
+        FILE.write_text(new, encoding="utf-8")
+        return 0
+    sys.stdout.writelines(
+        difflib.unified_diff(old.splitlines(True), new.splitlines(True), FILE.name, "the code")
+    )
+    return int(old != new)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
