@@ -43,7 +43,9 @@ class WorkerSettings(BaseSettings):
         default=30 * 86400, ge=1, description="how long an eliminant is kept, in seconds"
     )
     eliminant_lock: float = Field(
-        default=30.0, gt=0, description="how long workers wait for another one that computes the same, in seconds"
+        default=30.0,
+        gt=0,
+        description="how long one worker computes while others wait for it, in seconds",
     )
 
     beat_interval: float = Field(
