@@ -77,7 +77,7 @@ class Chunk:
 
 
 class JobRecords:
-    """Reads and changes job records. Every change is one atomic script; see `worker.scripts`."""
+    """Reads and changes job records. Every change is one atomic script; see `worker.jobs.scripts`."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
