@@ -10,13 +10,13 @@ import time
 from collections.abc import Callable
 from fractions import Fraction
 
-from flint import fmpz_mpoly, fmpz_mpoly_ctx
+from flint import fmpz_mpoly
 
 from rpr_solver import EXAMPLES, Requirement, census, check, cusp_curves, eliminate, solve_slice
-from rpr_solver.model.slice_map import BiForm, SliceMap
+from rpr_solver.exact.biform import OMEGA
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import EventSystems
 
-RING = fmpz_mpoly_ctx.get(("t", "u", "w"), "lex")
 MANIPULATOR = EXAMPLES["innocenti"]
 
 
@@ -31,23 +31,10 @@ def timed(function: Callable[[], object], repeats: int = 3) -> float:
     return statistics.median(samples)
 
 
-def polynomial(form: BiForm) -> fmpz_mpoly:
-    """A form in t, u and w = omega."""
-    return RING.from_dict(
-        {
-            (i, k, w): c
-            for i, row in enumerate(form.coefficients)
-            for w, part in enumerate(row[0])
-            for k, c in enumerate(part.coeffs())
-            if c
-        }
-    )
-
-
 def naive_critical(systems: EventSystems) -> fmpz_mpoly:
     """The resultant for lips and beaks in one go."""
-    first, second = polynomial(systems.critical.first), polynomial(systems.critical.second)
-    return divmod(first.resultant(second, "t"), RING.gen(2) ** 2 - systems.slice_map.radicand)[1]
+    first, second = systems.critical.first.joined, systems.critical.second.joined
+    return first.resultant(second, "t") % (OMEGA**2 - systems.slice_map.radicand)
 
 
 def main() -> None:

@@ -14,15 +14,15 @@ from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
 
-from flint import acb_poly, arb, ctx, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import acb_poly, arb, ctx, fmpz_mpoly
 
 from rpr_solver import EXAMPLES, eliminate, solve_slice
-from rpr_solver.model.slice_map import BiForm, SliceMap
+from rpr_solver.exact.biform import OMEGA, BiForm, L, U
+from rpr_solver.model.slice_map import SliceMap
 
 REPEATS = 7
 MANIPULATOR = EXAMPLES["innocenti"]
 LENGTHS = [Fraction(n, 100) for n in (1498, 2700, 3400, 2810)]
-RING = fmpz_mpoly_ctx.get(("t", "u", "w", "L"), "lex")
 
 
 def timed(function: Callable[[], object], repeats: int = REPEATS) -> float:
@@ -36,52 +36,26 @@ def timed(function: Callable[[], object], repeats: int = REPEATS) -> float:
     return statistics.median(samples)
 
 
-def polynomial(form: BiForm) -> fmpz_mpoly:
-    """A form in t, u, w = omega and L."""
-    return RING.from_dict(
-        {
-            (i, k, w, power): c
-            for i, row in enumerate(form.coefficients)
-            for power, pair in enumerate(row)
-            for w, part in enumerate(pair)
-            for k, c in enumerate(part.coeffs())
-            if c
-        }
-    )
-
-
 def naive_elimination(slice_map: SliceMap) -> fmpz_mpoly:
     """Res_t(J, E) over Z[omega], symbolic in L, divided by its known factors."""
-    _, u, w, length = RING.gens()
-    resultant = polynomial(slice_map.singular).resultant(polynomial(slice_map.coalescence), "t")
-    reduced = divmod(resultant, w**2 - slice_map.radicand)[1]
+    resultant = slice_map.singular.joined.resultant(slice_map.coalescence.joined, "t")
     f = slice_map.f
-    closed = (length**2 + f.ax**2 - f.m**2) * (1 + u**2) - 2 * length * f.ax * (1 - u**2)
-    return reduced / (u**2 * (u**2 + 1) ** 9 * closed)
+    closed = (L**2 + f.ax**2 - f.m**2) * (1 + U**2) - 2 * L * f.ax * (1 - U**2)
+    return resultant % (OMEGA**2 - slice_map.radicand) / (U**2 * (U**2 + 1) ** 9 * closed)
 
 
 def naive_slice(slice_map: SliceMap, length: Fraction) -> list[arb]:
     """The real roots u of one slice: resultant at this L1, division, FLINT's roots to 90 digits."""
-    j, e = ([(a, b) for a, b in form.at(length)] for form in (slice_map.singular, slice_map.coalescence))
-
-    def joined(rows: list[tuple[fmpz_poly, fmpz_poly]]) -> fmpz_mpoly:
-        return RING.from_dict(
-            {
-                (i, k, w, 0): c
-                for i, row in enumerate(rows)
-                for w, part in enumerate(row)
-                for k, c in enumerate(part.coeffs())
-                if c
-            }
-        )
-
-    _, u, w, _ = RING.gens()
-    resultant = divmod(joined(j).resultant(joined(e), "t"), w**2 - slice_map.radicand)[1]
-    closed = slice_map.closed_leg(length)
-    known = u**2 * (u**2 + 1) ** 9 * (int(closed[0]) + int(closed[1]) * u + int(closed[2]) * u**2)
+    j, e = (
+        BiForm.of_rows(form.at(length), form.degree_u).joined
+        for form in (slice_map.singular, slice_map.coalescence)
+    )
+    resultant = j.resultant(e, "t") % (OMEGA**2 - slice_map.radicand)
+    closed = slice_map.f.closed(length)
+    known = U**2 * (U**2 + 1) ** 9 * (closed[0] + closed[1] * U + closed[2] * U**2)
     q = resultant / known
     parts = [[0] * 25, [0] * 25]
-    for (_, k, power, _), c in q.to_dict().items():
+    for (_, k, _, power), c in q.to_dict().items():
         parts[power][k] = c
     with ctx.workprec(400):
         omega = arb(slice_map.radicand).sqrt()

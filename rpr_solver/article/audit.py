@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, ctx, fmpz_poly
+from flint import arb, ctx
 
 from rpr_solver.article.couples import (
     Couple,
@@ -37,16 +37,15 @@ from rpr_solver.article.couples import (
     exact_couple,
     rejected_by_balls,
 )
-from rpr_solver.article.eliminant import DEGREE, DEGREE_Q, ArticleEliminant, KnownFactor, article_forms
+from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, KnownFactor, article_forms
 from rpr_solver.contract import DEFAULT_DIGITS
 from rpr_solver.errors import InputError, SolverError
+from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.decimals import digit_bits
-from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, root_and_omega, value_at
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
 from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
-from rpr_solver.exact.quadratic import Pair
 from rpr_solver.exact.rationals import parse_exact
-from rpr_solver.exact.real_roots import RealPolynomial
 from rpr_solver.model.classify import CUSP
 from rpr_solver.model.half_tangent import HalfTangent, common_root
 from rpr_solver.model.manipulator import Manipulator
@@ -122,7 +121,7 @@ class _Row:
     def to_json(self) -> dict[str, object]:
         return {
             "origin": self.factor.origin,
-            "degree": self.factor.degree,
+            "degree": self.factor.form.degree,
             "multiplicity": self.factor.multiplicity,
             "irreducible": [{"degree": d, "multiplicity": m} for d, m in self.irreducible],
             "reason": self.factor.reason,
@@ -142,7 +141,7 @@ class _Audit:
         self._seen: set[object] = set()
 
     def table(self) -> ArticleTable:
-        q = KnownFactor(self.eliminant.q, DEGREE_Q, 1, _Q, _Q_REASON)
+        q = KnownFactor(self.eliminant.q, 1, _Q, _Q_REASON)
         last = self._row(q)  # first, so that a root shared with another factor is its own
         rows = [*map(self._row, self.eliminant.known), last]
         found = in_order(x for row in rows for x in row.found)
@@ -153,7 +152,7 @@ class _Audit:
             "real_roots": sum(row.real_roots for row in rows),
             "factors": [
                 {
-                    "degree": row.factor.degree,
+                    "degree": row.factor.form.degree,
                     "multiplicity": row.factor.multiplicity,
                     "origin": "cusps" if row is last else row.factor.origin,
                 }
@@ -194,20 +193,19 @@ class _Audit:
 
     def _row(self, factor: KnownFactor) -> _Row:
         """Steps 5–7 for the real roots of one factor."""
-        factors = norm_factors(factor.pair, self.slice_map.radicand)
+        factors = norm_factors(factor.form.polynomial)
         row = _Row(factor, [shape for f in factors for shape in f.shape])
         for root in exact_roots(factors):
             if self._new((str(root.root.polynomial.a), root.root.ball.mid().man_exp())):
                 row.real_roots += 1
                 if not (root.multiplicity == 1 and self._by_balls(row, root)):
-                    self._exactly(row, root, self.eliminant.f1, self.eliminant.e1, self.scaled)
-        at_infinity = factor.degree - max(part.degree() for part in factor.pair)
-        if at_infinity:
-            row.irreducible.append((1, int(at_infinity)))
+                    self._exactly(row, root, (self.eliminant.f1, self.eliminant.e1), self.scaled)
+        if at_infinity := factor.form.zeros_at_infinity:
+            row.irreducible.append((1, at_infinity))
             if self._new("infinity"):
                 row.real_roots += 1
-                [zero] = exact_roots(norm_factors((fmpz_poly([0, 1]), fmpz_poly([])), 1))
-                self._exactly(row, zero, *article_forms(self.slice_map, -self.scaled), -self.scaled)
+                zero = ExactRoot.origin(self.slice_map.radicand)
+                self._exactly(row, zero, article_forms(self.slice_map, -self.scaled), -self.scaled)
         return row
 
     def _new(self, key: object) -> bool:
@@ -218,7 +216,7 @@ class _Audit:
 
     def _by_balls(self, row: _Row, root: ExactRoot) -> bool:
         """The one couple above a simple root, proved a cusp or none; False where balls do not tell."""
-        flat, radicand = self.eliminant.flat, self.slice_map.radicand
+        flat = self.eliminant.flat
         if flat and row.factor.origin != _Q:
             return False
 
@@ -227,8 +225,7 @@ class _Audit:
             poses = SlicePoses(self.slice_map, self.scaled, bits)
             with ctx.workprec(bits):
                 f1, e1 = (
-                    [RealPolynomial(a, b, radicand).ball(bits)(u) for a, b in form]
-                    for form in (self.eliminant.f1, self.eliminant.e1)
+                    [c.ball(bits)(u) for c in form.rows] for form in (self.eliminant.f1, self.eliminant.e1)
                 )
                 # for h = 0 (14) is void; above a root of Q it is J and E that have one common root
                 t = poses.alpha(u) if flat else common_root(f1, e1)
@@ -256,32 +253,31 @@ class _Audit:
         row.add(couple_by_balls(cusp), found)
         return True
 
-    def _exactly(
-        self, row: _Row, root: ExactRoot, f1: Sequence[Pair], e1: Sequence[Pair], length: Fraction
-    ) -> None:
+    def _exactly(self, row: _Row, root: ExactRoot, forms: tuple[BiForm, BiForm], length: Fraction) -> None:
         """All couples above one root, classified over a number field; ``length`` is −L1 for θ1 = 180°."""
         flat, offset = self.eliminant.flat, 0 if length > 0 else 180
-        second = self.slice_map.coalescence.at(length) if flat else e1
-        for u, omega in root_and_omega(self.slice_map.radicand, root):
-            f1_at, e1_at = ([value_at(pair, u, omega) for pair in form] for form in (f1, second))
-            if not trimmed(f1_at):
-                raise SolverError("(13) holds on a whole line theta1 = const; the algorithm ends here")
-            couples: list[tuple[Algebraic | None, Algebraic, Algebraic]] = []
-            if f1_at[-1].is_zero and e1_at[-1].is_zero:
-                couples.append((None, u, omega))
-            common = poly_gcd(trimmed(f1_at), trimmed(e1_at))
-            if len(common) > 1:
-                extensions = adjoin_real_roots(u.field, squarefree_part(common))
-                couples += [(x.root, x.lift(u), x.lift(omega)) for x in extensions]
-            for t, at_u, at_omega in couples:
-                row.add(*exact_couple(self.slice_map, length, t, at_u, at_omega, offset, self.digits))
-            bits = digit_bits(self.digits)
-            with ctx.workprec(bits):
-                finite = count_real([c.ball(bits) for c in squarefree_part(trimmed(f1_at))])
-            if flat or finite is None:
-                row.reject(None, 0)
-            else:
-                row.reject(finite + f1_at[-1].is_zero, len(couples))
+        f1, e1 = (form.rows for form in forms)
+        u, omega = root.in_field()
+        f1_at = [c(u, omega) for c in f1]
+        e1_at = [c(u, omega) for c in (self.slice_map.coalescence.at(length) if flat else e1)]
+        if not trimmed(f1_at):
+            raise SolverError("(13) holds on a whole line theta1 = const; the algorithm ends here")
+        couples: list[tuple[Algebraic | None, Algebraic, Algebraic]] = []
+        if f1_at[-1].is_zero and e1_at[-1].is_zero:
+            couples.append((None, u, omega))
+        common = poly_gcd(trimmed(f1_at), trimmed(e1_at))
+        if len(common) > 1:
+            extensions = adjoin_real_roots(u.field, squarefree_part(common))
+            couples += [(x.root, x.lift(u), x.lift(omega)) for x in extensions]
+        for t, at_u, at_omega in couples:
+            row.add(*exact_couple(self.slice_map, length, t, at_u, at_omega, offset, self.digits))
+        bits = digit_bits(self.digits)
+        with ctx.workprec(bits):
+            finite = count_real([c.ball(bits) for c in squarefree_part(trimmed(f1_at))])
+        if flat or finite is None:
+            row.reject(None, 0)
+        else:
+            row.reject(finite + f1_at[-1].is_zero, len(couples))
 
 
 def article_document(

@@ -26,32 +26,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
+from math import isqrt
 
-from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly, nmod_mat, nmod_poly
+from flint import fmpz_mpoly, fmpz_poly
 
 from rpr_solver.article.equations import Legs, coalescence
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.modular import formal_resultant, reconstruct, residue, vandermonde
-from rpr_solver.exact.quadratic import Pair, primitive_pair
+from rpr_solver.exact.biform import OMEGA, BiForm, L, T, U
+from rpr_solver.exact.elimination import resultant, resultant_bound
+from rpr_solver.exact.modular import interpolated, reconstruct, resultants
+from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 DEGREE = 96
-DEGREE_Q = 24
-_RING = fmpz_mpoly_ctx.get(("t", "u", "omega"), "lex")
-_T, _U, _OMEGA = _RING.gens()
-_ONE_T, _ONE_U = 1 + _T**2, 1 + _U**2
-_ZERO = fmpz_poly([])
-_Form = tuple[tuple[fmpz_poly, ...], ...]
-"""Coefficients of tⁱ, each by powers of ω."""
+_ONE_T, _ONE_U = 1 + T**2, 1 + U**2
 
 
 @dataclass(frozen=True)
 class KnownFactor:
-    """A factor in closed form: a form in u of this degree, what it is, and why it holds no cusp."""
+    """A factor in closed form: a form in u, what it is, and why it holds no cusp."""
 
-    pair: Pair
-    degree: int
+    form: Form
     multiplicity: int
     origin: str
     reason: str
@@ -65,13 +60,13 @@ class ArticleEliminant:
 
     slice_map: SliceMap
     length: Fraction
-    f1: tuple[Pair, ...]
-    e1: tuple[Pair, ...]
+    f1: BiForm
+    e1: BiForm
     flat: bool
     """h = 0, so that (14) follows from (13) and says nothing."""
-    whole: Pair
+    whole: Form
     known: tuple[KnownFactor, ...]
-    q: Pair
+    q: Form
 
     @classmethod
     def of(cls, slice_map: SliceMap, length: Fraction) -> ArticleEliminant:
@@ -82,8 +77,8 @@ class ArticleEliminant:
         """
         flat = slice_map.g.n == 0
         f1, e1 = article_forms(slice_map, length)
-        whole = _flat_eliminant(slice_map, length) if flat else _eliminant(slice_map, f1, e1)
-        if not (whole[0] or whole[1]):
+        whole = _flat_eliminant(slice_map, length) if flat else resultant(f1, e1)
+        if whole.polynomial.is_zero:
             raise SolverError(
                 "the article's eliminant vanishes identically in this slice:"
                 " (13) and (14) hold together on a whole curve of poses, and its algorithm gives no answer"
@@ -92,39 +87,33 @@ class ArticleEliminant:
         q = whole
         for factor in known:
             for _ in range(factor.multiplicity):
-                q = _quotient(q, factor.pair, slice_map.radicand)
+                q = q.quotient(factor.form)
         return cls(slice_map, length, f1, e1, flat, whole, known, q)
 
 
-def article_forms(slice_map: SliceMap, length: Fraction) -> tuple[tuple[Pair, ...], tuple[Pair, ...]]:
-    """Steps 1 and 2: (13) and (14) by coefficients of t, of degrees 4 and 12, for a scaled L1."""
-    f1, e1 = _equations(slice_map, length, slice_map.g.n, slice_map.radicand)
-    return _pairs(f1), _pairs(e1)
+def article_forms(slice_map: SliceMap, length: Fraction) -> tuple[BiForm, BiForm]:
+    """Steps 1 and 2: (13) and (14) as forms of degrees 4 and 12 in both t and u, for a scaled L1."""
+    f1, e1 = _equations(slice_map, length, slice_map.g.n * OMEGA)
+    return f1.primitive(), e1.primitive()
 
 
-def _equations(
-    slice_map: SliceMap, length: Fraction, height: int, radicand: int | None
-) -> tuple[_Form, _Form]:
-    """(13) and (14) for B3 at the height ``height`` ω; ω stays a symbol where ``radicand`` is None."""
+def _equations(slice_map: SliceMap, length: Fraction, height: fmpz_mpoly) -> tuple[BiForm, BiForm]:
+    """(13) and (14) for B3 at this height, a constant or a symbol."""
     n, d = length.numerator, length.denominator
     one = _ONE_T * _ONE_U
-    x1, y1 = (1 - _U**2) * _ONE_T * n, 2 * _U * _ONE_T * n
-    cos, sin = 1 - _T**2, 2 * _T
+    x1, y1 = (1 - U**2) * _ONE_T * n, 2 * U * _ONE_T * n
+    cos, sin = 1 - T**2, 2 * T
 
-    def vector(leg: Leg, height: int) -> tuple[fmpz_mpoly, fmpz_mpoly]:  # (12), times Lᵢ
-        x, y = cos * leg.m - sin * height * _OMEGA, sin * leg.m + cos * height * _OMEGA
+    def vector(leg: Leg, height: fmpz_mpoly | int) -> tuple[fmpz_mpoly, fmpz_mpoly]:  # (12), times Lᵢ
+        x, y = cos * leg.m - sin * height, sin * leg.m + cos * height
         return x1 + d * (x * _ONE_U - leg.ax * one), y1 + d * (y * _ONE_U - leg.ay * one)
-
-    def reduced(polynomial: fmpz_mpoly) -> fmpz_mpoly:
-        return polynomial if radicand is None else _reduced(polynomial, radicand)
 
     f, g = slice_map.f, slice_map.g
     legs = Legs(((x1, y1), vector(f, 0), vector(g, height)), d * f.ax, d * g.ax, d * g.ay, one)
-    f1 = reduced(legs.singularity) / one
-    k = {i: reduced(x) / one for i, x in legs.k.items()}
-    h = [[[reduced(x) / one for x in row] for row in m] for m in legs.second_derivatives]
-    e1 = reduced(coalescence(k, h)) / one
-    return _by_power(f1, 4), _by_power(e1, 12)
+    k = {i: x / one for i, x in legs.k.items()}
+    h = [[[x / one for x in row] for row in m] for m in legs.second_derivatives]
+    f1, e1 = legs.singularity / one, coalescence(k, h) / one
+    return BiForm.of(f1, slice_map.radicand, 4, 4), BiForm.of(e1, slice_map.radicand, 12, 12)
 
 
 def known_factors(slice_map: SliceMap, length: Fraction) -> tuple[KnownFactor, ...]:
@@ -132,10 +121,6 @@ def known_factors(slice_map: SliceMap, length: Fraction) -> tuple[KnownFactor, .
     f, g = slice_map.f, slice_map.g
     n, d = length.numerator, length.denominator
     cos, sin, one = fmpz_poly([1, 0, -1]), fmpz_poly([0, 2]), fmpz_poly([1, 0, 1])
-
-    def closed(leg: Leg) -> Pair:  # |X − a|² = |m|²
-        constant = n * n + d * d * (leg.ax**2 + leg.ay**2 - leg.m**2 - leg.n**2 * slice_map.radicand)
-        return one * constant - (cos * leg.ax + sin * leg.ay) * (2 * n * d), _ZERO
 
     side = g.ax - f.ax, g.ay - f.ay
     # B1 is as far from the line A2A3 as from the line B2B3: |B2B3| is the same number of units
@@ -145,10 +130,11 @@ def known_factors(slice_map: SliceMap, length: Fraction) -> tuple[KnownFactor, .
     platform2 = bx**2 + by**2 * slice_map.radicand
     along = distance * distance * platform2 - one * one * (d * d * area2 * (side[0] ** 2 + side[1] ** 2))
 
-    def angle(dot_m: int, cross_m: int, dot: fmpz_poly, cross: fmpz_poly) -> Pair:
+    def angle(dot_m: int, cross_m: int, dot: fmpz_poly, cross: fmpz_poly) -> QuadraticPoly:
         """Two directed angles are equal modulo 180°; the platform's cross product holds ω."""
-        first, second = cross * dot_m, dot * -cross_m
-        return (first + second, _ZERO) if slice_map.rational else (first, second)
+        radicand, parts = slice_map.radicand, (cross * dot_m, dot * -cross_m)
+        first, second = (QuadraticPoly.rational(part, radicand) for part in parts)
+        return first + QuadraticPoly.omega(radicand) * second
 
     # at B1: from A2 and A3 as from B2 and B3
     dot = one * (n * n + d * d * (f.ax * g.ax + f.ay * g.ay))
@@ -158,61 +144,53 @@ def known_factors(slice_map: SliceMap, length: Fraction) -> tuple[KnownFactor, .
     at_b1 = angle(f.m * g.m + f.n * g.n * slice_map.radicand, f.m * g.n - f.n * g.m, dot, cross)
 
     # at B3 = ρ e(θ): from A1 and A2 as from B1 and B2, with ρ = L1 ± d3
-    d3 = Fraction(g.m**2 + g.n**2 * slice_map.radicand)
-    root = Fraction(int(fmpz(d3.numerator).isqrt()))
+    d3 = isqrt(g.platform2)
     dot_m = g.m * bx + g.n * by * slice_map.radicand
     cross_m = g.m * by - g.n * bx
 
-    def at_b3(rho: Fraction) -> Pair:
+    def at_b3(rho: Fraction) -> QuadraticPoly:
         p, q = rho.numerator, rho.denominator
         to_a1_a2 = one * p - (cos * f.ax + sin * f.ay) * q
         turn = -(cos * f.ay - sin * f.ax) * q
         return angle(dot_m, cross_m, to_a1_a2, turn)
 
     def factor(
-        pair: Pair, degree: int, multiplicity: int, origin: str, reason: str, closed_leg: int | None = None
+        polynomial: QuadraticPoly | fmpz_poly,
+        degree: int,
+        multiplicity: int,
+        origin: str,
+        reason: str,
+        closed_leg: int | None = None,
     ) -> KnownFactor:
-        return KnownFactor(primitive_pair(*pair), degree, multiplicity, origin, reason, closed_leg)
+        if isinstance(polynomial, fmpz_poly):
+            polynomial = QuadraticPoly.rational(polynomial, slice_map.radicand)
+        return KnownFactor(Form(polynomial.primitive(), degree), multiplicity, origin, reason, closed_leg)
 
     row, column = "the adjugate's first row vanishes", "the adjugate's first column vanishes"
-    collinear = fmpz_poly([g.ay, -2 * g.ax, -g.ay]), _ZERO
     meets = "the three leg lines meet in"
     return (
-        factor((one, _ZERO), 2, 18, "circular points", "u² = −1 is no angle"),
-        factor(closed(f), 2, 2, "L2 = 0", "leg 2 has length zero", 2),
-        factor(closed(g), 2, 2, "L3 = 0", "leg 3 has length zero", 3),
-        factor(collinear, 2, 4, "legs 1 and 3 on line A1A3", f"k2 = k4 = 0: {column}"),
-        factor((along, _ZERO), 4, 2, "legs 2 and 3 on line A2A3", f"k1 = k3 = 0: {column}"),
+        factor(one, 2, 18, "circular points", "u² = −1 is no angle"),
+        factor(f.closed(length), 2, 2, "L2 = 0", "leg 2 has length zero", 2),
+        factor(g.closed(length), 2, 2, "L3 = 0", "leg 3 has length zero", 3),
+        factor(g.collinear(), 2, 4, "legs 1 and 3 on line A1A3", f"k2 = k4 = 0: {column}"),
+        factor(along, 4, 2, "legs 2 and 3 on line A2A3", f"k1 = k3 = 0: {column}"),
         factor(at_b1, 2, 2, f"{meets} B1", f"k2 = k5 = 0: {row}"),
-        factor(at_b3(length + root), 2, 2, f"{meets} B3, |A1B3| = L1 + d3", f"k1 = k4 = 0: {column}"),
-        factor(at_b3(length - root), 2, 2, f"{meets} B3, |A1B3| = |L1 - d3|", f"k1 = k4 = 0: {column}"),
+        factor(at_b3(length + d3), 2, 2, f"{meets} B3, |A1B3| = L1 + d3", f"k1 = k4 = 0: {column}"),
+        factor(at_b3(length - d3), 2, 2, f"{meets} B3, |A1B3| = |L1 - d3|", f"k1 = k4 = 0: {column}"),
     )
 
 
-def _eliminant(slice_map: SliceMap, f1: tuple[Pair, ...], e1: tuple[Pair, ...]) -> Pair:
-    """Step 4: Res_t(F1, E1) with formal degrees, from its values modulo primes."""
-
-    def image(p: int, omega: int, _: bool) -> list[int]:
-        return _resultant_modulo(f1, e1, p, omega)
-
-    omega = int(fmpz(slice_map.radicand).isqrt()) + 1
-    bound = _norm1(f1, omega) ** (len(e1) - 1) * _norm1(e1, omega) ** (len(f1) - 1)
-    a, b = reconstruct(slice_map.primes(), image, bound, rational=slice_map.rational)
-    return fmpz_poly(a), fmpz_poly(b)
-
-
-def _flat_eliminant(slice_map: SliceMap, length: Fraction) -> Pair:
+def _flat_eliminant(slice_map: SliceMap, length: Fraction) -> Form:
     """Step 4 with h a symbol: the coefficient of the lowest power of h in Res_t(F1, E1)."""
-    f1, e1 = _equations(slice_map, length, 1, None)
-    degree = sum((len(other) - 1) * (max(map(len, form)) - 1) for form, other in ((f1, e1), (e1, f1)))
-    heights = range(1, degree + 2)
+    f1, e1 = _equations(slice_map, length, L)  # L1 is put in, so that L is free to be h
+    degree = sum(p.degree_t * (len(q.coefficients[0]) - 1) for p, q in ((f1, e1), (e1, f1)))
+    heights, us = range(1, degree + 2), range(DEGREE + 1)
     lowest = degree + 1
 
-    def image(p: int, _omega: int, _first: bool) -> list[int]:
+    def image(p: int, omega: int, _first: bool) -> list[int]:
         nonlocal lowest
-        values = [x for height in heights for x in _resultant_modulo(f1, e1, p, height)]
-        by_power = vandermonde(heights, p).inv() * nmod_mat(len(heights), DEGREE + 1, values, p)
-        rows = [[int(by_power[i, k]) for k in range(DEGREE + 1)] for i in range(len(heights))]
+        first, second = f1.residue(p, omega), e1.residue(p, omega)
+        rows = interpolated([resultants(first.at(h), second.at(h), us) for h in heights], us, heights, p)
         order = next((i for i, row in enumerate(rows) if any(row)), degree)
         if lowest > degree:
             lowest = order
@@ -220,80 +198,5 @@ def _flat_eliminant(slice_map: SliceMap, length: Fraction) -> Pair:
             raise SolverError("the first prime divides the lowest coefficient in h; please report this")
         return rows[lowest]
 
-    bound = _norm1(f1, 1) ** (len(e1) - 1) * _norm1(e1, 1) ** (len(f1) - 1)
-    a, _ = reconstruct(slice_map.primes(), image, bound, rational=True)
-    return fmpz_poly(a), _ZERO
-
-
-def _resultant_modulo(f1: _Form, e1: _Form, p: int, omega: int) -> list[int]:
-    """The coefficients of Res_t(F1, E1) modulo p at one value of ω."""
-    points = range(DEGREE + 1)
-    first, second = (
-        [
-            sum((residue(c, p) * pow(omega, k, p) for k, c in enumerate(row)), nmod_poly([0], p))
-            for row in form
-        ]
-        for form in (f1, e1)
-    )
-    values = [formal_resultant([int(c(u)) for c in first], [int(c(u)) for c in second], p) for u in points]
-    return [int(x) for x in (_interpolation(p) * nmod_mat(DEGREE + 1, 1, values, p)).entries()]
-
-
-@lru_cache(maxsize=2)
-def _interpolation(p: int) -> nmod_mat:
-    """From the values at 0 … 96 to the coefficients; one prime serves several values of ω."""
-    return vandermonde(range(DEGREE + 1), p).inv()
-
-
-def _norm1(form: _Form, omega: int) -> int:
-    """The sum of the absolute values of all coefficients."""
-    return sum(abs(int(c)) * omega**k for row in form for k, part in enumerate(row) for c in part.coeffs())
-
-
-def _quotient(pair: Pair, by: Pair, radicand: int) -> Pair:
-    """The quotient over ℚ(ω), primitive.
-
-    Raises:
-        SolverError: the division leaves a remainder, against the identity.
-    """
-    (a, b), (c, d) = pair, by
-    if d:
-        a, b = a * c - b * d * radicand, b * c - a * d
-        c = c * c - d * d * radicand
-    c = primitive_pair(c, _ZERO)[0]
-    if not c or a % c or b % c:
-        raise SolverError("the article's eliminant does not have its known factors; please report this")
-    return primitive_pair(a / c, b / c)
-
-
-def _reduced(polynomial: fmpz_mpoly, radicand: int) -> fmpz_mpoly:
-    """With ω² replaced by its value."""
-    terms: dict[tuple[int, ...], int | fmpz] = {}
-    for (i, k, power), c in polynomial.to_dict().items():
-        key = (i, k, 0 if radicand == 1 else power % 2)
-        terms[key] = terms.get(key, 0) + c * fmpz(radicand) ** (power // 2)
-    return _RING.from_dict(terms)
-
-
-def _by_power(polynomial: fmpz_mpoly, degree: int) -> _Form:
-    """The coefficients of t⁰ … t^degree, each by powers of ω (at least two), in u."""
-    terms = polynomial.to_dict()
-    powers = max([1, *(omega for _, _, omega in terms)]) + 1
-    rows: list[list[dict[int, fmpz]]] = [[{} for _ in range(powers)] for _ in range(degree + 1)]
-    for (i, k, omega), c in terms.items():
-        rows[i][omega][k] = c
-    return tuple(tuple(_univariate(part) for part in row) for row in rows)
-
-
-def _pairs(form: _Form) -> tuple[Pair, ...]:
-    """A form reduced by ω², without its content."""
-    content = fmpz(0)
-    for row in form:
-        for part in row:
-            content = content.gcd(part.content())
-    divisor = content or fmpz(1)
-    return tuple((row[0] / divisor, row[1] / divisor) for row in form)
-
-
-def _univariate(terms: dict[int, fmpz]) -> fmpz_poly:
-    return fmpz_poly([terms.get(k, 0) for k in range(max(terms, default=-1) + 1)])
+    a, b = reconstruct(slice_map.radicand, image, resultant_bound(f1, e1))
+    return Form(QuadraticPoly(fmpz_poly(a), fmpz_poly(b), slice_map.radicand), DEGREE)

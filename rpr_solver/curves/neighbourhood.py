@@ -6,17 +6,16 @@ any pose to x = y = 0, so none of them is at infinity.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from flint import arb, arb_mat, arb_poly, fmpz_poly
+from flint import arb, arb_mat, arb_poly
 
-from rpr_solver.exact.quadratic import Pair
-from rpr_solver.exact.real_roots import RealPolynomial, omega_ball
+from rpr_solver.exact.biform import BiForm, T, U
+from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.half_tangent import HalfTangent, pose_of
 from rpr_solver.model.jets import LocalMap
-from rpr_solver.model.slice_map import BiForm, Leg, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 
 ORDER = 6
 ALONG_L = 2
@@ -47,23 +46,17 @@ class CuspForms:
     def __init__(self, slice_map: SliceMap) -> None:
         self.slice_map = slice_map
         along_g = replace(slice_map, f=slice_map.g, g=slice_map.f)
-        self._singular = _raised(slice_map.singular)
-        self._coalescence = slice_map.coalescence.coefficients, along_g.coalescence.coefficients
+        # J, of degrees 4 and 4, times (1+t²)(1+u²), so that all forms have one size
+        self._singular = slice_map.singular * BiForm.of((1 + T**2) * (1 + U**2), slice_map.radicand, 2, 2)
+        self._coalescence = slice_map.coalescence, along_g.coalescence
         self._known: dict[int, tuple[Expansion, tuple[Expansion, Expansion]]] = {}
 
     def at(self, bits: int) -> tuple[Expansion, tuple[Expansion, Expansion]]:
         """J, and E along leg f and along leg g, by powers of L: powers of t down and of u across."""
         if bits not in self._known:
-            along_f, along_g = (self._balls(rows, bits) for rows in self._coalescence)
-            self._known[bits] = self._balls(self._singular, bits), (along_f, along_g)
+            along_f, along_g = (_balls(form, bits) for form in self._coalescence)
+            self._known[bits] = _balls(self._singular, bits), (along_f, along_g)
         return self._known[bits]
-
-    def _balls(self, rows: Sequence[Sequence[Pair]], bits: int) -> Expansion:
-        radicand = self.slice_map.radicand
-        balls = [[RealPolynomial(*pair, radicand).ball(bits) for pair in row] for row in rows]
-        return [
-            arb_mat([[row[k][j] for j in range(ORDER + 1)] for row in balls]) for k in range(len(rows[0]))
-        ]
 
     def steeper(self, place: Place, length: arb, bits: int) -> int:
         """0 or 1: the leg, f or g, whose gradient is the larger by its size."""
@@ -71,29 +64,19 @@ class CuspForms:
         pose = pose_of(_middle(place.alpha), _middle(place.theta), length, omega)
         local = LocalMap.at(self.slice_map, pose, 1)
         steep = [
-            (jet.alpha.value**2 + jet.theta.value**2) / _size(leg, self.slice_map.radicand)
+            (jet.alpha.value**2 + jet.theta.value**2) / (leg.platform2 + leg.base2)
             for jet, leg in ((local.f, self.slice_map.f), (local.g, self.slice_map.g))
         ]
         return 0 if steep[0].mid() >= steep[1].mid() else 1
-
-
-def _size(leg: Leg, radicand: int) -> int:
-    return leg.m**2 + leg.n**2 * radicand + leg.ax**2 + leg.ay**2
 
 
 def _middle(t: HalfTangent) -> HalfTangent:
     return HalfTangent(t.numerator.mid(), t.denominator.mid())
 
 
-def _raised(form: BiForm) -> list[list[Pair]]:
-    """J, of degrees 4 and 4, times (1+t²)(1+u²), so that all forms have one size."""
-    one = fmpz_poly([1, 0, 1])
-    rows = [[(a * one, b * one) for a, b in row] for row in form.coefficients]
-    empty = [(fmpz_poly([]), fmpz_poly([]))] * len(rows[0])
-    low, high = [*rows, empty, empty], [empty, empty, *rows]
-    return [
-        [(a + c, b + d) for (a, b), (c, d) in zip(x, y, strict=True)] for x, y in zip(low, high, strict=True)
-    ]
+def _balls(form: BiForm, bits: int) -> Expansion:
+    balls = [[polynomial.ball(bits) for polynomial in row] for row in form.coefficients]
+    return [arb_mat([[row[k][j] for j in range(ORDER + 1)] for row in balls]) for k in range(len(balls[0]))]
 
 
 @dataclass(frozen=True)

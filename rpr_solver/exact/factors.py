@@ -1,7 +1,7 @@
-"""Poses that balls cannot decide, decided exactly: multiple roots, spurious coincidences, shared curves.
+"""The irreducible factors over ℚ(ω) of a polynomial A + ω B, and its real roots in number fields.
 
-Every candidate becomes a pose over a real number field, where derivatives are zero or not by exact
-arithmetic, and is told apart by the conditions of method.md section 2.
+Roots that balls cannot decide, such as multiple ones, are taken apart here: above an exact root "is it zero?"
+has an exact answer. The factors are read off those of the norm, which FLINT factors over ℚ.
 """
 
 from __future__ import annotations
@@ -9,20 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from flint import ctx, fmpq, fmpq_poly, fmpz_poly
+from flint import ctx, fmpq_poly, fmpz_poly
 
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.number_field import (
-    Algebraic,
-    Field,
-    adjoin_real_roots,
-    evaluate,
-)
+from rpr_solver.exact.number_field import Algebraic, Field, adjoin_real_roots
 from rpr_solver.exact.precision import GREATEST_BITS, decided
-from rpr_solver.exact.quadratic import Pair
-from rpr_solver.exact.real_roots import RealPolynomial, RealRoot, real_roots
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import RealRoot, real_roots
 
-_NOTHING = fmpz_poly([])
 _FIRST_BITS, _APART_BITS = 256, 1 << 12
 
 
@@ -35,6 +29,7 @@ class NormFactor:
     """
 
     polynomial: fmpz_poly
+    radicand: int
     common: int
     extra: int
     omega: fmpq_poly | None
@@ -51,38 +46,56 @@ class NormFactor:
 
 @dataclass(frozen=True)
 class ExactRoot:
-    """A real root u of the eliminant, as a root of an irreducible rational polynomial.
+    """A real root u of a polynomial over ℤ[ω], as a root of an irreducible rational polynomial.
 
     ``omega`` is ω as a polynomial in u where u determines it, else None.
     """
 
     root: RealRoot
+    radicand: int
     multiplicity: int
     omega: fmpq_poly | None
 
+    @classmethod
+    def origin(cls, radicand: int) -> ExactRoot:
+        """The root 0 of u."""
+        [zero] = real_roots(QuadraticPoly.rational([0, 1]))
+        return cls(zero, radicand, 1, None)
 
-def norm_factors(pair: Pair, radicand: int) -> list[NormFactor]:
-    """The factors of A + ω B, found by factoring A² − ω² B² over ℚ."""
-    return [_norm_factor(pair, *factor) for factor in _irreducible(_norm(pair, radicand))]
+    def in_field(self) -> tuple[Algebraic, Algebraic]:
+        """The root and ω as elements of one real field."""
+        field = Field.of_root(self.root)
+        if self.omega is not None:
+            return field.generator, field(self.omega)
+        if self.radicand == 1:
+            return field.generator, field(1)
+        square = [field(-self.radicand), field(0), field(1)]
+        [extension] = (x for x in adjoin_real_roots(field, square) if x.root.sign > 0)
+        return extension.generator, extension.root
 
 
-def simple_and_other_roots(pair: Pair, radicand: int) -> tuple[list[RealRoot], list[ExactRoot]]:
+def norm_factors(polynomial: QuadraticPoly) -> list[NormFactor]:
+    """The factors of A + ω B, by factoring A² − ω² B² over ℚ."""
+    return [_norm_factor(polynomial, *factor) for factor in _irreducible(polynomial.norm)]
+
+
+def simple_and_other_roots(polynomial: QuadraticPoly) -> tuple[list[RealRoot], list[ExactRoot]]:
     """The real roots of A + ω B that are simple even in the norm, and the others.
 
     Only the others need irreducible factors, which for a norm of high degree take long.
     """
     simple: list[RealRoot] = []
     factors = []
-    for power, exponent in _norm(pair, radicand).factor_squarefree()[1]:
+    for power, exponent in polynomial.norm.factor_squarefree()[1]:
         if exponent == 1:
-            roots = real_roots(RealPolynomial(power, _NOTHING, 1))
-            simple += (root for root in roots if _is_root(pair, radicand, root))
+            roots = real_roots(QuadraticPoly.rational(power))
+            simple += (root for root in roots if _is_root(polynomial, root))
         else:
-            factors += [_norm_factor(pair, factor, exponent) for factor, _ in power.factor()[1]]
+            factors += [_norm_factor(polynomial, factor, exponent) for factor, _ in power.factor()[1]]
     return simple, list(exact_roots(factors))
 
 
-def exact_counterparts(roots: Sequence[RealRoot], pair: Pair, radicand: int) -> list[ExactRoot]:
+def exact_counterparts(roots: Sequence[RealRoot], polynomial: QuadraticPoly) -> list[ExactRoot]:
     """Some of the real roots of A + ω B, exactly; no other factor of the norm is looked at."""
     balls = [root.refined(_APART_BITS) for root in roots]
 
@@ -91,19 +104,14 @@ def exact_counterparts(roots: Sequence[RealRoot], pair: Pair, radicand: int) -> 
         return any(own.overlaps(ball) for ball in balls)
 
     factors = [
-        _norm_factor(pair, factor, exponent)
-        for factor, exponent in _irreducible(_norm(pair, radicand))
-        if any(map(wanted, real_roots(RealPolynomial(factor, _NOTHING, 1))))
+        _norm_factor(polynomial, factor, exponent)
+        for factor, exponent in _irreducible(polynomial.norm)
+        if any(map(wanted, real_roots(QuadraticPoly.rational(factor))))
     ]
     found = [root for root in exact_roots(factors) if wanted(root.root)]
     if len(found) != len(roots):
         raise Unproved("a root was lost between balls and exact arithmetic")
     return found
-
-
-def _norm(pair: Pair, radicand: int) -> fmpz_poly:
-    a, b = pair
-    return a * a - radicand * b * b if b else a
 
 
 def _irreducible(norm: fmpz_poly) -> Iterator[tuple[fmpz_poly, int]]:
@@ -112,25 +120,25 @@ def _irreducible(norm: fmpz_poly) -> Iterator[tuple[fmpz_poly, int]]:
         yield from ((factor, exponent) for factor, _ in power.factor()[1])
 
 
-def _is_root(pair: Pair, radicand: int, root: RealRoot) -> bool:
+def _is_root(polynomial: QuadraticPoly, root: RealRoot) -> bool:
     """Whether a simple root of the norm is one of A + ω B, and not of A − ω B."""
-    a, b = pair
-    if not b:
+    if not polynomial.b:
         return True
+    conjugate = polynomial.conjugate
 
     def vanishes(bits: int) -> bool | None:
         u = root.refined(bits)
         with ctx.workprec(bits):
-            own, other = (RealPolynomial(a, part, radicand).ball(bits)(u) for part in (b, -b))
+            own, other = polynomial.ball(bits)(u), conjugate.ball(bits)(u)
             return bool(own.contains(0)) if own.contains(0) != other.contains(0) else None
 
     return decided(vanishes, _FIRST_BITS, GREATEST_BITS, "a root could not be told from its conjugate")
 
 
-def _norm_factor(pair: Pair, factor: fmpz_poly, exponent: int) -> NormFactor:
-    a, b = pair
+def _norm_factor(polynomial: QuadraticPoly, factor: fmpz_poly, exponent: int) -> NormFactor:
+    a, b, radicand = polynomial.a, polynomial.b, polynomial.radicand
     if not b:
-        return NormFactor(factor, exponent, 0, None)
+        return NormFactor(factor, radicand, exponent, 0, None)
     common = 0
     while not a % factor and not b % factor:
         a, b, common = a / factor, b / factor, common + 1
@@ -140,36 +148,15 @@ def _norm_factor(pair: Pair, factor: fmpz_poly, exponent: int) -> NormFactor:
         modulus = fmpq_poly(factor)
         _, inverse, _ = (fmpq_poly(b) % modulus).xgcd(modulus)
         omega = -(fmpq_poly(a) * inverse) % modulus
-    return NormFactor(factor, common, extra, omega)
+    return NormFactor(factor, radicand, common, extra, omega)
 
 
 def exact_roots(factors: list[NormFactor]) -> Iterator[ExactRoot]:
     """The real roots u ≠ ∞ of A + ω B with their multiplicities."""
     for factor in factors:
-        for root in real_roots(RealPolynomial(factor.polynomial, _NOTHING, 1)):
+        for root in real_roots(QuadraticPoly.rational(factor.polynomial)):
             omega = factor.omega
             if omega is not None and Algebraic(Field.of_root(root), omega).sign < 0:
                 omega = None  # a root of the conjugate P̄
             if multiplicity := factor.common + (factor.extra if omega is not None else 0):
-                yield ExactRoot(root, multiplicity, omega)
-
-
-def root_and_omega(radicand: int, root: ExactRoot) -> Iterator[tuple[Algebraic, Algebraic]]:
-    """The root and ω as elements of one real field (exactly one pair)."""
-    field = Field.of_root(root.root)
-    if root.omega is not None:
-        yield field.generator, field(root.omega)
-    elif radicand == 1:
-        yield field.generator, field(1)
-    else:
-        square = [field(-radicand), field(0), field(1)]
-        for extension in adjoin_real_roots(field, square):
-            if extension.root.sign > 0:
-                yield extension.generator, extension.root
-
-
-def value_at(pair: Pair, u: Algebraic, omega: Algebraic) -> Algebraic:
-    """A + ω B at u, exactly."""
-    a, b = ([u.field(fmpq(c)) for c in part.coeffs()] for part in pair)
-    total = evaluate(a, u)
-    return total + evaluate(b, u) * omega if b else total
+                yield ExactRoot(root, factor.radicand, multiplicity, omega)

@@ -1,37 +1,70 @@
-"""Polynomials over ℤ[ω] from values modulo primes: interpolation, Chinese remainders, a proved bound."""
+"""Polynomials over ℤ[ω] modulo primes: values, interpolation, Chinese remainders, a proved bound."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
+from itertools import count, islice
 from typing import TypeVar
 
 from flint import fmpz, fmpz_poly, nmod_mat, nmod_poly
 
-from rpr_solver.errors import SolverError
+from rpr_solver.exact.quadratic import QuadraticPoly
 
 T = TypeVar("T")
 
 Image = Callable[[int, int, bool], "list[int] | None"]
 """(p, ω mod p, first prime?) → the coefficients modulo p, or None where p is unsuitable."""
 
+_CHECK_PRIMES = 4
 
-def reconstruct(
-    primes: Iterator[tuple[int, int]], image: Image, bound: int, *, rational: bool
-) -> tuple[list[fmpz], list[fmpz]]:
+
+def primes(radicand: int) -> Iterator[tuple[int, int]]:
+    """Primes p below 2⁶² in which ω exists, each with one value of ω modulo p."""
+    p = 2**62 + 3
+    while True:
+        p, omega = _next_prime(p, radicand)
+        yield p, omega
+
+
+@lru_cache(maxsize=1024)
+def _next_prime(above: int, radicand: int) -> tuple[int, int]:
+    root = fmpz(radicand)
+    for p in count(above - 4, -4):  # p ≡ 3 (mod 4)
+        prime = fmpz(p)
+        if prime.is_prime() and root.jacobi(prime) == 1:
+            return p, 1 if radicand == 1 else int((root % prime).sqrtmod(prime))
+    raise AssertionError("unreachable: the count is endless")
+
+
+def simple_and_finite(polynomial: QuadraticPoly, degree: int, *, apart_from: fmpz_poly | None = None) -> bool:
+    """Proof modulo a prime that a form of this formal degree has no multiple root and none at infinity.
+
+    With ``apart_from`` none is a root of that polynomial either. False where it is not so, and where the few
+    primes that are tried do not prove it.
+    """
+    for p, omega in islice(primes(polynomial.radicand), _CHECK_PRIMES):
+        image = polynomial.residue(p, omega)
+        if image.degree() == degree and all(
+            image.gcd(other).degree() == 0
+            for other in (image.derivative(), *([] if apart_from is None else [nmod_poly(apart_from, p)]))
+        ):
+            return True
+    return False
+
+
+def reconstruct(radicand: int, image: Image, bound: int) -> tuple[list[fmpz], list[fmpz]]:
     """The coefficients of A and B, where A + ω B has the given images and ``bound`` bounds |A|, |B|.
 
     The common content of all coefficients is removed.
-
-    Raises:
-        SolverError: the primes run out before their product exceeds twice the bound.
     """
     images: list[tuple[int, list[int]]] = []
     modulus = 1
-    for p, omega in primes:
+    for p, omega in primes(radicand):
         positive = image(p, omega, not images)
         if positive is None:
             continue
-        if rational:
+        if radicand == 1:
             residues = positive + [0] * len(positive)
         else:
             negative = image(p, -omega % p, False)
@@ -44,8 +77,6 @@ def reconstruct(
         modulus *= p
         if modulus > 2 * bound:
             break
-    else:
-        raise SolverError("the coefficients of an eliminant are too large for this version")
     values = _chinese_remainder(images, modulus)
     content = fmpz(0)
     for x in values:
@@ -56,14 +87,13 @@ def reconstruct(
     return values[:half_way], values[half_way:]
 
 
-def residue(polynomial: fmpz_poly, p: int) -> nmod_poly:
-    """A polynomial modulo p."""
-    return nmod_poly([int(c) % p for c in polynomial.coeffs()], p)
+def resultants(first: Sequence[nmod_poly], second: Sequence[nmod_poly], us: Sequence[int]) -> list[int]:
+    """Res_t at each u of two forms modulo p, given by the coefficients of t⁰, t¹, …, polynomials in u.
 
-
-def pair_residue(a: fmpz_poly, b: fmpz_poly, p: int, omega: int) -> nmod_poly:
-    """A + ω B modulo p, with a value chosen for ω."""
-    return residue(a, p) + residue(b, p) * omega
+    The degrees in t are formal, so that a common zero at t = ∞ counts.
+    """
+    p = first[0].modulus()
+    return [formal_resultant([int(c(u)) for c in first], [int(c(u)) for c in second], p) for u in us]
 
 
 def formal_resultant(j: Sequence[int], e: Sequence[int], p: int) -> int:
@@ -80,10 +110,24 @@ def sylvester(j: Sequence[T], e: Sequence[T], zero: T) -> list[list[T]]:
     return rows + [[zero] * i + [*reversed(e)] + [zero] * (m - 1 - i) for i in range(m)]
 
 
-def vandermonde(points: Sequence[int], p: int) -> nmod_mat:
-    """The matrix that evaluates polynomials of degree < len(points) at the points."""
+def interpolated(
+    values: Sequence[Sequence[int]], us: Sequence[int], ls: Sequence[int], p: int
+) -> list[list[int]]:
+    """The coefficients modulo p, rows by powers of L, of the polynomial in u and L with these values.
+
+    Row i of the values belongs to the i-th L; there are as many points as coefficients.
+    """
+    flat = [x for row in values for x in row]
+    in_u, in_l = (_inverse_vandermonde(tuple(points), p) for points in (us, ls))
+    result = in_l * nmod_mat(len(ls), len(us), flat, p) * in_u.transpose()
+    return [[int(x) for x in row] for row in result.tolist()]
+
+
+@lru_cache(maxsize=4)
+def _inverse_vandermonde(points: tuple[int, ...], p: int) -> nmod_mat:
+    """The matrix from values to coefficients; kept, since one prime serves several values of ω."""
     n = len(points)
-    return nmod_mat(n, n, [pow(x, k, p) for x in points for k in range(n)], p)
+    return nmod_mat(n, n, [pow(x, k, p) for x in points for k in range(n)], p).inv()
 
 
 def _chinese_remainder(images: list[tuple[int, list[int]]], modulus: int) -> list[fmpz]:

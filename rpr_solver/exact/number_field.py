@@ -15,7 +15,8 @@ from flint import arb, arb_poly, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.precision import GREATEST_BITS, decided
-from rpr_solver.exact.real_roots import RealPolynomial, RealRoot, bisected, real_roots
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import RealRoot, bisected, real_roots
 
 _START_BITS = 128
 _PLANE = fmpq_mpoly_ctx.get(("x", "y"), "lex")
@@ -202,7 +203,7 @@ def adjoin_real_roots(field: Field, polynomial: Polynomial) -> Iterator[Extensio
         return
     shift, norm = _squarefree_norm(field, polynomial)
     primitive = fmpz_poly(norm.numer())
-    factors = [RealPolynomial(f, fmpz_poly([]), 1) for f, _ in primitive.factor()[1]]
+    factors = [QuadraticPoly.rational(f) for f, _ in primitive.factor()[1]]
     candidates = [root for f in factors for root in real_roots(f)]
     for ball in _real_balls(polynomial):
         # w = root + shift · generator generates the new field

@@ -1,13 +1,44 @@
-"""Polynomials A + ω B with ω² rational."""
+"""Polynomials over ℤ[ω], ω² a positive integer: A + ω B with A and B in ℤ[x], which knows its field.
+
+The height of a platform is a rational multiple of ω = √radicand, so ℤ[ω] holds every coefficient of this
+solver. Where the height is rational the radicand is 1, ω is 1, and B is kept 0: ℚ itself is the field.
+
+The conjugate A − ω B and the norm A² − ω² B² = (A + ω B)(A − ω B) lead back to rational polynomials, where
+FLINT factors and divides: a root of A + ω B is one of the norm, and P/S is P S̄ over the norm of S.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from math import isqrt
+from typing import Any, Generic, Self, TypeVar
 
-from flint import fmpz, fmpz_poly
+from flint import arb, arb_poly, ctx, fmpz, fmpz_mpoly, fmpz_poly, nmod_poly
+from flint.utils.flint_exceptions import DomainError
 
-Pair = tuple[fmpz_poly, fmpz_poly]
-"""A + ω B, polynomials in u = tan(θ/2)."""
+from rpr_solver.errors import SolverError
+
+
+class DivisionError(SolverError):
+    """A quotient that should be exact leaves a remainder."""
+
+
+P = TypeVar("P", fmpz_poly, fmpz_mpoly)
+R = TypeVar("R")
+
+
+@lru_cache(maxsize=256)
+def omega_ball(radicand: int, bits: int) -> arb:
+    """√radicand as a ball."""
+    with ctx.workprec(bits):
+        return arb(radicand).sqrt()
+
+
+def omega_bound(radicand: int) -> int:
+    """An integer above ω."""
+    return isqrt(radicand) + 1
 
 
 def univariate(terms: Mapping[int, int | fmpz]) -> fmpz_poly:
@@ -15,7 +46,170 @@ def univariate(terms: Mapping[int, int | fmpz]) -> fmpz_poly:
     return fmpz_poly([terms.get(k, 0) for k in range(max(terms, default=-1) + 1)])
 
 
-def primitive_pair(a: fmpz_poly, b: fmpz_poly) -> Pair:
-    """A + ω B without its rational content."""
-    content = a.content().gcd(b.content()) if a or b else fmpz(1)
-    return a / content if content != 1 else a, b / content if content != 1 else b
+@dataclass(frozen=True)
+class Quadratic(Generic[P]):
+    """A + ω B over a ring of rational polynomials: what one and several variables have in common."""
+
+    a: P
+    b: P
+    radicand: int
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether this is the zero polynomial."""
+        return not (self.a or self.b)
+
+    @property
+    def norm(self) -> P:
+        """A² − ω² B², or A itself where B is 0."""
+        return self.a * self.a - self.radicand * self.b * self.b if self.b else self.a
+
+    @property
+    def conjugate(self) -> Self:
+        """A − ω B."""
+        return replace(self, b=-self.b)
+
+    def primitive(self) -> Self:
+        """Without the common content of all coefficients."""
+        a, b = primitive_parts(self.a, self.b)
+        return replace(self, a=a, b=b)
+
+    def _product(self, other: Quadratic[P]) -> tuple[P, P]:
+        a = self.a * other.a
+        if self.b and other.b:
+            a += self.radicand * (self.b * other.b)
+        return a, self.a * other.b + self.b * other.a
+
+    def _quotient(self, other: Quadratic[P]) -> tuple[P, P]:
+        """The exact quotient over ℚ(ω), primitive.
+
+        Raises:
+            DivisionError: there is a remainder.
+        """
+        a, b, divisor = self.a, self.b, other.norm
+        if other.b:
+            a, b = a * other.a - self.radicand * (b * other.b), b * other.a - a * other.b
+        try:
+            divisor = divisor / _content(divisor)
+            return primitive_parts(a / divisor, b / divisor)
+        except (DomainError, ZeroDivisionError):
+            raise DivisionError(
+                "a polynomial lacks a factor that it has for every geometry; please report this geometry"
+            ) from None
+
+
+def primitive_parts(a: P, b: P) -> tuple[P, P]:
+    """A and B without their common content."""
+    content = _content(a).gcd(_content(b))
+    return (a, b) if content in (0, 1) else (a / content, b / content)
+
+
+def _content(p: fmpz_poly | fmpz_mpoly) -> fmpz:
+    return p.content()  # type: ignore[union-attr]  # missing in the stubs of fmpz_mpoly
+
+
+@dataclass(frozen=True)
+class QuadraticPoly(Quadratic[fmpz_poly]):
+    """A(x) + ω B(x)."""
+
+    _balls: dict[int, arb_poly] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @classmethod
+    def rational(cls, a: fmpz_poly | Sequence[int | fmpz], radicand: int = 1) -> QuadraticPoly:
+        """A alone."""
+        return cls(fmpz_poly(a), fmpz_poly([]), radicand)
+
+    @classmethod
+    def omega(cls, radicand: int) -> QuadraticPoly:
+        """ω, a constant."""
+        return cls.rational([1]) if radicand == 1 else cls(fmpz_poly([]), fmpz_poly([1]), radicand)
+
+    @property
+    def degree(self) -> int:
+        """The degree; −1 for the zero polynomial."""
+        return max(self.a.degree(), self.b.degree())
+
+    def __add__(self, other: QuadraticPoly) -> QuadraticPoly:
+        return QuadraticPoly(self.a + other.a, self.b + other.b, self.radicand)
+
+    def __sub__(self, other: QuadraticPoly) -> QuadraticPoly:
+        return QuadraticPoly(self.a - other.a, self.b - other.b, self.radicand)
+
+    def __mul__(self, other: QuadraticPoly | int) -> QuadraticPoly:
+        parts = self._product(other) if isinstance(other, QuadraticPoly) else (self.a * other, self.b * other)
+        return QuadraticPoly(*parts, self.radicand)
+
+    def __truediv__(self, divisor: fmpz_poly) -> QuadraticPoly:
+        """The exact quotient by a rational polynomial."""
+        return QuadraticPoly(self.a / divisor, self.b / divisor, self.radicand)
+
+    def quotient(self, divisor: QuadraticPoly) -> QuadraticPoly:
+        """The exact quotient over ℚ(ω), up to a rational factor: primitive.
+
+        Raises:
+            DivisionError: there is a remainder.
+        """
+        return QuadraticPoly(*self._quotient(divisor), self.radicand)
+
+    def __call__(self, x: R, omega: R) -> R:
+        """The value in any ring that holds x and ω."""
+        total, part = _horner(self.a, x), _horner(self.b, x)
+        return total + part * omega if self.b else total  # type: ignore[no-any-return]
+
+    def coefficient(self, k: int, omega: R) -> R:
+        """The coefficient of xᵏ in any ring that holds ω."""
+        value: Any = omega
+        return value * self.b[k] + self.a[k]  # type: ignore[no-any-return]
+
+    def residue(self, p: int, omega: int) -> nmod_poly:
+        """The image modulo p, with a value chosen for ω."""
+        a = nmod_poly(self.a, p)
+        return a + nmod_poly(self.b, p) * omega if self.b else a
+
+    def norm1(self) -> int:
+        """A bound on the sum of the absolute values of all coefficients, with the larger of ω and −ω."""
+        weights = (1, omega_bound(self.radicand))
+        return sum(
+            abs(int(c)) * w for part, w in zip((self.a, self.b), weights, strict=True) for c in part.coeffs()
+        )
+
+    def ball(self, bits: int) -> arb_poly:
+        """The polynomial with coefficients as balls of ``bits`` bits, kept for all its roots."""
+        if bits not in self._balls:
+            with ctx.workprec(bits):
+                whole = arb_poly(self.a)
+                if self.b:
+                    whole += omega_ball(self.radicand, bits) * arb_poly(self.b)
+                self._balls[bits] = whole
+        return self._balls[bits]
+
+
+def _horner(polynomial: fmpz_poly, x: Any) -> Any:
+    total = x * 0
+    for c in reversed(polynomial.coeffs()):
+        total = total * x + c
+    return total
+
+
+@dataclass(frozen=True)
+class Form:
+    """A polynomial in u with a formal degree: what it lacks in actual degree are zeros at u = ∞."""
+
+    polynomial: QuadraticPoly
+    degree: int
+
+    @property
+    def zeros_at_infinity(self) -> int:
+        """The multiplicity of u = ∞."""
+        return self.degree - self.polynomial.degree
+
+    def __mul__(self, other: Form) -> Form:
+        return Form(self.polynomial * other.polynomial, self.degree + other.degree)
+
+    def quotient(self, divisor: Form) -> Form:
+        """The exact quotient over ℚ(ω), primitive.
+
+        Raises:
+            DivisionError: there is a remainder.
+        """
+        return Form(self.polynomial.quotient(divisor.polynomial), self.degree - divisor.degree)

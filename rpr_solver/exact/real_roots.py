@@ -6,27 +6,20 @@ no other root's disc, so the root is its own conjugate. Precision doubles until 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
 from itertools import pairwise
 
-from flint import acb_poly, arb, arb_poly, ctx, fmpz_poly
+from flint import acb_poly, arb, arb_poly, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.precision import GREATEST_BITS, decided, precisions
+from rpr_solver.exact.quadratic import QuadraticPoly
 
 _NEWTON_STEPS = 64
 _FIRST_BITS = 192
 _BISECTION_BITS = 768
 _SHARPENINGS = 3
-
-
-@lru_cache(maxsize=256)
-def omega_ball(radicand: int, bits: int) -> arb:
-    """√radicand as a ball."""
-    with ctx.workprec(bits):
-        return arb(radicand).sqrt()
 
 
 def ball_of(x: Fraction) -> arb:
@@ -35,31 +28,10 @@ def ball_of(x: Fraction) -> arb:
 
 
 @dataclass(frozen=True)
-class RealPolynomial:
-    """A(x) + ω B(x), exact, with balls for its coefficients at any precision."""
-
-    a: fmpz_poly
-    b: fmpz_poly
-    radicand: int
-
-    _balls: dict[int, arb_poly] = field(default_factory=dict, repr=False, compare=False)
-
-    def ball(self, bits: int) -> arb_poly:
-        """The polynomial with coefficients as balls of ``bits`` bits, kept for all its roots."""
-        if bits not in self._balls:
-            with ctx.workprec(bits):
-                whole = arb_poly(self.a)
-                if self.b:
-                    whole += omega_ball(self.radicand, bits) * arb_poly(self.b)
-                self._balls[bits] = whole
-        return self._balls[bits]
-
-
-@dataclass(frozen=True)
 class RealRoot:
     """One simple real root: the polynomial, and a ball that holds this root and no other."""
 
-    polynomial: RealPolynomial
+    polynomial: QuadraticPoly
     ball: arb
 
     def refined(self, bits: int) -> arb:
@@ -99,7 +71,7 @@ def _half(x: arb, value: arb, slope: arb) -> arb | None:
     return x.mid().union(x.lower() if value * slope > 0 else x.upper())
 
 
-def real_roots(polynomial: RealPolynomial) -> list[RealRoot]:
+def real_roots(polynomial: QuadraticPoly) -> list[RealRoot]:
     """All real roots of a squarefree polynomial, ascending, each with its isolating ball.
 
     The leading coefficient must not be zero.
@@ -107,7 +79,7 @@ def real_roots(polynomial: RealPolynomial) -> list[RealRoot]:
     Raises:
         Unproved: the roots cannot be told apart within the precision limit.
     """
-    if max(polynomial.a.degree(), polynomial.b.degree()) < 1:
+    if polynomial.degree < 1:
         return []
 
     def isolated(bits: int) -> list[RealRoot] | None:
@@ -196,7 +168,7 @@ def _sharpened(polynomial: arb_poly, slope: arb_poly, x: arb) -> arb | None:
     return None
 
 
-def _isolate(polynomial: RealPolynomial, bits: int, tolerance_bits: int) -> list[RealRoot] | None:
+def _isolate(polynomial: QuadraticPoly, bits: int, tolerance_bits: int) -> list[RealRoot] | None:
     """The real roots, or None where this precision does not decide."""
     ball = polynomial.ball(bits)
     with ctx.workprec(bits):

@@ -17,9 +17,7 @@ from functools import cached_property
 from math import lcm
 from typing import Any, Generic, TypeVar
 
-from flint import fmpz_poly
-
-from rpr_solver.exact.quadratic import Pair, primitive_pair
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 DEGREE = 6
@@ -74,8 +72,7 @@ class Closure:
         def equation(leg: Leg, square: Fraction) -> tuple[tuple[Any, Any], Any]:
             n = omega * leg.n
             x, y = cos * leg.m - sin * n, sin * leg.m + cos * n
-            norms = leg.m**2 + leg.n**2 * self.slice_map.radicand + leg.ax**2 + leg.ay**2
-            constant = int(den * (square - s1 - norms))
+            constant = int(den * (square - s1 - leg.platform2 - leg.base2))
             right = one * constant + (x * leg.ax + y * leg.ay) * (2 * den)
             return (x - one * leg.ax, y - one * leg.ay), right
 
@@ -85,57 +82,16 @@ class Closure:
         return LinearSystem(first[0], second[0], (first[1], second[1]), 2 * den)
 
     @cached_property
-    def sextic(self) -> Pair:
+    def sextic(self) -> QuadraticPoly:
         """A(t) + ω B(t), primitive and of formal degree 6; a lower degree is a root at α = 180°."""
         radicand, den = self.slice_map.radicand, self.denominator
-        one = _poly(radicand, [1, 0, 1])
-        omega = (
-            _poly(radicand, [1]) if self.slice_map.rational else _OmegaPoly(_ZERO, fmpz_poly([1]), radicand)
-        )
-        system = self.linear(_poly(radicand, [1, 0, -1]), _poly(radicand, [0, 2]), one, omega)
+        cos, sin, one = (QuadraticPoly.rational(c, radicand) for c in ([1, 0, -1], [0, 2], [1, 0, 1]))
+        system: LinearSystem[QuadraticPoly] = self.linear(cos, sin, one, QuadraticPoly.omega(radicand))
         x, y = system.numerators
-        determinant = system.determinant.divided(one.a)
+        determinant = system.determinant / one.a
         # both terms hold 1 + t² once: X is isotropic at t = ±i
-        norm = (x * x + y * y).divided(one.a)
-        result = norm - one * determinant * determinant * (4 * den * int(den * self.squares[0]))
-        return primitive_pair(result.a, result.b)
-
-    @property
-    def degree(self) -> int:
-        """The actual degree of the sextic; 6 less it is the multiplicity of α = 180°."""
-        return max(int(part.degree()) for part in self.sextic)
-
-
-_ZERO = fmpz_poly([])
-
-
-@dataclass(frozen=True)
-class _OmegaPoly:
-    """A(t) + ω B(t)."""
-
-    a: fmpz_poly
-    b: fmpz_poly
-    radicand: int
-
-    def __add__(self, other: _OmegaPoly) -> _OmegaPoly:
-        return _OmegaPoly(self.a + other.a, self.b + other.b, self.radicand)
-
-    def __sub__(self, other: _OmegaPoly) -> _OmegaPoly:
-        return _OmegaPoly(self.a - other.a, self.b - other.b, self.radicand)
-
-    def __mul__(self, other: _OmegaPoly | int) -> _OmegaPoly:
-        if isinstance(other, int):
-            return _OmegaPoly(self.a * other, self.b * other, self.radicand)
-        a = self.a * other.a + self.b * other.b * self.radicand
-        return _OmegaPoly(a, self.a * other.b + self.b * other.a, self.radicand)
-
-    def divided(self, factor: fmpz_poly) -> _OmegaPoly:
-        """The exact quotient."""
-        return _OmegaPoly(self.a / factor, self.b / factor, self.radicand)
-
-
-def _poly(radicand: int, coefficients: list[int]) -> _OmegaPoly:
-    return _OmegaPoly(fmpz_poly(coefficients), _ZERO, radicand)
+        norm = (x * x + y * y) / one.a
+        return (norm - one * determinant * determinant * (4 * den * int(den * self.squares[0]))).primitive()
 
 
 def _any(x: object) -> Any:

@@ -8,26 +8,24 @@ intersection number of L2² = const and L3² = const there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cmp_to_key
-from itertools import islice
 
-from flint import arb, ctx, fmpq, fmpz_poly
+from flint import arb, ctx, fmpq
 
 from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
-from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, root_and_omega
-from rpr_solver.exact.modular import pair_residue
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
+from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided, decided_or_none
-from rpr_solver.exact.real_roots import RealPolynomial, RealRoot, ball_of, omega_ball, real_roots
+from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
 from rpr_solver.kinematics.closure import DEGREE, Closure, LinearSystem
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg
-
-_CHECK_PRIMES = 4
 
 
 @dataclass(frozen=True)
@@ -72,23 +70,14 @@ class _Fibre:
         self.digit_bits = digit_bits(digits)
 
     def solve(self) -> Fibre:
-        a, b = self.closure.sextic
-        if not (a or b):
+        sextic = self.closure.sextic
+        if sextic.is_zero:
             raise SolverError("the closure equations do not determine alpha: the locked machine moves")
-        if self._generic():
-            found = self._by_balls(real_roots(RealPolynomial(a, b, self.slice_map.radicand)))
+        if simple_and_finite(sextic, DEGREE):
+            found = self._by_balls(real_roots(sextic))
             if found is not None:
                 return Fibre(_sorted(found), None, ((DEGREE, 1),), "balls")
         return self._exactly()
-
-    def _generic(self) -> bool:
-        """Proof, modulo a prime, of six different finite roots."""
-        a, b = self.closure.sextic
-        for p, omega in islice(self.slice_map.primes(), _CHECK_PRIMES):
-            residue = pair_residue(a, b, p, omega)
-            if residue.degree() == DEGREE and residue.gcd(residue.derivative()).degree() == 0:
-                return True
-        return False
 
     def _by_balls(self, roots: Sequence[RealRoot]) -> list[FoundPose] | None:
         """The one regular pose above each simple root; None where balls do not come to an end."""
@@ -126,28 +115,28 @@ class _Fibre:
     def _exactly(self) -> Fibre:
         found: list[FoundPose] = []
         circle_at = None
-        factors = norm_factors(self.closure.sextic, self.slice_map.radicand)
+        factors = norm_factors(self.closure.sextic)
         shapes = [shape for factor in factors for shape in factor.shape]
         for root in exact_roots(factors):
             simple = self._by_balls([root.root]) if root.multiplicity == 1 else None
             if simple is not None:
                 found += simple
                 continue
-            for t, omega in root_and_omega(self.slice_map.radicand, root):
-                poses = self._above((-(t * t) + 1, t * 2, t * t + 1), t, omega, root.multiplicity)
-                if poses is None:
-                    circle_at = 0  # congruent triangles: B1B2 is parallel to A1A2, and t is not infinite
-                else:
-                    found += poses
-        if at_infinity := DEGREE - self.closure.degree:
+            t, omega = root.in_field()
+            poses = self._above((-(t * t) + 1, t * 2, t * t + 1), t, omega, root.multiplicity)
+            if poses is None:
+                circle_at = 0  # congruent triangles: B1B2 is parallel to A1A2, and t is not infinite
+            else:
+                found += poses
+        if at_infinity := DEGREE - self.closure.sextic.degree:
             shapes.append((at_infinity, 1) if at_infinity == 1 else (1, at_infinity))
-            for omega in _omega(self.closure):
-                field = omega.field
-                poses = self._above((field(-1), field(0), field(1)), None, omega, at_infinity)
-                if poses is None:
-                    circle_at = 180
-                else:
-                    found += poses
+            _, omega = ExactRoot.origin(self.slice_map.radicand).in_field()
+            field = omega.field
+            poses = self._above((field(-1), field(0), field(1)), None, omega, at_infinity)
+            if poses is None:
+                circle_at = 180
+            else:
+                found += poses
         return Fibre(_sorted(found), circle_at, tuple(sorted(shapes)), "exact")
 
     def _above(
@@ -268,13 +257,6 @@ def _local_multiplicity(closure: Closure, pose: _ExactPose) -> int | None:
                 return multiplicity
             j = local.along(leg, j)
     return None
-
-
-def _omega(closure: Closure) -> Iterator[Algebraic]:
-    """ω in a field of its own."""
-    [zero] = real_roots(RealPolynomial(fmpz_poly([0, 1]), fmpz_poly([]), 1))
-    for _, omega in root_and_omega(closure.slice_map.radicand, ExactRoot(zero, 1, None)):
-        yield omega
 
 
 def _turned(leg: Leg, cos: Algebraic, sin: Algebraic, omega: Algebraic) -> tuple[Algebraic, Algebraic]:

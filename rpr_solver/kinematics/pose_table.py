@@ -32,7 +32,7 @@ from math import isqrt
 
 from rpr_solver.contract import DEFAULT_DIGITS, SOLVER_VERSION, check_digits
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.exact.quadratic import Pair
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import exact_str, parse_exact
 from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.kinematics.fibre import Fibre, FoundPose, fibre
@@ -72,10 +72,10 @@ class DirectPolynomial:
     radicand: int
 
     @classmethod
-    def of(cls, pair: Pair, radicand: int) -> DirectPolynomial:
-        """From polynomials; always seven coefficients, ascending."""
-        a, b = (tuple(int(part[i]) for i in range(DEGREE + 1)) for part in pair)
-        return cls(a, b, radicand)
+    def of(cls, sextic: QuadraticPoly) -> DirectPolynomial:
+        """Always seven coefficients, ascending."""
+        a, b = (tuple(int(part[i]) for i in range(DEGREE + 1)) for part in (sextic.a, sextic.b))
+        return cls(a, b, sextic.radicand)
 
     def to_json(self) -> dict[str, object]:
         """Coefficients as decimal strings, ascending from the constant term."""
@@ -188,8 +188,7 @@ def _positive(values: Mapping[str, Exact]) -> list[Fraction]:
 def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -> PoseTable:
     check_digits(digits)
     s1, s2, s3 = squares
-    slice_map = SliceMap.of(manipulator)
-    closure = Closure.of(slice_map, squares)
+    closure = Closure.of(SliceMap.of(manipulator), squares)
     found = fibre(closure, digits)
     return PoseTable(
         manipulator,
@@ -197,7 +196,7 @@ def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -
         digits,
         tuple(_platform_pose(pose) for pose in found.poses),
         _curves(found, s1),
-        DirectPolynomial.of(closure.sextic, slice_map.radicand),
+        DirectPolynomial.of(closure.sextic),
         _certificate(found),
     )
 

@@ -110,7 +110,7 @@ class LocalMap(Generic[R]):
         """f and g themselves (scaled units)."""
 
         def square(leg: Leg, jet: Jet[R]) -> R:
-            constant = leg.m**2 + leg.n**2 * slice_map.radicand + leg.ax**2 + leg.ay**2
+            constant = leg.platform2 + leg.base2
             return pose.length * pose.length + jet.value * 2 + constant  # type: ignore[no-any-return]
 
         return square(slice_map.f, self.f), square(slice_map.g, self.g)

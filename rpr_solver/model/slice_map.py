@@ -16,65 +16,53 @@ platform is a rational multiple of ω = √``radicand``, so all coefficients lie
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import gcd, isqrt, lcm
 
-from flint import arb, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from flint import arb, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from rpr_solver.errors import InputError
-from rpr_solver.exact.quadratic import Pair
+from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, U
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import CW, Manipulator
 
 TRIG = fmpz_mpoly_ctx.get(("cos_alpha", "sin_alpha", "cos_theta", "sin_theta", "L", "omega"), "lex")
-_COS_A, _SIN_A, _COS_T, _SIN_T, _L, _OMEGA = range(6)
+_COS_A, _SIN_A, _COS_T, _SIN_T, _L, _ = range(6)
+_HOMOGENEOUS = fmpz_mpoly_ctx.get(("C", "S", "N", "c", "s", "n", "L", "omega"), "lex")
 _SMALL_PRIMES = tuple(p for p in range(2, 200) if all(p % q for q in range(2, isqrt(p) + 1)))
 
 
 @dataclass(frozen=True)
 class Leg:
-    """A moving leg seen from the fixed one: platform point (m, n ω), base point (ax, ay)."""
+    """A moving leg seen from the fixed one: platform point (m, n ω), base point (ax, ay), and ω²."""
 
     m: int
     n: int
     ax: int
     ay: int
+    radicand: int
 
+    @property
+    def platform2(self) -> int:
+        """|m|²: the squared side of the platform between this leg and the fixed one."""
+        return self.m**2 + self.n**2 * self.radicand
 
-@dataclass(frozen=True)
-class BiForm:
-    """A form in t = tan(α/2) and u = tan(θ/2): ``coefficients[i][k]`` belongs to tⁱ Lᵏ.
+    @property
+    def base2(self) -> int:
+        """|a|²: the squared side of the base."""
+        return self.ax**2 + self.ay**2
 
-    ``degree_t`` and ``degree_u`` are formal: a lower actual degree is a zero at infinity.
-    """
+    def collinear(self) -> fmpz_poly:
+        """The quadratic whose roots u put the fixed leg along the base line to this one."""
+        return fmpz_poly([self.ay, -2 * self.ax, -self.ay])
 
-    degree_t: int
-    degree_u: int
-    coefficients: tuple[tuple[Pair, ...], ...]
-
-    def at(self, length: Fraction) -> tuple[Pair, ...]:
-        """The coefficients of tⁱ at one L, made integral by the power of its denominator."""
-        top = len(self.coefficients[0]) - 1
-        n, d = fmpz(length.numerator), fmpz(length.denominator)
-        weights = [n**k * d ** (top - k) for k in range(top + 1)]
-
-        def combine(row: tuple[Pair, ...], part: int) -> fmpz_poly:
-            return sum((pair[part] * w for pair, w in zip(row, weights, strict=True)), fmpz_poly([0]))
-
-        return tuple((combine(row, 0), combine(row, 1)) for row in self.coefficients)
-
-    def norm1(self, omega_bound: int) -> int:
-        """A bound on the sum of the absolute values of all coefficients in t, u and L."""
-        return sum(
-            abs(int(c)) * weight
-            for row in self.coefficients
-            for pair in row
-            for part, weight in zip(pair, (1, omega_bound), strict=True)
-            for c in part.coeffs()
-        )
+    def closed(self, length: Fraction) -> fmpz_poly:
+        """The quadratic in u of the poses in which this leg has length 0 (times the denominator²)."""
+        n, d = length.numerator, length.denominator
+        even = n * n + d * d * (self.base2 - self.platform2)
+        return fmpz_poly([even - 2 * n * d * self.ax, -4 * n * d * self.ay, even + 2 * n * d * self.ax])
 
 
 @dataclass(frozen=True)
@@ -113,7 +101,8 @@ class SliceMap:
         base = [(x // common, y // common) for x, y in base]
         platform = [(x // common, y // common) for x, y in platform]
         (ox, oy), (om, on) = base.pop(fixed_leg - 1), platform.pop(fixed_leg - 1)
-        f, g = (Leg(m - om, n - on, x - ox, y - oy) for (m, n), (x, y) in zip(platform, base, strict=True))
+        points = zip(platform, base, strict=True)
+        f, g = (Leg(m - om, n - on, x - ox, y - oy, radicand) for (m, n), (x, y) in points)
         return cls(fixed_leg, Fraction(unit * double, common), radicand, f, g)
 
     @property
@@ -134,25 +123,6 @@ class SliceMap:
     def scale_ball(self) -> arb:
         """``scale`` as a ball at the working precision."""
         return ball_of(self.scale)
-
-    def collinear(self) -> fmpz_poly:
-        """The quadratic whose roots u put leg i along the base line to leg f, where ∇f may vanish."""
-        return fmpz_poly([self.f.ay, -2 * self.f.ax, -self.f.ay])
-
-    def closed_leg(self, length: Fraction) -> fmpz_poly:
-        """The quadratic in u of the poses in which leg f has length 0 (times the denominator²)."""
-        n, d = length.numerator, length.denominator
-        leg = self.f
-        m2 = leg.m**2 + leg.n**2 * self.radicand
-        even = n * n + d * d * (leg.ax**2 + leg.ay**2 - m2)
-        return fmpz_poly([even - 2 * n * d * leg.ax, -4 * n * d * leg.ay, even + 2 * n * d * leg.ax])
-
-    def primes(self) -> Iterator[tuple[int, int]]:
-        """Primes p below 2⁶² in which ω exists, each with one value of ω modulo p."""
-        for p in range(2**62 - 1, 2**61, -4):  # p ≡ 3 (mod 4)
-            prime, radicand = fmpz(p), fmpz(self.radicand)
-            if prime.is_prime() and radicand.jacobi(prime) == 1:
-                yield p, 1 if self.rational else int((radicand % prime).sqrtmod(prime))
 
     @cached_property
     def trigonometric(self) -> tuple[fmpz_mpoly, fmpz_mpoly]:
@@ -198,32 +168,20 @@ def d_theta(p: fmpz_mpoly) -> fmpz_mpoly:
     return TRIG.gen(_COS_T) * p.derivative(_SIN_T) - TRIG.gen(_SIN_T) * p.derivative(_COS_T)
 
 
+def reduced(p: fmpz_mpoly, radicand: int) -> fmpz_mpoly:
+    """With cos² = 1 − sin² and ω² = radicand, so that the degree is the true one."""
+    cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
+    return p % (cos_a**2 + sin_a**2 - 1) % (cos_t**2 + sin_t**2 - 1) % (omega**2 - radicand)
+
+
 def half_angles(p: fmpz_mpoly, orders: tuple[int, int], radicand: int) -> BiForm:
     """The numerator of a trigonometric polynomial of the given degrees in α and in θ.
 
-    Derivatives were taken before, on cosines and sines, so no term of the chain rule is lost
-    (method.md section 7).
+    It is made homogeneous, for cos : sin : 1 = 1 − t² : 2 t : 1 + t². Derivatives were taken before, on
+    cosines and sines, so no term of the chain rule is lost (method.md section 7).
     """
-    in_alpha, in_theta = (_half_angle_monomials(order) for order in orders)
-    degree_l = p.degrees()[_L]
-    table = [
-        [[fmpz_poly([0]), fmpz_poly([0])] for _ in range(degree_l + 1)] for _ in range(2 * orders[0] + 1)
-    ]
-    for (i, j, k, m, power, omega), c in p.to_dict().items():
-        in_u = in_theta[k, m] * (c * fmpz(radicand) ** (omega // 2))
-        part = 0 if radicand == 1 else omega % 2
-        for degree, weight in enumerate(in_alpha[i, j].coeffs()):
-            if weight:
-                table[degree][power][part] += in_u * weight
-    rows = tuple(tuple((pair[0], pair[1]) for pair in row) for row in table)
-    return BiForm(2 * orders[0], 2 * orders[1], rows)
-
-
-def _half_angle_monomials(order: int) -> dict[tuple[int, int], fmpz_poly]:
-    """The numerators of cosⁱ sinʲ over (1+x²)^order, x the tangent of half the angle."""
-    cos, sin, one = fmpz_poly([1, 0, -1]), fmpz_poly([0, 2]), fmpz_poly([1, 0, 1])
-    return {
-        (i, j): cos**i * sin**j * one ** (order - i - j)
-        for i in range(order + 1)
-        for j in range(order + 1 - i)
-    }
+    a, b = orders
+    terms = {(i, j, a - i - j, k, m, b - k - m, *rest): c for (i, j, k, m, *rest), c in p.to_dict().items()}
+    half = (1 - T**2, 2 * T, 1 + T**2, 1 - U**2, 2 * U, 1 + U**2, L, OMEGA)
+    numerator = _HOMOGENEOUS.from_dict(terms).compose(*half, ctx=RING)
+    return BiForm.of(numerator, radicand, 2 * a, 2 * b)

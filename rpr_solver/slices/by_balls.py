@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import arb, arb_poly, ctx
+from flint import arb, ctx
 
-from rpr_solver.exact.real_roots import RealPolynomial, ball_of, omega_ball
+from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
 from rpr_solver.model.jets import LocalMap
-from rpr_solver.model.slice_map import BiForm, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 
 
 @dataclass(frozen=True)
@@ -47,8 +48,8 @@ class SlicePoses:
     def __init__(self, slice_map: SliceMap, length: Fraction, bits: int) -> None:
         self.slice_map = slice_map
         self.bits = bits
-        self._singular = _balls(slice_map.singular, slice_map, length, bits)
-        self._coalescence = _balls(slice_map.coalescence, slice_map, length, bits)
+        self._singular = [p.ball(bits) for p in slice_map.singular.at(length)]
+        self._coalescence = [p.ball(bits) for p in slice_map.coalescence.at(length)]
         with ctx.workprec(bits):
             self.length = ball_of(length)
             self.scale = slice_map.scale_ball()
@@ -82,10 +83,6 @@ class SlicePoses:
             second=g.sqrt() / self.scale,
             proof=proof,
         )
-
-
-def _balls(form: BiForm, slice_map: SliceMap, length: Fraction, bits: int) -> list[arb_poly]:
-    return [RealPolynomial(a, b, slice_map.radicand).ball(bits) for a, b in form.at(length)]
 
 
 def _larger(x: arb, y: arb) -> arb:

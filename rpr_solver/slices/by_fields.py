@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import arb, ctx, fmpz, fmpz_poly
+from flint import arb, ctx, fmpz
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.factors import ExactRoot, root_and_omega, value_at
+from rpr_solver.exact.factors import ExactRoot
 from rpr_solver.exact.number_field import (
     Algebraic,
     adjoin_real_roots,
@@ -17,7 +17,6 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
-from rpr_solver.exact.real_roots import RealPolynomial, real_roots
 from rpr_solver.model.classify import classify, cos_sin
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
@@ -62,14 +61,12 @@ def poses_above(
     With ``theta_offset`` 180 the slice map is turned by half a turn, so that u = 0 is θ = 180°;
     ``length`` is then −L.
     """
-    for u, omega in root_and_omega(slice_map.radicand, root):
-        yield from _poses(slice_map, length, plane, u, omega, theta_offset)
+    yield from _poses(slice_map, length, plane, *root.in_field(), theta_offset)
 
 
 def poses_at_half_turn(slice_map: SliceMap, length: Fraction, turned: SliceForms) -> Iterator[ExactPose]:
     """The poses with J = E = 0 at θ = 180° exactly, where u is infinite; ``turned`` belongs to −L."""
-    zero = real_roots(RealPolynomial(fmpz_poly([0, 1]), fmpz_poly([]), 1))[0]
-    return poses_above(slice_map, -length, turned, ExactRoot(zero, 1, None), theta_offset=180)
+    return poses_above(slice_map, -length, turned, ExactRoot.origin(slice_map.radicand), theta_offset=180)
 
 
 def _poses(
@@ -80,7 +77,7 @@ def _poses(
     omega: Algebraic,
     theta_offset: int,
 ) -> Iterator[ExactPose]:
-    j, e = ([value_at(pair, u, omega) for pair in form] for form in (plane.singular, plane.coalescence))
+    j, e = ([row(u, omega) for row in form] for form in (plane.singular, plane.coalescence))
     if j[-1].is_zero and e[-1].is_zero:
         yield from _classified(slice_map, length, plane, None, u, omega, theta_offset)
     common = poly_gcd(trimmed(j), trimmed(e))

@@ -16,12 +16,12 @@ from flint import ctx, fmpz_poly
 from rpr_solver.contract import DEFAULT_DIGITS, SOLVER_VERSION, check_digits
 from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import digit_bits
-from rpr_solver.exact.factors import exact_roots, norm_factors
-from rpr_solver.exact.modular import pair_residue, residue
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
+from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
-from rpr_solver.exact.quadratic import Pair
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import exact_str, parse_exact
-from rpr_solver.exact.real_roots import RealPolynomial, RealRoot, real_roots
+from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.classify import CUSP
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.by_balls import SlicePoses
@@ -140,34 +140,23 @@ class _Slice:
         self.length = length
         self.scaled = length * self.slice_map.scale
         self.digits = digits
-        self._collinear = self.slice_map.collinear()
-        self._closed = self.slice_map.closed_leg(self.scaled)
+        self._collinear = self.slice_map.f.collinear()
+        self._closed = self.slice_map.f.closed(self.scaled)
         self.digit_bits = digit_bits(digits)
 
     def solve(self) -> SliceTable:
         q = self.eliminant.at(self.scaled)
         if self._generic(q):
-            roots = real_roots(RealPolynomial(*q, self.slice_map.radicand))
+            roots = real_roots(q)
             found = self._by_balls(roots)
             if found is not None:
                 return self._table(found, len(roots), [(DEGREE_U, 1)], "balls")
         return self._exactly(q)
 
-    def _generic(self, q: Pair) -> bool:
-        """Proof that all 24 roots are finite, simple and not spurious: coprime modulo a prime."""
-        if self._touching() is not None:
-            return False
-        a, b = q
+    def _generic(self, q: QuadraticPoly) -> bool:
+        """Proof that all 24 roots are finite, simple and not spurious."""
         spurious = self._collinear * self._closed * fmpz_poly([1, 0, 1])
-        for p, omega in self.eliminant.check_primes:
-            image = pair_residue(a, b, p, omega)
-            if (
-                image.degree() == DEGREE_U
-                and image.gcd(image.derivative()).degree() == 0
-                and image.gcd(residue(spurious, p)).degree() == 0
-            ):
-                return True
-        return False
+        return self._touching() is None and simple_and_finite(q, DEGREE_U, apart_from=spurious)
 
     def _touching(self) -> fmpz_poly | None:
         """The common root of both spurious factors (1 if it is u = ∞), or None if they share none.
@@ -205,21 +194,20 @@ class _Slice:
                 return None
             return found_by_balls(cusp, self.digits, poses.bits)
 
-    def _exactly(self, q: Pair) -> SliceTable:
+    def _exactly(self, q: QuadraticPoly) -> SliceTable:
         """Take every root apart over ℚ(ω); simple ones still go the way of balls where they can."""
         spurious, touching = self._collinear * self._closed, self._touching()
-        if q[0] or q[1]:
-            plane, turned = (
-                SliceForms.of(self.slice_map, self.scaled),
-                SliceForms.of(self.slice_map, -self.scaled),
-            )
+        lengths = self.scaled, -self.scaled
+        if not q.is_zero:
+            plane, turned = (SliceForms.of(self.slice_map, length) for length in lengths)
         else:
-            plane, q = without_shared_curves(self.slice_map, self.scaled)
-            turned, _ = without_shared_curves(self.slice_map, -self.scaled)
+            (plane, q), (turned, _) = (without_shared_curves(self.slice_map, length) for length in lengths)
         found: list[Found] = []
-        factors = norm_factors(q, self.slice_map.radicand)
+        factors = norm_factors(q)
         roots = list(exact_roots(factors))
-        extra = [] if touching is None else list(exact_roots(norm_factors((touching, fmpz_poly([])), 1)))
+        extra: list[ExactRoot] = []
+        if touching is not None:
+            extra = list(exact_roots(norm_factors(QuadraticPoly.rational(touching, q.radicand))))
         known = [root.root.polynomial.a for root in roots]
         for root in roots + [root for root in extra if root.root.polynomial.a not in known]:
             simple = root.multiplicity == 1 and not plane.shared
@@ -229,7 +217,7 @@ class _Slice:
                     found += cusps
                     continue
             found += map(self._exactly_found, poses_above(self.slice_map, self.scaled, plane, root))
-        at_infinity = DEGREE_U - max(q[0].degree(), q[1].degree())
+        at_infinity = DEGREE_U - q.degree
         touches_infinity = touching is not None and touching.degree() < 1
         if at_infinity or plane.shared or touches_infinity:
             found += map(self._exactly_found, poses_at_half_turn(self.slice_map, self.scaled, turned))

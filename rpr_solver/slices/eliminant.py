@@ -21,17 +21,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from itertools import count, islice
 
-from flint import fmpz, fmpz_mat, fmpz_poly, nmod_mat, nmod_poly
+from flint import fmpz, fmpz_mat, fmpz_poly, nmod_poly
 
 from rpr_solver.contract import SOLVER_VERSION
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.modular import formal_resultant, pair_residue, reconstruct, vandermonde
-from rpr_solver.exact.quadratic import Pair, primitive_pair
+from rpr_solver.exact.elimination import resultant_bound
+from rpr_solver.exact.modular import interpolated, reconstruct, resultants
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.model.slice_map import BiForm, SliceMap
+from rpr_solver.model.slice_map import SliceMap
 
 DEGREE_U = 24
 DEGREE_L = 10
@@ -50,16 +50,12 @@ class Eliminant:
     a: fmpz_mat
     b: fmpz_mat
 
-    def at(self, length: Fraction) -> Pair:
+    def at(self, length: Fraction) -> QuadraticPoly:
         """Q at one scaled L, primitive: A(u) + ω B(u); zero if J and E share a curve there."""
         n, d = fmpz(length.numerator), fmpz(length.denominator)
         powers = fmpz_mat(DEGREE_L + 1, 1, [n**k * d ** (DEGREE_L - k) for k in range(DEGREE_L + 1)])
-        return primitive_pair(fmpz_poly((self.a * powers).entries()), fmpz_poly((self.b * powers).entries()))
-
-    @cached_property
-    def check_primes(self) -> list[tuple[int, int]]:
-        """A few primes with ω modulo each, for proofs of coprimality."""
-        return list(islice(self.slice_map.primes(), 4))
+        a, b = (fmpz_poly((part * powers).entries()) for part in (self.a, self.b))
+        return QuadraticPoly(a, b, self.slice_map.radicand).primitive()
 
     def to_json(self) -> dict[str, object]:
         """A plain form to keep in a cache (about 100 kB); :meth:`from_json` reads it back."""
@@ -98,9 +94,7 @@ def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
     """
     slice_map = SliceMap.of(manipulator, fixed_leg)
     grid = _Grid.of(slice_map)
-    parts = reconstruct(
-        slice_map.primes(), grid.image, _coefficient_bound(slice_map), rational=slice_map.rational
-    )
+    parts = reconstruct(slice_map.radicand, grid.image, _coefficient_bound(slice_map))
     a, b = (fmpz_mat(DEGREE_L + 1, DEGREE_U + 1, part).transpose() for part in parts)
     return Eliminant(manipulator, slice_map, a, b)
 
@@ -117,13 +111,13 @@ class _Grid:
 
     @classmethod
     def of(cls, slice_map: SliceMap) -> _Grid:
-        along = slice_map.collinear()
+        along = slice_map.f.collinear()
         # one spare point in each direction checks the interpolation
         us = tuple(islice((u for u in count(2) if along(u) != 0), DEGREE_U + 2))
         ls: list[int] = []
         known: list[tuple[int, ...]] = []
         for length in count(1):
-            closed = slice_map.closed_leg(Fraction(length))
+            closed = slice_map.f.closed(Fraction(length))
             row = tuple(int(closed(u) * along(u) ** 2 * fmpz(u * u + 1) ** 9) for u in us)
             if all(row):
                 ls.append(length)
@@ -136,52 +130,23 @@ class _Grid:
         """The coefficients of Q modulo p, powers of L first; None if p divides a known factor."""
         if any(x % p == 0 for row in self.known for x in row):
             return None
-        us, ls = self.us[:-1], self.ls[:-1]
-        j, e = (_Residue(form, p, omega) for form in (self.slice_map.singular, self.slice_map.coalescence))
+        j, e = (form.residue(p, omega) for form in (self.slice_map.singular, self.slice_map.coalescence))
 
         def values(length: int, row: Sequence[int], us: Sequence[int]) -> list[int]:
-            j_at, e_at = j.at(length), e.at(length)
-            return [
-                _resultant(j_at, e_at, u, p) * pow(k, -1, p) % p
-                for u, k in zip(us, row[: len(us)], strict=True)
-            ]
+            whole = resultants(j.at(length), e.at(length), us)
+            return [x * pow(k, -1, p) % p for x, k in zip(whole, row, strict=True)]
 
-        samples = [values(length, row, us) for length, row in zip(ls, self.known[:-1], strict=True)]
-        in_u, in_l = vandermonde(us, p), vandermonde(ls, p)
-        flat = [x for row in samples for x in row]
-        result = in_l.inv() * nmod_mat(len(ls), len(us), flat, p) * in_u.inv().transpose()
+        *ls, spare_l = self.ls
+        *us, spare_u = self.us
+        samples = [values(length, row[:-1], us) for length, row in zip(ls, self.known[:-1], strict=True)]
+        rows = interpolated(samples, us, ls, p)
         if check:
-            spare_u, spare_l = self.us[-1], self.ls[-1]
-            (*_, expected) = values(spare_l, self.known[-1], self.us)
-            row = nmod_mat(1, len(ls), [pow(spare_l, k, p) for k in range(len(ls))], p) * result
-            column = nmod_mat(len(us), 1, [pow(spare_u, k, p) for k in range(len(us))], p)
-            if int((row * column)[0, 0]) != expected:
+            at_u = [int(nmod_poly(row, p)(spare_u)) for row in rows]
+            if [int(nmod_poly(at_u, p)(spare_l))] != values(spare_l, self.known[-1][-1:], [spare_u]):
                 raise SolverError(
                     "the resultant does not have the known factors; please report this geometry"
                 )
-        return [int(x) for x in result.entries()]
-
-
-class _Residue:
-    """A form modulo p, with a value chosen for ω."""
-
-    def __init__(self, form: BiForm, p: int, omega: int) -> None:
-        self._rows = [[pair_residue(a, b, p, omega) for a, b in row] for row in form.coefficients]
-
-    def at(self, length: int) -> list[nmod_poly]:
-        """The coefficients of tⁱ at one L, polynomials in u."""
-        result = []
-        for row in self._rows:
-            total = row[-1]
-            for term in reversed(row[:-1]):
-                total = total * length + term
-            result.append(total)
-        return result
-
-
-def _resultant(j: list[nmod_poly], e: list[nmod_poly], u: int, p: int) -> int:
-    """Res_t at one u with the formal degrees, so that a common zero at t = ∞ counts."""
-    return formal_resultant([int(c(u)) for c in j], [int(c(u)) for c in e], p)
+        return [x for row in rows for x in row]
 
 
 def _coefficient_bound(slice_map: SliceMap) -> int:
@@ -189,9 +154,6 @@ def _coefficient_bound(slice_map: SliceMap) -> int:
 
     The Mahler measure is multiplicative, at most the 1-norm, and at least 1 for the known
     factors; a coefficient is at most 2^(degrees) times it. |A| ≤ max |A ± ωB|, and B likewise
-    since ω ≥ 1. The 1-norm of the resultant is at most ‖J‖⁶ ‖E‖⁴.
+    since ω ≥ 1.
     """
-    omega = int(fmpz(slice_map.radicand).isqrt()) + 1
-    j, e = slice_map.singular, slice_map.coalescence
-    bound: int = j.norm1(omega) ** e.degree_t * e.norm1(omega) ** j.degree_t
-    return bound << (DEGREE_U + DEGREE_L)
+    return resultant_bound(slice_map.singular, slice_map.coalescence) << (DEGREE_U + DEGREE_L)

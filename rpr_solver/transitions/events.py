@@ -26,14 +26,15 @@ from typing import Protocol
 from flint import arb, ctx, fmpz_poly
 
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts, simple_and_other_roots
-from rpr_solver.exact.modular import pair_residue
+from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS, decided, decided_or_none
-from rpr_solver.exact.real_roots import RealPolynomial, RealRoot, omega_ball, real_roots
+from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
+from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
-from rpr_solver.transitions.event_systems import EventSystems, Form, System, limit_system
+from rpr_solver.transitions.event_systems import EventSystems, System, limit_system
 from rpr_solver.transitions.exact_events import (
     events_above,
     located_poses,
@@ -42,7 +43,6 @@ from rpr_solver.transitions.exact_events import (
 )
 
 _START_BITS = 256
-_CHECK_PRIMES = 4
 Namer = Callable[[LocalMap[arb]], "str | None"]
 """The kind of an event from the jets at its pose; None where the balls do not prove it."""
 
@@ -94,7 +94,7 @@ class BallEvent:
 
     def exact(self) -> Event:
         """The same event in a number field, for what balls cannot show: an angle of exactly 0, say."""
-        [root] = exact_counterparts([self.root], self.system.eliminant.pair, self.slice_map.radicand)
+        [root] = exact_counterparts([self.root], self.system.eliminant.polynomial)
         [event] = _exact_events(self.slice_map, self.system, root, named=bool(self.kind))
         return event
 
@@ -136,7 +136,7 @@ def events(systems: EventSystems) -> Iterator[Event]:
     for system in systems.beside:
         yield from _system_events(slice_map, system, _limit)
     yield from (Landmark(length) for length in systems.levels if length.sign > 0)
-    yield from permanent_events(slice_map, systems.j0, systems.j1, systems.permanent)
+    yield from permanent_events(slice_map, systems.permanent)
     yield from stretched_closings(slice_map)
 
 
@@ -147,15 +147,13 @@ def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[
         NotGeneric: these lengths are not isolated.
     """
     yield from _system_events(systems.slice_map, limit_system(systems, leg, square), _limit)
-    at = (systems.slice_map, systems.j0, systems.j1, systems.permanent)
-    for length in permanent_limits(*at, leg, square):
+    for length in permanent_limits(systems.slice_map, systems.permanent, leg, square):
         yield Landmark(length)
 
 
 def stretched_closings(slice_map: SliceMap) -> Iterator[Landmark]:
     """The positive L with L = ±|a| ± |m|: a and m the base and platform sides between the legs."""
-    leg = slice_map.f
-    a2, m2 = leg.ax**2 + leg.ay**2, leg.m**2 + leg.n**2 * slice_map.radicand
+    a2, m2 = slice_map.f.base2, slice_map.f.platform2
     quartic = fmpz_poly([(a2 - m2) ** 2, 0, -2 * (a2 + m2), 0, 1])
     for factor, _ in quartic.factor()[1]:
         yield from positive_roots(factor)
@@ -163,24 +161,22 @@ def stretched_closings(slice_map: SliceMap) -> Iterator[Landmark]:
 
 def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
     """The positive roots of an irreducible polynomial as lengths (scaled)."""
-    for root in real_roots(RealPolynomial(factor, fmpz_poly([]), 1)):
+    for root in real_roots(QuadraticPoly.rational(factor)):
         length = Field.of_root(root).generator
         if length.sign > 0:
             yield Landmark(length)
 
 
 def _system_events(slice_map: SliceMap, system: System, name: Namer) -> Iterator[Event]:
-    form = system.eliminant
-    if _simple(slice_map, form):
-        roots = real_roots(form.real(slice_map.radicand))
-        proved = [_prove(slice_map, system, root, name) for root in roots]
+    eliminant = system.eliminant.polynomial
+    if simple_and_finite(eliminant, system.eliminant.degree):
+        proved = [_prove(slice_map, system, root, name) for root in real_roots(eliminant)]
         if None not in proved:
             yield from chain.from_iterable(events or () for events in proved)
             return
-    a, b = form.pair
-    if max(a.degree(), b.degree()) < form.degree:
+    if system.eliminant.zeros_at_infinity:
         yield from _exact_events(slice_map, system, None, named=name is not _limit)
-    simple, others = simple_and_other_roots(form.pair, slice_map.radicand)
+    simple, others = simple_and_other_roots(eliminant)
     undecided = []
     for root in simple:
         here = _prove(slice_map, system, root, name)
@@ -189,7 +185,7 @@ def _system_events(slice_map: SliceMap, system: System, name: Namer) -> Iterator
         else:
             yield from here
     if undecided:
-        others += exact_counterparts(undecided, form.pair, slice_map.radicand)
+        others += exact_counterparts(undecided, eliminant)
     for exact in others:
         yield from _exact_events(slice_map, system, exact, named=name is not _limit)
 
@@ -198,20 +194,10 @@ def _exact_events(
     slice_map: SliceMap, system: System, root: ExactRoot | None, *, named: bool
 ) -> Iterator[Event]:
     if named:
-        yield from events_above(slice_map, system.first, system.second, root)
+        yield from events_above(slice_map, system, root)
     else:
-        for pose in located_poses(slice_map, system.first, system.second, root):
+        for pose in located_poses(slice_map, system, root):
             yield Landmark(pose.length)
-
-
-def _simple(slice_map: SliceMap, form: Form) -> bool:
-    """Proof that the form has no root at infinity and no multiple one."""
-    a, b = form.pair
-    for (p, omega), _ in zip(slice_map.primes(), range(_CHECK_PRIMES), strict=False):
-        image = pair_residue(a, b, p, omega)
-        if image.degree() == form.degree and image.gcd(image.derivative()).degree() == 0:
-            return True
-    return False
 
 
 def _prove(slice_map: SliceMap, system: System, root: RealRoot, name: Namer) -> tuple[BallEvent, ...] | None:
@@ -238,10 +224,7 @@ def _located(
     """t, u and L above a root, or None where the precision does not tell."""
     u = root.refined(work - 64)
     with ctx.workprec(work):
-        first, second = (
-            [RealPolynomial(*row[0], slice_map.radicand).ball(work)(u) for row in form.coefficients]
-            for form in (system.first, system.second)
-        )
+        first, second = ([row.ball(work)(u) for row in form.rows] for form in (system.first, system.second))
         t = common_root(first, second)
         if t is None or t.denominator.contains(0):
             return None

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, arb_mat, ctx, fmpq, fmpz_poly
+from flint import arb, arb_mat, ctx
 
-from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, root_and_omega, value_at
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.number_field import (
     Algebraic,
@@ -27,13 +27,11 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
-from rpr_solver.exact.quadratic import Pair
-from rpr_solver.exact.real_roots import RealPolynomial, real_roots
 from rpr_solver.model.classify import CUSP, classify, cos_sin
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
-from rpr_solver.model.slice_map import BiForm, Leg, SliceMap
-from rpr_solver.transitions.event_systems import Form, NotGeneric
+from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.transitions.event_systems import NotGeneric, System
 
 _APART_BITS = 512
 
@@ -69,19 +67,15 @@ class ExactEvent:
         return alpha, theta, first, second
 
 
-def events_above(
-    slice_map: SliceMap, first: BiForm, second: BiForm, root: ExactRoot | None
-) -> Iterator[ExactEvent]:
+def events_above(slice_map: SliceMap, system: System, root: ExactRoot | None) -> Iterator[ExactEvent]:
     """The events among the common zeros of a system above one root u; None is u = ∞."""
-    for pose in located_poses(slice_map, first, second, root):
+    for pose in located_poses(slice_map, system, root):
         yield from _event(slice_map, pose)
 
 
-def located_poses(
-    slice_map: SliceMap, first: BiForm, second: BiForm, root: ExactRoot | None
-) -> Iterator[Pose[Algebraic]]:
+def located_poses(slice_map: SliceMap, system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:
     """The common zeros of a system above one root u, each with its L > 0."""
-    for pose in _common_poses(slice_map, first, second, root):
+    for pose in _common_poses(system, root):
         plus, minus = (_singularity(slice_map, pose, sign) for sign in (1, -1))
         j1 = plus + minus  # twice J1; plus − minus is twice J0
         if j1.is_zero:
@@ -91,13 +85,13 @@ def located_poses(
             yield replace(pose, length=length)
 
 
-def permanent_events(slice_map: SliceMap, j0: BiForm, j1: BiForm, permanent: Form) -> Iterator[ExactEvent]:
+def permanent_events(slice_map: SliceMap, permanent: System) -> Iterator[ExactEvent]:
     """The events at poses that are singular for every L (J0 = J1 = 0).
 
     Raises:
         NotGeneric: such a pose is degenerate for every L.
     """
-    for pose in _permanent_poses(slice_map, j0, j1, permanent):
+    for pose in _permanent_poses(permanent):
         for extension in _degenerate_lengths(slice_map, pose):
             if extension.root.sign > 0:
                 lifted = _lifted(extension, pose)
@@ -105,14 +99,14 @@ def permanent_events(slice_map: SliceMap, j0: BiForm, j1: BiForm, permanent: For
 
 
 def permanent_limits(
-    slice_map: SliceMap, j0: BiForm, j1: BiForm, permanent: Form, leg: Leg, square: Fraction
+    slice_map: SliceMap, permanent: System, leg: Leg, square: Fraction
 ) -> Iterator[Algebraic]:
     """The L > 0 at which a cusp passes a pose that is singular for every L, with leg² = square there.
 
     That hardly ever happens, and balls mostly prove it does not; then nothing is given.
     """
     index = (slice_map.f, slice_map.g).index(leg)
-    for pose in _permanent_poses(slice_map, j0, j1, permanent):
+    for pose in _permanent_poses(permanent):
         local = _in_length(slice_map, pose)
         gap = local.squared_lengths(slice_map, _symbolic(pose))[index] - _InLength([pose.omega.field(square)])
         for moving in (local.f, local.g):
@@ -141,15 +135,12 @@ def _apart(p: Sequence[Algebraic], q: Sequence[Algebraic]) -> bool:
         return not arb_mat(sylvester(balls[0], balls[1], arb(0))).det().contains(0)
 
 
-def _permanent_poses(
-    slice_map: SliceMap, j0: BiForm, j1: BiForm, permanent: Form
-) -> Iterator[Pose[Algebraic]]:
-    a, b = permanent.pair
-    roots: list[ExactRoot | None] = list(exact_roots(norm_factors((a, b), slice_map.radicand)))
-    if max(a.degree(), b.degree()) < permanent.degree:
+def _permanent_poses(permanent: System) -> Iterator[Pose[Algebraic]]:
+    roots: list[ExactRoot | None] = list(exact_roots(norm_factors(permanent.eliminant.polynomial)))
+    if permanent.eliminant.zeros_at_infinity:
         roots.append(None)
     for root in roots:
-        yield from _common_poses(slice_map, j0, j1, root)
+        yield from _common_poses(permanent, root)
 
 
 def _lifted(extension: Extension, pose: Pose[Algebraic]) -> Pose[Algebraic]:
@@ -168,49 +159,36 @@ def _event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[ExactEvent]:
         yield ExactEvent(slice_map, str(kind), pose)
 
 
-def _common_poses(
-    slice_map: SliceMap, first: BiForm, second: BiForm, root: ExactRoot | None
-) -> Iterator[Pose[Algebraic]]:
+def _common_poses(system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:
     """The real poses above a root; their length is a placeholder."""
-    for cos_t, sin_t, omega, rows in _places(slice_map, first, second, root):
-        field = omega.field
-        a, b = rows
-        if a[-1].is_zero and b[-1].is_zero:
-            yield Pose(field(-1), field(0), cos_t, sin_t, field(1), omega)
-        common = poly_gcd(trimmed(a), trimmed(b))
-        if not common:
-            raise NotGeneric
-        for extension in adjoin_real_roots(field, squarefree_part(common)):
-            yield Pose(
-                *cos_sin(extension.root),
-                extension.lift(cos_t),
-                extension.lift(sin_t),
-                extension.field(1),
-                extension.lift(omega),
-            )
+    cos_t, sin_t, omega, (a, b) = _place(system, root)
+    field = omega.field
+    if a[-1].is_zero and b[-1].is_zero:
+        yield Pose(field(-1), field(0), cos_t, sin_t, field(1), omega)
+    common = poly_gcd(trimmed(a), trimmed(b))
+    if not common:
+        raise NotGeneric
+    for extension in adjoin_real_roots(field, squarefree_part(common)):
+        yield Pose(
+            *cos_sin(extension.root),
+            extension.lift(cos_t),
+            extension.lift(sin_t),
+            extension.field(1),
+            extension.lift(omega),
+        )
 
 
-def _places(
-    slice_map: SliceMap, first: BiForm, second: BiForm, root: ExactRoot | None
-) -> Iterator[tuple[Algebraic, Algebraic, Algebraic, list[list[Algebraic]]]]:
+def _place(
+    system: System, root: ExactRoot | None
+) -> tuple[Algebraic, Algebraic, Algebraic, list[list[Algebraic]]]:
     """cos θ, sin θ, ω and both forms' coefficients of t, at a root."""
+    forms = system.first, system.second
     if root is not None:
-        for u, omega in root_and_omega(slice_map.radicand, root):
-            rows = [[value_at(row[0], u, omega) for row in form.coefficients] for form in (first, second)]
-            yield *cos_sin(u), omega, rows
-        return
-    origin = real_roots(RealPolynomial(fmpz_poly([0, 1]), fmpz_poly([]), 1))[0]
-    for zero, omega in root_and_omega(slice_map.radicand, ExactRoot(origin, 1, None)):
-        field = zero.field
-        rows = [
-            [_leading(row[0], form.degree_u, omega) for row in form.coefficients] for form in (first, second)
-        ]
-        yield field(-1), field(0), omega, rows
-
-
-def _leading(pair: Pair, degree: int, omega: Algebraic) -> Algebraic:
-    a, b = (omega.field(fmpq(part[degree])) for part in pair)
-    return a + omega * b
+        u, omega = root.in_field()
+        return *cos_sin(u), omega, [[row(u, omega) for row in form.rows] for form in forms]
+    _, omega = ExactRoot.origin(system.first.radicand).in_field()
+    rows = [[row.coefficient(form.degree_u, omega) for row in form.rows] for form in forms]
+    return omega.field(-1), omega.field(0), omega, rows
 
 
 def _singularity(slice_map: SliceMap, pose: Pose[Algebraic], length: int) -> Algebraic:

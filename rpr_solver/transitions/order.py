@@ -13,7 +13,8 @@ from flint import acb, arb, ctx, fmpq_mat, fmpq_poly
 
 from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.exact.precision import LENGTH_BITS, decided, decided_or_none
-from rpr_solver.exact.real_roots import RealPolynomial, omega_ball, real_roots
+from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
+from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.events import BallEvent, Event
 
@@ -68,7 +69,7 @@ def _same_number(x: Algebraic, y: Algebraic) -> bool:
     minimal = _minimal_polynomial(x)
     if _minimal_polynomial(y) != minimal:
         return False
-    roots = real_roots(RealPolynomial(minimal.numer(), minimal.numer() * 0, 1))
+    roots = real_roots(QuadraticPoly.rational(minimal.numer()))
 
     def same(bits: int) -> bool | None:
         first, second = (
@@ -92,8 +93,8 @@ def _minimal_polynomial(x: Algebraic) -> fmpq_poly:
 
 def _isosceles(slice_map: SliceMap) -> bool:
     """Whether base and platform are both symmetric with respect to the fixed leg's corner."""
-    f, g, radicand = slice_map.f, slice_map.g, slice_map.radicand
-    return f.ax**2 + f.ay**2 == g.ax**2 + g.ay**2 and f.m**2 + radicand * f.n**2 == g.m**2 + radicand * g.n**2
+    f, g = slice_map.f, slice_map.g
+    return f.base2 == g.base2 and f.platform2 == g.platform2
 
 
 def _mirror_images(slice_map: SliceMap, x: BallEvent, y: BallEvent, events: Sequence[Event]) -> bool:
@@ -115,9 +116,8 @@ def _mirrored(slice_map: SliceMap, event: BallEvent, bits: int) -> tuple[acb, ac
     with ctx.workprec(bits):
         omega = omega_ball(slice_map.radicand, bits)
         f, g = slice_map.f, slice_map.g
-        base = acb(f.ax, f.ay) * acb(g.ax, g.ay) / (f.ax**2 + f.ay**2)
-        norm = f.m**2 + slice_map.radicand * f.n**2
-        platform = acb(f.m, -f.n * omega) * acb(g.m, -g.n * omega) / norm
+        base = acb(f.ax, f.ay) * acb(g.ax, g.ay) / f.base2
+        platform = acb(f.m, -f.n * omega) * acb(g.m, -g.n * omega) / f.platform2
         return base * platform * alpha.conjugate(), base * theta.conjugate()
 
 

@@ -16,11 +16,12 @@ from rpr_solver.exact.number_field import (
     poly_mod,
     squarefree_part,
 )
-from rpr_solver.exact.real_roots import RealPolynomial, bisected, real_roots
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import bisected, real_roots
 
 
 def field_of(coefficients: list[int], which: int = -1) -> Field:
-    return Field.of_root(real_roots(RealPolynomial(fmpz_poly(coefficients), fmpz_poly([]), 1))[which])
+    return Field.of_root(real_roots(QuadraticPoly.rational(coefficients))[which])
 
 
 SQRT2 = field_of([-2, 0, 1])
@@ -95,15 +96,15 @@ def test_real_roots_are_decided_however_close() -> None:
     # two real roots 1e-40 apart; and a pair that misses the real axis by as little
     close = fmpz_poly([-1, gap]) * fmpz_poly([0, 1]) * fmpz_poly([1, 0, 1])
     missed = fmpz_poly([1, 0, gap**2]) * fmpz_poly([-3, 1])
-    assert len(real_roots(RealPolynomial(close, fmpz_poly([]), 1))) == 2
-    [root] = real_roots(RealPolynomial(missed, fmpz_poly([]), 1))
+    assert len(real_roots(QuadraticPoly.rational(close))) == 2
+    [root] = real_roots(QuadraticPoly.rational(missed))
     with ctx.workprec(100):
         assert root.refined(90).overlaps(arb(3))
 
 
 def test_roots_over_a_quadratic_field() -> None:
     # x² − ω with ω = √2: the conjugate x² + √2 has no real root
-    roots = real_roots(RealPolynomial(fmpz_poly([0, 0, 1]), fmpz_poly([-1]), 2))
+    roots = real_roots(QuadraticPoly(fmpz_poly([0, 0, 1]), fmpz_poly([-1]), 2))
     assert [float(r.refined(60).mid()) for r in roots] == pytest.approx([-(2**0.25), 2**0.25])
     assert roots[1].refined(2000).rel_accuracy_bits() >= 2000
 
@@ -111,8 +112,7 @@ def test_roots_over_a_quadratic_field() -> None:
 def test_a_wide_isolating_ball_is_refined_at_any_precision() -> None:
     """Evaluated at high precision, this ball's slope would be too wide to exclude zero."""
     eliminant = eliminate(EXAMPLES["innocenti"])
-    slice_map = eliminant.slice_map
-    factors = norm_factors(eliminant.at(Fraction("14.98") * slice_map.scale), slice_map.radicand)
+    factors = norm_factors(eliminant.at(Fraction("14.98") * eliminant.slice_map.scale))
     for root in exact_roots(factors):
         assert root.root.refined(3466).rel_accuracy_bits() >= 3466
 
@@ -129,7 +129,7 @@ def test_bisection_finds_every_real_root(numbers: list[int], denominator: int, s
     for number in numbers:
         polynomial *= fmpz_poly([-(number + denominator * shift), denominator])
     expected = sorted((number + denominator * shift) / denominator for number in numbers)
-    exact = RealPolynomial(polynomial, fmpz_poly([]), 1)
+    exact = QuadraticPoly.rational(polynomial)
     found = (bisected(exact.ball(bits), bits) for bits in (256, 512, 1024, 2048))
     intervals = next(x for x in found if x is not None)
     assert len(intervals) == len(expected)
@@ -140,5 +140,5 @@ def test_bisection_finds_every_real_root(numbers: list[int], denominator: int, s
 
 
 def test_a_cluster_far_out_is_not_lost() -> None:
-    roots = real_roots(RealPolynomial(fmpz_poly([48390, -440, 1]), fmpz_poly([]), 1))
+    roots = real_roots(QuadraticPoly.rational([48390, -440, 1]))
     assert [float(r.refined(60).mid()) for r in roots] == pytest.approx([220 - 10**0.5, 220 + 10**0.5])

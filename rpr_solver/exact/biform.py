@@ -1,0 +1,172 @@
+"""Forms over ℤ[ω] in two half tangents: A + ω B with A and B in ℤ[t, u, L], as quadratic.py in one variable.
+
+The degrees in t = tan(α/2) and u = tan(θ/2) are formal: they are those of a homogeneous form in the sine and
+cosine of the half angle, and what a polynomial lacks in actual degree are zeros at α = 180° or θ = 180°.
+Formal degrees add up in products, and stay the same where a coefficient happens to vanish.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly, nmod_poly
+
+from rpr_solver.exact.quadratic import Quadratic, QuadraticPoly, univariate
+
+RING = fmpz_mpoly_ctx.get(("t", "u", "L", "omega"), "lex")
+"""ℤ[t, u, L][ω], the ring of all forms."""
+T, U, L, OMEGA = RING.gens()
+
+Rows = tuple[QuadraticPoly, ...]
+"""A form without L: the coefficients of t⁰, t¹, … up to the formal degree, polynomials in u."""
+
+
+def omega_parts(p: fmpz_mpoly, radicand: int) -> tuple[fmpz_mpoly, fmpz_mpoly]:
+    """A and B with A + ω B = p, where ω, the last variable of the ring, has the square ``radicand``.
+
+    For radicand 1, ω is 1 and B is 0.
+    """
+    omega = p.context().gens()[-1]
+    if radicand == 1:
+        return p % (omega - 1), p * 0
+    p = p % (omega**2 - radicand)
+    b = p.derivative(p.context().nvars() - 1)
+    return p - omega * b, b
+
+
+def leading_coefficient(p: fmpz_mpoly, variable: int) -> fmpz_mpoly:
+    """The coefficient of the highest power of a variable, given by its number."""
+    top = p.degrees()[variable]
+    terms = {powers: c for powers, c in p.to_dict().items() if powers[variable] == top}
+    ring = p.context()
+    return ring.from_dict(terms) / ring.gen(variable) ** top
+
+
+@dataclass(frozen=True)
+class BiForm(Quadratic[fmpz_mpoly]):
+    """A + ω B, a form in t and u of formal degrees ``degree_t`` and ``degree_u``, polynomial in L."""
+
+    degree_t: int
+    degree_u: int
+
+    @classmethod
+    def of(cls, p: fmpz_mpoly, radicand: int, degree_t: int, degree_u: int) -> BiForm:
+        """From a polynomial in t, u, L and ω, with ω² put in."""
+        return cls(*omega_parts(p, radicand), radicand, degree_t, degree_u)
+
+    @classmethod
+    def of_rows(cls, rows: Rows, degree_u: int) -> BiForm:
+        """From the coefficients of t⁰, t¹, …"""
+        parts = [row.a for row in rows], [row.b for row in rows]
+        a, b = (
+            RING.from_dict({(i, k, 0, 0): p[k] for i, p in enumerate(part) for k in range(len(p)) if p[k]})
+            for part in parts
+        )
+        return cls(a, b, rows[0].radicand, len(rows) - 1, degree_u)
+
+    @property
+    def joined(self) -> fmpz_mpoly:
+        """A + ω B with ω as a variable."""
+        return self.a + OMEGA * self.b
+
+    @property
+    def zeros_at_infinity(self) -> int:
+        """The multiplicity of t = ∞."""
+        return self.degree_t - int(self.joined.degrees()[0])
+
+    @cached_property
+    def coefficients(self) -> tuple[Rows, ...]:
+        """Row i holds the coefficients of tⁱ L⁰, tⁱ L¹, …, polynomials in u."""
+        size = max(0, *(part.degrees()[2] for part in (self.a, self.b))) + 1
+        table: list[list[tuple[dict[int, fmpz], dict[int, fmpz]]]]
+        table = [[({}, {}) for _ in range(size)] for _ in range(self.degree_t + 1)]
+        for which, part in enumerate((self.a, self.b)):
+            for (i, k, power, _), c in part.to_dict().items():
+                table[i][power][which][k] = c
+        return tuple(
+            tuple(QuadraticPoly(univariate(a), univariate(b), self.radicand) for a, b in row) for row in table
+        )
+
+    @property
+    def rows(self) -> Rows:
+        """The coefficients of tⁱ of a form without L."""
+        return tuple(row[0] for row in self.coefficients)
+
+    def at(self, length: Fraction) -> Rows:
+        """The coefficients of tⁱ at one L, made integral by the power of its denominator."""
+        top = len(self.coefficients[0]) - 1
+        n, d = fmpz(length.numerator), fmpz(length.denominator)
+        weights = [n**k * d ** (top - k) for k in range(top + 1)]
+
+        def combined(parts: list[fmpz_poly]) -> fmpz_poly:
+            return sum((part * w for part, w in zip(parts, weights, strict=True)), fmpz_poly([0]))
+
+        return tuple(
+            QuadraticPoly(combined([c.a for c in row]), combined([c.b for c in row]), self.radicand)
+            for row in self.coefficients
+        )
+
+    def residue(self, p: int, omega: int) -> ResidueForm:
+        """The image modulo p, with a value chosen for ω."""
+        return ResidueForm(tuple(tuple(c.residue(p, omega) for c in row) for row in self.coefficients))
+
+    def norm1(self) -> int:
+        """A bound on the sum of the absolute values of all coefficients in t, u and L."""
+        return sum(c.norm1() for row in self.coefficients for c in row)
+
+    def __mul__(self, other: BiForm) -> BiForm:
+        degrees = self.degree_t + other.degree_t, self.degree_u + other.degree_u
+        return BiForm(*self._product(other), self.radicand, *degrees)
+
+    def __truediv__(self, divisor: fmpz_mpoly) -> BiForm:
+        """The exact quotient by a rational polynomial; the formal degrees fall by its actual ones."""
+        t, u, *_ = divisor.degrees()
+        return BiForm(self.a / divisor, self.b / divisor, self.radicand, self.degree_t - t, self.degree_u - u)
+
+    def quotient(self, divisor: BiForm) -> BiForm:
+        """The exact quotient over ℚ(ω), up to a rational factor: primitive.
+
+        Raises:
+            DivisionError: there is a remainder.
+        """
+        degrees = self.degree_t - divisor.degree_t, self.degree_u - divisor.degree_u
+        return BiForm(*self._quotient(divisor), self.radicand, *degrees)
+
+
+def without_common_factors(j: BiForm, e: BiForm) -> tuple[BiForm, BiForm, list[fmpz_mpoly]]:
+    """Two forms less the rational factors that they share, and these.
+
+    j loses every power of such a factor: one more than e holds must not come back as an isolated zero.
+    """
+    common = []
+    while (factor := _common(j.a, j.b, e.a, e.b)) is not None:
+        common.append(factor)
+        j, e = j / factor, e / factor
+        while (again := _common(j.a, j.b, factor)) is not None:
+            j = j / again
+    return j, e, common
+
+
+def _common(*polynomials: fmpz_mpoly) -> fmpz_mpoly | None:
+    common = T * 0
+    for p in polynomials:
+        common = common.gcd(p)
+    return None if common.is_constant() else common
+
+
+@dataclass(frozen=True)
+class ResidueForm:
+    """A form modulo a prime, by powers of t and L as :attr:`BiForm.coefficients`."""
+
+    coefficients: tuple[tuple[nmod_poly, ...], ...]
+
+    def at(self, length: int = 0) -> list[nmod_poly]:
+        """The coefficients of tⁱ at one L, polynomials in u."""
+        result = []
+        for *low, total in self.coefficients:
+            for term in reversed(low):
+                total = total * length + term
+            result.append(total)
+        return result
