@@ -1,0 +1,162 @@
+"""A + ω B in two half tangents and L, against evaluation."""
+
+from fractions import Fraction
+
+import pytest
+from flint import fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from rpr_solver.exact.biform import (
+    OMEGA,
+    RING,
+    BiForm,
+    L,
+    T,
+    U,
+    leading_coefficient,
+    omega_parts,
+    without_common_factors,
+)
+from rpr_solver.exact.modular import primes
+from rpr_solver.exact.quadratic import DivisionError, QuadraticPoly
+
+RADICANDS = (1, 2, 12, 1009)
+powers = st.tuples(*(st.integers(0, top) for top in (3, 3, 2, 5)))
+terms = st.dictionaries(powers, st.integers(-20, 20).filter(bool), max_size=6)
+polynomials = terms.map(RING.from_dict)
+
+
+@st.composite
+def forms(draw: st.DrawFn, count: int, *, with_length: bool = True) -> list[BiForm]:
+    """Several forms over one ring ℤ[ω]."""
+    radicand = draw(st.sampled_from(RADICANDS))
+    drawn = [draw(polynomials) for _ in range(count)]
+    if not with_length:
+        drawn = [p.compose(T, U, RING.constant(1), OMEGA) for p in drawn]
+    return [BiForm.of(p, radicand, 3, 4) for p in drawn]
+
+
+def at(p: fmpz_mpoly, t: int, u: int, length: int, omega: int, modulus: int) -> int:
+    """A polynomial's value modulo an integer."""
+    return int(p(t, u, length, omega)) % modulus
+
+
+@given(polynomials, st.sampled_from(RADICANDS))
+def test_the_square_of_omega_is_put_in(p: fmpz_mpoly, radicand: int) -> None:
+    a, b = omega_parts(p, radicand)
+    assert a.degrees()[3] <= 0
+    assert b.degrees()[3] <= 0
+    relation = OMEGA**2 - radicand if radicand != 1 else OMEGA - 1
+    assert not (p - a - OMEGA * b) % relation
+    assert radicand != 1 or not b
+
+
+def test_omega_is_the_last_variable_of_any_ring() -> None:
+    ring = fmpz_mpoly_ctx.get(("x", "omega"), "lex")
+    x, omega = ring.gens()
+    assert omega_parts(x * omega**3 + omega**2, 5) == (5 + 0 * x, 5 * x)
+
+
+@given(forms(1))
+def test_joined_and_taken_apart_again(single: list[BiForm]) -> None:
+    [form] = single
+    assert BiForm.of(form.joined, form.radicand, form.degree_t, form.degree_u) == form
+
+
+@given(forms(1, with_length=False))
+def test_rows_make_the_form(single: list[BiForm]) -> None:
+    [form] = single
+    assert len(form.rows) == form.degree_t + 1
+    assert BiForm.of_rows(form.rows, form.degree_u) == form
+
+
+@given(forms(1), st.fractions(-9, 9, max_denominator=9))
+def test_one_length_is_put_in(single: list[BiForm], length: Fraction) -> None:
+    [form] = single
+    top = max(0, form.joined.degrees()[2])
+    rows = BiForm.of_rows(form.at(length), form.degree_u)
+    n, d = length.numerator, length.denominator
+    whole = {p: c * n ** p[2] * d ** (top - p[2]) for p, c in form.joined.to_dict().items()}
+    expected = RING.from_dict({p: c for p, c in whole.items() if c}).compose(T, U, RING.constant(1), OMEGA)
+    assert rows.joined == expected
+
+
+@given(forms(2))
+def test_a_product_joined_is_the_product(pair: list[BiForm]) -> None:
+    p, q = pair
+    product = p * q
+    assert (product.degree_t, product.degree_u) == (p.degree_t + q.degree_t, p.degree_u + q.degree_u)
+    expected = BiForm.of(p.joined * q.joined, p.radicand, product.degree_t, product.degree_u)
+    assert product == expected
+
+
+@given(forms(1))
+def test_the_norm_is_the_product_with_the_conjugate(single: list[BiForm]) -> None:
+    [form] = single
+    square = form * form.conjugate
+    assert not square.b
+    assert square.a == (form.norm if form.b else form.norm**2)
+
+
+@given(forms(2))
+def test_a_product_divided_by_a_factor(pair: list[BiForm]) -> None:
+    p, q = pair
+    assume(not q.is_zero)
+    quotient = (p * q).quotient(q)
+    primitive = p.primitive()
+    assert (quotient.degree_t, quotient.degree_u) == (p.degree_t, p.degree_u)
+    assert quotient.joined in (primitive.joined, -primitive.joined)
+
+
+def test_a_remainder_is_refused() -> None:
+    with pytest.raises(DivisionError):
+        BiForm.of(T * U + 1, 2, 1, 1).quotient(BiForm.of(T + OMEGA, 2, 1, 0))
+
+
+def test_a_rational_divisor_takes_its_degrees_with_it() -> None:
+    form = BiForm.of((T + U) * (OMEGA * T * L + 3), 2, 3, 3)
+    quotient = form / (T + U)
+    assert quotient == BiForm.of(OMEGA * T * L + 3, 2, 2, 2)
+
+
+@given(forms(1), st.integers(-9, 9), st.integers(-9, 9), st.integers(-9, 9))
+def test_a_residue_is_the_value_modulo_p(single: list[BiForm], t: int, u: int, length: int) -> None:
+    [form] = single
+    p, omega = next(primes(form.radicand))
+    for w in {omega, -omega % p} if form.radicand != 1 else {omega}:
+        in_t = [int(row(u % p)) for row in form.residue(p, w).at(length)]
+        assert sum(c * t**i for i, c in enumerate(in_t)) % p == at(form.joined, t, u, length, w, p)
+
+
+@given(forms(1))
+def test_the_1_norm_bounds_all_coefficients(single: list[BiForm]) -> None:
+    [form] = single
+    largest = sum(abs(int(c)) for c in form.a.coeffs()) ** 2
+    assert largest <= form.norm1() ** 2
+    assert form.radicand * sum(abs(int(c)) for c in form.b.coeffs()) ** 2 <= form.norm1() ** 2
+
+
+def test_formal_degrees_keep_zeros_at_infinity() -> None:
+    form = BiForm.of(T * U + OMEGA, 2, 3, 1)
+    assert form.zeros_at_infinity == 2
+    assert [row.is_zero for row in form.rows] == [False, False, True, True]
+    assert form.rows[0] == QuadraticPoly(fmpz_poly([]), fmpz_poly([1]), 2)
+
+
+def test_the_leading_coefficient_in_a_variable() -> None:
+    p = T**2 * (U + OMEGA) + T * U**5 + 7
+    assert leading_coefficient(p, 0) == U + OMEGA
+    assert leading_coefficient(p, 1) == T
+
+
+def test_common_factors_leave_both_forms() -> None:
+    """J loses every power, so that nothing of the shared curve stays isolated."""
+    j = BiForm.of((T - U) ** 3 * (OMEGA * T + U), 2, 4, 4)
+    e = BiForm.of((T - U) * (T * U + OMEGA), 2, 2, 2)
+    rest_j, rest_e, common = without_common_factors(j, e)
+    assert (rest_j.joined, rest_e.joined) in [
+        (sign * (OMEGA * T + U), other * (T * U + OMEGA)) for sign in (1, -1) for other in (1, -1)
+    ]
+    assert common in ([T - U], [U - T])
+    assert without_common_factors(rest_j, rest_e) == (rest_j, rest_e, [])
