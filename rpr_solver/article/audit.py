@@ -43,7 +43,7 @@ from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
-from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
+from rpr_solver.exact.number_field import common_roots, squarefree_part, trimmed
 from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.rationals import parse_exact
 from rpr_solver.model.classify import CUSP
@@ -255,22 +255,16 @@ class _Audit:
 
     def _exactly(self, row: _Row, root: ExactRoot, forms: tuple[BiForm, BiForm], length: Fraction) -> None:
         """All couples above one root, classified over a number field; ``length`` is −L1 for θ1 = 180°."""
-        flat, offset = self.eliminant.flat, 0 if length > 0 else 180
+        flat = self.eliminant.flat
         f1, e1 = (form.rows for form in forms)
         u, omega = root.in_field()
         f1_at = [c(u, omega) for c in f1]
         e1_at = [c(u, omega) for c in (self.slice_map.coalescence.at(length) if flat else e1)]
-        if not trimmed(f1_at):
+        couples = common_roots(f1_at, e1_at, u, omega)
+        if couples is None or not trimmed(f1_at):
             raise SolverError("(13) holds on a whole line theta1 = const; the algorithm ends here")
-        couples: list[tuple[Algebraic | None, Algebraic, Algebraic]] = []
-        if f1_at[-1].is_zero and e1_at[-1].is_zero:
-            couples.append((None, u, omega))
-        common = poly_gcd(trimmed(f1_at), trimmed(e1_at))
-        if len(common) > 1:
-            extensions = adjoin_real_roots(u.field, squarefree_part(common))
-            couples += [(x.root, x.lift(u), x.lift(omega)) for x in extensions]
-        for t, at_u, at_omega in couples:
-            row.add(*exact_couple(self.slice_map, length, t, at_u, at_omega, offset, self.digits))
+        for t, (at_u, at_omega) in couples:
+            row.add(*exact_couple(self.slice_map, length, t, at_u, at_omega, self.digits))
         bits = digit_bits(self.digits)
         with ctx.workprec(bits):
             finite = count_real([c.ball(bits) for c in squarefree_part(trimmed(f1_at))])

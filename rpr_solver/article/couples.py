@@ -12,12 +12,12 @@ from flint import acb_poly, arb, arb_poly
 from rpr_solver.article.equations import LEG_ALONG, Legs, Vector, adjugate
 from rpr_solver.exact.decimals import round_ball
 from rpr_solver.exact.number_field import Algebraic
-from rpr_solver.model.classify import CUSP, classify, cos_sin
+from rpr_solver.model.classify import CUSP, classify
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.slices.by_balls import CuspBalls
-from rpr_solver.slices.by_fields import ExactPose
+from rpr_solver.slices.by_fields import ExactPose, local_map
 from rpr_solver.slices.joint_points import Found, found_exactly
 
 KEPT, DEGENERATE, REJECTED = "kept", "degenerate", "rejected"
@@ -84,30 +84,20 @@ def adjugate_stands(slice_map: SliceMap, length: arb, u: arb, t: HalfTangent, om
 
 
 def exact_couple(
-    slice_map: SliceMap,
-    length: Fraction,
-    t: Algebraic | None,
-    u: Algebraic,
-    omega: Algebraic,
-    theta_offset: int,
-    digits: int,
+    slice_map: SliceMap, length: Fraction, t: Algebraic | None, u: Algebraic, omega: Algebraic, digits: int
 ) -> tuple[Couple, Found | None]:
     """Classify a couple in a number field; the point, unless it is rejected.
 
-    ``t`` is None at α = 180°; with ``theta_offset`` 180, ``length`` is −L1 (by_fields.py).
+    ``t`` is None at α = 180°; ``length`` is −L1 where θ1 is turned by half a turn (by_fields.py).
     """
-    field = u.field
-    alpha = (field(-1), field(0)) if t is None else cos_sin(t)
-    theta = cos_sin(u)
-    pose = Pose(*alpha, *theta, field(length), omega)
-    local = LocalMap.at(slice_map, pose, 4)
-    kind = classify(slice_map, pose, local)
-    f, g = local.squared_lengths(slice_map, pose)
-    exact = ExactPose(kind or "rejected couple", t, u, theta_offset, f, g, slice_map)
+    local = local_map(slice_map, length, t, u, omega)
+    kind, pose = classify(local), local.pose
+    exact = ExactPose.of(kind or "rejected couple", t, u, local)
     shown = found_exactly(exact, _SHOWN_DIGITS).point
     if kind is None:
-        b1 = theta[0] * pose.length, theta[1] * pose.length
-        reason = _why(_legs(slice_map, alpha, b1, omega, field(1)), f, g)
+        b1 = pose.cos_theta * pose.length, pose.sin_theta * pose.length
+        legs = _legs(slice_map, (pose.cos_alpha, pose.sin_alpha), b1, omega, omega.field(1))
+        reason = _why(legs, exact.f, exact.g)
         return Couple(shown.alpha_deg, shown.theta_deg, REJECTED, reason), None
     verdict, reason = (KEPT, _TRIPLE) if kind == CUSP else (DEGENERATE, kind)
     return Couple(shown.alpha_deg, shown.theta_deg, verdict, reason), found_exactly(exact, digits)

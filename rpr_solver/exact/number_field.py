@@ -211,6 +211,25 @@ def adjoin_real_roots(field: Field, polynomial: Polynomial) -> Iterator[Extensio
         yield _extension(field, polynomial, shift, new)
 
 
+def common_roots(
+    first: Sequence[Algebraic], second: Sequence[Algebraic], *carried: Algebraic
+) -> list[tuple[Algebraic | None, list[Algebraic]]] | None:
+    """The real common roots t of two forms over a field, given by ascending coefficients.
+
+    None stands for t = ∞ and comes first, the others ascend. With each come the elements ``carried`` (one
+    at least) of the old field in its own. No list at all: both forms are zero, and every t is a root.
+    """
+    common = poly_gcd(trimmed(first), trimmed(second))
+    if not common:
+        return None
+    roots: list[tuple[Algebraic | None, list[Algebraic]]] = []
+    if first[-1].is_zero and second[-1].is_zero:
+        roots.append((None, list(carried)))
+    for extension in adjoin_real_roots(carried[0].field, squarefree_part(common)):
+        roots.append((extension.root, [extension.lift(x) for x in carried]))
+    return roots
+
+
 def _squarefree_norm(field: Field, polynomial: Polynomial) -> tuple[int, fmpq_poly]:
     """A shift s such that N(w) = Res_x(modulus(x), polynomial(w − s x)) is squarefree, and N."""
     x, y = _PLANE.gens()

@@ -23,6 +23,7 @@ from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decide
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
 from rpr_solver.kinematics.closure import DEGREE, Closure, LinearSystem
+from rpr_solver.model.classify import cos_sin
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg
@@ -217,11 +218,7 @@ class _ExactPose:
 
     def cos_sin(self) -> tuple[Algebraic, Algebraic]:
         """cos α and sin α."""
-        if self.t is None:
-            return self.x.field(-1), self.x.field(0)
-        square = self.t * self.t
-        norm = (square + 1).inverse()
-        return (-square + 1) * norm, self.t * 2 * norm
+        return cos_sin(self.t, self.x.field)
 
 
 def _shared(closure: Closure, poses: Sequence[_ExactPose], order: int) -> tuple[int, ...]:

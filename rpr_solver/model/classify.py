@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from rpr_solver.exact.number_field import (
-    Algebraic,
-)
-from rpr_solver.model.jets import LocalMap, Pose
-from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.exact.number_field import Algebraic, Field
+from rpr_solver.model.jets import LocalMap
 
 CUSP = "cusp"
 
 
-def classify(slice_map: SliceMap, pose: Pose[Algebraic], local: LocalMap[Algebraic]) -> str | None:
+def classify(local: LocalMap[Algebraic]) -> str | None:
     """The name of the pose, or None if it is an ordinary singular pose (or not singular at all)."""
     gradients = {leg: (leg.alpha.value, leg.theta.value) for leg in (local.f, local.g)}
     regular = [leg for leg, slopes in gradients.items() if not all(x.is_zero for x in slopes)]
@@ -31,8 +28,8 @@ def classify(slice_map: SliceMap, pose: Pose[Algebraic], local: LocalMap[Algebra
         aa, at, tt = j.alpha.alpha.value, j.alpha.theta.value, j.theta.theta.value
         hessian = (aa * tt - at * at).sign
         # J is L (J0 + L J1); with J = 0, its value at twice the length is a multiple of J1
-        doubled = replace(pose, length=pose.length * 2)
-        moves = not LocalMap.at(slice_map, doubled, 1).singularity().value.is_zero
+        doubled = replace(local.pose, length=local.pose.length * 2)
+        moves = not LocalMap.at(local.slice_map, doubled, 1).singularity().value.is_zero
         generic = moves and not second.value.is_zero
         if hessian > 0:
             return "lips" if generic else "isolated-point"
@@ -54,8 +51,10 @@ def _hessians_independent(local: LocalMap[Algebraic]) -> bool:
     return not (crossed[0] * crossed[0] - crossed[1] * crossed[2]).is_zero
 
 
-def cos_sin(half: Algebraic) -> tuple[Algebraic, Algebraic]:
-    """Cosine and sine of the angle whose half has this tangent."""
+def cos_sin(half: Algebraic | None, field: Field) -> tuple[Algebraic, Algebraic]:
+    """Cosine and sine of the angle whose half has this tangent; None is 180°."""
+    if half is None:
+        return field(-1), field(0)
     square = half * half
     norm = (square + 1).inverse()
     return (-square + 1) * norm, half * 2 * norm

@@ -98,22 +98,25 @@ class Pose(Generic[R]):
 class LocalMap(Generic[R]):
     """The slice's map (α, θ) → (f, g) near a pose: jets of f/2 and g/2, each less a constant."""
 
+    slice_map: SliceMap
+    pose: Pose[R]
     f: Jet[R]
     g: Jet[R]
 
     @classmethod
     def at(cls, slice_map: SliceMap, pose: Pose[R], order: int) -> LocalMap[R]:
         """All derivatives up to ``order``."""
-        return cls(_variable_part(slice_map.f, pose, order), _variable_part(slice_map.g, pose, order))
+        f, g = (_variable_part(leg, pose, order) for leg in (slice_map.f, slice_map.g))
+        return cls(slice_map, pose, f, g)
 
-    def squared_lengths(self, slice_map: SliceMap, pose: Pose[R]) -> tuple[R, R]:
+    def squared_lengths(self) -> tuple[R, R]:
         """f and g themselves (scaled units)."""
 
         def square(leg: Leg, jet: Jet[R]) -> R:
             constant = leg.platform2 + leg.base2
-            return pose.length * pose.length + jet.value * 2 + constant  # type: ignore[no-any-return]
+            return self.pose.length * self.pose.length + jet.value * 2 + constant  # type: ignore[no-any-return]
 
-        return square(slice_map.f, self.f), square(slice_map.g, self.g)
+        return square(self.slice_map.f, self.f), square(self.slice_map.g, self.g)
 
     def singularity(self) -> Jet[R]:
         """J = f_α g_θ − f_θ g_α, zero at singular poses."""

@@ -72,7 +72,7 @@ class SlicePoses:
             gradient=_larger(j.alpha.value, j.theta.value),
             transversal=local.along(local.f, e).value,
         )
-        f, g = local.squared_lengths(self.slice_map, pose)
+        f, g = local.squared_lengths()
         at_half_turn = t.denominator.contains(0)  # α = ±180° cannot be told apart by a ball
         if at_half_turn or not (proof.holds and f > 0 and g > 0):
             return None

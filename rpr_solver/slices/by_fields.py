@@ -10,13 +10,7 @@ from flint import arb, ctx, fmpz
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.factors import ExactRoot
-from rpr_solver.exact.number_field import (
-    Algebraic,
-    adjoin_real_roots,
-    poly_gcd,
-    squarefree_part,
-    trimmed,
-)
+from rpr_solver.exact.number_field import Algebraic, common_roots
 from rpr_solver.model.classify import classify, cos_sin
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
@@ -26,7 +20,11 @@ from rpr_solver.slices.shared_curves import SliceForms
 
 @dataclass(frozen=True)
 class ExactPose:
-    """A classified pose, exact: tan(α/2), or None at α = 180°, tan(θ/2), and f, g in one field."""
+    """A classified pose, exact: tan(α/2), or None at α = 180°, tan(θ/2), and f, g in one field.
+
+    With ``theta_offset`` 180 the slice map is turned by half a turn, which makes L negative, so that u = 0 is
+    θ = 180°.
+    """
 
     kind: str
     t: Algebraic | None
@@ -35,6 +33,12 @@ class ExactPose:
     f: Algebraic
     g: Algebraic
     slice_map: SliceMap
+
+    @classmethod
+    def of(cls, kind: str, t: Algebraic | None, u: Algebraic, local: LocalMap[Algebraic]) -> ExactPose:
+        """From the jets at the pose."""
+        offset = 0 if local.pose.length.sign > 0 else 180
+        return cls(kind, t, u, offset, *local.squared_lengths(), local.slice_map)
 
     def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
         """α and θ in degrees and the two free lengths in the user's unit, as balls."""
@@ -53,64 +57,36 @@ class ExactPose:
         return first and first / scale, second and second / scale
 
 
-def poses_above(
-    slice_map: SliceMap, length: Fraction, plane: SliceForms, root: ExactRoot, *, theta_offset: int = 0
-) -> Iterator[ExactPose]:
+def poses_above(forms: SliceForms, root: ExactRoot) -> Iterator[ExactPose]:
     """All real poses with J = E = 0 at one root u, classified; ordinary singular poses are left out.
 
-    With ``theta_offset`` 180 the slice map is turned by half a turn, so that u = 0 is θ = 180°;
-    ``length`` is then −L.
+    Raises:
+        SolverError: J and E vanish on the whole line θ = const.
     """
-    yield from _poses(slice_map, length, plane, *root.in_field(), theta_offset)
-
-
-def poses_at_half_turn(slice_map: SliceMap, length: Fraction, turned: SliceForms) -> Iterator[ExactPose]:
-    """The poses with J = E = 0 at θ = 180° exactly, where u is infinite; ``turned`` belongs to −L."""
-    return poses_above(slice_map, -length, turned, ExactRoot.origin(slice_map.radicand), theta_offset=180)
-
-
-def _poses(
-    slice_map: SliceMap,
-    length: Fraction,
-    plane: SliceForms,
-    u: Algebraic,
-    omega: Algebraic,
-    theta_offset: int,
-) -> Iterator[ExactPose]:
-    j, e = ([row(u, omega) for row in form] for form in (plane.singular, plane.coalescence))
-    if j[-1].is_zero and e[-1].is_zero:
-        yield from _classified(slice_map, length, plane, None, u, omega, theta_offset)
-    common = poly_gcd(trimmed(j), trimmed(e))
-    if not common:
+    u, omega = root.in_field()
+    j, e = ([row(u, omega) for row in form] for form in (forms.singular, forms.coalescence))
+    roots = common_roots(j, e, u, omega)
+    if roots is None:
         raise SolverError("the singular curve holds a whole line theta = const")
-    if len(common) == 1:
-        return
-    for extension in adjoin_real_roots(u.field, squarefree_part(common)):
-        yield from _classified(
-            slice_map, length, plane, extension.root, extension.lift(u), extension.lift(omega), theta_offset
-        )
+    for t, (at_u, at_omega) in roots:
+        if not any(curve.holds(t, at_u) for curve in forms.shared):
+            local = local_map(forms.slice_map, forms.length, t, at_u, at_omega)
+            kind = classify(local)
+            if kind is not None:
+                yield ExactPose.of(kind, t, at_u, local)
 
 
-def _classified(
-    slice_map: SliceMap,
-    length: Fraction,
-    plane: SliceForms,
-    t: Algebraic | None,
-    u: Algebraic,
-    omega: Algebraic,
-    theta_offset: int,
-) -> Iterator[ExactPose]:
-    if any(curve.holds(t, u) for curve in plane.shared):
-        return
+def poses_at_half_turn(turned: SliceForms) -> Iterator[ExactPose]:
+    """The poses with J = E = 0 at θ = 180° exactly, where u is infinite; ``turned`` is the slice of −L."""
+    return poses_above(turned, ExactRoot.origin(turned.slice_map.radicand))
+
+
+def local_map(
+    slice_map: SliceMap, length: Fraction, t: Algebraic | None, u: Algebraic, omega: Algebraic
+) -> LocalMap[Algebraic]:
+    """The jets that tell a pose's kind; t is None at α = 180°."""
     field = u.field
-    cos_a, sin_a = (field(-1), field(0)) if t is None else cos_sin(t)
-    cos_t, sin_t = cos_sin(u)
-    pose = Pose(cos_a, sin_a, cos_t, sin_t, field(length), omega)
-    local = LocalMap.at(slice_map, pose, 4)
-    kind = classify(slice_map, pose, local)
-    if kind is not None:
-        f, g = local.squared_lengths(slice_map, pose)
-        yield ExactPose(kind, t, u, theta_offset, f, g, slice_map)
+    return LocalMap.at(slice_map, Pose(*cos_sin(t, field), *cos_sin(u, field), field(length), omega), 4)
 
 
 def _rational_sqrt(x: Fraction | None) -> Fraction | None:

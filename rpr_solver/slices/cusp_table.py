@@ -216,11 +216,11 @@ class _Slice:
                 if cusps is not None:
                     found += cusps
                     continue
-            found += map(self._exactly_found, poses_above(self.slice_map, self.scaled, plane, root))
+            found += map(self._exactly_found, poses_above(plane, root))
         at_infinity = DEGREE_U - q.degree
         touches_infinity = touching is not None and touching.degree() < 1
         if at_infinity or plane.shared or touches_infinity:
-            found += map(self._exactly_found, poses_at_half_turn(self.slice_map, self.scaled, turned))
+            found += map(self._exactly_found, poses_at_half_turn(turned))
         shapes: dict[int, int] = {at_infinity: 1} if at_infinity and not plane.shared else {}
         for degree, multiplicity in (shape for factor in factors for shape in factor.shape):
             shapes[multiplicity] = shapes.get(multiplicity, 0) + degree

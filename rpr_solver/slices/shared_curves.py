@@ -45,6 +45,8 @@ class Curve:
 class SliceForms:
     """J and E of one slice by coefficients of t (formal degrees), less the curves they share."""
 
+    slice_map: SliceMap
+    length: Fraction
     singular: Rows
     coalescence: Rows
     shared: tuple[Curve, ...] = ()
@@ -52,7 +54,7 @@ class SliceForms:
     @classmethod
     def of(cls, slice_map: SliceMap, length: Fraction) -> SliceForms:
         """The slice as it is."""
-        return cls(slice_map.singular.at(length), slice_map.coalescence.at(length))
+        return cls(slice_map, length, slice_map.singular.at(length), slice_map.coalescence.at(length))
 
 
 def without_shared_curves(slice_map: SliceMap, length: Fraction) -> tuple[SliceForms, QuadraticPoly]:
@@ -78,7 +80,7 @@ def without_shared_curves(slice_map: SliceMap, length: Fraction) -> tuple[SliceF
     [q] = BiForm.of(resultant, slice_map.radicand, 0, 0).primitive().rows
     if q.is_zero:
         raise SolverError("J and E share a curve of poses that is not rational; this slice is not supported")
-    return SliceForms(j.rows, e.rows, tuple(shared)), q
+    return SliceForms(slice_map, length, j.rows, e.rows, tuple(shared)), q
 
 
 def _real_curves(common: fmpz_mpoly) -> list[Curve]:

@@ -41,15 +41,23 @@ class NotGeneric(Exception):  # noqa: N818 - a signal between modules; no error 
 
 @dataclass(frozen=True)
 class System:
-    """Two forms in (t, u) whose common zeros are events, and their eliminant P(u)."""
+    """Two forms in (t, u) whose common zeros are events of a slice map, and their eliminant P(u)."""
 
+    slice_map: SliceMap
     first: BiForm
     second: BiForm
     eliminant: Form
 
     @classmethod
     def of(
-        cls, first: BiForm, second: BiForm, *, circular: int = 0, known: Form | None = None, exponent: int = 0
+        cls,
+        slice_map: SliceMap,
+        first: BiForm,
+        second: BiForm,
+        *,
+        circular: int = 0,
+        known: Form | None = None,
+        exponent: int = 0,
     ) -> System:
         """Eliminate t and divide by (u²+1)^circular · known^exponent.
 
@@ -59,11 +67,11 @@ class System:
         eliminant = resultant(first, second, circular=circular, known=known, exponent=exponent)
         if eliminant.polynomial.is_zero:
             raise NotGeneric
-        return cls(first, second, eliminant)
+        return cls(slice_map, first, second, eliminant)
 
     @classmethod
     def without_shared_angles(
-        cls, first: BiForm, second: BiForm, *, circular: int, known: Form, exponent: int
+        cls, slice_map: SliceMap, first: BiForm, second: BiForm, *, circular: int, known: Form, exponent: int
     ) -> tuple[System, BiForm | None]:
         """As :meth:`of`, without the angles α that the two forms share; and these angles.
 
@@ -71,12 +79,12 @@ class System:
             NotGeneric: they share more than that.
         """
         try:
-            return cls.of(first, second, circular=circular, known=known, exponent=exponent), None
+            return cls.of(slice_map, first, second, circular=circular, known=known, exponent=exponent), None
         except NotGeneric:
             shared = SharedAngles.of(first, second)
             if shared is None:
                 raise
-            return cls.of(shared.first, shared.second), shared.angles
+            return cls.of(slice_map, shared.first, shared.second), shared.angles
 
 
 @dataclass(frozen=True)
@@ -108,15 +116,15 @@ class EventSystems:
         m1, m2 = (trig.form(trig.j0 * d(trig.j1) - trig.j1 * d(trig.j0), (3, 3)) for d in (d_alpha, d_theta))
         c, w = _swallowtail_forms(trig, j0, f_theta)
         _report(progress, 1)
-        parallel = System.of(f_theta, g_theta, circular=2)
-        permanent = System.of(j0, j1, circular=2)
+        parallel = System.of(slice_map, f_theta, g_theta, circular=2)
+        permanent = System.of(slice_map, j0, j1, circular=2)
         z, y = permanent.eliminant, permanent.eliminant.quotient(parallel.eliminant)
         _report(progress, 2)
-        critical, angles = System.without_shared_angles(m1, m2, circular=10, known=z, exponent=1)
+        critical, angles = System.without_shared_angles(slice_map, m1, m2, circular=10, known=z, exponent=1)
         levels = () if angles is None else tuple(constant_lengths(j0, j1, angles))
         _report(progress, 3)
-        swallowtails, angles = System.without_shared_angles(c, w, circular=16, known=y, exponent=4)
-        beside = () if angles is None else (System.of(swallowtails.first, angles),)
+        swallowtails, angles = System.without_shared_angles(slice_map, c, w, circular=16, known=y, exponent=4)
+        beside = () if angles is None else (System.of(slice_map, swallowtails.first, angles),)
         _report(progress, 4)
         return cls(slice_map, swallowtails, critical, beside, levels, permanent, y)
 
@@ -144,9 +152,9 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     form = trig.form(on_surface, (4, 4))
     cusps = systems.swallowtails.first
     if systems.beside:
-        return System.of(cusps, form)
+        return System.of(slice_map, cusps, form)
     known = systems.permanent.eliminant * systems.not_parallel
-    return System.of(cusps, form, circular=20, known=known, exponent=2)
+    return System.of(slice_map, cusps, form, circular=20, known=known, exponent=2)
 
 
 @dataclass(frozen=True)

@@ -32,8 +32,8 @@ from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS, decided, decid
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
-from rpr_solver.model.jets import LocalMap, Pose
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.jets import LocalMap
+from rpr_solver.model.slice_map import Leg
 from rpr_solver.transitions.event_systems import EventSystems, System, limit_system
 from rpr_solver.transitions.exact_events import (
     events_above,
@@ -69,7 +69,6 @@ class Event(Protocol):
 class BallEvent:
     """An event above a simple root of an eliminant, refined on demand."""
 
-    slice_map: SliceMap
     system: System
     root: RealRoot
     kind: str
@@ -87,20 +86,19 @@ class BallEvent:
         """α and θ in degrees, and the free legs in the user's unit."""
         t, u, length, work = self._refined(bits)
         with ctx.workprec(work):
-            pose = _pose(self.slice_map, t, u, length, work)
-            f, g = LocalMap.at(self.slice_map, pose, 0).squared_lengths(self.slice_map, pose)
-            scale = self.slice_map.scale_ball()
+            f, g = _local(self.system, t, u, length, work, 0).squared_lengths()
+            scale = self.system.slice_map.scale_ball()
             return t.degrees(), HalfTangent(u, arb(1)).degrees(), f.sqrt() / scale, g.sqrt() / scale
 
     def exact(self) -> Event:
         """The same event in a number field, for what balls cannot show: an angle of exactly 0, say."""
         [root] = exact_counterparts([self.root], self.system.eliminant.polynomial)
-        [event] = _exact_events(self.slice_map, self.system, root, named=bool(self.kind))
+        [event] = _exact_events(self.system, root, named=bool(self.kind))
         return event
 
     def _refined(self, bits: int) -> tuple[HalfTangent, arb, arb, int]:
         def accurate(work: int) -> tuple[HalfTangent, arb, arb, int] | None:
-            located = _located(self.slice_map, self.system, self.root, work)
+            located = _located(self.system, self.root, work)
             if located is None or located[2].rel_accuracy_bits() < bits - 32:
                 return None
             return *located, work
@@ -130,14 +128,13 @@ def events(systems: EventSystems) -> Iterator[Event]:
     Raises:
         NotGeneric: the events are not isolated.
     """
-    slice_map = systems.slice_map
-    yield from _system_events(slice_map, systems.swallowtails, _swallowtail)
-    yield from _system_events(slice_map, systems.critical, _critical)
+    yield from _system_events(systems.swallowtails, _swallowtail)
+    yield from _system_events(systems.critical, _critical)
     for system in systems.beside:
-        yield from _system_events(slice_map, system, _limit)
+        yield from _system_events(system, _limit)
     yield from (Landmark(length) for length in systems.levels if length.sign > 0)
-    yield from permanent_events(slice_map, systems.permanent)
-    yield from stretched_closings(slice_map)
+    yield from permanent_events(systems.permanent)
+    yield from stretched_closings(systems.slice_map.f)
 
 
 def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[Event]:
@@ -146,14 +143,14 @@ def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[
     Raises:
         NotGeneric: these lengths are not isolated.
     """
-    yield from _system_events(systems.slice_map, limit_system(systems, leg, square), _limit)
-    for length in permanent_limits(systems.slice_map, systems.permanent, leg, square):
+    yield from _system_events(limit_system(systems, leg, square), _limit)
+    for length in permanent_limits(systems.permanent, leg, square):
         yield Landmark(length)
 
 
-def stretched_closings(slice_map: SliceMap) -> Iterator[Landmark]:
+def stretched_closings(leg: Leg) -> Iterator[Landmark]:
     """The positive L with L = ±|a| ± |m|: a and m the base and platform sides between the legs."""
-    a2, m2 = slice_map.f.base2, slice_map.f.platform2
+    a2, m2 = leg.base2, leg.platform2
     quartic = fmpz_poly([(a2 - m2) ** 2, 0, -2 * (a2 + m2), 0, 1])
     for factor, _ in quartic.factor()[1]:
         yield from positive_roots(factor)
@@ -167,19 +164,19 @@ def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
             yield Landmark(length)
 
 
-def _system_events(slice_map: SliceMap, system: System, name: Namer) -> Iterator[Event]:
+def _system_events(system: System, name: Namer) -> Iterator[Event]:
     eliminant = system.eliminant.polynomial
     if simple_and_finite(eliminant, system.eliminant.degree):
-        proved = [_prove(slice_map, system, root, name) for root in real_roots(eliminant)]
+        proved = [_prove(system, root, name) for root in real_roots(eliminant)]
         if None not in proved:
             yield from chain.from_iterable(events or () for events in proved)
             return
     if system.eliminant.zeros_at_infinity:
-        yield from _exact_events(slice_map, system, None, named=name is not _limit)
+        yield from _exact_events(system, None, named=name is not _limit)
     simple, others = simple_and_other_roots(eliminant)
     undecided = []
     for root in simple:
-        here = _prove(slice_map, system, root, name)
+        here = _prove(system, root, name)
         if here is None:
             undecided.append(root)
         else:
@@ -187,40 +184,35 @@ def _system_events(slice_map: SliceMap, system: System, name: Namer) -> Iterator
     if undecided:
         others += exact_counterparts(undecided, eliminant)
     for exact in others:
-        yield from _exact_events(slice_map, system, exact, named=name is not _limit)
+        yield from _exact_events(system, exact, named=name is not _limit)
 
 
-def _exact_events(
-    slice_map: SliceMap, system: System, root: ExactRoot | None, *, named: bool
-) -> Iterator[Event]:
+def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Iterator[Event]:
     if named:
-        yield from events_above(slice_map, system, root)
+        yield from events_above(system, root)
     else:
-        for pose in located_poses(slice_map, system, root):
+        for pose in located_poses(system, root):
             yield Landmark(pose.length)
 
 
-def _prove(slice_map: SliceMap, system: System, root: RealRoot, name: Namer) -> tuple[BallEvent, ...] | None:
+def _prove(system: System, root: RealRoot, name: Namer) -> tuple[BallEvent, ...] | None:
     """The event above a simple root; none where L < 0; None where balls do not tell."""
 
     def event(bits: int) -> tuple[BallEvent, ...] | None:
-        located = _located(slice_map, system, root, bits)
+        located = _located(system, root, bits)
         if located is None:
             return None
         t, u, length = located
         if length < 0:
             return ()
         with ctx.workprec(bits):
-            local = LocalMap.at(slice_map, _pose(slice_map, t, u, length, bits), 4)
-            kind = name(local)
-        return (BallEvent(slice_map, system, root, kind),) if length > 0 and kind is not None else None
+            kind = name(_local(system, t, u, length, bits, 4))
+        return (BallEvent(system, root, kind),) if length > 0 and kind is not None else None
 
     return decided_or_none(event, _START_BITS, EVENT_BITS)
 
 
-def _located(
-    slice_map: SliceMap, system: System, root: RealRoot, work: int
-) -> tuple[HalfTangent, arb, arb] | None:
+def _located(system: System, root: RealRoot, work: int) -> tuple[HalfTangent, arb, arb] | None:
     """t, u and L above a root, or None where the precision does not tell."""
     u = root.refined(work - 64)
     with ctx.workprec(work):
@@ -229,16 +221,14 @@ def _located(
         if t is None or t.denominator.contains(0):
             return None
         # J is L (J0 + L J1)
-        plus, minus = (
-            LocalMap.at(slice_map, _pose(slice_map, t, u, arb(sign), work), 1).singularity().value
-            for sign in (1, -1)
-        )
+        plus, minus = (_local(system, t, u, arb(sign), work, 1).singularity().value for sign in (1, -1))
         length = (minus - plus) / (plus + minus)
         return (t, u, length) if length.is_finite() else None
 
 
-def _pose(slice_map: SliceMap, t: HalfTangent, u: arb, length: arb, work: int) -> Pose[arb]:
-    return pose_of(t, HalfTangent(u, arb(1)), length, omega_ball(slice_map.radicand, work))
+def _local(system: System, t: HalfTangent, u: arb, length: arb, work: int, order: int) -> LocalMap[arb]:
+    omega = omega_ball(system.slice_map.radicand, work)
+    return LocalMap.at(system.slice_map, pose_of(t, HalfTangent(u, arb(1)), length, omega), order)
 
 
 def _swallowtail(local: LocalMap[arb]) -> str | None:

@@ -22,6 +22,7 @@ from rpr_solver.exact.number_field import (
     Field,
     Polynomial,
     adjoin_real_roots,
+    common_roots,
     poly_gcd,
     poly_mod,
     squarefree_part,
@@ -40,43 +41,42 @@ _APART_BITS = 512
 class ExactEvent:
     """An event with L > 0, all of it in one real number field (scaled units)."""
 
-    slice_map: SliceMap
     kind: str
-    pose: Pose[Algebraic]
+    local: LocalMap[Algebraic]
 
     @property
     def exact_length(self) -> Algebraic:
         """L (scaled)."""
-        return self.pose.length
+        return self.local.pose.length
 
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""
-        return self.pose.length.ball(bits)
+        return self.local.pose.length.ball(bits)
 
     def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
         """α and θ in degrees, and the free legs in the user's unit."""
-        p = self.pose
+        p = self.local.pose
         alpha, theta = _degrees(p.cos_alpha, p.sin_alpha, bits), _degrees(p.cos_theta, p.sin_theta, bits)
-        squares = LocalMap.at(self.slice_map, p, 0).squared_lengths(self.slice_map, p)
+        squares = self.local.squared_lengths()
         balls = [x.ball(bits) for x in squares]
         with ctx.workprec(bits):
             first, second = (
-                arb(0) if x.is_zero else ball.sqrt() / self.slice_map.scale_ball()
+                arb(0) if x.is_zero else ball.sqrt() / self.local.slice_map.scale_ball()
                 for x, ball in zip(squares, balls, strict=True)
             )
         return alpha, theta, first, second
 
 
-def events_above(slice_map: SliceMap, system: System, root: ExactRoot | None) -> Iterator[ExactEvent]:
+def events_above(system: System, root: ExactRoot | None) -> Iterator[ExactEvent]:
     """The events among the common zeros of a system above one root u; None is u = ∞."""
-    for pose in located_poses(slice_map, system, root):
-        yield from _event(slice_map, pose)
+    for pose in located_poses(system, root):
+        yield from _event(system.slice_map, pose)
 
 
-def located_poses(slice_map: SliceMap, system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:
+def located_poses(system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:
     """The common zeros of a system above one root u, each with its L > 0."""
     for pose in _common_poses(system, root):
-        plus, minus = (_singularity(slice_map, pose, sign) for sign in (1, -1))
+        plus, minus = (_singularity(system.slice_map, pose, sign) for sign in (1, -1))
         j1 = plus + minus  # twice J1; plus − minus is twice J0
         if j1.is_zero:
             continue  # L is infinite, or undetermined at a pose that is singular for every L
@@ -85,30 +85,28 @@ def located_poses(slice_map: SliceMap, system: System, root: ExactRoot | None) -
             yield replace(pose, length=length)
 
 
-def permanent_events(slice_map: SliceMap, permanent: System) -> Iterator[ExactEvent]:
+def permanent_events(permanent: System) -> Iterator[ExactEvent]:
     """The events at poses that are singular for every L (J0 = J1 = 0).
 
     Raises:
         NotGeneric: such a pose is degenerate for every L.
     """
     for pose in _permanent_poses(permanent):
-        for extension in _degenerate_lengths(slice_map, pose):
+        for extension in _degenerate_lengths(permanent.slice_map, pose):
             if extension.root.sign > 0:
                 lifted = _lifted(extension, pose)
-                yield from _event(slice_map, replace(lifted, length=extension.root))
+                yield from _event(permanent.slice_map, replace(lifted, length=extension.root))
 
 
-def permanent_limits(
-    slice_map: SliceMap, permanent: System, leg: Leg, square: Fraction
-) -> Iterator[Algebraic]:
+def permanent_limits(permanent: System, leg: Leg, square: Fraction) -> Iterator[Algebraic]:
     """The L > 0 at which a cusp passes a pose that is singular for every L, with leg² = square there.
 
     That hardly ever happens, and balls mostly prove it does not; then nothing is given.
     """
-    index = (slice_map.f, slice_map.g).index(leg)
+    index = (permanent.slice_map.f, permanent.slice_map.g).index(leg)
     for pose in _permanent_poses(permanent):
-        local = _in_length(slice_map, pose)
-        gap = local.squared_lengths(slice_map, _symbolic(pose))[index] - _InLength([pose.omega.field(square)])
+        local = _in_length(permanent.slice_map, pose)
+        gap = local.squared_lengths()[index] - _InLength([pose.omega.field(square)])
         for moving in (local.f, local.g):
             e = _without_zero(local.along(moving, local.singularity()).value.coefficients)
             if not _apart(e, gap.coefficients):
@@ -154,28 +152,21 @@ def _entries(pose: Pose[Algebraic]) -> tuple[Algebraic, ...]:
 
 
 def _event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[ExactEvent]:
-    kind = classify(slice_map, pose, LocalMap.at(slice_map, pose, 4))
+    local = LocalMap.at(slice_map, pose, 4)
+    kind = classify(local)
     if kind not in (None, CUSP):
-        yield ExactEvent(slice_map, str(kind), pose)
+        yield ExactEvent(str(kind), local)
 
 
 def _common_poses(system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:
     """The real poses above a root; their length is a placeholder."""
     cos_t, sin_t, omega, (a, b) = _place(system, root)
-    field = omega.field
-    if a[-1].is_zero and b[-1].is_zero:
-        yield Pose(field(-1), field(0), cos_t, sin_t, field(1), omega)
-    common = poly_gcd(trimmed(a), trimmed(b))
-    if not common:
+    roots = common_roots(a, b, cos_t, sin_t, omega)
+    if roots is None:
         raise NotGeneric
-    for extension in adjoin_real_roots(field, squarefree_part(common)):
-        yield Pose(
-            *cos_sin(extension.root),
-            extension.lift(cos_t),
-            extension.lift(sin_t),
-            extension.field(1),
-            extension.lift(omega),
-        )
+    for t, (cos, sin, at_omega) in roots:
+        field = at_omega.field
+        yield Pose(*cos_sin(t, field), cos, sin, field(1), at_omega)
 
 
 def _place(
@@ -185,7 +176,7 @@ def _place(
     forms = system.first, system.second
     if root is not None:
         u, omega = root.in_field()
-        return *cos_sin(u), omega, [[row(u, omega) for row in form.rows] for form in forms]
+        return *cos_sin(u, u.field), omega, [[row(u, omega) for row in form.rows] for form in forms]
     _, omega = ExactRoot.origin(system.first.radicand).in_field()
     rows = [[row.coefficient(form.degree_u, omega) for row in form.rows] for form in forms]
     return omega.field(-1), omega.field(0), omega, rows
@@ -223,14 +214,10 @@ def _degenerate_lengths(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[
 
 def _in_length(slice_map: SliceMap, pose: Pose[Algebraic]) -> LocalMap[Any]:
     """The jets at a pose as polynomials in L."""
-    return LocalMap.at(slice_map, _symbolic(pose), 3)
-
-
-def _symbolic(pose: Pose[Algebraic]) -> Pose[_InLength]:
-    """The pose with L as an indeterminate."""
     field = pose.omega.field
     cos_a, sin_a, cos_t, sin_t, _, omega = (_InLength([x]) for x in _entries(pose))
-    return Pose(cos_a, sin_a, cos_t, sin_t, _InLength([field(0), field(1)]), omega)
+    symbolic = Pose(cos_a, sin_a, cos_t, sin_t, _InLength([field(0), field(1)]), omega)
+    return LocalMap.at(slice_map, symbolic, 3)
 
 
 def _without(p: Polynomial, factor: Polynomial) -> Polynomial:

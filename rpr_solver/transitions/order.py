@@ -21,7 +21,7 @@ from rpr_solver.transitions.events import BallEvent, Event
 _FIRST_BITS = 256
 
 
-def grouped(slice_map: SliceMap, events: Sequence[Event]) -> list[list[Event]]:
+def grouped(events: Sequence[Event]) -> list[list[Event]]:
     """The events by ascending L, those of equal L together.
 
     Raises:
@@ -29,7 +29,7 @@ def grouped(slice_map: SliceMap, events: Sequence[Event]) -> list[list[Event]]:
     """
 
     def compare(x: Event, y: Event) -> int:
-        return _compare(slice_map, x, y, events)
+        return _compare(x, y, events)
 
     groups: list[list[Event]] = []
     for event in sorted(events, key=cmp_to_key(compare)):
@@ -40,7 +40,7 @@ def grouped(slice_map: SliceMap, events: Sequence[Event]) -> list[list[Event]]:
     return groups
 
 
-def _compare(slice_map: SliceMap, x: Event, y: Event, events: Sequence[Event]) -> int:
+def _compare(x: Event, y: Event, events: Sequence[Event]) -> int:
     if x is y:
         return 0
 
@@ -48,17 +48,17 @@ def _compare(slice_map: SliceMap, x: Event, y: Event, events: Sequence[Event]) -
         a, b = x.scaled_length(bits), y.scaled_length(bits)
         if not a.overlaps(b):
             return -1 if a < b else 1
-        return 0 if bits == _FIRST_BITS and _equal(slice_map, x, y, events) else None
+        return 0 if bits == _FIRST_BITS and _equal(x, y, events) else None
 
     message = "two transitions are nearer than 1e-2000 and could not be proved to be one"
     return decided(order, _FIRST_BITS, LENGTH_BITS, message)
 
 
-def _equal(slice_map: SliceMap, x: Event, y: Event, events: Sequence[Event]) -> bool:
+def _equal(x: Event, y: Event, events: Sequence[Event]) -> bool:
     if x.exact_length is not None and y.exact_length is not None:
         return _same_number(x.exact_length, y.exact_length)
     if isinstance(x, BallEvent) and isinstance(y, BallEvent):
-        return _isosceles(slice_map) and _mirror_images(slice_map, x, y, events)
+        return _isosceles(x.system.slice_map) and _mirror_images(x, y, events)
     exact = [e.exact().exact_length if isinstance(e, BallEvent) else e.exact_length for e in (x, y)]
     first, second = exact
     return first is not None and second is not None and _same_number(first, second)
@@ -97,9 +97,9 @@ def _isosceles(slice_map: SliceMap) -> bool:
     return f.base2 == g.base2 and f.platform2 == g.platform2
 
 
-def _mirror_images(slice_map: SliceMap, x: BallEvent, y: BallEvent, events: Sequence[Event]) -> bool:
+def _mirror_images(x: BallEvent, y: BallEvent, events: Sequence[Event]) -> bool:
     """Whether the mirror image of x, which is an event of the same L, can be no event but y."""
-    image = _mirrored(slice_map, x, _FIRST_BITS)
+    image = _mirrored(x, _FIRST_BITS)
     near = [
         other
         for other in events
@@ -110,12 +110,12 @@ def _mirror_images(slice_map: SliceMap, x: BallEvent, y: BallEvent, events: Sequ
     return near == [y]
 
 
-def _mirrored(slice_map: SliceMap, event: BallEvent, bits: int) -> tuple[acb, acb]:
+def _mirrored(event: BallEvent, bits: int) -> tuple[acb, acb]:
     """exp(iα) and exp(iθ) of the pose reflected in the base's axis, legs f and g renamed."""
     alpha, theta = _directions(event, bits)
+    f, g = event.system.slice_map.f, event.system.slice_map.g
     with ctx.workprec(bits):
-        omega = omega_ball(slice_map.radicand, bits)
-        f, g = slice_map.f, slice_map.g
+        omega = omega_ball(f.radicand, bits)
         base = acb(f.ax, f.ay) * acb(g.ax, g.ay) / f.base2
         platform = acb(f.m, -f.n * omega) * acb(g.m, -g.n * omega) / f.platform2
         return base * platform * alpha.conjugate(), base * theta.conjugate()

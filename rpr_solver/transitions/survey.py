@@ -78,7 +78,7 @@ def survey(
     found, systems = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
     low, high = (Landmark(Field.rationals()(end * slice_map.scale)) if end else None for end in (start, stop))
     ends = [end for end in (low, high) if end is not None]
-    groups = grouped(slice_map, [*found, *ends, *(more(slice_map, systems) if more else ())])
+    groups = grouped([*found, *ends, *(more(slice_map, systems) if more else ())])
     first = 0 if low is None else _position(groups, low) + 1
     last = len(groups) if high is None else _position(groups, high)
     inside = tuple(map(tuple, groups[first:last]))

@@ -12,7 +12,8 @@ import rpr_solver
 from rpr_solver import SolverError, Unproved
 from rpr_solver.exact import precision
 from rpr_solver.exact.precision import decided, decided_or_none, precisions
-from rpr_solver.exact.real_roots import RealPolynomial, real_roots
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import real_roots
 
 STARTS = st.integers(1, 1000)
 
@@ -73,7 +74,7 @@ def test_roots_that_are_one_are_unproved(monkeypatch: pytest.MonkeyPatch) -> Non
     """A polynomial that is not squarefree, against the contract of real_roots."""
     monkeypatch.setattr("rpr_solver.exact.real_roots.GREATEST_BITS", 1 << 10)
     with pytest.raises(Unproved, match="could not be told apart"):
-        real_roots(RealPolynomial(fmpz_poly([-2, 0, 1]) ** 2, fmpz_poly([]), 1))
+        real_roots(QuadraticPoly.rational(fmpz_poly([-2, 0, 1]) ** 2))
 
 
 def test_the_module_s_examples() -> None:
