@@ -6,9 +6,9 @@ Exception
 └── SolverError         the input is right, and this version has no answer
     └── Unproved        the answer, or a step to it, was still open at the highest precision
 
-A plain SolverError is a case that is not supported (an eliminant that vanishes identically, coefficients
-that are too large), or an identity that failed and should be reported. ``NotGeneric`` (transitions) and
-``LostError`` (curves) are signals between modules that no caller sees.
+A plain SolverError is a case that is not supported (an eliminant that vanishes identically), or an identity
+that failed and should be reported, such as ``DivisionError`` (exact/quadratic.py). ``NotGeneric``
+(transitions) and ``LostError`` (curves) are signals between modules that no caller sees.
 """
 
 from __future__ import annotations

@@ -238,13 +238,13 @@ class _Audit:
         return bool(decided_or_none(settled, start, TIMES_BEFORE_EXACT * start))
 
     def _decided(self, row: _Row, poses: SlicePoses, u: arb, t: HalfTangent) -> bool:
-        pose = self.slice_map, poses.length, u, t, poses.omega
+        local = poses.local_map(u, t, 2)
         if row.factor.origin != _Q:
-            couple = rejected_by_balls(*pose, row.factor.closed_leg)
+            couple = rejected_by_balls(local, u, t, row.factor.closed_leg)
             if couple is not None:
                 row.add(couple, None)
             return couple is not None
-        if not (self.eliminant.flat or adjugate_stands(*pose)):
+        if not (self.eliminant.flat or adjugate_stands(local)):
             return False
         cusp = poses.cusp(u, t)
         found = cusp and found_by_balls(cusp, self.digits, poses.bits)

@@ -14,7 +14,7 @@ from rpr_solver.exact.decimals import round_ball
 from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.model.classify import CUSP, classify
 from rpr_solver.model.half_tangent import HalfTangent
-from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.jets import LocalMap
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.slices.by_balls import CuspBalls
 from rpr_solver.slices.by_fields import ExactPose, local_map
@@ -50,21 +50,17 @@ def couple_by_balls(cusp: CuspBalls) -> Couple:
     return Couple(alpha, theta, KEPT, _TRIPLE)
 
 
-def rejected_by_balls(
-    slice_map: SliceMap, length: arb, u: arb, t: HalfTangent, omega: arb, closed_leg: int | None
-) -> Couple | None:
+def rejected_by_balls(local: LocalMap[arb], u: arb, t: HalfTangent, closed_leg: int | None) -> Couple | None:
     """A couple that is proved not to be triple, with the reason; None where balls do not tell.
 
     The couple must satisfy (13) and (14). If E ≠ 0 there, (10) holds only since a row or column of
     (8) vanishes; where exactly the kᵢ that are not proved to differ from 0 are needed for that, they
     are 0. ``closed_leg`` is a leg whose length is known to be zero.
     """
-    alpha, (cos, sin) = t.cos_sin(), HalfTangent(u, arb(1)).cos_sin()
-    local = LocalMap.at(slice_map, Pose(*alpha, cos, sin, length, omega), 2)
     j = local.singularity()
     if all(local.along(leg, j).value.contains(0) for leg in (local.f, local.g)):
         return None
-    legs = _legs(slice_map, alpha, (length * cos, length * sin), omega, arb(1))
+    legs = _legs(local, arb(1))
     zero = {i for i, k in legs.k.items() if k.contains(0)}
     if not _vanishing(zero) or any(_vanishing(zero - {i}) for i in zero):
         return None
@@ -75,10 +71,9 @@ def rejected_by_balls(
     return Couple(str(texts[0]), str(texts[1]), REJECTED, _because(reasons, zero))
 
 
-def adjugate_stands(slice_map: SliceMap, length: arb, u: arb, t: HalfTangent, omega: arb) -> bool:
+def adjugate_stands(local: LocalMap[arb]) -> bool:
     """Proof that neither the first row nor the first column of (8) vanishes: then (10) is (7)."""
-    cos, sin = HalfTangent(u, arb(1)).cos_sin()
-    adj = adjugate(_legs(slice_map, t.cos_sin(), (length * cos, length * sin), omega, arb(1)).k)
+    adj = adjugate(_legs(local, arb(1)).k)
     row, column = adj[0], [line[0] for line in adj]
     return all(any(not x.contains(0) for x in part) for part in (row, column))
 
@@ -91,13 +86,11 @@ def exact_couple(
     ``t`` is None at α = 180°; ``length`` is −L1 where θ1 is turned by half a turn (by_fields.py).
     """
     local = local_map(slice_map, length, t, u, omega)
-    kind, pose = classify(local), local.pose
+    kind = classify(local)
     exact = ExactPose.of(kind or "rejected couple", t, u, local)
     shown = found_exactly(exact, _SHOWN_DIGITS).point
     if kind is None:
-        b1 = pose.cos_theta * pose.length, pose.sin_theta * pose.length
-        legs = _legs(slice_map, (pose.cos_alpha, pose.sin_alpha), b1, omega, omega.field(1))
-        reason = _why(legs, exact.f, exact.g)
+        reason = _why(_legs(local, omega.field(1)), exact.f, exact.g)
         return Couple(shown.alpha_deg, shown.theta_deg, REJECTED, reason), None
     verdict, reason = (KEPT, _TRIPLE) if kind == CUSP else (DEGENERATE, kind)
     return Couple(shown.alpha_deg, shown.theta_deg, verdict, reason), found_exactly(exact, digits)
@@ -116,16 +109,18 @@ def count_real(coefficients: Sequence[arb]) -> int | None:
     return len(real) if alone else None
 
 
-def _legs(slice_map: SliceMap, alpha: Vector, b1: Vector, omega: Any, one: Any) -> Legs:
+def _legs(local: LocalMap[Any], one: Any) -> Legs:
     """(12): the leg vectors of a pose, in any ring."""
-    cos, sin = alpha
+    pose = local.pose
+    cos, sin, omega = pose.cos_alpha, pose.sin_alpha, pose.omega
+    b1 = pose.length * pose.cos_theta, pose.length * pose.sin_theta
 
     def vector(leg: Leg) -> Vector:
         x = cos * leg.m - sin * (omega * leg.n)
         y = sin * leg.m + cos * (omega * leg.n)
         return b1[0] + x - leg.ax, b1[1] + y - leg.ay
 
-    f, g = slice_map.f, slice_map.g
+    f, g = local.slice_map.f, local.slice_map.g
     return Legs((b1, vector(f), vector(g)), f.ax, g.ax, g.ay, one)
 
 

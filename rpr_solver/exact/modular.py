@@ -17,6 +17,7 @@ Image = Callable[[int, int, bool], "list[int] | None"]
 """(p, ω mod p, first prime?) → the coefficients modulo p, or None where p is unsuitable."""
 
 _CHECK_PRIMES = 4
+_ONE = fmpz_poly([1])
 
 
 def primes(radicand: int) -> Iterator[tuple[int, int]]:
@@ -37,7 +38,7 @@ def _next_prime(above: int, radicand: int) -> tuple[int, int]:
     raise AssertionError("unreachable: the count is endless")
 
 
-def simple_and_finite(polynomial: QuadraticPoly, degree: int, *, apart_from: fmpz_poly | None = None) -> bool:
+def simple_and_finite(polynomial: QuadraticPoly, degree: int, *, apart_from: fmpz_poly = _ONE) -> bool:
     """Proof modulo a prime that a form of this formal degree has no multiple root and none at infinity.
 
     With ``apart_from`` none is a root of that polynomial either. False where it is not so, and where the few
@@ -45,10 +46,8 @@ def simple_and_finite(polynomial: QuadraticPoly, degree: int, *, apart_from: fmp
     """
     for p, omega in islice(primes(polynomial.radicand), _CHECK_PRIMES):
         image = polynomial.residue(p, omega)
-        if image.degree() == degree and all(
-            image.gcd(other).degree() == 0
-            for other in (image.derivative(), *([] if apart_from is None else [nmod_poly(apart_from, p)]))
-        ):
+        others = image.derivative(), nmod_poly(apart_from, p)
+        if image.degree() == degree and all(image.gcd(other).degree() == 0 for other in others):
             return True
     return False
 

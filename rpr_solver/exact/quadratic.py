@@ -36,11 +36,6 @@ def omega_ball(radicand: int, bits: int) -> arb:
         return arb(radicand).sqrt()
 
 
-def omega_bound(radicand: int) -> int:
-    """An integer above ω."""
-    return isqrt(radicand) + 1
-
-
 def univariate(terms: Mapping[int, int | fmpz]) -> fmpz_poly:
     """The polynomial with these coefficients, by exponent."""
     return fmpz_poly([terms.get(k, 0) for k in range(max(terms, default=-1) + 1)])
@@ -167,8 +162,8 @@ class QuadraticPoly(Quadratic[fmpz_poly]):
         return a + nmod_poly(self.b, p) * omega if self.b else a
 
     def norm1(self) -> int:
-        """A bound on the sum of the absolute values of all coefficients, with the larger of ω and −ω."""
-        weights = (1, omega_bound(self.radicand))
+        """A bound on the sum of the absolute values of all coefficients."""
+        weights = (1, isqrt(self.radicand) + 1)
         return sum(
             abs(int(c)) * w for part, w in zip((self.a, self.b), weights, strict=True) for c in part.coeffs()
         )

@@ -61,10 +61,14 @@ class SlicePoses:
         e = [p(u) for p in self._coalescence]
         return common_root(j, e)
 
+    def local_map(self, u: arb, t: HalfTangent, order: int) -> LocalMap[arb]:
+        """The jets at the pose (t, u)."""
+        pose = pose_of(t, HalfTangent(u, arb(1)), self.length, self.omega)
+        return LocalMap.at(self.slice_map, pose, order)
+
     def cusp(self, u: arb, t: HalfTangent) -> CuspBalls | None:
         """The cusp at (t, u), or None where a ball is still too wide."""
-        pose = pose_of(t, HalfTangent(u, arb(1)), self.length, self.omega)
-        local = LocalMap.at(self.slice_map, pose, 3)
+        local = self.local_map(u, t, 3)
         j = local.singularity()
         e = local.along(local.f, j)
         proof = CuspProof(

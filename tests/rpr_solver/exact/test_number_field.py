@@ -11,6 +11,7 @@ from rpr_solver.exact.number_field import (
     Algebraic,
     Field,
     adjoin_real_roots,
+    common_roots,
     evaluate,
     poly_gcd,
     poly_mod,
@@ -142,3 +143,25 @@ def test_bisection_finds_every_real_root(numbers: list[int], denominator: int, s
 def test_a_cluster_far_out_is_not_lost() -> None:
     roots = real_roots(QuadraticPoly.rational([48390, -440, 1]))
     assert [float(r.refined(60).mid()) for r in roots] == pytest.approx([220 - 10**0.5, 220 + 10**0.5])
+
+
+def test_common_roots_of_two_forms_with_what_they_carry() -> None:
+    x = SQRT2.generator
+    one, zero = SQRT2(1), SQRT2(0)
+    # t² − √2 and (t² − √2)(t − 1), both with a zero at t = ∞
+    first = [-x, zero, one, zero]
+    second = [x, -x, -one, one, zero]
+    roots = common_roots(first, second, x)
+    assert roots is not None
+    assert roots[0][0] is None
+    assert (roots[0][1][0] - x).is_zero
+    assert [value(t) for t, _ in roots if t] == pytest.approx([-(2**0.25), 2**0.25])
+    for t, (lifted,) in roots:
+        assert t is None or (t * t - lifted).is_zero
+
+
+def test_forms_without_a_common_root_and_forms_that_are_zero() -> None:
+    one, zero = SQRT2(1), SQRT2(0)
+    assert common_roots([one, one], [-one, one], one) == []
+    assert common_roots([one, zero], [one, one], one) == []
+    assert common_roots([zero, zero], [zero], one) is None

@@ -1,0 +1,87 @@
+"""Factors over ℚ(ω) read off the norm, and real roots in number fields."""
+
+from collections import Counter
+
+import pytest
+from flint import fmpz_poly
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from rpr_solver.exact.factors import (
+    ExactRoot,
+    exact_counterparts,
+    exact_roots,
+    norm_factors,
+    simple_and_other_roots,
+)
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import real_roots
+
+ROOT2 = QuadraticPoly.omega(2)
+X = QuadraticPoly.rational([0, 1], 2)
+
+
+def constant(n: int) -> QuadraticPoly:
+    return QuadraticPoly.rational([n], 2)
+
+
+def shapes(p: QuadraticPoly) -> Counter[tuple[int, int]]:
+    return Counter(shape for factor in norm_factors(p) for shape in factor.shape)
+
+
+def test_a_factor_and_its_conjugate_are_told_apart() -> None:
+    # (x − √2)³ (x + √2): the norm is (x² − 2)⁴, and x² − 2 divides once
+    p = (X - ROOT2) * (X - ROOT2) * (X - ROOT2) * (X + ROOT2)
+    assert shapes(p) == Counter({(1, 3): 1, (1, 1): 1})
+    [triple] = (root for root in exact_roots(norm_factors(p)) if root.multiplicity == 3)
+    u, omega = triple.in_field()
+    assert (u - omega).is_zero
+    assert u.sign == 1
+
+
+def test_a_factor_without_its_conjugate() -> None:
+    # x² − √2 is irreducible over ℚ(√2); its conjugate has no real root
+    p = (X * X - ROOT2) * (X - constant(5)) * (X - constant(5))
+    assert shapes(p) == Counter({(2, 1): 1, (1, 2): 1})
+    roots = list(exact_roots(norm_factors(p)))
+    assert sorted(root.multiplicity for root in roots) == [1, 1, 2]
+    for root in roots:
+        u, omega = root.in_field()
+        assert p(u, omega).is_zero
+        assert omega.sign == 1
+
+
+@given(st.lists(st.tuples(st.integers(-5, 5), st.integers(-5, 5)), min_size=1, max_size=3, unique=True))
+def test_every_root_is_a_zero_and_all_are_there(numbers: list[tuple[int, int]]) -> None:
+    """A product of x − a − b √2 has just these roots, wherever the conjugates fall."""
+    p = constant(1)
+    for a, b in numbers:
+        p = p * (X - constant(a) - ROOT2 * b)
+    roots = list(exact_roots(norm_factors(p)))
+    assert sum(root.multiplicity for root in roots) == len(numbers)
+    for root in roots:
+        assert p(*root.in_field()).is_zero
+    simple, others = simple_and_other_roots(p)
+    assert len(simple) + len(others) == len(roots)
+    balls = [r.refined(80) for r in simple] + [r.root.refined(80) for r in others]
+    assert all(any(ball.overlaps(r.root.refined(80)) for ball in balls) for r in roots)
+
+
+@given(st.lists(st.integers(-9, 9), min_size=2, max_size=5), st.lists(st.integers(-9, 9), max_size=5))
+def test_real_roots_have_exact_counterparts(a: list[int], b: list[int]) -> None:
+    p = QuadraticPoly(fmpz_poly(a), fmpz_poly(b), 2)
+    norm = p.norm
+    assume(p.degree > 0 and p.a.degree() != p.b.degree() and norm.gcd(norm.derivative()).degree() == 0)
+    roots = real_roots(p)
+    for root in roots[:2]:
+        [exact] = exact_counterparts([root], p)
+        assert exact.root.refined(100).overlaps(root.refined(100))
+        assert p(*exact.in_field()).is_zero
+
+
+@pytest.mark.parametrize("radicand", [1, 2, 7])
+def test_the_origin_knows_omega(radicand: int) -> None:
+    zero, omega = ExactRoot.origin(radicand).in_field()
+    assert zero.is_zero
+    assert (omega * omega - radicand).is_zero
+    assert omega.sign == 1
