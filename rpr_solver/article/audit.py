@@ -255,12 +255,11 @@ class _Audit:
 
     def _exactly(self, row: _Row, root: ExactRoot, forms: tuple[BiForm, BiForm], length: Fraction) -> None:
         """All couples above one root, classified over a number field; ``length`` is −L1 for θ1 = 180°."""
-        flat = self.eliminant.flat
-        f1, e1 = (form.rows for form in forms)
+        flat, (f1, e1) = self.eliminant.flat, forms
+        second = self.slice_map.coalescence.at(length) if flat else e1.rows
         u, omega = root.in_field()
-        f1_at = [c(u, omega) for c in f1]
-        e1_at = [c(u, omega) for c in (self.slice_map.coalescence.at(length) if flat else e1)]
-        couples = common_roots(f1_at, e1_at, u, omega)
+        f1_at, second_at = ([c(u, omega) for c in rows] for rows in (f1.rows, second))
+        couples = common_roots(f1_at, second_at, u, omega)
         if couples is None or not trimmed(f1_at):
             raise SolverError("(13) holds on a whole line theta1 = const; the algorithm ends here")
         for t, (at_u, at_omega) in couples:

@@ -18,7 +18,11 @@ from rpr_solver.exact.quadratic import Form, QuadraticPoly
 
 
 def resultant_bound(first: BiForm, second: BiForm) -> int:
-    """A bound on the 1-norm of Res_t: the resultant is a sum of products of coefficients."""
+    """A bound on the 1-norm of Res_t, which is at most ‖first‖ⁿ ‖second‖ᵐ for the degrees m and n in t.
+
+    Every term of Sylvester's determinant holds n coefficients of the first form and m of the second, and
+    1-norms are submultiplicative.
+    """
     return int(first.norm1() ** second.degree_t * second.norm1() ** first.degree_t)
 
 
@@ -38,7 +42,8 @@ def resultant(
     conjugate, norm = QuadraticPoly.rational([1], radicand), fmpz_poly([1])
     if known is not None:
         degree -= exponent * known.degree
-        norm = known.polynomial.norm / known.polynomial.norm.content()
+        norm = known.polynomial.norm
+        norm = norm / norm.content()
         conjugate = known.polynomial.conjugate if known.polynomial.b else conjugate
     *us, spare = islice((u for u in count(2) if norm(u) != 0), degree + 2)
     divisors = [norm(u) ** exponent * fmpz(u * u + 1) ** circular for u in (*us, spare)]

@@ -66,7 +66,7 @@ class Quadratic(Generic[P]):
 
     def primitive(self) -> Self:
         """Without the common content of all coefficients."""
-        a, b = primitive_parts(self.a, self.b)
+        a, b = _primitive_parts(self.a, self.b)
         return replace(self, a=a, b=b)
 
     def _product(self, other: Quadratic[P]) -> tuple[P, P]:
@@ -86,14 +86,14 @@ class Quadratic(Generic[P]):
             a, b = a * other.a - self.radicand * (b * other.b), b * other.a - a * other.b
         try:
             divisor = divisor / _content(divisor)
-            return primitive_parts(a / divisor, b / divisor)
+            return _primitive_parts(a / divisor, b / divisor)
         except (DomainError, ZeroDivisionError):
             raise DivisionError(
                 "a polynomial lacks a factor that it has for every geometry; please report this geometry"
             ) from None
 
 
-def primitive_parts(a: P, b: P) -> tuple[P, P]:
+def _primitive_parts(a: P, b: P) -> tuple[P, P]:
     """A and B without their common content."""
     content = _content(a).gcd(_content(b))
     return (a, b) if content in (0, 1) else (a / content, b / content)
