@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from rpr_solver.exact.decimals import shorten
+from rpr_solver.exact.decimals import angle_text, shorten
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.slices.joint_points import free_legs
 
@@ -139,6 +139,4 @@ def _shorten(key: str, text: str, digits: int) -> str | None:
     if key in ("kind", "equation"):
         return text
     short = shorten(text, digits)
-    if short is not None and key.endswith("_deg") and short.startswith("-180"):
-        return short[1:]
-    return short
+    return angle_text(short) if short is not None and key.endswith("_deg") else short

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
+from decimal import MAX_EMAX, MIN_EMIN, ROUND_HALF_DOWN, ROUND_HALF_UP, Context, Decimal
 from fractions import Fraction
-from functools import lru_cache
+from functools import cmp_to_key, lru_cache
+from typing import TypeVar
 
 from flint import arb, fmpz
 
 from rpr_solver.errors import Unproved
+
+T = TypeVar("T")
 
 
 @lru_cache(maxsize=512)
@@ -53,16 +58,31 @@ def round_fraction(x: Fraction, digits: int) -> str:
     """
     if x == 0:
         return "0"
-    n, d = abs(x.numerator), x.denominator
-    place = len(str(n)) - len(str(d))
-    if (n < d * 10**place) if place >= 0 else (n * 10**-place < d):
-        place -= 1
-    shift = digits - 1 - place
-    n, d = (n * 10**shift, d) if shift >= 0 else (n, d * 10**-shift)
-    rounded = (2 * n + d) // (2 * d)
-    if rounded == 10**digits:
-        rounded, place = rounded // 10, place + 1
-    return place_digits(str(rounded), place, negative=x < 0)
+    quotient = _rounding(digits, ROUND_HALF_UP).divide(Decimal(x.numerator), Decimal(x.denominator))
+    return _text(quotient, digits)
+
+
+def angle_text(text: str) -> str:
+    """A rounded angle in degrees, within (−180, 180]: what rounds to −180 is printed as 180.
+
+    >>> angle_text("-180.000"), angle_text("-179.999")
+    ('180.000', '-179.999')
+    """
+    return text[1:] if text.startswith("-180") else text
+
+
+def sorted_by_balls(items: Iterable[T], balls: Callable[[T], Sequence[arb]]) -> list[T]:
+    """Items in the order of their first balls, then of the next; balls that overlap count as equal."""
+
+    def compare(x: T, y: T) -> int:
+        for first, second in zip(balls(x), balls(y), strict=True):
+            if first < second:
+                return -1
+            if first > second:
+                return 1
+        return 0
+
+    return sorted(items, key=cmp_to_key(compare))
 
 
 def place_digits(significant: str, place: int, *, negative: bool) -> str:
@@ -87,25 +107,26 @@ def shorten(text: str, digits: int) -> str | None:
     >>> shorten("14.9849", 3), shorten("-0.0999999", 2), shorten("1.2500", 2)
     ('15.0', '-0.10', None)
     """
-    if text == "0":
+    x = Decimal(text)
+    short = _rounding(digits, ROUND_HALF_UP).plus(x)
+    if short.same_quantum(x):
         return text
-    negative = text.startswith("-")
-    mantissa, _, exponent = text.lstrip("-").partition("e")
-    whole, _, part = mantissa.partition(".")
-    significant = (whole + part).lstrip("0")
-    place = len(whole) - 1 + int(exponent or 0)
-    if whole == "0":
-        place = len(significant) - len(part) - 1
-    if len(significant) <= digits:
-        return text
-    kept, dropped = significant[:digits], significant[digits:]
-    if dropped == "5" + "0" * (len(dropped) - 1):
+    if short != _rounding(digits, ROUND_HALF_DOWN).plus(x):
         return None
-    if dropped[0] >= "5":
-        kept = str(int(kept) + 1)
-        if len(kept) > digits:
-            kept, place = kept[:-1], place + 1
-    return place_digits(kept, place, negative=negative)
+    plain = str(short)  # mostly the text already, and whole tables are shortened at a time
+    return _text(short, digits) if "E" in plain else plain
+
+
+@lru_cache(maxsize=64)
+def _rounding(digits: int, rounding: str) -> Context:
+    """Decimals of so many digits and any size."""
+    return Context(prec=digits, rounding=rounding, Emin=MIN_EMIN, Emax=MAX_EMAX)
+
+
+def _text(x: Decimal, digits: int) -> str:
+    """The text of a number that has no more than so many digits and is not 0, filled up with zeros."""
+    significant, _, place = f"{x.copy_abs():.{digits - 1}e}".partition("e")
+    return place_digits(significant.replace(".", ""), int(place), negative=x.is_signed())
 
 
 def digit_bits(digits: int) -> int:
