@@ -19,11 +19,12 @@ from rpr_solver.kinematics.pose_table import (
     poses,
     poses_of_squares,
 )
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import EXAMPLES, Manipulator
 from rpr_solver.slices.cusp_table import SliceTable, cusp_table, slice_error_json, solve_slice, table_json
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.joint_points import JointPoint
-from rpr_solver.transitions.census import Census, Transition, TransitionPoint, census
+from rpr_solver.transitions.census import Census, LengthKind, Transition, TransitionPoint, census
 from rpr_solver.transitions.requirement import CheckedInterval, CheckReport, Requirement, check
 
 __all__ = [
@@ -45,8 +46,10 @@ __all__ = [
     "FieldProblem",
     "InputError",
     "JointPoint",
+    "LengthKind",
     "Manipulator",
     "PlatformPose",
+    "PoseKind",
     "PoseTable",
     "Requirement",
     "SliceTable",

@@ -46,13 +46,19 @@ from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import common_roots, squarefree_part, trimmed
 from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.rationals import parse_exact
-from rpr_solver.model.classify import CUSP
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.half_tangent import HalfTangent, common_root
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.by_balls import SlicePoses
 from rpr_solver.slices.cusp_table import SliceTable, check_slice, slice_error_json, table_json
-from rpr_solver.slices.joint_points import Found, JointPoint, found_by_balls, in_order
+from rpr_solver.slices.joint_points import (
+    ClassifiedPoint,
+    JointPoint,
+    cusps_and_degenerate,
+    in_order,
+    point_of_balls,
+)
 
 METHOD = "article"
 _Q = "Q"
@@ -105,13 +111,13 @@ class _Row:
     real_roots: int = 0
     rejected_in_step_6: int | None = 0
     couples: list[Couple] = field(default_factory=list)
-    found: list[Found] = field(default_factory=list)
+    points: list[ClassifiedPoint] = field(default_factory=list)
 
-    def add(self, couple: Couple, found: Found | None) -> None:
+    def add(self, couple: Couple, point: ClassifiedPoint | None) -> None:
         """A couple of (13) and (14), and the point if it is not rejected."""
         self.couples.append(couple)
-        if found is not None:
-            self.found.append(found)
+        if point is not None:
+            self.points.append(point)
 
     def reject(self, real: int | None, kept: int) -> None:
         """Count the real solutions of (13) above a root that do not satisfy (14); None: not counted."""
@@ -144,9 +150,8 @@ class _Audit:
         q = KnownFactor(self.eliminant.q, 1, _Q, _Q_REASON)
         last = self._row(q)  # first, so that a root shared with another factor is its own
         rows = [*map(self._row, self.eliminant.known), last]
-        found = in_order(x for row in rows for x in row.found)
-        cusps = [x for x in found if x.kind == CUSP]
-        degenerate = [{"kind": x.kind, **x.point.to_json(1)} for x in found if x.kind != CUSP]
+        points = in_order(x for row in rows for x in row.points)
+        cusps, degenerate = cusps_and_degenerate(points, 1)
         certificate = {
             "eliminant_degree": DEGREE,
             "real_roots": sum(row.real_roots for row in rows),
@@ -159,7 +164,7 @@ class _Audit:
                 for row in rows
             ],
             "method": METHOD,
-            "working_bits": max((x.bits for x in found), default=0),
+            "working_bits": max((x.bits for x in points), default=0),
             "proofs": [dict(x.proof) for x in cusps],
         }
         table = SliceTable(
@@ -175,7 +180,7 @@ class _Audit:
             h = "rational, put in before eliminating"
         else:
             h = f"symbolic, a rational multiple of sqrt({slice_map.radicand})"
-        elsewhere = sum(x.kind == CUSP for row in rows[:-1] for x in row.found)
+        elsewhere = sum(x.kind is PoseKind.CUSP for row in rows[:-1] for x in row.points)
         answer = (
             "Q gives all cusps. Every other factor is known in closed form, for every geometry: poses in"
             " which a leg has length zero, or the first row or column of the adjugate vanishes, so that (10)"
@@ -247,10 +252,10 @@ class _Audit:
         if not (self.eliminant.flat or adjugate_stands(local)):
             return False
         cusp = poses.cusp(u, t)
-        found = cusp and found_by_balls(cusp, self.digits, poses.bits)
-        if not (cusp and found):
+        point = cusp and point_of_balls(cusp, self.digits, poses.bits)
+        if not (cusp and point):
             return False
-        row.add(couple_by_balls(cusp), found)
+        row.add(couple_by_balls(cusp), point)
         return True
 
     def _exactly(self, row: _Row, root: ExactRoot, forms: tuple[BiForm, BiForm], length: Fraction) -> None:

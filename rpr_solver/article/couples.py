@@ -12,13 +12,13 @@ from flint import acb_poly, arb, arb_poly
 from rpr_solver.article.equations import LEG_ALONG, Legs, Vector, adjugate
 from rpr_solver.exact.decimals import round_ball
 from rpr_solver.exact.number_field import Algebraic
-from rpr_solver.model.classify import CUSP, classify
+from rpr_solver.model.classify import PoseKind, classify
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.slices.by_balls import CuspBalls
 from rpr_solver.slices.by_fields import ExactPose, local_map
-from rpr_solver.slices.joint_points import Found, found_exactly
+from rpr_solver.slices.joint_points import ClassifiedPoint, point_of_pose
 
 KEPT, DEGENERATE, REJECTED = "kept", "degenerate", "rejected"
 _TRIPLE = "three direct kinematic solutions coincide"
@@ -80,20 +80,20 @@ def adjugate_stands(local: LocalMap[arb]) -> bool:
 
 def exact_couple(
     slice_map: SliceMap, length: Fraction, t: Algebraic | None, u: Algebraic, omega: Algebraic, digits: int
-) -> tuple[Couple, Found | None]:
+) -> tuple[Couple, ClassifiedPoint | None]:
     """Classify a couple in a number field; the point, unless it is rejected.
 
     ``t`` is None at α = 180°; ``length`` is −L1 where θ1 is turned by half a turn (by_fields.py).
     """
     local = local_map(slice_map, length, t, u, omega)
     kind = classify(local)
-    exact = ExactPose.of(kind or "rejected couple", t, u, local)
-    shown = found_exactly(exact, _SHOWN_DIGITS).point
-    if kind is None:
+    exact = ExactPose.of(kind, t, u, local)
+    shown = point_of_pose(exact, _SHOWN_DIGITS).point
+    if kind is PoseKind.ORDINARY:
         reason = _why(_legs(local, omega.field(1)), exact.f, exact.g)
         return Couple(shown.alpha_deg, shown.theta_deg, REJECTED, reason), None
-    verdict, reason = (KEPT, _TRIPLE) if kind == CUSP else (DEGENERATE, kind)
-    return Couple(shown.alpha_deg, shown.theta_deg, verdict, reason), found_exactly(exact, digits)
+    verdict, reason = (KEPT, _TRIPLE) if kind is PoseKind.CUSP else (DEGENERATE, kind.value)
+    return Couple(shown.alpha_deg, shown.theta_deg, verdict, reason), point_of_pose(exact, digits)
 
 
 def count_real(coefficients: Sequence[arb]) -> int | None:

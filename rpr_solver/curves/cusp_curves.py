@@ -18,15 +18,16 @@ from rpr_solver.contract import DEFAULT_DIGITS, SOLVER_VERSION, check_digits
 from rpr_solver.curves.destinations import Tracker
 from rpr_solver.curves.naming import name_cusps, tracks
 from rpr_solver.exact.rationals import exact_str
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.cusp_table import check_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.joint_points import JointPoint
-from rpr_solver.transitions.census import UNCLASSIFIED, TransitionPoint, length_text, transition_at
+from rpr_solver.transitions.census import LengthKind, TransitionPoint, length_text, transition_at
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS
 from rpr_solver.transitions.survey import Progress, Survey, silent, survey
 
-OPEN, UNDECIDED = "open", "undecided"
+_KINDS: dict[str, PoseKind | LengthKind] = {kind.value: kind for kind in (*PoseKind, *LengthKind)}
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class CurveEnd:
     """Where a curve begins or ends.
 
     ``length`` is a correctly rounded decimal in the user's unit, "0", or None for a curve that goes on for
-    ever. ``kind`` is that of the transition; "open" at 0 and without end; "undecided" at a degenerate
+    ever. ``kind`` is that of the transition; ``OPEN`` at 0 and without end; ``UNDECIDED`` at a degenerate
     length of which it is not proved which cusps pass it, so that curves are cut there. ``joins`` is the
     name of the curve that meets this one there, where that is proved: both are parts of one smooth curve
     in (α, θ, L), which turns back in L. ``points`` are the degenerate poses of the transition; a single
@@ -42,20 +43,22 @@ class CurveEnd:
     """
 
     length: str | None
-    kind: str
+    kind: PoseKind | LengthKind
     joins: str | None = None
     points: tuple[TransitionPoint, ...] = ()
 
     def to_json(self, fixed_leg: int) -> dict[str, object]:
         """A plain object."""
-        events = [{"kind": p.kind, **p.point.to_json(fixed_leg)} for p in self.points]
-        return {f"l{fixed_leg}": self.length, "kind": self.kind, "joins": self.joins, "events": events}
+        events = [{"kind": p.kind.value, **p.point.to_json(fixed_leg)} for p in self.points]
+        return {f"l{fixed_leg}": self.length, "kind": self.kind.value, "joins": self.joins, "events": events}
 
     @classmethod
     def from_json(cls, obj: Mapping[str, Any], fixed_leg: int) -> CurveEnd:
         """The inverse of :meth:`to_json`."""
-        points = (TransitionPoint(p["kind"], JointPoint.from_json(p, fixed_leg)) for p in obj["events"])
-        return cls(obj[f"l{fixed_leg}"], obj["kind"], obj["joins"], tuple(points))
+        points = (
+            TransitionPoint(PoseKind(p["kind"]), JointPoint.from_json(p, fixed_leg)) for p in obj["events"]
+        )
+        return cls(obj[f"l{fixed_leg}"], _KINDS[obj["kind"]], obj["joins"], tuple(points))
 
 
 @dataclass(frozen=True)
@@ -256,12 +259,12 @@ def cusp_curves(
     total = ELIMINATION_STEPS + 2 * steps
     named = tracks(found, tracker, lambda done, _: report(total - steps + done, total))
     cuts = [_end(found, k, digits) for k in range(len(found.groups))]
-    ends = [CurveEnd("0", OPEN), *cuts, CurveEnd(None, OPEN)]
+    ends = [CurveEnd("0", LengthKind.OPEN), *cuts, CurveEnd(None, LengthKind.OPEN)]
 
     def end(k: int, other: int | None) -> CurveEnd:
         if other is not None:
             return replace(ends[k], joins=_name(other))
-        return replace(ends[k], kind=UNDECIDED) if k - 1 in named.undecided else ends[k]
+        return replace(ends[k], kind=LengthKind.UNDECIDED) if k - 1 in named.undecided else ends[k]
 
     curves = []
     for number, track in enumerate(named.tracks):
@@ -285,7 +288,7 @@ def _end(found: Survey, k: int, digits: int) -> CurveEnd:
     transition = transition_at(found, k, digits)
     if transition is not None:
         return CurveEnd(transition.length, transition.kind, points=transition.points)
-    return CurveEnd(length_text(found.eliminant.slice_map, found.groups[k], digits), UNCLASSIFIED)
+    return CurveEnd(length_text(found.eliminant.slice_map, found.groups[k], digits), LengthKind.UNCLASSIFIED)
 
 
 def part_of(

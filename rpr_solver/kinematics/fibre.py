@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cmp_to_key
 
 from flint import arb, ctx, fmpq
 
 from rpr_solver.errors import SolverError, Unproved
-from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
+from rpr_solver.exact.decimals import angle_text, digit_bits, round_ball, round_fraction, sorted_by_balls
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
@@ -30,8 +29,8 @@ from rpr_solver.model.slice_map import Leg
 
 
 @dataclass(frozen=True)
-class FoundPose:
-    """A pose in decimals: α, θ1, θ2, θ3 in degrees and the coordinates of B1."""
+class DecimalPose:
+    """A pose in decimals: α, θ1, θ2, θ3 in degrees and the coordinates of B1; α and θ1 also as balls."""
 
     alpha: arb
     theta: arb
@@ -47,7 +46,7 @@ class Fibre:
     ``circle_at`` is the α at which a whole circle of poses is translated into each other, 0 or 180.
     """
 
-    poses: tuple[FoundPose, ...]
+    poses: tuple[DecimalPose, ...]
     circle_at: int | None
     factors: tuple[tuple[int, int], ...]
     """(degree, multiplicity) of the sixth-degree form's factors; they add up to 6."""
@@ -80,11 +79,11 @@ class _Fibre:
                 return Fibre(_sorted(found), None, ((DEGREE, 1),), "balls")
         return self._exactly()
 
-    def _by_balls(self, roots: Sequence[RealRoot]) -> list[FoundPose] | None:
+    def _by_balls(self, roots: Sequence[RealRoot]) -> list[DecimalPose] | None:
         """The one regular pose above each simple root; None where balls do not come to an end."""
-        found: list[FoundPose] = []
+        found: list[DecimalPose] = []
 
-        def complete(bits: int) -> list[FoundPose] | None:
+        def complete(bits: int) -> list[DecimalPose] | None:
             for root in roots[len(found) :]:
                 if (pose := self._ball_pose(root, bits)) is None:
                     return None
@@ -94,7 +93,7 @@ class _Fibre:
         start = self.digit_bits + 128
         return decided_or_none(complete, start, TIMES_BEFORE_EXACT * start)
 
-    def _ball_pose(self, root: RealRoot, bits: int) -> FoundPose | None:
+    def _ball_pose(self, root: RealRoot, bits: int) -> DecimalPose | None:
         t = root.refined(bits - 32)
         with ctx.workprec(bits):
             omega = omega_ball(self.slice_map.radicand, bits)
@@ -111,10 +110,10 @@ class _Fibre:
             scale = self.slice_map.scale_ball()
             balls = (alpha, *angles, x / scale, y / scale)
             texts = [round_ball(ball, self.digits) for ball in balls]
-        return _found(alpha, angles[0], texts, 1, bits)
+        return _decimal_pose(alpha, angles[0], texts, 1, bits)
 
     def _exactly(self) -> Fibre:
-        found: list[FoundPose] = []
+        found: list[DecimalPose] = []
         circle_at = None
         factors = norm_factors(self.closure.sextic)
         shapes = [shape for factor in factors for shape in factor.shape]
@@ -146,7 +145,7 @@ class _Fibre:
         t: Algebraic | None,
         omega: Algebraic,
         order: int,
-    ) -> list[FoundPose] | None:
+    ) -> list[DecimalPose] | None:
         """The poses at one α, a root of this order; None if a whole circle of them."""
         system: LinearSystem[Algebraic] = self.closure.linear(*trig, omega)
         determinant = system.determinant
@@ -179,7 +178,7 @@ class _Fibre:
             for pose, multiplicity in zip(poses, _shared(self.closure, poses, order), strict=True)
         ]
 
-    def _exact_pose(self, pose: _ExactPose, multiplicity: int) -> FoundPose:
+    def _exact_pose(self, pose: _ExactPose, multiplicity: int) -> DecimalPose:
         cos, sin = pose.cos_sin()
         vectors = [(pose.x, pose.y)]
         for leg in (self.slice_map.f, self.slice_map.g):
@@ -188,7 +187,7 @@ class _Fibre:
         angles = [_exact_degrees(*vector) for vector in vectors]
         scale = self.slice_map.scale
 
-        def decimals(bits: int) -> FoundPose | None:
+        def decimals(bits: int) -> DecimalPose | None:
             with ctx.workprec(bits):
                 alpha = arb(180) if pose.t is None else HalfTangent(pose.t.ball(bits), arb(1)).degrees()
                 thetas = [angle(bits) for angle in angles]
@@ -201,7 +200,7 @@ class _Fibre:
                         if exact is None
                         else round_fraction(exact / scale, self.digits)
                     )
-                return _found(alpha, thetas[0], texts, multiplicity, bits)
+                return _decimal_pose(alpha, thetas[0], texts, multiplicity, bits)
 
         message = "the digits of a pose could not be decided"
         return decided(decimals, self.digit_bits + 128, GREATEST_BITS, message)
@@ -281,24 +280,15 @@ def _exact_degrees(x: Algebraic, y: Algebraic) -> Callable[[int], arb]:
     return ball
 
 
-def _found(
+def _decimal_pose(
     alpha: arb, theta: arb, texts: Sequence[str | None], multiplicity: int, bits: int
-) -> FoundPose | None:
+) -> DecimalPose | None:
     """The pose, if all its digits are proved."""
     known = [text for text in texts if text is not None]
     if len(known) < len(texts):
         return None
-    angles = [text[1:] if text.startswith("-180") else text for text in known[:4]]
-    return FoundPose(alpha, theta, (*angles, *known[4:]), multiplicity, bits)
+    return DecimalPose(alpha, theta, (*map(angle_text, known[:4]), *known[4:]), multiplicity, bits)
 
 
-def _sorted(poses: Sequence[FoundPose]) -> tuple[FoundPose, ...]:
-    def order(a: FoundPose, b: FoundPose) -> int:
-        for x, y in ((a.alpha, b.alpha), (a.theta, b.theta)):
-            if x < y:
-                return -1
-            if x > y:
-                return 1
-        return 0
-
-    return tuple(sorted(poses, key=cmp_to_key(order)))
+def _sorted(poses: Sequence[DecimalPose]) -> tuple[DecimalPose, ...]:
+    return tuple(sorted_by_balls(poses, lambda pose: (pose.alpha, pose.theta)))

@@ -35,7 +35,8 @@ from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import exact_str, parse_exact
 from rpr_solver.kinematics.closure import DEGREE, Closure
-from rpr_solver.kinematics.fibre import Fibre, FoundPose, fibre
+from rpr_solver.kinematics.fibre import DecimalPose, Fibre, fibre
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 
@@ -201,7 +202,7 @@ def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -
     )
 
 
-def _platform_pose(pose: FoundPose) -> PlatformPose:
+def _platform_pose(pose: DecimalPose) -> PlatformPose:
     alpha, theta1, theta2, theta3, x, y = pose.texts
     return PlatformPose(alpha, theta1, theta2, theta3, x, y, pose.multiplicity)
 
@@ -212,7 +213,7 @@ def _curves(found: Fibre, s1: Fraction) -> tuple[Mapping[str, str], ...]:
     description = (
         f"the platform is translated with B1 anywhere on the circle of radius {_length_text(s1)} about A1"
     )
-    return ({"kind": "curve", "alpha_deg": str(found.circle_at), "description": description},)
+    return ({"kind": PoseKind.CURVE.value, "alpha_deg": str(found.circle_at), "description": description},)
 
 
 def _certificate(found: Fibre) -> dict[str, object]:

@@ -3,26 +3,65 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from enum import StrEnum
 
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.model.jets import LocalMap
 
-CUSP = "cusp"
+
+class Kind(StrEnum):
+    """A name in documents; it is a string, and looks like one."""
+
+    __repr__ = str.__repr__
 
 
-def classify(local: LocalMap[Algebraic]) -> str | None:
-    """The name of the pose, or None if it is an ordinary singular pose (or not singular at all)."""
+class PoseKind(Kind):
+    """What a pose of a slice is, by its defining conditions.
+
+    f and g are the squares of the free legs as functions of α and θ, the fixed leg having the length L. A
+    pose is singular where J = f_α g_θ − f_θ g_α = 0. There v = (−f_θ, f_α) or (−g_θ, g_α), whichever is not
+    zero, spans the kernel of the map's Jacobian; E = v·∇J. All kinds but the first have J = E = 0.
+    """
+
+    ORDINARY = ""
+    """Not singular, or on a fold (J = 0, E ≠ 0: two poses coalesce). It is in no document."""
+    CUSP = "cusp"
+    """∇J ≠ 0 and v·∇E ≠ 0: exactly three poses coalesce, at a smooth point of the singular curve."""
+    SWALLOWTAIL = "swallowtail"
+    """∇J ≠ 0, v·∇E = 0 and v·∇(v·∇E) ≠ 0: four poses coalesce; as L passes, two cusps are born or die."""
+    LIPS = "lips"
+    """∇J = 0 with a definite Hessian, and ∂J/∂L ≠ 0: as L passes, an oval of the singular curve with two
+    cusps is born or dies."""
+    BEAK_TO_BEAK = "beak-to-beak"
+    """∇J = 0 with an indefinite Hessian, ∂J/∂L ≠ 0 and v·∇E ≠ 0: as L passes, two branches of the singular
+    curve reconnect, and two cusps are born or die."""
+    ISOLATED_POINT = "isolated-point"
+    """∇J = 0 with a definite Hessian, but ∂J/∂L = 0: the pose is singular at neighbouring L too."""
+    NODE = "node"
+    """∇J = 0 with an indefinite Hessian, but ∂J/∂L = 0, or v·∇E = 0 (v is tangent to a branch): two branches
+    of the singular curve cross."""
+    QUADRUPLE = "quadruple"
+    """∇f = ∇g = 0, and the Hessians of f and g, as quadratic forms, have no common zero: exactly four poses
+    coalesce."""
+    HIGHER = "higher"
+    """None of these, and not ordinary: more poses coalesce, or more conditions meet, than at any of them."""
+    CURVE = "curve"
+    """Not one pose but a whole curve of them, given by its equation; none of its poses is listed."""
+
+
+def classify(local: LocalMap[Algebraic]) -> PoseKind:
+    """The kind of a pose, from its jets up to the fourth order."""
     gradients = {leg: (leg.alpha.value, leg.theta.value) for leg in (local.f, local.g)}
     regular = [leg for leg, slopes in gradients.items() if not all(x.is_zero for x in slopes)]
     if not regular:
-        return "quadruple" if _hessians_independent(local) else "higher"
+        return PoseKind.QUADRUPLE if _hessians_independent(local) else PoseKind.HIGHER
     leg = regular[0]
     j = local.singularity()
     if not j.value.is_zero:
-        return None
+        return PoseKind.ORDINARY
     e = local.along(leg, j)
     if not e.value.is_zero:
-        return None
+        return PoseKind.ORDINARY
     second = local.along(leg, e)
     if j.alpha.value.is_zero and j.theta.value.is_zero:
         aa, at, tt = j.alpha.alpha.value, j.alpha.theta.value, j.theta.theta.value
@@ -32,13 +71,13 @@ def classify(local: LocalMap[Algebraic]) -> str | None:
         moves = not LocalMap.at(local.slice_map, doubled, 1).singularity().value.is_zero
         generic = moves and not second.value.is_zero
         if hessian > 0:
-            return "lips" if generic else "isolated-point"
+            return PoseKind.LIPS if generic else PoseKind.ISOLATED_POINT
         if hessian < 0:
-            return "beak-to-beak" if generic else "node"
-        return "higher"
+            return PoseKind.BEAK_TO_BEAK if generic else PoseKind.NODE
+        return PoseKind.HIGHER
     if not second.value.is_zero:
-        return CUSP
-    return "swallowtail" if not local.along(leg, second).value.is_zero else "higher"
+        return PoseKind.CUSP
+    return PoseKind.SWALLOWTAIL if not local.along(leg, second).value.is_zero else PoseKind.HIGHER
 
 
 def _hessians_independent(local: LocalMap[Algebraic]) -> bool:

@@ -11,7 +11,7 @@ from flint import arb, ctx, fmpz
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.factors import ExactRoot
 from rpr_solver.exact.number_field import Algebraic, common_roots
-from rpr_solver.model.classify import classify, cos_sin
+from rpr_solver.model.classify import PoseKind, classify, cos_sin
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import SliceMap
@@ -26,7 +26,7 @@ class ExactPose:
     θ = 180°.
     """
 
-    kind: str
+    kind: PoseKind
     t: Algebraic | None
     u: Algebraic
     theta_offset: int
@@ -35,7 +35,7 @@ class ExactPose:
     slice_map: SliceMap
 
     @classmethod
-    def of(cls, kind: str, t: Algebraic | None, u: Algebraic, local: LocalMap[Algebraic]) -> ExactPose:
+    def of(cls, kind: PoseKind, t: Algebraic | None, u: Algebraic, local: LocalMap[Algebraic]) -> ExactPose:
         """From the jets at the pose."""
         offset = 0 if local.pose.length.sign > 0 else 180
         return cls(kind, t, u, offset, *local.squared_lengths(), local.slice_map)
@@ -72,7 +72,7 @@ def poses_above(forms: SliceForms, root: ExactRoot) -> Iterator[ExactPose]:
         if not any(curve.holds(t, at_u) for curve in forms.shared):
             local = local_map(forms.slice_map, forms.length, t, at_u, at_omega)
             kind = classify(local)
-            if kind is not None:
+            if kind is not PoseKind.ORDINARY:
                 yield ExactPose.of(kind, t, at_u, local)
 
 

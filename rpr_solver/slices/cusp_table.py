@@ -22,18 +22,19 @@ from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import exact_str, parse_exact
 from rpr_solver.exact.real_roots import RealRoot, real_roots
-from rpr_solver.model.classify import CUSP
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.by_balls import SlicePoses
 from rpr_solver.slices.by_fields import ExactPose, poses_above, poses_at_half_turn
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant, eliminate
 from rpr_solver.slices.joint_points import (
-    Found,
+    ClassifiedPoint,
     JointPoint,
-    found_by_balls,
-    found_exactly,
+    cusps_and_degenerate,
     free_legs,
     in_order,
+    point_of_balls,
+    point_of_pose,
 )
 from rpr_solver.slices.shared_curves import SliceForms, without_shared_curves
 
@@ -148,9 +149,9 @@ class _Slice:
         q = self.eliminant.at(self.scaled)
         if self._generic(q):
             roots = real_roots(q)
-            found = self._by_balls(roots)
-            if found is not None:
-                return self._table(found, len(roots), [(DEGREE_U, 1)], "balls")
+            cusps = self._by_balls(roots)
+            if cusps is not None:
+                return self._table(cusps, len(roots), [(DEGREE_U, 1)], "balls")
         return self._exactly(q)
 
     def _generic(self, q: QuadraticPoly) -> bool:
@@ -170,29 +171,29 @@ class _Slice:
             return common
         return None
 
-    def _by_balls(self, roots: list[RealRoot]) -> list[Found] | None:
+    def _by_balls(self, roots: list[RealRoot]) -> list[ClassifiedPoint] | None:
         """The cusps above simple roots; None where balls alone do not come to an end."""
-        found: list[Found] = []
+        cusps: list[ClassifiedPoint] = []
 
-        def complete(bits: int) -> list[Found] | None:
+        def complete(bits: int) -> list[ClassifiedPoint] | None:
             poses = SlicePoses(self.slice_map, self.scaled, bits)
-            for root in roots[len(found) :]:
+            for root in roots[len(cusps) :]:
                 if (cusp := self._cusp(poses, root)) is None:
                     return None
-                found.append(cusp)
-            return found
+                cusps.append(cusp)
+            return cusps
 
         start = self.digit_bits + 192
         return decided_or_none(complete, start, TIMES_BEFORE_EXACT * start)
 
-    def _cusp(self, poses: SlicePoses, root: RealRoot) -> Found | None:
+    def _cusp(self, poses: SlicePoses, root: RealRoot) -> ClassifiedPoint | None:
         u = root.refined(poses.bits - 64)
         with ctx.workprec(poses.bits):
             t = poses.alpha(u)
             cusp = t and poses.cusp(u, t)
             if not cusp:
                 return None
-            return found_by_balls(cusp, self.digits, poses.bits)
+            return point_of_balls(cusp, self.digits, poses.bits)
 
     def _exactly(self, q: QuadraticPoly) -> SliceTable:
         """Take every root apart over ℚ(ω); simple ones still go the way of balls where they can."""
@@ -202,7 +203,7 @@ class _Slice:
             plane, turned = (SliceForms.of(self.slice_map, length) for length in lengths)
         else:
             (plane, q), (turned, _) = (without_shared_curves(self.slice_map, length) for length in lengths)
-        found: list[Found] = []
+        points: list[ClassifiedPoint] = []
         factors = norm_factors(q)
         roots = list(exact_roots(factors))
         extra: list[ExactRoot] = []
@@ -214,43 +215,43 @@ class _Slice:
             if simple and spurious.gcd(root.root.polynomial.a).degree() == 0:
                 cusps = self._by_balls([root.root])
                 if cusps is not None:
-                    found += cusps
+                    points += cusps
                     continue
-            found += map(self._exactly_found, poses_above(plane, root))
+            points += map(self._point, poses_above(plane, root))
         at_infinity = DEGREE_U - q.degree
         touches_infinity = touching is not None and touching.degree() < 1
         if at_infinity or plane.shared or touches_infinity:
-            found += map(self._exactly_found, poses_at_half_turn(turned))
+            points += map(self._point, poses_at_half_turn(turned))
         shapes: dict[int, int] = {at_infinity: 1} if at_infinity and not plane.shared else {}
         for degree, multiplicity in (shape for factor in factors for shape in factor.shape):
             shapes[multiplicity] = shapes.get(multiplicity, 0) + degree
         shape = [(degree, multiplicity) for multiplicity, degree in sorted(shapes.items())]
         curves = [
-            {"kind": "curve", "equation": curve.equation(self.slice_map.fixed_leg)} for curve in plane.shared
+            {"kind": PoseKind.CURVE.value, "equation": curve.equation(self.slice_map.fixed_leg)}
+            for curve in plane.shared
         ]
-        return self._table(found, len(roots), shape, "exact", curves)
+        return self._table(points, len(roots), shape, "exact", curves)
 
-    def _exactly_found(self, pose: ExactPose) -> Found:
-        return found_exactly(pose, self.digits)
+    def _point(self, pose: ExactPose) -> ClassifiedPoint:
+        return point_of_pose(pose, self.digits)
 
     def _table(
         self,
-        found: list[Found],
+        points: list[ClassifiedPoint],
         real_roots: int,
         cusp_factors: list[tuple[int, int]],
         method: str,
         curves: Sequence[Mapping[str, str]] = (),
     ) -> SliceTable:
         leg = self.slice_map.fixed_leg
-        found = in_order(found)
-        cusps = [x for x in found if x.kind == CUSP]
-        degenerate = [{"kind": x.kind, **x.point.to_json(leg)} for x in found if x.kind != CUSP]
+        points = in_order(points)
+        cusps, degenerate = cusps_and_degenerate(points, leg)
         certificate = {
             "eliminant_degree": sum(degree * multiplicity for degree, multiplicity in cusp_factors),
             "real_roots": real_roots,
             "factors": _factor_table(self.eliminant, cusp_factors, shared=bool(curves)),
             "method": method,
-            "working_bits": max((x.bits for x in found), default=0),
+            "working_bits": max((x.bits for x in points), default=0),
             "proofs": [dict(x.proof) for x in cusps],
         }
         return SliceTable(

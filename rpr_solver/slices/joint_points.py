@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cmp_to_key
 
 from flint import arb, ctx
 
-from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
+from rpr_solver.exact.decimals import angle_text, digit_bits, round_ball, round_fraction, sorted_by_balls
 from rpr_solver.exact.precision import GREATEST_BITS, decided
-from rpr_solver.model.classify import CUSP
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.slices.by_balls import CuspBalls, CuspProof
 from rpr_solver.slices.by_fields import ExactPose
 
@@ -53,10 +52,10 @@ def free_legs(fixed_leg: int) -> tuple[int, int]:
 
 
 @dataclass(frozen=True)
-class Found:
-    """A classified point with its sort key (θ, α in degrees)."""
+class ClassifiedPoint:
+    """A point of a slice, what it is, and what proves that; with its sort key (θ, α in degrees) as balls."""
 
-    kind: str
+    kind: PoseKind
     theta: arb
     alpha: arb
     point: JointPoint
@@ -64,16 +63,18 @@ class Found:
     bits: int
 
 
-def found_by_balls(cusp: CuspBalls, digits: int, bits: int) -> Found | None:
+def point_of_balls(cusp: CuspBalls, digits: int, bits: int) -> ClassifiedPoint | None:
     """A proved cusp in decimals; None where the balls, of working precision ``bits``, are too wide."""
     balls = (cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second)
     texts = [round_ball(x, digits) for x in balls]
     if None in texts:
         return None
-    return Found(CUSP, cusp.theta_deg, cusp.alpha_deg, joint_point(texts), _proof_json(cusp.proof), bits)
+    return ClassifiedPoint(
+        PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, joint_point(texts), _proof_json(cusp.proof), bits
+    )
 
 
-def found_exactly(pose: ExactPose, digits: int) -> Found:
+def point_of_pose(pose: ExactPose, digits: int) -> ClassifiedPoint:
     """A classified exact pose in decimals.
 
     Raises:
@@ -81,7 +82,7 @@ def found_exactly(pose: ExactPose, digits: int) -> Found:
     """
     exact: list[Fraction | None] = [None, None, *pose.exact_lengths()]
 
-    def decimals(bits: int) -> Found | None:
+    def decimals(bits: int) -> ClassifiedPoint | None:
         balls = pose.coordinates(bits)
         with ctx.workprec(bits):
             texts = [
@@ -91,26 +92,34 @@ def found_exactly(pose: ExactPose, digits: int) -> Found:
         if None in texts:
             return None
         proof = {"field_degree": str(pose.u.field.degree)}
-        return Found(pose.kind, balls[1], balls[0], joint_point(texts), proof, bits)
+        return ClassifiedPoint(pose.kind, balls[1], balls[0], joint_point(texts), proof, bits)
 
-    message = f"the digits of a {pose.kind} could not be decided"
+    message = f"the digits of a {pose.kind or 'pose'} could not be decided"
     return decided(decimals, digit_bits(digits) + 128, GREATEST_BITS, message)
 
 
-def in_order(found: Iterable[Found]) -> list[Found]:
+def in_order(points: Iterable[ClassifiedPoint]) -> list[ClassifiedPoint]:
     """By the fixed leg's angle, then by α."""
-    return sorted(found, key=cmp_to_key(_by_angle))
+    return sorted_by_balls(points, lambda point: (point.theta, point.alpha))
+
+
+def cusps_and_degenerate(
+    points: Iterable[ClassifiedPoint], fixed_leg: int
+) -> tuple[list[ClassifiedPoint], list[dict[str, str]]]:
+    """The cusps among classified points, and the others as the contract's objects."""
+    cusps, degenerate = [], []
+    for x in points:
+        if x.kind is PoseKind.CUSP:
+            cusps.append(x)
+        else:
+            degenerate.append({"kind": x.kind.value, **x.point.to_json(fixed_leg)})
+    return cusps, degenerate
 
 
 def joint_point(texts: Sequence[str | None]) -> JointPoint:
     """The point with these rounded angles and lengths."""
     alpha, theta, first, second = (text or "" for text in texts)
-    return JointPoint(_in_half_open_range(alpha), _in_half_open_range(theta), first, second)
-
-
-def _in_half_open_range(angle: str) -> str:
-    """An angle that rounds to −180 is printed as 180: the table's range is (−180, 180]."""
-    return angle[1:] if angle.startswith("-180") else angle
+    return JointPoint(angle_text(alpha), angle_text(theta), first, second)
 
 
 def _proof_json(proof: CuspProof) -> dict[str, str]:
@@ -119,13 +128,3 @@ def _proof_json(proof: CuspProof) -> dict[str, str]:
         "grad_J": proof.gradient.str(5),
         "v_grad_E": proof.transversal.str(5),
     }
-
-
-def _by_angle(x: Found, y: Found) -> int:
-    """Order by θ, then by α; angles whose balls overlap at full precision are equal."""
-    for first, second in ((x.theta, y.theta), (x.alpha, y.alpha)):
-        if first < second:
-            return -1
-        if first > second:
-            return 1
-    return 0

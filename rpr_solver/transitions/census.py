@@ -13,22 +13,33 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
 from rpr_solver.exact.rationals import exact_str
+from rpr_solver.model.classify import Kind, PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.joint_points import JointPoint, joint_point
-from rpr_solver.transitions.events import BallEvent, Event
+from rpr_solver.transitions.event_types import Event, EventPose
 from rpr_solver.transitions.length_range import check_range
 from rpr_solver.transitions.survey import Progress, Survey, silent, survey
 
-UNCLASSIFIED = "unclassified"
-"""The kind of a length at which the number of cusps changes, but no pose is known that is degenerate."""
+
+class LengthKind(Kind):
+    """What a transition or the end of a curve of cusps is, where no kind of pose names it."""
+
+    SEVERAL = "several"
+    """Degenerate poses of different kinds have this one length."""
+    UNCLASSIFIED = "unclassified"
+    """The number of cusps changes, or may change, but no pose is known that is degenerate."""
+    UNDECIDED = "undecided"
+    """Curves are cut here: which cusps pass this length, and which end and begin at it, is not proved."""
+    OPEN = "open"
+    """No transition: the length 0, or no end at all."""
 
 
 @dataclass(frozen=True)
 class TransitionPoint:
     """One degenerate pose of a transition."""
 
-    kind: str
+    kind: PoseKind
     point: JointPoint
 
 
@@ -36,12 +47,12 @@ class TransitionPoint:
 class Transition:
     """A length of the fixed leg at which cusps are born or die, or a degenerate pose is passed.
 
-    ``length`` is a correctly rounded decimal in the user's unit. ``kind`` is that of its points, or
-    "several" where they differ.
+    ``length`` is a correctly rounded decimal in the user's unit. ``kind`` is that of its points, where they
+    have one.
     """
 
     length: str
-    kind: str
+    kind: PoseKind | LengthKind
     count_before: int
     count_after: int
     points: tuple[TransitionPoint, ...]
@@ -79,10 +90,10 @@ class Census:
             "transitions": [
                 {
                     f"l{leg}": t.length,
-                    "kind": t.kind,
+                    "kind": t.kind.value,
                     "count_before": t.count_before,
                     "count_after": t.count_after,
-                    "events": [{"kind": p.kind, **p.point.to_json(leg)} for p in t.points],
+                    "events": [{"kind": p.kind.value, **p.point.to_json(leg)} for p in t.points],
                 }
                 for t in self.transitions
             ],
@@ -143,12 +154,12 @@ def transition_at(found: Survey, k: int, digits: int) -> Transition | None:
     """The transition at one of the lengths examined; None if the cusps pass it as if nothing was there."""
     group = found.groups[k]
     before, after = found.slices[k].count, found.slices[k + 1].count
-    named = [event for event in group if event.kind]
-    if before == after and not named:
+    poses = [event.pose for event in group if event.pose]
+    if before == after and not poses:
         return None
-    points = tuple(TransitionPoint(event.kind, _point(event, digits)) for event in named)
-    kinds = {event.kind for event in named}
-    kind = UNCLASSIFIED if not kinds else kinds.pop() if len(kinds) == 1 else "several"
+    points = tuple(TransitionPoint(pose.kind, _point(pose, digits)) for pose in poses)
+    kinds = {pose.kind for pose in poses}
+    kind = LengthKind.UNCLASSIFIED if not kinds else kinds.pop() if len(kinds) == 1 else LengthKind.SEVERAL
     length = length_text(found.eliminant.slice_map, group, digits)
     return Transition(length, kind, before, after, points)
 
@@ -167,20 +178,18 @@ def length_text(slice_map: SliceMap, group: Sequence[Event], digits: int) -> str
     return _rounded(length, digits, GREATEST_BITS)[0]
 
 
-def _point(event: Event, digits: int) -> JointPoint:
-    limit = GREATEST_BITS
-    if isinstance(event, BallEvent):
-        limit = TIMES_BEFORE_EXACT * digit_bits(digits)
+def _point(pose: EventPose, digits: int) -> JointPoint:
+    limit = TIMES_BEFORE_EXACT * digit_bits(digits) if pose.exact else GREATEST_BITS
     try:
-        texts = _rounded(lambda bits: list(event.coordinates(bits)), digits, limit)
+        return joint_point(_rounded(pose.coordinates, digits, limit))
     except Unproved:
-        if not isinstance(event, BallEvent):
+        exact = pose.exact and pose.exact()
+        if exact is None:
             raise
-        return _point(event.exact(), digits)
-    return joint_point(texts)
+        return _point(exact, digits)
 
 
-def _rounded(balls: Callable[[int], list[arb]], digits: int, limit: int) -> list[str]:
+def _rounded(balls: Callable[[int], Sequence[arb]], digits: int, limit: int) -> list[str]:
     def texts(bits: int) -> list[str] | None:
         values = balls(bits)
         with ctx.workprec(bits):

@@ -21,20 +21,21 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
-from typing import Protocol
 
 from flint import arb, ctx, fmpz_poly
 
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts, simple_and_other_roots
 from rpr_solver.exact.modular import simple_and_finite
-from rpr_solver.exact.number_field import Algebraic, Field
+from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS, decided, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, real_roots
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
 from rpr_solver.model.jets import LocalMap
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.transitions.event_systems import EventSystems, System, limit_system
+from rpr_solver.transitions.event_types import Coordinates, Event, EventPose, Landmark
 from rpr_solver.transitions.exact_events import (
     events_above,
     located_poses,
@@ -43,35 +44,24 @@ from rpr_solver.transitions.exact_events import (
 )
 
 _START_BITS = 256
-Namer = Callable[[LocalMap[arb]], "str | None"]
+Namer = Callable[[LocalMap[arb]], PoseKind | None]
 """The kind of an event from the jets at its pose; None where the balls do not prove it."""
-
-
-class Event(Protocol):
-    """A place on the axis of L at which the number of cusps may change (scaled units inside)."""
-
-    @property
-    def kind(self) -> str:
-        """The kind of the degenerate pose; empty where there is none."""
-
-    @property
-    def exact_length(self) -> Algebraic | None:
-        """L (scaled) as an algebraic number, where it is known as one."""
-
-    def scaled_length(self, bits: int) -> arb:
-        """L (scaled) as a ball."""
-
-    def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
-        """α and θ in degrees, and the free legs in the user's unit."""
 
 
 @dataclass(frozen=True)
 class BallEvent:
-    """An event above a simple root of an eliminant, refined on demand."""
+    """An event above a simple root of an eliminant, refined on demand; without a kind only L matters."""
 
     system: System
     root: RealRoot
-    kind: str
+    kind: PoseKind | None
+
+    @property
+    def pose(self) -> EventPose | None:
+        """The degenerate pose, if its kind is known."""
+        if self.kind is None:
+            return None
+        return EventPose(self.kind, self.coordinates, lambda: self.exact().pose)
 
     @property
     def exact_length(self) -> None:
@@ -82,7 +72,7 @@ class BallEvent:
         """L (scaled) as a ball."""
         return self._refined(bits)[2]
 
-    def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
+    def coordinates(self, bits: int) -> Coordinates:
         """α and θ in degrees, and the free legs in the user's unit."""
         t, u, length, work = self._refined(bits)
         with ctx.workprec(work):
@@ -93,7 +83,7 @@ class BallEvent:
     def exact(self) -> Event:
         """The same event in a number field, for what balls cannot show: an angle of exactly 0, say."""
         [root] = exact_counterparts([self.root], self.system.eliminant.polynomial)
-        [event] = _exact_events(self.system, root, named=bool(self.kind))
+        [event] = _exact_events(self.system, root, named=self.kind is not None)
         return event
 
     def _refined(self, bits: int) -> tuple[HalfTangent, arb, arb, int]:
@@ -106,22 +96,6 @@ class BallEvent:
         return decided(accurate, bits, GREATEST_BITS, "an event could not be located on its curve")
 
 
-@dataclass(frozen=True)
-class Landmark:
-    """A length to look at on both sides, without a degenerate pose of its own."""
-
-    exact_length: Algebraic
-    kind: str = ""
-
-    def scaled_length(self, bits: int) -> arb:
-        """L (scaled) as a ball."""
-        return self.exact_length.ball(bits)
-
-    def coordinates(self, _bits: int) -> tuple[arb, arb, arb, arb]:
-        """No pose is meant."""
-        raise NotImplementedError
-
-
 def events(systems: EventSystems) -> Iterator[Event]:
     """All events with L > 0, in no order.
 
@@ -131,7 +105,7 @@ def events(systems: EventSystems) -> Iterator[Event]:
     yield from _system_events(systems.swallowtails, _swallowtail)
     yield from _system_events(systems.critical, _critical)
     for system in systems.beside:
-        yield from _system_events(system, _limit)
+        yield from _system_events(system, None)
     yield from (Landmark(length) for length in systems.levels if length.sign > 0)
     yield from permanent_events(systems.permanent)
     yield from stretched_closings(systems.slice_map.f)
@@ -143,7 +117,7 @@ def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[
     Raises:
         NotGeneric: these lengths are not isolated.
     """
-    yield from _system_events(limit_system(systems, leg, square), _limit)
+    yield from _system_events(limit_system(systems, leg, square), None)
     for length in permanent_limits(systems.permanent, leg, square):
         yield Landmark(length)
 
@@ -164,7 +138,8 @@ def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
             yield Landmark(length)
 
 
-def _system_events(system: System, name: Namer) -> Iterator[Event]:
+def _system_events(system: System, name: Namer | None) -> Iterator[Event]:
+    """The events of one system, named; or their lengths alone."""
     eliminant = system.eliminant.polynomial
     if simple_and_finite(eliminant, system.eliminant.degree):
         proved = [_prove(system, root, name) for root in real_roots(eliminant)]
@@ -172,7 +147,7 @@ def _system_events(system: System, name: Namer) -> Iterator[Event]:
             yield from chain.from_iterable(events or () for events in proved)
             return
     if system.eliminant.zeros_at_infinity:
-        yield from _exact_events(system, None, named=name is not _limit)
+        yield from _exact_events(system, None, named=name is not None)
     simple, others = simple_and_other_roots(eliminant)
     undecided = []
     for root in simple:
@@ -184,7 +159,7 @@ def _system_events(system: System, name: Namer) -> Iterator[Event]:
     if undecided:
         others += exact_counterparts(undecided, eliminant)
     for exact in others:
-        yield from _exact_events(system, exact, named=name is not _limit)
+        yield from _exact_events(system, exact, named=name is not None)
 
 
 def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Iterator[Event]:
@@ -195,7 +170,7 @@ def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Ite
             yield Landmark(pose.length)
 
 
-def _prove(system: System, root: RealRoot, name: Namer) -> tuple[BallEvent, ...] | None:
+def _prove(system: System, root: RealRoot, name: Namer | None) -> tuple[BallEvent, ...] | None:
     """The event above a simple root; none where L < 0; None where balls do not tell."""
 
     def event(bits: int) -> tuple[BallEvent, ...] | None:
@@ -205,9 +180,12 @@ def _prove(system: System, root: RealRoot, name: Namer) -> tuple[BallEvent, ...]
         t, u, length = located
         if length < 0:
             return ()
-        with ctx.workprec(bits):
-            kind = name(_local(system, t, u, length, bits, 4))
-        return (BallEvent(system, root, kind),) if length > 0 and kind is not None else None
+        kind = None
+        if name is not None:
+            with ctx.workprec(bits):
+                kind = name(_local(system, t, u, length, bits, 4))
+        named = name is None or kind is not None
+        return (BallEvent(system, root, kind),) if length > 0 and named else None
 
     return decided_or_none(event, _START_BITS, EVENT_BITS)
 
@@ -231,22 +209,18 @@ def _local(system: System, t: HalfTangent, u: arb, length: arb, work: int, order
     return LocalMap.at(system.slice_map, pose_of(t, HalfTangent(u, arb(1)), length, omega), order)
 
 
-def _swallowtail(local: LocalMap[arb]) -> str | None:
+def _swallowtail(local: LocalMap[arb]) -> PoseKind | None:
     j = local.singularity()
     fourth = local.along(local.f, local.along(local.f, local.along(local.f, j)))
     rank = not all(x.value.contains(0) for x in (local.f.alpha, local.f.theta))
     smooth = not all(x.value.contains(0) for x in (j.alpha, j.theta))
-    return "swallowtail" if rank and smooth and not fourth.value.contains(0) else None
+    return PoseKind.SWALLOWTAIL if rank and smooth and not fourth.value.contains(0) else None
 
 
-def _critical(local: LocalMap[arb]) -> str | None:
+def _critical(local: LocalMap[arb]) -> PoseKind | None:
     j = local.singularity()
     hessian = j.alpha.alpha.value * j.theta.theta.value - j.alpha.theta.value * j.alpha.theta.value
     third = local.along(local.f, local.along(local.f, j)).value
     if hessian.contains(0) or third.contains(0):
         return None
-    return "lips" if hessian > 0 else "beak-to-beak"
-
-
-def _limit(_local: LocalMap[arb]) -> str:
-    return ""
+    return PoseKind.LIPS if hessian > 0 else PoseKind.BEAK_TO_BEAK

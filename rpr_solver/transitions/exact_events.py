@@ -28,11 +28,12 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
-from rpr_solver.model.classify import CUSP, classify, cos_sin
+from rpr_solver.model.classify import PoseKind, classify, cos_sin
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import NotGeneric, System
+from rpr_solver.transitions.event_types import Coordinates, EventPose
 
 _APART_BITS = 512
 
@@ -41,8 +42,13 @@ _APART_BITS = 512
 class ExactEvent:
     """An event with L > 0, all of it in one real number field (scaled units)."""
 
-    kind: str
+    kind: PoseKind
     local: LocalMap[Algebraic]
+
+    @property
+    def pose(self) -> EventPose:
+        """The degenerate pose."""
+        return EventPose(self.kind, self.coordinates)
 
     @property
     def exact_length(self) -> Algebraic:
@@ -53,7 +59,7 @@ class ExactEvent:
         """L (scaled) as a ball."""
         return self.local.pose.length.ball(bits)
 
-    def coordinates(self, bits: int) -> tuple[arb, arb, arb, arb]:
+    def coordinates(self, bits: int) -> Coordinates:
         """α and θ in degrees, and the free legs in the user's unit."""
         p = self.local.pose
         alpha, theta = _degrees(p.cos_alpha, p.sin_alpha, bits), _degrees(p.cos_theta, p.sin_theta, bits)
@@ -154,8 +160,8 @@ def _entries(pose: Pose[Algebraic]) -> tuple[Algebraic, ...]:
 def _event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[ExactEvent]:
     local = LocalMap.at(slice_map, pose, 4)
     kind = classify(local)
-    if kind not in (None, CUSP):
-        yield ExactEvent(str(kind), local)
+    if kind not in (PoseKind.ORDINARY, PoseKind.CUSP):
+        yield ExactEvent(kind, local)
 
 
 def _common_poses(system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:

@@ -16,7 +16,8 @@ from rpr_solver.exact.precision import LENGTH_BITS, decided, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.transitions.events import BallEvent, Event
+from rpr_solver.transitions.event_types import Event
+from rpr_solver.transitions.events import BallEvent
 
 _FIRST_BITS = 256
 

@@ -26,7 +26,8 @@ from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.joint_points import JointPoint, free_legs
 from rpr_solver.transitions.census import length_text
 from rpr_solver.transitions.event_systems import EventSystems, NotGeneric
-from rpr_solver.transitions.events import Event, limit_events
+from rpr_solver.transitions.event_types import Event
+from rpr_solver.transitions.events import limit_events
 from rpr_solver.transitions.length_range import range_problems
 from rpr_solver.transitions.survey import Progress, silent, survey
 

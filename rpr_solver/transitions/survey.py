@@ -26,7 +26,8 @@ from rpr_solver.slices.cusp_table import SliceTable, solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.transitions.discriminant import candidate_lengths
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS, EventSystems, NotGeneric
-from rpr_solver.transitions.events import Event, Landmark, events
+from rpr_solver.transitions.event_types import Event, Landmark
+from rpr_solver.transitions.events import events
 from rpr_solver.transitions.order import grouped
 
 Progress = Callable[[int, int], None]
