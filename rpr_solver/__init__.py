@@ -7,7 +7,14 @@
 """
 
 from rpr_solver.article.audit import ArticleTable, article_table
-from rpr_solver.contract import DEFAULT_DIGITS, MAX_DIGITS, MIN_DIGITS, SOLVER_VERSION
+from rpr_solver.contract import (
+    CHECK_DIGITS,
+    DEFAULT_DIGITS,
+    MAX_DIGITS,
+    MIN_DIGITS,
+    SOLVER_VERSION,
+    Progress,
+)
 from rpr_solver.curves.cusp_curves import CurveEnd, CurvePoint, CuspCurve, CuspCurves, cusp_curves
 from rpr_solver.documents import census_csv, curves_csv, restrict_census, shorten_slice, table_csv
 from rpr_solver.errors import FieldProblem, InputError, SolverError, Unproved
@@ -21,13 +28,15 @@ from rpr_solver.kinematics.pose_table import (
 )
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import EXAMPLES, Manipulator
-from rpr_solver.slices.cusp_table import SliceTable, cusp_table, slice_error_json, solve_slice, table_json
+from rpr_solver.slices.answers import slice_error_json, slice_json, table_document, table_json
+from rpr_solver.slices.cusp_table import SliceTable, cusp_table, solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.joint_points import JointPoint
 from rpr_solver.transitions.census import Census, LengthKind, Transition, TransitionPoint, census
 from rpr_solver.transitions.requirement import CheckedInterval, CheckReport, Requirement, check
 
 __all__ = [
+    "CHECK_DIGITS",
     "DEFAULT_DIGITS",
     "EXAMPLES",
     "MAX_DIGITS",
@@ -51,6 +60,7 @@ __all__ = [
     "PlatformPose",
     "PoseKind",
     "PoseTable",
+    "Progress",
     "Requirement",
     "SliceTable",
     "SolverError",
@@ -72,7 +82,9 @@ __all__ = [
     "restrict_census",
     "shorten_slice",
     "slice_error_json",
+    "slice_json",
     "solve_slice",
     "table_csv",
+    "table_document",
     "table_json",
 ]

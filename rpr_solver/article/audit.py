@@ -22,7 +22,7 @@ A real root that two factors share is listed with Q, or else with the first of t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -38,8 +38,8 @@ from rpr_solver.article.couples import (
     rejected_by_balls,
 )
 from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, KnownFactor, article_forms
-from rpr_solver.contract import DEFAULT_DIGITS
-from rpr_solver.errors import InputError, SolverError
+from rpr_solver.contract import DEFAULT_DIGITS, Progress, silent
+from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
@@ -50,8 +50,9 @@ from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.half_tangent import HalfTangent, common_root
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.slices.answers import slices_json, table_json
 from rpr_solver.slices.by_balls import SlicePoses
-from rpr_solver.slices.cusp_table import SliceTable, check_slice, slice_error_json, table_json
+from rpr_solver.slices.cusp_table import SliceTable, check_slice
 from rpr_solver.slices.joint_points import (
     ClassifiedPoint,
     JointPoint,
@@ -279,18 +280,8 @@ class _Audit:
 
 
 def article_document(
-    manipulator: Manipulator, l1: Sequence[Fraction], digits: int, progress: Callable[[int, int], None]
+    manipulator: Manipulator, l1: Sequence[Fraction], digits: int, progress: Progress = silent
 ) -> dict[str, Any]:
     """The table. A slice that the algorithm cannot answer says so in its place."""
-    solved: list[dict[str, Any]] = []
-    for value in l1:
-        progress(len(solved), len(l1))
-        try:
-            found = article_table(manipulator, value, digits=digits).to_json()
-        except InputError as error:
-            found = slice_error_json(value, 1, "input-error", str(error))
-        except SolverError as error:
-            found = slice_error_json(value, 1, "solver-error", str(error))
-        solved.append(found)
-    progress(len(l1), len(l1))
-    return {**table_json(manipulator, 1, digits, solved), "method": "article"}
+    slices = slices_json(lambda x: article_table(manipulator, x, digits=digits), l1, 1, progress)
+    return {**table_json(manipulator, 1, digits, slices), "method": METHOD}

@@ -7,14 +7,14 @@ names belong to the manipulator and its fixed leg, and do not depend on what ran
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 from math import cos, pi
 from typing import Any
 
-from rpr_solver.contract import DEFAULT_DIGITS, SOLVER_VERSION, check_digits
+from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, document_head, silent
 from rpr_solver.curves.destinations import Tracker
 from rpr_solver.curves.naming import name_cusps, tracks
 from rpr_solver.exact.rationals import exact_str
@@ -25,7 +25,7 @@ from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.joint_points import JointPoint
 from rpr_solver.transitions.census import LengthKind, TransitionPoint, length_text, transition_at
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS
-from rpr_solver.transitions.survey import Progress, Survey, silent, survey
+from rpr_solver.transitions.survey import Survey, survey
 
 _KINDS: dict[str, PoseKind | LengthKind] = {kind.value: kind for kind in (*PoseKind, *LengthKind)}
 
@@ -100,11 +100,7 @@ class CuspCurves:
         """A plain document; :meth:`from_json` reads it back."""
         leg = self.fixed_leg
         return {
-            "geometry": self.manipulator.to_json(),
-            "geometry_hash": self.manipulator.geometry_hash,
-            "fixed_leg": leg,
-            "digits": self.digits,
-            "solver_version": SOLVER_VERSION,
+            **document_head(self.manipulator, self.digits, leg),
             "range": {
                 "from": exact_str(self.start),
                 "to": None if self.stop is None else exact_str(self.stop),
@@ -297,7 +293,7 @@ def part_of(
     stop: Fraction | None,
     lengths: Sequence[Fraction],
     samples: int | None,
-    progress: Callable[[int, int], None],
+    progress: Progress = silent,
 ) -> CuspCurves:
     """The curves that meet a range, with the points that are asked for; if none are, those that they have.
 

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
+from rpr_solver.contract import Progress
 from rpr_solver.curves.destinations import Cusp, Tracker
 from rpr_solver.curves.follower import Follower
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.transitions.event_types import Event
-from rpr_solver.transitions.survey import Progress, Survey
+from rpr_solver.transitions.survey import Survey
 
 
 @dataclass

@@ -30,7 +30,7 @@ from decimal import Decimal
 from fractions import Fraction
 from math import isqrt
 
-from rpr_solver.contract import DEFAULT_DIGITS, SOLVER_VERSION, check_digits
+from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import exact_str, parse_exact
@@ -117,10 +117,7 @@ class PoseTable:
         """The document described at the top of this module."""
         lengths = {f"l{leg}": _length_text(square) for leg, square in enumerate(self.squares, 1)}
         return {
-            "geometry": self.manipulator.to_json(),
-            "geometry_hash": self.manipulator.geometry_hash,
-            "digits": self.digits,
-            "solver_version": SOLVER_VERSION,
+            **document_head(self.manipulator, self.digits),
             **lengths,
             "count": self.count,
             "count_with_multiplicity": self.count_with_multiplicity,

@@ -84,6 +84,10 @@ class Manipulator:
         text = ";".join(f"{name}={value}" for name, value in self.to_json().items())
         return "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
 
+    def identity_json(self) -> dict[str, object]:
+        """The geometry and its hash, with which every document begins."""
+        return {"geometry": self.to_json(), "geometry_hash": self.geometry_hash}
+
     @property
     def area16(self) -> Fraction:
         """16 times the squared area of the platform (Heron): 0 for a flat platform."""

@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from flint import ctx, fmpz_poly
 
-from rpr_solver.contract import DEFAULT_DIGITS, SOLVER_VERSION, check_digits
+from rpr_solver.contract import DEFAULT_DIGITS, check_digits
 from rpr_solver.errors import InputError
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
@@ -113,25 +113,6 @@ def check_slice(fixed_leg: int, length: Fraction, digits: int) -> None:
             f"is {exact_str(length)}; a slice needs a leg length > 0 (at 0 its angle is undefined)",
         )
     check_digits(digits)
-
-
-def slice_error_json(length: Fraction, fixed_leg: int, kind: str, detail: str) -> dict[str, object]:
-    """The slice object of a slice that has no answer; its neighbours are not touched."""
-    return {f"l{fixed_leg}": exact_str(length), "error": {"type": kind, "detail": detail}}
-
-
-def table_json(
-    manipulator: Manipulator, fixed_leg: int, digits: int, slices: Sequence[Mapping[str, object]]
-) -> dict[str, object]:
-    """The contract's cusp table document."""
-    return {
-        "geometry": manipulator.to_json(),
-        "geometry_hash": manipulator.geometry_hash,
-        "fixed_leg": fixed_leg,
-        "digits": digits,
-        "solver_version": SOLVER_VERSION,
-        "slices": [dict(s) for s in slices],
-    }
 
 
 class _Slice:

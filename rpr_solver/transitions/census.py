@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
-from rpr_solver.contract import DEFAULT_DIGITS, SOLVER_VERSION, check_digits
+from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, document_head, silent
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
@@ -19,7 +19,7 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.joint_points import JointPoint, joint_point
 from rpr_solver.transitions.event_types import Event, EventPose
 from rpr_solver.transitions.length_range import check_range
-from rpr_solver.transitions.survey import Progress, Survey, silent, survey
+from rpr_solver.transitions.survey import Survey, survey
 
 
 class LengthKind(Kind):
@@ -81,11 +81,7 @@ class Census:
         stop = None if self.stop is None else exact_str(self.stop)
         ends = [exact_str(self.start), *(t.length for t in self.transitions), stop]
         return {
-            "geometry": self.manipulator.to_json(),
-            "geometry_hash": self.manipulator.geometry_hash,
-            "fixed_leg": leg,
-            "digits": self.digits,
-            "solver_version": SOLVER_VERSION,
+            **document_head(self.manipulator, self.digits, leg),
             "range": {"from": ends[0], "to": ends[-1]},
             "transitions": [
                 {

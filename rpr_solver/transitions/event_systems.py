@@ -18,12 +18,13 @@ These are identities in the parameters; a spare point checks them modulo each pr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import fmpz, fmpz_mpoly
 
+from rpr_solver.contract import Progress, silent
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.number_field import Algebraic
@@ -104,7 +105,7 @@ class EventSystems:
     """Y(u): those of them without three parallel legs."""
 
     @classmethod
-    def of(cls, slice_map: SliceMap, progress: Callable[[int, int], None] | None = None) -> EventSystems:
+    def of(cls, slice_map: SliceMap, progress: Progress = silent) -> EventSystems:
         """Derive and eliminate; ``progress`` is told the steps done and their number.
 
         Raises:
@@ -115,17 +116,17 @@ class EventSystems:
         f_theta, g_theta = (trig.form(slopes(leg)[1], (1, 1)) for leg in (slice_map.f, slice_map.g))
         m1, m2 = (trig.form(trig.j0 * d(trig.j1) - trig.j1 * d(trig.j0), (3, 3)) for d in (d_alpha, d_theta))
         c, w = _swallowtail_forms(trig, j0, f_theta)
-        _report(progress, 1)
+        progress(1, ELIMINATION_STEPS)
         parallel = System.of(slice_map, f_theta, g_theta, circular=2)
         permanent = System.of(slice_map, j0, j1, circular=2)
         z, y = permanent.eliminant, permanent.eliminant.quotient(parallel.eliminant)
-        _report(progress, 2)
+        progress(2, ELIMINATION_STEPS)
         critical, angles = System.without_shared_angles(slice_map, m1, m2, circular=10, known=z, exponent=1)
         levels = () if angles is None else tuple(constant_lengths(j0, j1, angles))
-        _report(progress, 3)
+        progress(3, ELIMINATION_STEPS)
         swallowtails, angles = System.without_shared_angles(slice_map, c, w, circular=16, known=y, exponent=4)
         beside = () if angles is None else (System.of(slice_map, swallowtails.first, angles),)
-        _report(progress, 4)
+        progress(4, ELIMINATION_STEPS)
         return cls(slice_map, swallowtails, critical, beside, levels, permanent, y)
 
 
@@ -195,11 +196,6 @@ class _Trig:
         for k, c in enumerate(coefficients):
             total += c * (-self.j0) ** k * self.j1 ** (top - k)
         return total
-
-
-def _report(progress: Callable[[int, int], None] | None, done: int) -> None:
-    if progress is not None:
-        progress(done, ELIMINATION_STEPS)
 
 
 def _swallowtail_forms(trig: _Trig, j0: BiForm, f_theta: BiForm) -> tuple[BiForm, BiForm]:

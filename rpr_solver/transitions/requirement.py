@@ -14,8 +14,8 @@ from functools import partial
 from itertools import groupby
 from typing import Any
 
+from rpr_solver.contract import CHECK_DIGITS, Progress, about_answer, silent
 from rpr_solver.contract import MAX_DIGITS as MOST_DIGITS
-from rpr_solver.contract import SOLVER_VERSION
 from rpr_solver.errors import FieldProblem, InputError, SolverError
 from rpr_solver.exact.precision import decided
 from rpr_solver.exact.rationals import MAX_DIGITS, exact_str, parse_exact, shown
@@ -29,9 +29,8 @@ from rpr_solver.transitions.event_systems import EventSystems, NotGeneric
 from rpr_solver.transitions.event_types import Event
 from rpr_solver.transitions.events import limit_events
 from rpr_solver.transitions.length_range import range_problems
-from rpr_solver.transitions.survey import Progress, silent, survey
+from rpr_solver.transitions.survey import survey
 
-CHECK_DIGITS = 30
 _FIELDS = ("fixed_leg", "range", "max_cusps", "min_cusps", "limits")
 
 Bounds = tuple[Fraction | None, Fraction | None]
@@ -193,8 +192,7 @@ class CheckReport:
         leg = self.requirement.fixed_leg
         counts = [x.count for x in self.intervals]
         return {
-            "geometry": self.manipulator.to_json(),
-            "geometry_hash": self.manipulator.geometry_hash,
+            **self.manipulator.identity_json(),
             "requirement": self.requirement.to_json(),
             "passed": self.passed,
             "max_cusps_found": max(counts),
@@ -207,8 +205,7 @@ class CheckReport:
                 }
                 for x in self.violations
             ],
-            "digits": self.digits,
-            "solver_version": SOLVER_VERSION,
+            **about_answer(self.digits),
         }
 
 

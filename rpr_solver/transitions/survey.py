@@ -16,7 +16,7 @@ from typing import Any
 
 from flint import arb, ctx
 
-from rpr_solver.contract import MIN_DIGITS
+from rpr_solver.contract import MIN_DIGITS, Progress
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import GREATEST_BITS, decided
@@ -29,9 +29,6 @@ from rpr_solver.transitions.event_systems import ELIMINATION_STEPS, EventSystems
 from rpr_solver.transitions.event_types import Event, Landmark
 from rpr_solver.transitions.events import events
 from rpr_solver.transitions.order import grouped
-
-Progress = Callable[[int, int], None]
-"""Told the steps done and their number, which may grow."""
 
 _FIRST_BITS = 128
 _WIDE = 16
@@ -159,7 +156,3 @@ def _short_between(low: Fraction, high: Fraction) -> Fraction:
 def _fraction(x: arb) -> Fraction:
     mantissa, exponent = x.mid().man_exp()
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-
-
-def silent(_done: int, _total: int) -> None:
-    """The progress of a caller who asked for none."""
