@@ -74,21 +74,21 @@ class _Fibre:
         if sextic.is_zero:
             raise SolverError("the closure equations do not determine alpha: the locked machine moves")
         if simple_and_finite(sextic, DEGREE):
-            found = self._by_balls(real_roots(sextic))
-            if found is not None:
-                return Fibre(_sorted(found), None, ((DEGREE, 1),), "balls")
+            poses = self._by_balls(real_roots(sextic))
+            if poses is not None:
+                return Fibre(_sorted(poses), None, ((DEGREE, 1),), "balls")
         return self._exactly()
 
     def _by_balls(self, roots: Sequence[RealRoot]) -> list[DecimalPose] | None:
         """The one regular pose above each simple root; None where balls do not come to an end."""
-        found: list[DecimalPose] = []
+        poses: list[DecimalPose] = []
 
         def complete(bits: int) -> list[DecimalPose] | None:
-            for root in roots[len(found) :]:
+            for root in roots[len(poses) :]:
                 if (pose := self._ball_pose(root, bits)) is None:
                     return None
-                found.append(pose)
-            return found
+                poses.append(pose)
+            return poses
 
         start = self.digit_bits + 128
         return decided_or_none(complete, start, TIMES_BEFORE_EXACT * start)
@@ -113,31 +113,31 @@ class _Fibre:
         return _decimal_pose(alpha, angles[0], texts, 1, bits)
 
     def _exactly(self) -> Fibre:
-        found: list[DecimalPose] = []
+        poses: list[DecimalPose] = []
         circle_at = None
         factors = norm_factors(self.closure.sextic)
         shapes = [shape for factor in factors for shape in factor.shape]
         for root in exact_roots(factors):
             simple = self._by_balls([root.root]) if root.multiplicity == 1 else None
             if simple is not None:
-                found += simple
+                poses += simple
                 continue
             t, omega = root.in_field()
-            poses = self._above((-(t * t) + 1, t * 2, t * t + 1), t, omega, root.multiplicity)
-            if poses is None:
+            above = self._above((-(t * t) + 1, t * 2, t * t + 1), t, omega, root.multiplicity)
+            if above is None:
                 circle_at = 0  # congruent triangles: B1B2 is parallel to A1A2, and t is not infinite
             else:
-                found += poses
+                poses += above
         if at_infinity := DEGREE - self.closure.sextic.degree:
             shapes.append((at_infinity, 1) if at_infinity == 1 else (1, at_infinity))
             _, omega = ExactRoot.origin(self.slice_map.radicand).in_field()
             field = omega.field
-            poses = self._above((field(-1), field(0), field(1)), None, omega, at_infinity)
-            if poses is None:
+            above = self._above((field(-1), field(0), field(1)), None, omega, at_infinity)
+            if above is None:
                 circle_at = 180
             else:
-                found += poses
-        return Fibre(_sorted(found), circle_at, tuple(sorted(shapes)), "exact")
+                poses += above
+        return Fibre(_sorted(poses), circle_at, tuple(sorted(shapes)), "exact")
 
     def _above(
         self,

@@ -1,4 +1,4 @@
-"""The kind of a singular pose, decided by exact arithmetic (method.md section 2)."""
+"""The kinds of poses, and which of them a pose is, decided by exact arithmetic."""
 
 from __future__ import annotations
 

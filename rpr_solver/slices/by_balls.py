@@ -27,7 +27,7 @@ class CuspBalls:
 
 @dataclass(frozen=True)
 class CuspProof:
-    """Balls that exclude zero where a cusp needs it (method.md section 2), lengths scaled."""
+    """Balls that exclude zero where a cusp needs it (:class:`~rpr_solver.PoseKind`), lengths scaled."""
 
     rank: arb
     """A partial derivative of f: the map has rank 1."""
