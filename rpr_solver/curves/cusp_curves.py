@@ -215,6 +215,34 @@ class CuspCurves:
             ),
         )
 
+    def part(
+        self,
+        start: Fraction = Fraction(0),
+        stop: Fraction | None = None,
+        *,
+        lengths: Sequence[Fraction] = (),
+        samples: int | None = None,
+        progress: Progress | None = None,
+    ) -> CuspCurves:
+        """The curves that meet a range, with their points at other lengths.
+
+        Args:
+            start, stop: the range; None is no end.
+            lengths: where points are wanted.
+            samples: how many more points each curve has in every interval (see :meth:`spread`).
+            progress: callback ``progress(done, total)``.
+
+        Without ``lengths`` and ``samples`` the points of the range stay as they are.
+
+        Raises:
+            InputError: a length is not positive.
+            SolverError: a slice could not be decided, or a cusp not followed to it.
+        """
+        if samples is not None:
+            lengths = [*lengths, *self.spread(samples, start, stop)]
+        whole = self.sampled(lengths, progress=progress) if lengths or samples is not None else self
+        return whole.within(start, stop)
+
     def _borders(self, start: Fraction, stop: Fraction | None) -> list[Fraction]:
         """The ends of a range and of the curves inside it, ascending."""
         texts = {end.length for curve in self.curves for end in (curve.start, curve.stop)}
@@ -285,23 +313,3 @@ def _end(found: Survey, k: int, digits: int) -> CurveEnd:
     if transition is not None:
         return CurveEnd(transition.length, transition.kind, points=transition.points)
     return CurveEnd(length_text(found.eliminant.slice_map, found.groups[k], digits), LengthKind.UNCLASSIFIED)
-
-
-def part_of(
-    whole: CuspCurves,
-    start: Fraction,
-    stop: Fraction | None,
-    lengths: Sequence[Fraction],
-    samples: int | None,
-    progress: Progress = silent,
-) -> CuspCurves:
-    """The curves that meet a range, with the points that are asked for; if none are, those that they have.
-
-    Raises:
-        SolverError: a cusp could not be followed to a length.
-    """
-    if samples is not None:
-        lengths = [*lengths, *whole.spread(samples, start, stop)]
-    if lengths or samples is not None:
-        whole = whole.sampled(lengths, progress=progress)
-    return whole.within(start, stop)

@@ -81,8 +81,7 @@ class Manipulator:
     @cached_property
     def geometry_hash(self) -> str:
         """``sha256:`` and 64 hex digits over the canonical text; equal geometries share it."""
-        text = ";".join(f"{name}={value}" for name, value in self.to_json().items())
-        return "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
+        return hash_of_canonical(self.to_json())
 
     def identity_json(self) -> dict[str, object]:
         """The geometry and its hash, with which every document begins."""
@@ -125,6 +124,12 @@ class Manipulator:
                 FieldProblem("geometry.orientation", f'{shown(self.orientation)} is neither "ccw" nor "cw"')
             )
         return problems
+
+
+def hash_of_canonical(geometry: Mapping[str, str]) -> str:
+    """The hash of a geometry as :meth:`Manipulator.to_json` gives it, without reading its numbers."""
+    text = ";".join(f"{name}={geometry[name]}" for name in (*_LENGTHS, "orientation"))
+    return "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
 
 
 def _short(x: Fraction) -> str:

@@ -2,63 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from fastapi import Request, Response
 
 from service.api.body import json_of, read_body
 from service.api.context import Context, in_thread
 from service.api.job_view import job_json
-from service.api.negotiation import JSON, Document, document_response, forms_of, json_bytes, negotiate
+from service.api.negotiation import JSON, Document, document_response, json_bytes, negotiate
+from service.api.operations import Operation
 from service.api.prefer import parse_prefer
 from service.api.problems import ProblemError
-from service.schemas.limits import Limits
+from service.schemas.document import read
 from worker import JobRequest, JobView
-from worker.jobs.requests import kind_of
-
-Read = Callable[[object, Limits], JobRequest]
-"""Makes a request of what was posted; raises InputError."""
 
 
-async def answer(
-    request: Request, context: Context, read: Read, *, implied_wait: int | None = None
-) -> Response:
-    """Answer a question that was posted: 200 with the document, or 202 with the job that computes it.
-
-    `implied_wait` is how many seconds to wait when the client does not say.
-    """
+async def answer_question(request: Request, context: Context, operation: Operation) -> Response:
+    """Answer a question that was posted: 200 with the document, or 202 with the job that computes it."""
     settings = context.settings
     body = await read_body(request, settings.limits.max_body_bytes)
-    wanted = await in_thread(lambda: read(json_of(body), settings.limits))
-    forms = forms_of(kind_of(wanted.job_id))
-    negotiate(request.headers.getlist("accept"), tuple(dict.fromkeys((*forms, JSON))))
+    job_request = await in_thread(
+        lambda: read(operation.question, json_of(body), settings.limits).job_request()
+    )
+    negotiate(request.headers.getlist("accept"), tuple(dict.fromkeys((*operation.forms, JSON))))
     prefer = parse_prefer(request.headers.getlist("prefer"))
-    found = await in_thread(_begin, context, wanted)
-    by_job = isinstance(found, JobView)
+    outcome = await in_thread(_begin, context, job_request)
+    by_job = isinstance(outcome, JobView)
     waited: int | None = None
-    if isinstance(found, JobView) and prefer.wait is not None:
+    if isinstance(outcome, JobView) and prefer.wait is not None:
         waited = min(prefer.wait, settings.limits.max_wait_seconds)
     seconds = waited
-    if seconds is None and implied_wait is not None and not prefer.respond_async:
-        seconds = min(implied_wait, settings.limits.max_wait_seconds)
-    if isinstance(found, JobView) and seconds is not None:
-        view = await context.events.wait(found.id, seconds) or found
-        found = await in_thread(_finished, context, view)
-    context.metrics.count_answer(kind_of(wanted.job_id), "job" if by_job else "cached")
-    applied = prefer.applied(waited, isinstance(found, JobView))
+    if seconds is None and operation.implied_wait is not None and not prefer.respond_async:
+        seconds = min(operation.implied_wait, settings.limits.max_wait_seconds)
+    if isinstance(outcome, JobView) and seconds is not None:
+        view = await context.events.wait(outcome.id, seconds) or outcome
+        outcome = await in_thread(_finished, context, view)
+    context.metrics.count_answer(job_request.kind.name, "job" if by_job else "cached")
+    applied = prefer.applied(waited, isinstance(outcome, JobView))
     headers = {"Preference-Applied": applied} if applied else {}
     headers["Cache-Control"] = "no-store"
-    if isinstance(found, JobView):
-        headers |= {"Location": f"/v1/jobs/{found.id}", "Retry-After": str(settings.poll_seconds)}
-        return Response(json_bytes(job_json(found)), 202, headers, media_type=JSON)
-    return await in_thread(document_response, request, found, forms, headers=headers)
+    if isinstance(outcome, JobView):
+        headers |= {"Location": f"/v1/jobs/{outcome.id}", "Retry-After": str(settings.poll_seconds)}
+        return Response(json_bytes(job_json(outcome)), 202, headers, media_type=JSON)
+    return await in_thread(document_response, request, outcome, operation.forms, headers=headers)
 
 
-def _begin(context: Context, wanted: JobRequest) -> Document | JobView:
-    known = context.queue.known(wanted)
-    if known is not None:
-        return known
-    return _finished(context, context.queue.submit(wanted))
+def _begin(context: Context, job_request: JobRequest) -> Document | JobView:
+    known = context.queue.known(job_request)
+    return _finished(context, context.queue.submit(job_request)) if known is None else known
 
 
 def _finished(context: Context, view: JobView) -> Document | JobView:

@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio.to_thread
-from fastapi import FastAPI
+from fastapi import FastAPI, Response
 from starlette.staticfiles import StaticFiles
 
 from service import __version__
@@ -15,8 +15,8 @@ from service.api.context import Context
 from service.api.error_handlers import add_error_handlers
 from service.api.middleware import RequestEnvelope
 from service.api.openapi import describe, operation_id
-from service.api.operation_docs import WEB
-from service.api.routes import censuses, checks, cusp_curves, cusp_tables, jobs, operations, pages, poses
+from service.api.operations import WEB
+from service.api.routes import jobs, operations, pages, questions
 from service.api.settings import Settings
 
 
@@ -41,11 +41,12 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redoc_url=None,
         openapi_url=None,
         redirect_slashes=False,
+        default_response_class=Response,
         generate_unique_id_function=operation_id,
     )
     app.state.context = context
     app.state.begin_shutdown = context.events.stop
-    for part in (cusp_tables, censuses, cusp_curves, checks, poses, jobs, operations, pages):
+    for part in (questions, jobs, operations, pages):
         app.include_router(part.router)
     app.mount("/static", StaticFiles(directory=WEB), name="static")
     add_error_handlers(app)

@@ -16,7 +16,7 @@ from redis.exceptions import RedisError
 
 from service.api.job_view import job_json
 from service.api.settings import Settings
-from worker import JobQueue, JobView, TableRequest
+from worker import JobQueue, JobView
 
 log = logging.getLogger("rpr_cusps.service")
 
@@ -139,12 +139,10 @@ class JobEvents:
         return await anyio.to_thread.run_sync(self._known_slices, job_id, l1) if l1 else {}
 
     def _known_slices(self, job_id: str, l1: list[str]) -> dict[str, Any]:
-        found = self.queue.records.request(job_id)
-        if found is None:
+        record = self.queue.records.request(job_id)
+        if record is None:
             return {}
-        _, request, errors = found
-        if not isinstance(request, TableRequest):
-            return {}
+        _, request, errors = record
         return {**self.queue.store.get_slices(request, l1), **errors}
 
     async def _view(self, job_id: str) -> JobView | None:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from worker import JobView
-from worker.jobs.requests import kind_of
+from worker.answers.kinds import kind_of_job
 
 
 def job_json(view: JobView) -> dict[str, object]:
     """The job document."""
+    kind = kind_of_job(view.id)
     here = f"/v1/jobs/{view.id}"
     return {
         "id": view.id,
-        "kind": kind_of(view.id),
+        "kind": None if kind is None else kind.name,
         "status": view.status,
         "progress": {"done": view.done, "total": view.total},
         "created_at": view.created_at,

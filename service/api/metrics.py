@@ -13,7 +13,7 @@ from redis.exceptions import RedisError
 
 from service import __version__
 from worker import JobQueue
-from worker.jobs.requests import Kind
+from worker.answers import tables
 
 log = logging.getLogger("rpr_cusps.service")
 
@@ -50,11 +50,11 @@ class Metrics:
         )
         self.registry.register(_QueueCollector(queue))
 
-    def count_answer(self, kind: Kind | None, answer: str) -> None:
+    def count_answer(self, kind: str, answer: str) -> None:
         """Count how a question was answered: from what is known, or by a job."""
-        if kind == "cusp-table":
+        if kind == tables.KIND.name:
             self.tables.labels(answer).inc()
-        self.answers.labels(kind or "other", answer).inc()
+        self.answers.labels(kind, answer).inc()
 
     def observe(self, scope: Mapping[str, Any], method: str, status: int, seconds: float) -> None:
         """Count one request."""

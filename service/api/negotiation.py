@@ -5,14 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from starlette.requests import Request
 from starlette.responses import Response
 
-import rpr_solver
 from service.api.problems import ProblemError, ProblemType
-from worker.jobs.requests import Kind
 
 Document = Mapping[str, Any]
 
@@ -36,24 +35,18 @@ def ndjson_bytes(table: Document) -> bytes:
     return b"".join(json_bytes({**shared, **part}) + b"\n" for part in table["slices"])
 
 
-Forms = Mapping[str, Callable[[Any], bytes]]
+@dataclass(frozen=True)
+class Form:
+    """How a document is written in one media type, and what OpenAPI says of it."""
 
-TABLE_FORMS: Forms = {
-    JSON: json_bytes,
-    CSV: lambda table: rpr_solver.table_csv(table).encode(),
-    NDJSON: ndjson_bytes,
-}
-_FORMS: Mapping[Kind, Forms] = {
-    "cusp-table": TABLE_FORMS,
-    "article-table": TABLE_FORMS,
-    "cusp-curves": {JSON: json_bytes, CSV: lambda curves: rpr_solver.curves_csv(curves).encode()},
-    "census": {JSON: json_bytes, CSV: lambda census: rpr_solver.census_csv(census).encode()},
-}
+    encode: Callable[[Any], bytes]
+    description: str = ""
 
 
-def forms_of(kind: Kind | None) -> Forms:
-    """The media types in which an answer of this kind can be had; without a kind all that there are."""
-    return TABLE_FORMS if kind is None else _FORMS.get(kind, {JSON: json_bytes})
+Forms = Mapping[str, Form]
+"""The forms of a document by media type; the first one is the usual one."""
+
+JSON_FORM = Form(json_bytes)
 
 
 def negotiate(accept: Sequence[str], offered: Sequence[str]) -> str:
@@ -86,7 +79,7 @@ def document_response(
     A table in which a slice carries an error may turn out better next time; all others never change.
     """
     form = negotiate(request.headers.getlist("accept"), tuple(forms))
-    body = forms[form](document)
+    body = forms[form].encode(document)
     tag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
     has_errors = any("error" in part for part in document.get("slices", ()))
     found = {

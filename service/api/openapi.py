@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import re
-from typing import Any, cast
+from collections.abc import Mapping
+from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
+from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from service.schemas.document_models import DOCUMENT_MODELS
-from service.schemas.models import EXACT_NUMBER, MODELS
+from service.api.operations import OPERATIONS
+from service.schemas.jobs import Job
+from service.schemas.numbers import EXACT_NUMBER
+from service.schemas.operations import Health, LimitsDocument, Readiness, Version
+from service.schemas.problems import ProblemDocument
 
 DESCRIPTION = """\
 Certified cusp points in the joint space of planar 3-RPR parallel manipulators.
@@ -26,14 +31,15 @@ exactly as it was written.
 Errors are `application/problem+json` (RFC 9457); the `type` of a problem is an address that explains it.
 """
 TAGS = [
-    {"name": "cusp tables", "description": "Ask for the cusps of a manipulator."},
-    {"name": "censuses", "description": "Where the number of cusps changes."},
-    {"name": "cusp curves", "description": "How cusps move while the fixed leg changes its length."},
-    {"name": "checks", "description": "Requirements on the number of cusps."},
-    {"name": "poses", "description": "Direct kinematics."},
-    {"name": "jobs", "description": "Follow, fetch and cancel what is being computed."},
-    {"name": "operations", "description": "Run the service."},
+    *(operation.tag for operation in OPERATIONS),
+    ("jobs", "Follow, fetch and cancel what is being computed."),
+    ("operations", "Run the service."),
 ]
+MODELS: tuple[type[BaseModel], ...] = (
+    *(model for operation in OPERATIONS for model in (operation.question, operation.answer)),
+    *(Job, ProblemDocument, Health, Readiness, Version, LimitsDocument),
+)
+"""All documents of the contract."""
 
 
 def describe(app: FastAPI) -> None:
@@ -49,23 +55,25 @@ def describe(app: FastAPI) -> None:
 
 def document(app: FastAPI) -> dict[str, Any]:
     """The OpenAPI document of the application."""
-    found: dict[str, Any] = get_openapi(
+    contract: dict[str, Any] = get_openapi(
         title=app.title,
         version=app.version,
         openapi_version="3.1.0",
         description=DESCRIPTION,
-        tags=cast(Any, TAGS),
+        tags=[{"name": name, "description": text} for name, text in TAGS],
         license_info={"name": "MIT", "identifier": "MIT"},
         routes=app.routes,
     )
-    schemas = found.setdefault("components", {}).setdefault("schemas", {})
+    schemas = contract.setdefault("components", {}).setdefault("schemas", {})
     schemas.update(_schemas())
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
-    for path in found["paths"].values():
-        for operation in path.values():
-            _drop_undeclared(operation["responses"])
-    return found
+    for operations in contract["paths"].values():
+        for operation in operations.values():
+            responses = operation["responses"]
+            if responses.get("422", {}).get("description") == "Validation Error":
+                del responses["422"]  # the framework's own, which no request can meet
+    return contract
 
 
 def operation_id(route: APIRoute) -> str:
@@ -74,43 +82,33 @@ def operation_id(route: APIRoute) -> str:
 
 
 def _schemas() -> dict[str, Any]:
-    models = {**MODELS, **DOCUMENT_MODELS}
     _, schema = models_json_schema(
-        [(model, "validation") for model in models.values()], ref_template="#/components/schemas/{model}"
+        [(model, "validation") for model in MODELS], ref_template="#/components/schemas/{model}"
     )
-    names = {model.__name__: name for name, model in models.items()}
-    renamed = {names.get(name, name): value for name, value in schema["$defs"].items()}
-    tidy = {name: {"title": name, **_tidy(value, names)} for name, value in renamed.items()}
-    return {"ExactNumber": {"title": "ExactNumber", **EXACT_NUMBER}, **tidy}
+    titles = {name: value["title"] for name, value in schema["$defs"].items()}
+    tidy = {titles[name]: _tidy(value, titles) for name, value in schema["$defs"].items()}
+    return {
+        "ExactNumber": {"title": "ExactNumber", **EXACT_NUMBER},
+        **{title: {"title": title, **value} for title, value in tidy.items()},
+    }
 
 
-def _tidy(value: Any, names: dict[str, str]) -> Any:
-    """Follow the new names, refer to what is used often, and leave out what says nothing."""
-    if isinstance(value, dict):
-        found = {key: _tidy(item, names) for key, item in value.items()}
-        if found.get("oneOf") == EXACT_NUMBER["oneOf"]:
-            own = {} if found["description"] == EXACT_NUMBER["description"] else found
-            described = {key: own[key] for key in ("description",) if key in own}
-            return {"$ref": "#/components/schemas/ExactNumber", **described}
-        if isinstance(found.get("title"), str) and "properties" not in found:
-            del found["title"]  # made from the name of the field
-        if isinstance(ref := found.get("$ref"), str):
-            prefix, _, name = ref.rpartition("/")
-            found["$ref"] = f"{prefix}/{names.get(name, name)}"
-        if isinstance(text := found.get("description"), str):
-            found["description"] = re.sub(r"\s*\n\s*", " ", text)
-        return found
+def _tidy(value: Any, titles: Mapping[str, str]) -> Any:
+    """Call every schema by its title, refer to what is used often, and leave out what says nothing."""
     if isinstance(value, list):
-        return [_tidy(item, names) for item in value]
-    return value
-
-
-def _drop_undeclared(responses: dict[str, Any]) -> None:
-    """Remove what the framework adds: its own 422, and an empty schema beside a declared type."""
-    for status, answer in list(responses.items()):
-        content = answer.get("content", {})
-        schema = content.get("application/json", {}).get("schema")
-        if schema == {} and len(content) > 1:
-            del content["application/json"]
-        elif schema is not None and str(schema.get("$ref", "")).endswith("/HTTPValidationError"):
-            del responses[status]
+        return [_tidy(item, titles) for item in value]
+    if not isinstance(value, dict):
+        return value
+    schema = {key: _tidy(item, titles) for key, item in value.items()}
+    if schema.get("oneOf") == EXACT_NUMBER["oneOf"]:
+        own = {} if schema["description"] == EXACT_NUMBER["description"] else schema
+        described = {key: own[key] for key in ("description",) if key in own}
+        return {"$ref": "#/components/schemas/ExactNumber", **described}
+    if isinstance(schema.get("title"), str) and "properties" not in schema:
+        del schema["title"]  # made from the name of the field
+    if isinstance(ref := schema.get("$ref"), str):
+        prefix, _, name = ref.rpartition("/")
+        schema["$ref"] = f"{prefix}/{titles.get(name, name)}"
+    if isinstance(text := schema.get("description"), str):
+        schema["description"] = re.sub(r"\s*\n\s*", " ", text)
+    return schema

@@ -55,15 +55,23 @@ def parse_json(body: bytes) -> object:
     return value
 
 
+def json_kind(value: object) -> str:
+    """What kind of JSON value this is, as a message says it."""
+    if value is None or isinstance(value, bool):
+        return json.dumps(value)
+    kinds: dict[type, str] = {JsonNumber: "a number", str: "a string", list: "a list", dict: "an object"}
+    return kinds.get(type(value), type(value).__name__)
+
+
 def _object(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
+    members = dict(pairs)
+    if len(members) < len(pairs):
         seen: set[str] = set()
         for key, _ in pairs:
             if key in seen:
                 raise JsonError(f"The key {key[:100]!r} is given twice in one object.", field=key)
             seen.add(key)
-    return found
+    return members
 
 
 def _refuse_constant(name: str) -> NoReturn:

@@ -1,80 +1,226 @@
-"""Which slices are asked for: one value, a list, or a range, all exact and bounded before they are made."""
+"""Lengths of the fixed leg: slices as one value, a list or a range; and ranges with open ends."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
-from rpr_solver import exact_str, parse_exact
-from rpr_solver.errors import InputError
-from service.schemas.limits import LimitError
+from pydantic import Field, PlainValidator, ValidationInfo, model_validator
+
+from rpr_solver import exact_str
+from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.transitions.length_range import range_problems
+from service.schemas.document import Document, limits_of, part, read, together
+from service.schemas.limits import LimitError, Limits
+from service.schemas.numbers import FIXED_LEGS, Exact, exact_number, fixed_leg
+
+LEGS = ("l1", "l2", "l3")
 
 
-@dataclass(frozen=True)
-class Range:
-    """The values start, start + step, … up to stop, which is included when it is hit.
+class SliceRange(Document):
+    """The values start, start + step, …, up to stop, which is included when it is hit exactly."""
 
-    Raises:
-        InputError: the step is not positive, or the range is empty.
-    """
+    start: Exact
+    stop: Exact
+    step: Exact = Field(description="> 0")
 
-    start: Fraction
-    stop: Fraction
-    step: Fraction
-    field: str = "l1"
-
-    def __post_init__(self) -> None:
+    @model_validator(mode="after")
+    def _is_not_empty(self) -> Self:
         if self.step <= 0:
-            raise InputError.of(f"{self.field}.step", f"is {exact_str(self.step)}; a step must be > 0")
+            raise InputError.of("step", f"is {exact_str(self.step)}; a step must be > 0")
         if self.stop < self.start:
             raise InputError.of(
-                f"{self.field}.stop",
+                "stop",
                 f"is {exact_str(self.stop)}, less than start = {exact_str(self.start)}; the range is empty",
             )
+        return self
 
-    def __len__(self) -> int:
-        return int((self.stop - self.start) // self.step) + 1
-
-    def values(self, limit: int) -> list[Fraction]:
+    def values(self, limits: Limits, field: str = "") -> tuple[Fraction, ...]:
         """All values of the range.
 
         Raises:
-            LimitError: there are more than `limit`.
+            LimitError: there are too many.
         """
-        # not len(): a huge range overflows it
-        check_count(int((self.stop - self.start) // self.step) + 1, limit, self.field)
-        return [self.start + i * self.step for i in range(len(self))]
+        count = int((self.stop - self.start) // self.step) + 1
+        check_count(count, limits, field)
+        return tuple(self.start + i * self.step for i in range(count))
 
 
-def check_count(count: int, limit: int, field: str) -> None:
-    """Refuse more slices than the limit.
+class OpenRange(Document):
+    """A range of lengths; an end that is missing or null is open."""
+
+    expected: ClassVar[str] = 'give an object with "from" and "to"'
+
+    start: Exact | None = Field(default=None, alias="from", description="Lower end; 0 when missing.")
+    stop: Exact | None = Field(default=None, alias="to", description="Upper end; all lengths when missing.")
+
+    @model_validator(mode="after")
+    def _is_not_empty(self) -> Self:
+        problems = [
+            FieldProblem(problem.field.removeprefix("."), problem.message)
+            for problem in range_problems(*self.ends, "")
+        ]
+        if problems:
+            raise InputError(problems)
+        return self
+
+    @property
+    def ends(self) -> tuple[Fraction, Fraction | None]:
+        """Both ends; None is no end."""
+        return self.start or Fraction(0), self.stop
+
+    def check_inside(self, lengths: Iterable[Fraction], field: str = "") -> None:
+        """Refuse lengths that are no leg lengths, or outside.
+
+        Raises:
+            InputError: naming the first one at fault.
+        """
+        start, stop = self.ends
+        for x in lengths:
+            if x <= 0:
+                raise InputError.of(field, f"is {exact_str(x)}; a leg length must be > 0")
+            if x < start or (stop is not None and x > stop):
+                end = "" if stop is None else f" to {exact_str(stop)}"
+                raise InputError.of(
+                    field, f"is {exact_str(x)}, outside the range from {exact_str(start)}{end}"
+                )
+
+
+def check_count(count: int, limits: Limits, field: str = "") -> None:
+    """Refuse too many slices.
 
     Raises:
         LimitError: naming the limit.
     """
-    if count > limit:
+    if count > limits.max_slices:
         shown = str(count) if count < 10**20 else "more than 10^20"
-        raise LimitError(field, "max_slices", limit, f"asks for {shown} slices")
+        raise LimitError.exceeded(limits, "max_slices", f"asks for {shown} slices", field)
 
 
-def parse_range(text: str, field: str, max_digits: int) -> Range:
+def parse_range(text: str, field: str, limits: Limits) -> SliceRange:
     """Read `START:STOP:STEP`.
 
-    >>> [str(x) for x in parse_range("14:15:0.5", "l1", 400).values(10)]
+    >>> [str(x) for x in parse_range("14:15:0.5", "l1", Limits()).values(Limits())]
     ['14', '29/2', '15']
     """
     parts = text.split(":")
     if len(parts) != 3:
         raise InputError.of(field, f"{text[:60]!r} is not START:STOP:STEP, for example 0.1:50.1:0.1")
-    names = ("start", "stop", "step")
-    start, stop, step = (
-        parse_exact(part, f"{field}.{name}", max_digits=max_digits)
-        for name, part in zip(names, parts, strict=True)
-    )
-    return Range(start, stop, step, field)
+    return read(SliceRange, dict(zip(("start", "stop", "step"), parts, strict=True)), limits, field)
 
 
-def distinct(values: Iterable[Fraction]) -> list[Fraction]:
-    """Each value once, in the order of its first occurrence."""
-    return list(dict.fromkeys(values))
+def parse_ends(text: str, field: str) -> tuple[str | None, str | None]:
+    """Split `A:B`, either of which may be missing.
+
+    >>> parse_ends("10:61/2", "--l1-range"), parse_ends(":", "--l1-range")
+    (('10', '61/2'), (None, None))
+    """
+    parts = text.split(":")
+    if len(parts) != 2:
+        raise InputError.of(field, f"{text[:60]!r} is not A:B, for example 10:20, 10: or :20")
+    first, second = (part if part.strip() else None for part in parts)
+    return first, second
+
+
+def parse_open_range(text: str, field: str, limits: Limits) -> OpenRange:
+    """Read `A:B` as a range of lengths."""
+    start, stop = parse_ends(text, field)
+    return read(OpenRange, {"from": start, "to": stop}, limits, field)
+
+
+def _read_slices(value: object, info: ValidationInfo) -> tuple[Fraction, ...]:
+    limits = limits_of(info)
+    if isinstance(value, Mapping):
+        return part(SliceRange.model_validate, value, limits).values(limits)
+    if not isinstance(value, list | tuple):
+        return (exact_number(value, limits),)
+    if not value:
+        raise InputError.of("", "is an empty list; give at least one number")
+    check_count(len(value), limits)
+    numbers: list[Fraction] = []
+    errors: list[InputError] = []
+    for i, item in enumerate(value):
+        try:
+            numbers.append(exact_number(item, limits, f"[{i}]"))
+        except InputError as error:
+            errors.append(error)
+    if errors:
+        raise together(errors)
+    return tuple(numbers)
+
+
+Slices = Annotated[
+    tuple[Exact, ...],
+    PlainValidator(
+        _read_slices, json_schema_input_type=Exact | Annotated[list[Exact], Field(min_length=1)] | SliceRange
+    ),
+]
+"""One length, a list of them, or a range."""
+
+
+def slices_field(description: str, **more: Any) -> Any:
+    """The field of the lengths of one leg."""
+    return Field(default_factory=tuple, description=description, **more)
+
+
+class SlicesOfOneLeg(Document):
+    """Base of questions that give lengths of their fixed leg, as l1, l2 or l3, and of no other."""
+
+    needs_slices: ClassVar[bool]
+
+    if TYPE_CHECKING:  # each question has these among its own fields
+        fixed_leg: int
+
+    @property
+    def slices(self) -> tuple[Fraction, ...]:
+        """The lengths of the fixed leg."""
+        lengths: tuple[Fraction, ...] = getattr(self, f"l{self.fixed_leg}")
+        return lengths
+
+    @classmethod
+    def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
+        leg = _leg_of(value)
+        others = () if leg is None else [name for name in LEGS if name != f"l{leg}"]
+        return [name for name in super()._members(value) if name not in others]
+
+    @classmethod
+    def _problems_of_members(cls, value: Mapping[str, Any]) -> Iterator[FieldProblem]:
+        yield from super()._problems_of_members(value)
+        leg = _leg_of(value)
+        given = LEGS if leg is None else (f"l{leg}",)
+        if cls.needs_slices and not any(name in value for name in given):
+            yield FieldProblem(
+                given[0],
+                'is missing; give a number, a list of numbers, or {"start": …, "stop": …, "step": …}',
+            )
+
+    @classmethod
+    def _hint(cls, name: str, known: Sequence[str]) -> str:
+        if name not in LEGS:
+            return super()._hint(name, known)
+        [own] = [leg for leg in LEGS if leg in known]
+        return f"with fixed_leg {own[1]} the slices are {own}"
+
+
+def _leg_of(value: Mapping[str, Any]) -> int | None:
+    """The fixed leg; None where it cannot be read."""
+    try:
+        return fixed_leg(value.get("fixed_leg", 1))
+    except InputError:
+        return None
+
+
+def own_slices_only(*, required: bool) -> dict[str, Any]:
+    """The schema of questions that give lengths of the fixed leg, and of no other."""
+
+    def one_leg(leg: int) -> dict[str, Any]:
+        own = [f"l{leg}"] if required else []
+        return {
+            "title": f"fixed_leg {leg}",
+            "properties": {"fixed_leg": {"const": leg}},
+            "required": own if leg == 1 else [*own, "fixed_leg"],
+            "not": {"anyOf": [{"required": [f"l{other}"]} for other in FIXED_LEGS if other != leg]},
+        }
+
+    return {"oneOf": [one_leg(leg) for leg in FIXED_LEGS]}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
@@ -56,6 +58,12 @@ class Limits(BaseSettings):
 class LimitError(InputError):
     """The input is right, but larger than a limit allows."""
 
-    def __init__(self, field: str, limit: str, value: int, sent: str) -> None:
+    def __init__(self, problems: Sequence[FieldProblem], limit: str, value: int) -> None:
         self.limit, self.value = limit, value
-        super().__init__([FieldProblem(field, f"{sent}; the limit {limit} is {value}")])
+        super().__init__(problems)
+
+    @classmethod
+    def exceeded(cls, limits: Limits, name: str, sent: str, field: str = "") -> LimitError:
+        """That `sent` is beyond the limit of this name."""
+        value: int = getattr(limits, name)
+        return cls([FieldProblem(field, f"{sent}; the limit {name} is {value}")], name, value)

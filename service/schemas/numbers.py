@@ -1,110 +1,84 @@
-"""The parts of request bodies: exact, bounded, and with every fault named."""
+"""Numbers that are sent: exact, bounded, and read once."""
 
 from __future__ import annotations
 
-import difflib
 import re
-from collections.abc import Callable, Collection, Mapping
 from fractions import Fraction
-from typing import TypeVar
+from typing import Annotated, Any, Literal
 
-from rpr_solver import Manipulator, parse_exact
-from rpr_solver.errors import FieldProblem, InputError
-from service.schemas.exact_json import JsonNumber
+from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, WithJsonSchema
+
+from rpr_solver import exact_str, parse_exact
+from rpr_solver.errors import InputError
+from service.schemas.document import Expected, limits_of
+from service.schemas.exact_json import JsonNumber, json_kind
 from service.schemas.limits import LimitError, Limits
 
-T = TypeVar("T")
+NUMBER_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?\s*$|^\s*[+-]?\d+/\d+\s*$"
+
+EXACT_NUMBER: dict[str, Any] = {
+    "oneOf": [{"type": "number"}, {"type": "string", "pattern": NUMBER_PATTERN}],
+    "description": "An exact number: a JSON number, or a string with a decimal or a quotient. Every "
+    "digit counts; nothing is rounded to a binary float.",
+    "examples": [17.04, "17.04", "426/25", "1.704e1"],
+}
+"""The schema of every number in a request."""
 
 FIXED_LEGS = (1, 2, 3)
-GEOMETRY_FIELDS = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
-MISSING = object()
-"""Stands for a field that was not sent."""
 
 _DECIMAL = re.compile(r"[+-]?0*(\d*)(?:\.(\d*?)0*)?(?:[eE]([+-]?\d+))?", re.ASCII)
-_LISTED = 20
+_UNSAID: Any = object()
 
 
-class Collector:
-    """Runs checks and keeps what they complain of, so that one answer names every fault."""
+def exact_number(value: object, limits: Limits, field: str = "") -> Fraction:
+    """Read one exact number: a JSON number, or a string as JSON or an option has it.
 
-    def __init__(self) -> None:
-        self.problems: list[FieldProblem] = []
-        self.limit: LimitError | None = None
-
-    def __call__(self, check: Callable[[], T]) -> T | None:
-        try:
-            return check()
-        except LimitError as error:
-            self.limit = self.limit or error
-            self.problems.extend(error.problems)
-        except InputError as error:
-            self.problems.extend(error.problems)
-        return None
-
-    def finish(self) -> None:
-        """Raise what was collected, if anything was."""
-        if self.limit is not None and len(self.problems) == len(self.limit.problems):
-            raise self.limit
-        if self.problems:
-            raise InputError(self.problems)
-
-
-def geometry(value: object, limits: Limits) -> Manipulator:
-    """Read the geometry object of the contract."""
-    if value is MISSING:
-        raise InputError.of("geometry", f"is missing; give an object with {', '.join(GEOMETRY_FIELDS[:-1])}")
-    if not isinstance(value, dict):
-        raise InputError.of(
-            "geometry", f"is {kind_of(value)}; give an object with {', '.join(GEOMETRY_FIELDS[:-1])}"
-        )
-    collect = Collector()
-    collect(lambda: check_keys(value, GEOMETRY_FIELDS, "geometry.", 1))
-    for name in GEOMETRY_FIELDS[:-1]:
-        if name not in value:
-            collect.problems.append(FieldProblem(f"geometry.{name}", "is missing; give a number"))
-        else:
-            collect(lambda name=name: number(value[name], f"geometry.{name}", limits))  # type: ignore[misc]
-    if not isinstance(value.get("orientation", "ccw"), str):
-        collect.problems.append(
-            FieldProblem("geometry.orientation", f'is {kind_of(value["orientation"])}; give "ccw" or "cw"')
-        )
-    collect.finish()
-    return Manipulator.from_json(value, max_digits=limits.max_number_digits)
-
-
-def number(value: object, field: str, limits: Limits) -> Fraction:
-    """Read one exact number: a JSON number or a string."""
+    >>> exact_number("17.040", Limits())
+    Fraction(426, 25)
+    """
+    if isinstance(value, Fraction):
+        return value
     if not isinstance(value, str):
-        raise InputError.of(field, f'is {kind_of(value)}; give a number such as 17.04, "17.04" or "426/25"')
+        raise InputError.of(field, f'is {json_kind(value)}; give a number such as 17.04, "17.04" or "426/25"')
     try:
         return parse_exact(str(value), field, max_digits=limits.max_number_digits)
     except InputError:
         digits = digits_of(value)
-        if digits > limits.max_number_digits:
-            sent = (
-                f"a number with {digits} digits"
-                if digits < 10**20
-                else "a number with more than 10^20 digits"
-            )
-            raise LimitError(field, "max_number_digits", limits.max_number_digits, sent) from None
-        raise
+        if digits <= limits.max_number_digits:
+            raise
+    counted = f"{digits} digits" if digits < 10**20 else "more than 10^20 digits"
+    raise LimitError.exceeded(limits, "max_number_digits", f"a number with {counted}", field)
 
 
-def fixed_leg(value: object) -> int:
+def positive_number(value: object, limits: Limits, field: str = "") -> Fraction:
+    """Read the length of a leg."""
+    length = exact_number(value, limits, field)
+    if length <= 0:
+        raise InputError.of(field, f"is {exact_str(length)}; a leg length must be > 0")
+    return length
+
+
+def whole_number(text: str, expected: str, field: str = "") -> int:
+    """Read a whole number as it is written in JSON or in an option.
+
+    >>> whole_number("3.00e1", "15 to 1000")
+    30
+    """
+    try:
+        exact = parse_exact(str(text), field)
+    except InputError:
+        raise InputError.of(field, f"is {text[:40]}; give {expected}") from None
+    if exact.denominator != 1:
+        raise InputError.of(field, f"is {text[:40]}; give the whole number {expected}")
+    return int(exact)
+
+
+def fixed_leg(value: object, field: str = "") -> int:
     """Read the number of the leg whose length is fixed in a slice."""
-    found = whole(value, "fixed_leg", "1, 2 or 3")
-    if found not in FIXED_LEGS:
-        raise InputError.of("fixed_leg", f"is {str(value)[:40]}; it must be 1, 2 or 3")
-    return found
-
-
-def digits_in_range(digits: int, limits: Limits) -> int:
-    """Check the number of significant digits against the limits."""
-    if digits > limits.max_digits:
-        raise LimitError("digits", "max_digits", limits.max_digits, f"asks for {_short(digits)} digits")
-    if digits < limits.min_digits:
-        raise LimitError("digits", "min_digits", limits.min_digits, f"asks for {_short(digits)} digits")
-    return digits
+    leg = _whole(value, "1, 2 or 3", field)
+    if leg not in FIXED_LEGS:
+        raise InputError.of(field, f"is {str(value)[:40]}; it must be 1, 2 or 3")
+    return leg
 
 
 def digits_of(text: str) -> int:
@@ -121,68 +95,110 @@ def digits_of(text: str) -> int:
     return len(whole + part) + shift if shift >= 0 else max(len((whole + part).lstrip("0")), 1 - shift)
 
 
-def kind_of(value: object) -> str:
-    """What kind of JSON value this is, as a message says it."""
-    if value is None or isinstance(value, bool):
-        return {None: "null", True: "true", False: "false"}[value]
-    if isinstance(value, JsonNumber):
-        return "a number"
-    kinds: dict[type, str] = {str: "a string", list: "a list", dict: "an object"}
-    return kinds.get(type(value), type(value).__name__)
-
-
-def check_keys(
-    value: Mapping[str, object], known: Collection[str], prefix: str = "", leg: int | None = 1
-) -> None:
-    """Refuse unknown fields; `leg` is the fixed one, if it could be read."""
-    problems: list[FieldProblem] = []
-    for name in value:
-        if name in known or (leg is None and name in ("l2", "l3")):
-            continue
-        if len(problems) == _LISTED:
-            break
-        if not prefix and f"l{leg}" in known and name in ("l1", "l2", "l3"):
-            hint = f"with fixed_leg {leg} the slices are l{leg}"
-        else:
-            near = difflib.get_close_matches(name[:60], known, n=1, cutoff=0.5)
-            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
-        problems.append(FieldProblem(f"{prefix}{name[:60]}", f"unknown field; {hint}"))
-    if problems:
-        raise InputError(problems)
-
-
-def whole(value: object, field: str, wanted: str) -> int:
-    """Read a whole number."""
+def _whole(value: object, expected: str, field: str = "") -> int:
+    """A whole number of JSON, or one that is read already."""
+    if isinstance(value, int) and not isinstance(value, bool):
+        return value
     if not isinstance(value, JsonNumber):
-        raise InputError.of(field, f"is {kind_of(value)}; give the number {wanted}")
-    try:
-        exact = parse_exact(str(value), field)
-    except InputError:
-        raise InputError.of(field, f"is {value[:40]}; give {wanted}") from None
-    if exact.denominator != 1:
-        raise InputError.of(field, f"is {value[:40]}; give the whole number {wanted}")
-    return int(exact)
+        raise InputError.of(field, f"is {json_kind(value)}; give the number {expected}")
+    return whole_number(value, expected, field)
 
 
-def read_digits(value: object, limits: Limits) -> int:
-    """Read the number of significant digits that are wanted."""
-    if value is MISSING:
-        return limits.default_digits
-    return digits_in_range(whole(value, "digits", f"{limits.min_digits} to {limits.max_digits}"), limits)
+def _read_exact(value: object, info: ValidationInfo) -> Fraction:
+    return exact_number(value, limits_of(info))
 
 
-def read_samples(value: object, limits: Limits) -> int | None:
-    """Read how many points each interval of a cusp curve shall have; None when that is not said."""
-    if value is MISSING or value is None:
+def _read_length(value: object, info: ValidationInfo) -> Fraction:
+    return positive_number(value, limits_of(info))
+
+
+def _read_digits(value: object, info: ValidationInfo) -> int:
+    limits = limits_of(info)
+    digits = (
+        limits.default_digits
+        if value is _UNSAID
+        else _whole(value, f"{limits.min_digits} to {limits.max_digits}")
+    )
+    if digits > limits.max_digits:
+        raise LimitError.exceeded(limits, "max_digits", f"asks for {_short(digits)} digits")
+    if digits < limits.min_digits:
+        raise LimitError.exceeded(limits, "min_digits", f"asks for {_short(digits)} digits")
+    return digits
+
+
+def _read_samples(value: object, info: ValidationInfo) -> int | None:
+    if value is None:
         return None
-    found = whole(value, "samples", f"1 to {limits.max_samples}")
-    if found > limits.max_samples:
-        raise LimitError("samples", "max_samples", limits.max_samples, f"asks for {_short(found)} points")
-    if found < 1:
-        raise InputError.of("samples", f"is {found}; give 1 to {limits.max_samples}")
-    return found
+    limits = limits_of(info)
+    expected = f"1 to {limits.max_samples}"
+    samples = _whole(value, expected)
+    if samples > limits.max_samples:
+        raise LimitError.exceeded(limits, "max_samples", f"asks for {_short(samples)} points")
+    if samples < 1:
+        raise InputError.of("", f"is {samples}; give {expected}")
+    return samples
+
+
+def _read_count(value: object, info: ValidationInfo) -> int | None:
+    if value is None or (isinstance(value, int) and not isinstance(value, bool)):
+        return value
+    if not isinstance(value, str):
+        raise InputError.of("", f"is {json_kind(value)}; give a whole number")
+    number = exact_number(value, limits_of(info))
+    if number.denominator != 1:
+        raise InputError.of("", f"is {exact_str(number)}; give a whole number")
+    return int(number)
 
 
 def _short(number: int) -> str:
     text = str(number)
     return text if len(text) <= 20 else f"{text[:20]}…"
+
+
+Exact = Annotated[
+    Fraction,
+    PlainValidator(_read_exact),
+    PlainSerializer(exact_str, return_type=str),
+    WithJsonSchema(EXACT_NUMBER),
+    Expected("give a number"),
+]
+"""An exact number."""
+
+Length = Annotated[
+    Fraction,
+    PlainValidator(_read_length),
+    PlainSerializer(exact_str, return_type=str),
+    WithJsonSchema(EXACT_NUMBER),
+    Expected("give a number > 0"),
+]
+"""The length of a leg."""
+
+FixedLeg = Annotated[int, PlainValidator(fixed_leg, json_schema_input_type=Literal[1, 2, 3])]
+"""The leg whose length is fixed in a slice."""
+
+Digits = Annotated[
+    int, PlainValidator(_read_digits, json_schema_input_type=Annotated[int, Field(ge=15, le=1000)])
+]
+"""How many significant digits are asked for."""
+
+Samples = Annotated[
+    int | None,
+    PlainValidator(_read_samples, json_schema_input_type=Annotated[int, Field(ge=1)] | None),
+]
+"""How many points each interval of a cusp curve shall have."""
+
+Count = Annotated[
+    int | None,
+    PlainValidator(_read_count, json_schema_input_type=Annotated[int, Field(ge=0)] | None),
+]
+"""A number of cusps; None where none is said."""
+
+
+def digits_field(default: int | None = None) -> Any:
+    """The field of the digits; without a default it is that of the limits."""
+    said: dict[str, Any] = {"default": default}
+    if default is None:
+        said = {"default_factory": lambda: _UNSAID, "json_schema_extra": {"default": 90}}
+    return Field(
+        validate_default=True, description="Significant digits of every number in the answer.", **said
+    )

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
 import rpr_solver
-from rpr_solver import CuspCurves, Manipulator, exact_str
-from rpr_solver.curves.cusp_curves import part_of
+from rpr_solver import DEFAULT_DIGITS, CuspCurves, Manipulator, exact_str
+from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, Progress, content_range, scan_content
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore
-from worker.jobs.requests import ALL_LENGTHS, DocumentRequest, content_range, scan_content
+
+KIND = Kind("cusp-curves", "cc-")
 
 Document = dict[str, Any]
 
@@ -20,22 +21,22 @@ def curves_request(
     manipulator: Manipulator,
     *,
     fixed_leg: int = 1,
-    digits: int = 90,
+    digits: int = DEFAULT_DIGITS,
     start: Fraction = Fraction(0),
     stop: Fraction | None = None,
     lengths: Sequence[Fraction] = (),
     samples: int | None = None,
-) -> DocumentRequest:
+) -> JobRequest:
     """The request for the curves that meet a range, with points at these lengths, and in each interval."""
     content = {
         **scan_content(manipulator, fixed_leg, digits, start, stop),
         "lengths": [exact_str(x) for x in sorted(set(lengths))],
         "samples": samples,
     }
-    return DocumentRequest("cusp-curves", content)
+    return JobRequest(KIND, content)
 
 
-def known_curves(request: DocumentRequest, store: ResultStore) -> Document | None:
+def part_of_known_curves(request: JobRequest, store: ResultStore) -> Document | None:
     """A part of curves that are known, without other points."""
     content = request.content
     if content["lengths"] or content["samples"] is not None:
@@ -44,15 +45,13 @@ def known_curves(request: DocumentRequest, store: ResultStore) -> Document | Non
     return None if whole is None else CuspCurves.from_json(whole).within(*content_range(content)).to_json()
 
 
-def compute_curves(
-    request: DocumentRequest, store: ResultStore, progress: Callable[[int, int], None]
-) -> Document:
+def compute_curves(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
     """Compute curves; the whole ones are kept for the sake of other ranges and samples.
 
     Raises:
         SolverError: a transition could not be decided, or a cusp not followed.
     """
-    content, wanted = request.content, _whole(request)
+    content, whole_request = request.content, _whole(request)
     steps = 0
 
     def on_the_way(done: int, total: int) -> None:
@@ -61,23 +60,27 @@ def compute_curves(
         progress(done, total)
 
     def make() -> Document:
-        manipulator = Manipulator.from_json(content["geometry"])
-        found = rpr_solver.cusp_curves(
-            manipulator, fixed_leg=content["fixed_leg"], digits=content["digits"], progress=on_the_way
+        curves = rpr_solver.cusp_curves(
+            request.manipulator, fixed_leg=request.fixed_leg, digits=request.digits, progress=on_the_way
         ).to_json()
-        store.put_document(wanted, found)
-        return found
+        store.put_document(whole_request, curves)
+        return curves
 
-    whole = single_flight(lambda: store.get_document(wanted), lambda: store.document_lock(wanted), make)
-    return part_of(
-        CuspCurves.from_json(whole),
-        *content_range(content),
-        [Fraction(x) for x in content["lengths"]],
-        content["samples"],
-        lambda done, total: progress(steps + done, steps + total),
-    ).to_json()
+    whole = single_flight(
+        lambda: store.get_document(whole_request), lambda: store.document_lock(whole_request), make
+    )
+    return (
+        CuspCurves.from_json(whole)
+        .part(
+            *content_range(content),
+            lengths=[Fraction(x) for x in content["lengths"]],
+            samples=content["samples"],
+            progress=lambda done, total: progress(steps + done, steps + total),
+        )
+        .to_json()
+    )
 
 
-def _whole(request: DocumentRequest) -> DocumentRequest:
+def _whole(request: JobRequest) -> JobRequest:
     content = {**request.content, "range": ALL_LENGTHS, "lengths": [], "samples": None}
-    return DocumentRequest("cusp-curves", content)
+    return JobRequest(KIND, content)

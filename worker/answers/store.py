@@ -11,8 +11,8 @@ from redis import Redis
 from redis.exceptions import LockNotOwnedError
 
 import rpr_solver
-from worker.jobs.keys import Keys
-from worker.jobs.requests import DocumentRequest, TableRequest
+from worker.answers.keys import ResultKeys
+from worker.answers.requests import JobRequest
 from worker.settings import WorkerSettings
 
 SliceJson = dict[str, Any]
@@ -24,20 +24,20 @@ class ResultStore:
     def __init__(self, redis: Redis, settings: WorkerSettings | None = None) -> None:
         self.redis = redis
         self.settings = settings or WorkerSettings()
-        self.keys = Keys(self.settings.key_prefix)
+        self.keys = ResultKeys(self.settings.key_prefix)
 
-    def slice_keys(self, request: TableRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
+    def slice_keys(self, request: JobRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
         """The keys of some slices of a request, at its own or another number of digits."""
         at = request.digits if digits is None else digits
         return [self.keys.slice(request.geometry_hash, request.fixed_leg, at, x) for x in l1]
 
-    def get_slices(self, request: TableRequest, l1: Sequence[str] | None = None) -> dict[str, SliceJson]:
+    def get_slices(self, request: JobRequest, l1: Sequence[str] | None = None) -> dict[str, SliceJson]:
         """The known slices of a request (or those of `l1`), by L1.
 
         One round trip when all are known with just these digits. Slices known with more digits are
         shortened, where correct rounding can be told from what is stored.
         """
-        wanted = request.l1 if l1 is None else tuple(l1)
+        wanted = request.parts if l1 is None else l1
         if not wanted:
             return {}
         with self.redis.pipeline(transaction=False) as pipe:
@@ -56,7 +56,7 @@ class ResultStore:
                     found[x] = short
         return found
 
-    def renew_slices(self, request: TableRequest, slices: Mapping[str, SliceJson]) -> None:
+    def renew_slices(self, request: JobRequest, slices: Mapping[str, SliceJson]) -> None:
         """Make known slices last as long as new ones, so that a job's table stays whole.
 
         What came from more digits is kept at the request's own digits too.
@@ -76,31 +76,31 @@ class ResultStore:
                 self._note_digits(pipe, request)
                 pipe.execute()
 
-    def get_eliminant(self, request: TableRequest) -> rpr_solver.Eliminant | None:
+    def get_eliminant(self, request: JobRequest) -> rpr_solver.Eliminant | None:
         """The geometry's eliminant, if it is known."""
         raw = self.redis.get(self.keys.eliminant(request.geometry_hash, request.fixed_leg))
         return None if raw is None else rpr_solver.Eliminant.from_json(json.loads(cast(bytes, raw)))
 
-    def put_eliminant(self, request: TableRequest, eliminant: rpr_solver.Eliminant) -> None:
+    def put_eliminant(self, request: JobRequest, eliminant: rpr_solver.Eliminant) -> None:
         """Keep the eliminant of the request's geometry."""
         key = self.keys.eliminant(request.geometry_hash, request.fixed_leg)
         self.redis.set(key, dump(eliminant.to_json()), ex=self.settings.eliminant_ttl)
 
-    def get_document(self, request: DocumentRequest) -> dict[str, Any] | None:
+    def get_document(self, request: JobRequest) -> dict[str, Any] | None:
         """A document that was computed in one piece, if it is known."""
         raw = self.redis.get(self.keys.document(request.content_hash))
         return None if raw is None else cast("dict[str, Any]", json.loads(cast(bytes, raw)))
 
-    def put_document(self, request: DocumentRequest, document: Mapping[str, Any]) -> None:
+    def put_document(self, request: JobRequest, document: Mapping[str, Any]) -> None:
         """Keep a document; the first one stays."""
         key = self.keys.document(request.content_hash)
         self.redis.set(key, dump(document), ex=self.settings.result_ttl, nx=True)
 
-    def renew_document(self, request: DocumentRequest) -> bool:
+    def renew_document(self, request: JobRequest) -> bool:
         """Make a known document last as long as a new one; False when it is not known."""
         return bool(self.redis.expire(self.keys.document(request.content_hash), self.settings.result_ttl))
 
-    def note_census(self, family: DocumentRequest, digits: int) -> None:
+    def note_census(self, family: JobRequest, digits: int) -> None:
         """Note that a census of this family is known with so many digits."""
         key = self.keys.census_digits(family.content_hash)
         with self.redis.pipeline(transaction=False) as pipe:
@@ -108,16 +108,16 @@ class ResultStore:
             pipe.expire(key, self.settings.result_ttl)
             pipe.execute()
 
-    def census_digits(self, family: DocumentRequest) -> list[int]:
+    def census_digits(self, family: JobRequest) -> list[int]:
         """The numbers of digits with which censuses of this family have been kept, ascending."""
         found = cast("set[bytes]", self.redis.smembers(self.keys.census_digits(family.content_hash)))
         return sorted(map(int, found))
 
-    def eliminant_lock(self, request: TableRequest) -> AbstractContextManager[bool]:
+    def eliminant_lock(self, request: JobRequest) -> AbstractContextManager[bool]:
         """Try to become the one who computes the eliminant; gives False when somebody else does."""
         return self._lock(self.keys.eliminant_lock(request.geometry_hash, request.fixed_leg))
 
-    def document_lock(self, request: DocumentRequest) -> AbstractContextManager[bool]:
+    def document_lock(self, request: JobRequest) -> AbstractContextManager[bool]:
         """Try to become the one who computes a document; gives False when somebody else does."""
         return self._lock(self.keys.document_lock(request.content_hash))
 
@@ -136,7 +136,7 @@ class ResultStore:
     def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
         return cast("list[bytes | None]", self.redis.mget(keys))
 
-    def _note_digits(self, pipe: Any, request: TableRequest) -> None:
+    def _note_digits(self, pipe: Any, request: JobRequest) -> None:
         key = self.keys.digits(request.geometry_hash, request.fixed_leg)
         pipe.sadd(key, request.digits)
         pipe.expire(key, self.settings.result_ttl)

@@ -1,10 +1,8 @@
-"""The names of all Redis keys."""
+"""The names of the Redis keys of jobs."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-from rpr_solver import SOLVER_VERSION
 
 
 @dataclass(frozen=True)
@@ -20,37 +18,9 @@ class JobKeys:
 
 @dataclass(frozen=True)
 class Keys:
-    """Key names under one prefix. Keys of results carry the solver's version."""
+    """Key names under one prefix."""
 
     prefix: str
-
-    def slice(self, geometry_hash: str, fixed_leg: int, digits: int, l1: str) -> str:
-        """One slice result; its content never changes."""
-        return f"{self._content('slice', geometry_hash, fixed_leg)}:{digits}:{l1}"
-
-    def digits(self, geometry_hash: str, fixed_leg: int) -> str:
-        """The set of the numbers of digits for which a geometry has slice results."""
-        return self._content("digits", geometry_hash, fixed_leg)
-
-    def eliminant(self, geometry_hash: str, fixed_leg: int) -> str:
-        """The cached eliminant of a geometry."""
-        return self._content("eliminant", geometry_hash, fixed_leg)
-
-    def eliminant_lock(self, geometry_hash: str, fixed_leg: int) -> str:
-        """Held while one worker computes the eliminant."""
-        return self._content("eliminant-lock", geometry_hash, fixed_leg)
-
-    def document(self, content_hash: str) -> str:
-        """A document that was computed in one piece; the hash carries the solver's version."""
-        return f"{self.prefix}:document:{content_hash}"
-
-    def document_lock(self, content_hash: str) -> str:
-        """Held while one worker computes a document that several jobs need."""
-        return f"{self.prefix}:document-lock:{content_hash}"
-
-    def census_digits(self, content_hash: str) -> str:
-        """The set of the numbers of digits for which a whole census is known."""
-        return f"{self.prefix}:census-digits:{content_hash}"
 
     def job(self, job_id: str) -> JobKeys:
         """The keys of the job `job_id`."""
@@ -75,6 +45,3 @@ class Keys:
     def sweep_lock(self) -> str:
         """Limits the search for lost chunks to one at a time in the whole installation."""
         return f"{self.prefix}:sweep-lock"
-
-    def _content(self, kind: str, geometry_hash: str, fixed_leg: int) -> str:
-        return f"{self.prefix}:{kind}:{SOLVER_VERSION}:{geometry_hash.removeprefix('sha256:')}:{fixed_leg}"

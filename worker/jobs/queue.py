@@ -10,12 +10,11 @@ from typing import Any, cast
 from redis import Redis
 from rq.worker_registration import REDIS_WORKER_KEYS
 
-import rpr_solver
-from worker.answers.documents import known_document
-from worker.answers.store import ResultStore, SliceJson
+from worker.answers.kinds import Document, known_document, missing_parts
+from worker.answers.requests import JobRequest
+from worker.answers.store import ResultStore
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.records import JobRecords, JobView
-from worker.jobs.requests import DocumentRequest, JobRequest, TableRequest
 from worker.settings import WorkerSettings
 
 
@@ -38,7 +37,7 @@ class JobQueue:
         seen = self.records.view(request.job_id)
         if seen is not None and not seen.is_terminal:
             return seen
-        todo = self._open_parts(request)
+        todo = missing_parts(request, self.store)
         if seen is not None and seen.status == "succeeded" and not todo:
             return seen
         refs = self.records.create(request, todo, seen.run if seen else "")
@@ -47,33 +46,21 @@ class JobQueue:
         view = self.records.view(request.job_id)
         return view if view is not None else self.submit(request)
 
-    def known(self, request: JobRequest) -> dict[str, Any] | None:
-        """The complete answer if it is known, else None."""
-        return self.table(request) if isinstance(request, TableRequest) else self.document(request)
-
-    def document(self, request: DocumentRequest) -> dict[str, Any] | None:
-        """The document if it is known or follows from what is."""
+    def known(self, request: JobRequest) -> Document | None:
+        """The complete answer if it is known or follows from what is, else None."""
         return known_document(request, self.store)
-
-    def table(self, request: TableRequest) -> dict[str, Any] | None:
-        """The complete table if every slice is known, else None."""
-        known = self.store.get_slices(request)
-        return _table(request, known) if len(known) == len(request.l1) else None
 
     def get(self, job_id: str) -> JobView | None:
         """The job as it is now, or None when there is none (any more)."""
         return self.records.view(job_id)
 
-    def result(self, job_id: str) -> dict[str, Any] | None:
+    def result(self, job_id: str) -> Document | None:
         """The answer of a job that succeeded; None for any other, and when results have expired."""
-        found = self.records.request(job_id)
-        if found is None or found[0].status != "succeeded":
+        record = self.records.request(job_id)
+        if record is None or record[0].status != "succeeded":
             return None
-        _, request, errors = found
-        if isinstance(request, DocumentRequest):
-            return self.document(request)
-        known = {**self.store.get_slices(request, [x for x in request.l1 if x not in errors]), **errors}
-        return _table(request, known) if len(known) == len(request.l1) else None
+        _, request, errors = record
+        return known_document(request, self.store, errors)
 
     def cancel(self, job_id: str) -> JobView | None:
         """Cancel a job that is queued or running; a job that has ended stays as it is."""
@@ -91,16 +78,3 @@ class JobQueue:
         keys = cast("set[bytes]", self.redis.smembers(REDIS_WORKER_KEYS))
         return self.redis.exists(*keys) if keys else 0
 
-    def _open_parts(self, request: JobRequest) -> list[str]:
-        """What is not known of a request; what is known will last as long as what is new."""
-        if isinstance(request, DocumentRequest):
-            return [] if self.store.renew_document(request) else list(request.parts)
-        known = self.store.get_slices(request)
-        self.store.renew_slices(request, known)
-        return [l1 for l1 in request.l1 if l1 not in known]
-
-
-def _table(request: TableRequest, known: dict[str, SliceJson]) -> dict[str, Any]:
-    manipulator = rpr_solver.Manipulator.from_json(cast(Any, request.geometry))
-    slices = [known[l1] for l1 in request.l1]
-    return rpr_solver.table_json(manipulator, request.fixed_leg, request.digits, slices)

@@ -11,10 +11,12 @@ from typing import Any, Literal, cast
 
 from redis import Redis
 
+from worker.answers.keys import ResultKeys
+from worker.answers.kinds import request_from_json
+from worker.answers.requests import JobRequest
 from worker.answers.store import dump
 from worker.jobs import scripts
 from worker.jobs.keys import JobKeys, Keys
-from worker.jobs.requests import DocumentRequest, JobRequest, TableRequest, request_from_json
 from worker.settings import WorkerSettings
 
 Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
@@ -69,10 +71,10 @@ class ChunkEntry:
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some slices of a table: the request they belong to, and their positions in the job."""
+    """Some parts of a request, and their positions in the job."""
 
-    request: TableRequest
-    l1: tuple[str, ...]
+    request: JobRequest
+    parts: tuple[str, ...]
     first_position: int
 
 
@@ -83,6 +85,7 @@ class JobRecords:
         self.redis = redis
         self.settings = settings
         self.keys = Keys(settings.key_prefix)
+        self.result_keys = ResultKeys(settings.key_prefix)
         self._create = redis.register_script(scripts.CREATE)
         self._start = redis.register_script(scripts.START)
         self._slice = redis.register_script(scripts.SLICE)
@@ -128,8 +131,8 @@ class JobRecords:
         )  # fmt: skip
         return [ChunkRef(request.job_id, run, i, 0) for i in range(count)] if made else None
 
-    def start(self, ref: ChunkRef) -> Chunk | DocumentRequest | None:
-        """Begin a chunk, which is some slices or a whole document; None when it is out of date."""
+    def start(self, ref: ChunkRef) -> Chunk | None:
+        """Begin a chunk; None when it is out of date."""
         keys = self.keys.job(ref.job_id)
         reply = self._start(
             keys=[keys.record, keys.chunks, keys.events], args=[ref.run, ref.index, ref.attempt]
@@ -137,25 +140,22 @@ class JobRecords:
         if not reply:
             return None
         raw, todo, size = reply
-        request = request_from_json(raw)
-        if isinstance(request, DocumentRequest):
-            return request
         first = ref.index * int(size)
-        return Chunk(request, tuple(json.loads(todo)[first : first + int(size)]), first)
+        return Chunk(request_from_json(raw), tuple(json.loads(todo)[first : first + int(size)]), first)
 
     def put_slice(self, ref: ChunkRef, chunk: Chunk, offset: int, value: Mapping[str, Any]) -> bool:
         """Keep the result of the chunk's slice `offset` and count it; False when the job wants no more."""
-        settings, request, l1 = self.settings, chunk.request, chunk.l1[offset]
+        settings, request, l1 = self.settings, chunk.request, chunk.parts[offset]
         keys = self.keys.job(ref.job_id)
         geometry = request.geometry_hash, request.fixed_leg
         failed = "error" in value
         reply = self._slice(
             keys=[
-                self.keys.slice(*geometry, request.digits, l1), self.keys.digits(*geometry),
+                self.result_keys.slice(*geometry, request.digits, l1), self.result_keys.digits(*geometry),
                 *_all(keys), self.keys.active,
             ],
             args=[
-                ref.job_id, ref.run, ref.index, int(offset == len(chunk.l1) - 1),
+                ref.job_id, ref.run, ref.index, int(offset == len(chunk.parts) - 1),
                 chunk.first_position + offset, l1, dump(value), int(failed), request.digits,
                 settings.error_ttl if failed else settings.result_ttl, settings.job_ttl,
             ],
@@ -167,11 +167,11 @@ class JobRecords:
         keys = self.keys.job(ref.job_id)
         self._progress(keys=[keys.record, keys.events], args=[ref.run, done, total])
 
-    def put_document(self, ref: ChunkRef, request: DocumentRequest, document: Mapping[str, Any]) -> None:
+    def put_document(self, ref: ChunkRef, request: JobRequest, document: Mapping[str, Any]) -> None:
         """Keep a document, and end its job if it is still wanted."""
         self._document(
             keys=[
-                self.keys.document(request.content_hash),
+                self.result_keys.document(request.content_hash),
                 *_all(self.keys.job(ref.job_id)), self.keys.active,
             ],
             args=[ref.job_id, ref.run, dump(document), self.settings.result_ttl, self.settings.job_ttl],

@@ -6,26 +6,23 @@ from __future__ import annotations
 import logging
 import time
 from dataclasses import dataclass
-from fractions import Fraction
-from typing import Any, cast
 
 from redis import Redis
 from redis.exceptions import RedisError
 
-import rpr_solver
+from rpr_solver import Eliminant
 from rpr_solver.errors import InputError, SolverError
-from worker.answers.documents import Progress, compute, known_document
-from worker.answers.single_flight import single_flight
-from worker.answers.store import ResultStore, SliceJson
+from worker.answers.kinds import compute, known_document
+from worker.answers.requests import Progress
+from worker.answers.store import ResultStore
+from worker.answers.tables import INTERNAL, eliminant_of, solve
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.records import Chunk, ChunkRef, JobRecords
-from worker.jobs.requests import DocumentRequest, TableRequest
 from worker.process.os_limits import lift_memory_limit
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 
-INTERNAL = "The computation failed in an unforeseen way; the worker's log has the details."
 EXHAUSTED = "The computation needs more memory than a worker may use."
 
 
@@ -56,10 +53,8 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
         return
     store = ResultStore(_context.redis, _context.settings)
     try:
-        if isinstance(chunk, Chunk):
-            _compute(ref, chunk, records, store)
-        else:
-            _compute_document(ref, chunk, records, store)
+        work = _solve_slices if chunk.request.kind.by_slices else _compute_document
+        work(ref, chunk, records, store)
         return
     except RedisError:
         raise  # nothing can be recorded now; the chunk is found and run again
@@ -78,9 +73,9 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
     ChunkQueue(_context.redis, _context.settings).withdraw(others)
 
 
-def _compute(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
-    eliminant: rpr_solver.Eliminant | None = None
-    for offset, l1 in enumerate(chunk.l1):
+def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
+    eliminant: Eliminant | None = None
+    for offset, l1 in enumerate(chunk.parts):
         value = store.get_slices(chunk.request, [l1]).get(l1)
         if value is None:
             if eliminant is None:
@@ -90,9 +85,8 @@ def _compute(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStor
             return
 
 
-def _compute_document(
-    ref: ChunkRef, request: DocumentRequest, records: JobRecords, store: ResultStore
-) -> None:
+def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
+    request = chunk.request
     progress = Throttle(lambda done, total: records.put_progress(ref, done, total))
     document = known_document(request, store) or compute(request, store, progress)
     records.put_document(ref, request, document)
@@ -110,32 +104,3 @@ class Throttle:
         if (moment := time.monotonic()) >= self._next:
             self._next = moment + self._pause
             self._tell(done, total)
-
-
-def eliminant_of(request: TableRequest, store: ResultStore) -> rpr_solver.Eliminant:
-    """The geometry's eliminant: from the store, or computed while workers in need of the same wait."""
-
-    def make() -> rpr_solver.Eliminant:
-        manipulator = rpr_solver.Manipulator.from_json(cast(Any, request.geometry))
-        eliminant = rpr_solver.eliminate(manipulator, request.fixed_leg)
-        store.put_eliminant(request, eliminant)
-        return eliminant
-
-    return single_flight(lambda: store.get_eliminant(request), lambda: store.eliminant_lock(request), make)
-
-
-def solve(eliminant: rpr_solver.Eliminant, l1: str, request: TableRequest) -> SliceJson:
-    """One slice. What goes wrong with it is told in its place and does not spoil its neighbours."""
-    value = Fraction(l1)
-    try:
-        return rpr_solver.solve_slice(eliminant, value, request.digits).to_json()
-    except InputError as error:
-        kind, detail = "input-error", str(error)
-    except SolverError as error:
-        kind, detail = "solver-error", str(error)
-    except MemoryError:
-        raise
-    except Exception:
-        log.exception("slice l1=%s of %s failed", l1, request.geometry_hash)
-        kind, detail = "internal-error", INTERNAL
-    return rpr_solver.slice_error_json(value, request.fixed_leg, kind, detail)

@@ -12,10 +12,11 @@ from service.api import operation_docs as doc
 from service.api.context import Context, ContextDep, in_thread
 from service.api.job_view import job_json
 from service.api.middleware import IS_HEAD
-from service.api.negotiation import JSON, document_response, forms_of, json_bytes, negotiate
+from service.api.negotiation import JSON, document_response, json_bytes, negotiate
+from service.api.operations import forms_of
 from service.api.problems import ProblemError, ProblemType
 from worker import JobView
-from worker.jobs.requests import kind_of
+from worker.answers.kinds import kind_of_job
 
 router = APIRouter(tags=["jobs"])
 
@@ -50,14 +51,14 @@ def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response
 
     A result never changes, so it carries a strong `ETag` and may be cached for ever.
     """
-    forms = forms_of(kind_of(job_id))
+    forms = forms_of(job_id)
     negotiate(request.headers.getlist("accept"), tuple(forms))
     view = _job(context, job_id)
     if not view.is_terminal:
         wait = str(context.settings.poll_seconds)
         raise ProblemError(
             ProblemType.NOT_FINISHED,
-            f"The job is {view.status}: {view.done} of {view.total} {_parts(job_id)} are done.",
+            f"The job is {view.status}: {view.done} of {view.total} {_unit(job_id)} are done.",
             headers={"Retry-After": wait},
             extra={"job": f"/v1/jobs/{job_id}"},
         )
@@ -113,8 +114,9 @@ def _not_found(job_id: str) -> ProblemError:
     )
 
 
-def _parts(job_id: str) -> str:
-    return "slices" if kind_of(job_id) in ("cusp-table", "article-table") else "steps"
+def _unit(job_id: str) -> str:
+    kind = kind_of_job(job_id)
+    return "parts" if kind is None else kind.unit
 
 
 def _job_response(context: Context, view: JobView) -> Response:

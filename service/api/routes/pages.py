@@ -12,8 +12,9 @@ from fastapi import APIRouter, Request, Response
 
 from service import __version__
 from service.api.negotiation import JSON, json_bytes
-from service.api.operation_docs import EXAMPLE_REQUEST, WEB
+from service.api.operations import WEB
 from service.api.problems import ProblemError, ProblemType, TypeInfo
+from service.schemas.tables import EXAMPLE_REQUEST
 
 router = APIRouter(include_in_schema=False)
 

@@ -1,0 +1,129 @@
+"""Checks of requirements: the question, and the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import ClassVar, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from rpr_solver import Requirement
+from rpr_solver.errors import FieldProblem, InputError
+from service.schemas.document import Document
+from service.schemas.lengths import OpenRange
+from service.schemas.numbers import Count, Digits, Exact, FixedLeg, digits_field
+from service.schemas.points import Cusp, GeometryText, Interval, optional
+from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
+from worker import JobRequest
+from worker.answers import checks
+from worker.answers.requests import Kind
+
+CHECK_DIGITS = 30
+"""Digits of a check's report when a request does not say."""
+
+
+class JointLimit(Document):
+    """The lengths that a leg can have; an end that is missing or null is open."""
+
+    expected: ClassVar[str] = 'give an object with "min" and "max"'
+
+    min: Exact | None = None
+    max: Exact | None = None
+
+
+class JointLimits(Document):
+    """Limits of the legs that are not fixed."""
+
+    expected: ClassVar[str] = "give an object with the free legs, such as l2 and l3"
+
+    l1: JointLimit | None = None
+    l2: JointLimit | None = None
+    l3: JointLimit | None = None
+
+
+class RequirementDocument(Document):
+    """How many cusps every slice of a range may have, or must have; give one of the two, or both."""
+
+    model_config = ConfigDict(title="Requirement")
+
+    expected: ClassVar[str] = "give an object with range and max_cusps or min_cusps"
+
+    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length runs over the range.")
+    range: OpenRange | None = Field(default=None, description="All lengths when missing.")
+    max_cusps: Count = Field(default=None, description="At most so many; 0: free of cusps.")
+    min_cusps: Count = Field(default=None, description="At least so many.")
+    limits: JointLimits | None = Field(
+        default=None, description="Only cusps strictly within these limits are counted."
+    )
+
+    @cached_property
+    def requirement(self) -> Requirement:
+        """The requirement that is meant."""
+        limits = {
+            int(leg[1]): (limit.min, limit.max) for leg, limit in self.limits or () if limit is not None
+        }
+        start, stop = (self.range or OpenRange()).ends
+        return Requirement(self.fixed_leg, start, stop, self.max_cusps, self.min_cusps, limits)
+
+    @model_validator(mode="after")
+    def _is_sound(self) -> Self:
+        try:
+            assert self.requirement
+        except InputError as error:
+            problems = [FieldProblem(p.field.removeprefix("requirement."), p.message) for p in error.problems]
+            raise InputError(problems) from None
+        return self
+
+
+class CheckRequest(Question):
+    """One manipulator, and what is required of it."""
+
+    expected: ClassVar[str] = "send an object with geometry and requirement"
+    kinds: ClassVar[Sequence[Kind]] = (checks.KIND,)
+    examples: ClassVar[Examples] = {
+        "at_most": (
+            "At most eight cusps for L1 between 28 and 31",
+            {
+                "geometry": EXAMPLE_GEOMETRY,
+                "requirement": {"range": {"from": 28, "to": 31}, "max_cusps": 8},
+            },
+        ),
+    }
+
+    requirement: RequirementDocument
+    digits: Digits = digits_field(CHECK_DIGITS)
+
+    def job_request(self) -> JobRequest:
+        """The question in canonical form."""
+        return checks.check_request(self.geometry, self.requirement.requirement, self.digits)
+
+
+class Example(BaseModel):
+    """A slice of an interval."""
+
+    l1: str | None = optional("Its length, exactly.")
+    l2: str | None = optional("Its length, when `fixed_leg` is 2.")
+    l3: str | None = optional("Its length, when `fixed_leg` is 3.")
+    cusps: list[Cusp]
+
+
+class Violation(Interval):
+    """An interval whose slices do not satisfy the requirement, and one of them."""
+
+    example: Example
+
+
+class CheckReport(BaseModel):
+    """The proof that a requirement is satisfied, or where it is not."""
+
+    geometry: GeometryText
+    geometry_hash: str
+    requirement: RequirementDocument
+    passed: bool
+    max_cusps_found: int
+    min_cusps_found: int
+    intervals: list[Interval]
+    violations: list[Violation] = Field(description="Ascending; empty when passed.")
+    solver_version: str
+    digits: int

@@ -1,0 +1,126 @@
+"""Cusp curves: the question, and the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import ClassVar, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+
+from service.schemas.lengths import OpenRange, Slices, SlicesOfOneLeg, own_slices_only, slices_field
+from service.schemas.numbers import Digits, FixedLeg, Samples, digits_field
+from service.schemas.points import ClosedRange, Decimal, GeometryText, Point, TransitionEvent
+from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
+from worker import JobRequest
+from worker.answers import curves
+from worker.answers.requests import Kind
+
+
+class CuspCurvesRequest(SlicesOfOneLeg, Question):
+    """One manipulator, the leg whose length is the parameter, and the points that are wanted."""
+
+    model_config = ConfigDict(json_schema_extra=own_slices_only(required=False))
+
+    expected: ClassVar[str] = "send an object with geometry"
+    kinds: ClassVar[Sequence[Kind]] = (curves.KIND,)
+    needs_slices: ClassVar[bool] = False
+    examples: ClassVar[Examples] = {
+        "scan": (
+            "Points of all curves with L1 between 27 and 29, a tenth apart",
+            {
+                "geometry": EXAMPLE_GEOMETRY,
+                "digits": 15,
+                "range": {"from": 27, "to": 29},
+                "l1": {"start": 27, "stop": 29, "step": "0.1"},
+            },
+        ),
+        "samples": (
+            "Four points of every curve between any two transitions",
+            {"geometry": EXAMPLE_GEOMETRY, "digits": 15, "samples": 4},
+        ),
+    }
+
+    fixed_leg: FixedLeg = Field(
+        default=1, description="The leg whose length is fixed in a slice, and the parameter of the curves."
+    )
+    digits: Digits = digits_field()
+    range: OpenRange | None = Field(default=None, description="All lengths when missing.")
+    l1: Slices = slices_field(
+        "Lengths of leg 1 at which points are wanted, within the range: a number, a list or a range. With "
+        "`fixed_leg` 2 or 3 it is called `l2` or `l3`."
+    )
+    l2: Slices = slices_field("The lengths when `fixed_leg` is 2.")
+    l3: Slices = slices_field("The lengths when `fixed_leg` is 3.")
+    samples: Samples = Field(
+        default=None,
+        description="So many points of each curve in every interval between transitions, however narrow. "
+        "The limit is max_samples of /v1/limits.",
+    )
+
+    @field_validator("l1", "l2", "l3")
+    @classmethod
+    def _are_within_the_range(
+        cls, lengths: tuple[Fraction, ...], info: ValidationInfo
+    ) -> tuple[Fraction, ...]:
+        (info.data.get("range") or OpenRange()).check_inside(lengths)
+        return lengths
+
+    def job_request(self) -> JobRequest:
+        """The question in canonical form."""
+        start, stop = (self.range or OpenRange()).ends
+        return curves.curves_request(
+            self.geometry,
+            fixed_leg=self.fixed_leg,
+            digits=self.digits,
+            start=start,
+            stop=stop,
+            lengths=self.slices,
+            samples=self.samples,
+        )
+
+
+class CurveEnd(BaseModel):
+    """Where a curve begins or ends."""
+
+    l1: Decimal | None = Field(default=None, description="The length; 0, or null for a curve without end.")
+    l2: Decimal | None = Field(default=None, description="The length, when `fixed_leg` is 2.")
+    l3: Decimal | None = Field(default=None, description="The length, when `fixed_leg` is 3.")
+    kind: str = Field(
+        description="That of the transition; open at 0 and without end; undecided where curves are cut at a "
+        "degenerate pose, since it is not proved which cusps pass it."
+    )
+    joins: str | None = Field(
+        description="The curve that meets this one here, where that is proved: both are parts of one smooth "
+        "curve, which turns back in the fixed length."
+    )
+    events: list[TransitionEvent] = Field(
+        description="The degenerate poses; a single one is the end point of the curve."
+    )
+
+
+class CurvePoint(Point):
+    """A cusp of one slice. The fixed length is exact, all others have `digits` significant digits."""
+
+    cusp: int = Field(description="Its number, from 1, in the cusp table of the slice.")
+
+
+class CuspCurve(BaseModel):
+    """A cusp followed over the lengths between two transitions."""
+
+    name: str = Field(description="C1, C2, … in the order in which the curves begin.")
+    start: CurveEnd = Field(alias="from")
+    stop: CurveEnd = Field(alias="to")
+    points: list[CurvePoint] = Field(description="Ascending in the fixed length.")
+
+
+class CuspCurves(BaseModel):
+    """All cusp curves that meet the range."""
+
+    geometry: GeometryText
+    geometry_hash: str
+    fixed_leg: Literal[1, 2, 3]
+    digits: int
+    solver_version: str
+    range: ClosedRange
+    curves: list[CuspCurve]

@@ -1,0 +1,87 @@
+"""What every question has: a manipulator; and the request that it makes."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo
+
+from rpr_solver import Manipulator
+from rpr_solver.errors import FieldProblem, InputError
+from service.schemas.document import Document, Expected, limits_of, part
+from service.schemas.limits import Limits
+from service.schemas.numbers import Exact
+from worker import JobRequest
+from worker.answers.requests import Kind
+
+EXAMPLE_GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
+
+Examples = Mapping[str, tuple[str, Any]]
+"""Bodies by name, each with a summary."""
+
+
+class Geometry(Document):
+    """A planar 3-RPR manipulator: base points A1 = (0, 0), A2 = (a2x, 0), A3 = (a3x, a3y), and a platform
+    B1B2B3 with sides d1 = |B1B2|, d2 = |B2B3|, d3 = |B3B1|. All lengths in one unit of your choice."""
+
+    expected: ClassVar[str] = "give an object with a2x, a3x, a3y, d1, d2, d3"
+
+    a2x: Exact = Field(description="x of the base point A2; not 0.")
+    a3x: Exact = Field(description="x of the base point A3.")
+    a3y: Exact = Field(description="y of the base point A3.")
+    d1: Exact = Field(description="|B1B2|, a side of the platform; > 0.")
+    d2: Exact = Field(description="|B2B3|, a side of the platform; > 0.")
+    d3: Exact = Field(description="|B3B1|, a side of the platform; > 0.")
+    orientation: Literal["ccw", "cw"] = Field(
+        "ccw", description="Whether B1, B2, B3 run counter-clockwise or clockwise."
+    )
+
+
+def manipulator_of(value: object, limits: Limits) -> Manipulator:
+    """Read a geometry.
+
+    Raises:
+        InputError: there is no such manipulator; faults are named by the members, such as d1.
+    """
+    if isinstance(value, Manipulator):
+        return value
+    geometry = part(Geometry.model_validate, value, limits)
+    try:
+        return Manipulator(**dict(geometry))
+    except InputError as error:
+        problems = [FieldProblem(p.field.removeprefix("geometry."), p.message) for p in error.problems]
+        raise InputError(problems) from None
+
+
+def _read_manipulator(value: object, info: ValidationInfo) -> Manipulator:
+    return manipulator_of(value, limits_of(info))
+
+
+GeometryField = Annotated[
+    Manipulator,
+    PlainValidator(_read_manipulator, json_schema_input_type=Geometry),
+    PlainSerializer(Manipulator.to_json),
+    Expected(Geometry.expected),
+]
+"""The manipulator, read from its geometry."""
+
+
+class Question(Document):
+    """One kind of question: reads a body or the options of a command, and describes itself.
+
+    Attributes:
+        expected: what to send, as messages say it.
+        kinds: the kinds of documents that answer it.
+        examples: bodies for the documentation.
+    """
+
+    kinds: ClassVar[Sequence[Kind]]
+    examples: ClassVar[Examples]
+
+    geometry: GeometryField
+
+    @abstractmethod
+    def job_request(self) -> JobRequest:
+        """The question in canonical form, with the id of the job that answers it."""

@@ -1,0 +1,34 @@
+"""Requirements on the number of cusps, proved or refuted."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rpr_solver
+from rpr_solver import Manipulator, Requirement
+from worker.answers.requests import JobRequest, Kind, Progress
+from worker.answers.store import ResultStore
+
+KIND = Kind("check", "ch-")
+
+
+def check_request(manipulator: Manipulator, requirement: Requirement, digits: int) -> JobRequest:
+    """The request for the report on a requirement."""
+    content = {
+        "geometry": manipulator.to_json(),
+        "requirement": requirement.to_json(),
+        "digits": digits,
+    }
+    return JobRequest(KIND, content)
+
+
+def compute_check(request: JobRequest, _store: ResultStore, progress: Progress) -> dict[str, Any]:
+    """Prove or refute a requirement.
+
+    Raises:
+        SolverError: it could not be decided.
+    """
+    requirement = Requirement.from_json(request.content["requirement"], max_digits=1 << 20)
+    return rpr_solver.check(
+        request.manipulator, requirement, digits=request.digits, progress=progress
+    ).to_json()

@@ -1,0 +1,87 @@
+"""The kinds of documents: one entry for each, and the one way to what is known and to what is computed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from worker.answers import article, censuses, checks, curves, poses, tables
+from worker.answers.requests import JobRequest, Kind, Progress
+from worker.answers.store import ResultStore
+
+Document = dict[str, Any]
+
+
+def _nothing(_request: JobRequest, _store: ResultStore) -> Document | None:
+    return None
+
+
+@dataclass(frozen=True)
+class Computation:
+    """How a document that is computed in one piece comes about.
+
+    Attributes:
+        compute: makes the document, and may keep others on its way.
+        derive: cuts it from others that are kept, or gives None.
+    """
+
+    compute: Callable[[JobRequest, ResultStore, Progress], Document]
+    derive: Callable[[JobRequest, ResultStore], Document | None] = _nothing
+
+
+COMPUTATIONS: Mapping[Kind, Computation] = {
+    article.KIND: Computation(article.compute_article_table),
+    poses.KIND: Computation(poses.compute_poses),
+    censuses.KIND: Computation(censuses.compute_census, censuses.part_of_known_census),
+    checks.KIND: Computation(checks.compute_check),
+    curves.KIND: Computation(curves.compute_curves, curves.part_of_known_curves),
+}
+KINDS = (tables.KIND, *COMPUTATIONS)
+_BY_NAME = {kind.name: kind for kind in KINDS}
+
+
+def known_document(
+    request: JobRequest, store: ResultStore, errors: Mapping[str, Any] | None = None
+) -> Document | None:
+    """The document if it is in the store, or follows from what is.
+
+    Args:
+        request: what is asked for.
+        store: where results are kept.
+        errors: those of single slices that a job met; they stand in its table.
+    """
+    if request.kind.by_slices:
+        return tables.known_table(request, store, errors)
+    return store.get_document(request) or COMPUTATIONS[request.kind].derive(request, store)
+
+
+def missing_parts(request: JobRequest, store: ResultStore) -> Sequence[str]:
+    """The parts that have to be computed; what is known will last as long as what is new."""
+    if request.kind.by_slices:
+        return tables.missing_slices(request, store)
+    return () if store.renew_document(request) else request.parts
+
+
+def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
+    """Compute a document in one piece.
+
+    Raises:
+        InputError: there can be no such document.
+        SolverError: it could not be decided.
+    """
+    return COMPUTATIONS[request.kind].compute(request, store, progress)
+
+
+def kind_of_job(job_id: str) -> Kind | None:
+    """What a job of this id computes; None when it is no id of a job."""
+    return next((kind for kind in KINDS if job_id.startswith(kind.prefix)), None)
+
+
+def request_from_json(text: str | bytes) -> JobRequest:
+    """The inverse of :meth:`JobRequest.to_json`; also reads the records of tables of version 0.1.0."""
+    record = json.loads(text)
+    if "kind" in record:
+        return JobRequest(_BY_NAME[record["kind"]], record["content"])
+    return JobRequest(tables.KIND, {key: record[key] for key in ("geometry", "fixed_leg", "digits", "l1")})

@@ -1,0 +1,87 @@
+"""Cusp tables: each slice is computed, kept and counted by itself."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+import rpr_solver
+from rpr_solver import DEFAULT_DIGITS, Eliminant, Manipulator, exact_str
+from rpr_solver.contract import document_head
+from rpr_solver.errors import InputError, SolverError
+from worker.answers.requests import JobRequest, Kind
+from worker.answers.single_flight import single_flight
+from worker.answers.store import ResultStore, SliceJson
+
+log = logging.getLogger("rpr_cusps.worker")
+
+KIND = Kind("cusp-table", "ct-", unit="slices", by_slices=True)
+
+INTERNAL = "The computation failed in an unforeseen way; the worker's log has the details."
+
+
+def table_request(
+    manipulator: Manipulator, slices: Iterable[Fraction], *, fixed_leg: int = 1, digits: int = DEFAULT_DIGITS
+) -> JobRequest:
+    """The request for a cusp table; duplicate slices are removed."""
+    content = {
+        "geometry": manipulator.to_json(),
+        "fixed_leg": fixed_leg,
+        "digits": digits,
+        "l1": canonical_slices(slices),
+    }
+    return JobRequest(KIND, content)
+
+
+def canonical_slices(slices: Iterable[Fraction]) -> list[str]:
+    """Each slice once, in its canonical text."""
+    return list(dict.fromkeys(map(exact_str, slices)))
+
+
+def known_table(
+    request: JobRequest, store: ResultStore, errors: Mapping[str, SliceJson] | None = None
+) -> dict[str, Any] | None:
+    """The table if every slice is known, or has its error among those that a job met."""
+    errors = errors or {}
+    slices = {**store.get_slices(request, [x for x in request.parts if x not in errors]), **errors}
+    if len(slices) < len(request.parts):
+        return None
+    head = document_head(request.geometry, request.geometry_hash, request.fixed_leg, request.digits)
+    return {**head, "slices": [slices[x] for x in request.parts]}
+
+
+def missing_slices(request: JobRequest, store: ResultStore) -> Sequence[str]:
+    """The slices that are not known; those that are will last as long as new ones."""
+    slices = store.get_slices(request)
+    store.renew_slices(request, slices)
+    return [x for x in request.parts if x not in slices]
+
+
+def eliminant_of(request: JobRequest, store: ResultStore) -> Eliminant:
+    """The manipulator's eliminant: from the store, or computed while workers in need of the same wait."""
+
+    def make() -> Eliminant:
+        eliminant = rpr_solver.eliminate(request.manipulator, request.fixed_leg)
+        store.put_eliminant(request, eliminant)
+        return eliminant
+
+    return single_flight(lambda: store.get_eliminant(request), lambda: store.eliminant_lock(request), make)
+
+
+def solve(eliminant: Eliminant, l1: str, request: JobRequest) -> SliceJson:
+    """One slice. An error is reported in the slice's own entry; other slices are unaffected."""
+    value = Fraction(l1)
+    try:
+        return rpr_solver.solve_slice(eliminant, value, request.digits).to_json()
+    except InputError as error:
+        kind, detail = "input-error", str(error)
+    except SolverError as error:
+        kind, detail = "solver-error", str(error)
+    except MemoryError:
+        raise
+    except Exception:
+        log.exception("slice l1=%s of %s failed", l1, request.geometry_hash)
+        kind, detail = "internal-error", INTERNAL
+    return rpr_solver.slice_error_json(value, request.fixed_leg, kind, detail)
