@@ -9,18 +9,12 @@ from typing import Any, Self
 
 import httpx
 
+from service.errors import ServiceError
+
 _FIRST_WAIT = 1
 _TRIES = 5
 _LOOPBACK = ("127.0.0.1", "localhost", "::1")
 _TIMEOUT = httpx.Timeout(60.0, connect=5.0)
-
-
-class ServiceError(Exception):
-    """The service refused, failed, or cannot be reached; the message is for the user."""
-
-    def __init__(self, message: str, *, is_input: bool = False) -> None:
-        super().__init__(message)
-        self.is_input = is_input
 
 
 class ServiceClient:
@@ -35,10 +29,10 @@ class ServiceClient:
         try:
             parsed = httpx.URL(url)
         except (httpx.InvalidURL, TypeError) as error:
-            raise ServiceError(f"--url {url!r} is not an address: {error}", is_input=True) from None
+            raise ServiceError(f"{url!r} is not an address: {error}", is_input=True) from None
         if parsed.scheme not in ("http", "https") or not parsed.host:
             raise ServiceError(
-                f"--url {url!r} is not an HTTP address; give for example http://127.0.0.1:8000", is_input=True
+                f"{url!r} is not an HTTP address; give for example http://127.0.0.1:8000", is_input=True
             )
         # a proxy for the world outside is none for this machine
         is_here = parsed.host in _LOOPBACK

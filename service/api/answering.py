@@ -11,7 +11,7 @@ from service.api.negotiation import JSON, Document, document_response, json_byte
 from service.api.operations import Operation
 from service.api.prefer import parse_prefer
 from service.api.problems import ProblemError
-from service.schemas.document import read
+from service.schemas.document import Source, read
 from worker import JobRequest, JobView
 
 
@@ -20,7 +20,7 @@ async def answer_question(request: Request, context: Context, operation: Operati
     settings = context.settings
     body = await read_body(request, settings.limits.max_body_bytes)
     job_request = await in_thread(
-        lambda: read(operation.question, json_of(body), settings.limits).job_request()
+        lambda: read(operation.question, json_of(body), Source(settings.limits)).job_request()
     )
     negotiate(request.headers.getlist("accept"), tuple(dict.fromkeys((*operation.forms, JSON))))
     prefer = parse_prefer(request.headers.getlist("prefer"))

@@ -8,6 +8,7 @@ from typing import Any
 from service.api.negotiation import JSON
 from service.api.operations import CUSP_TABLES, OPERATIONS, Operation
 from service.api.problems import MEDIA_TYPE, ProblemType
+from service.schemas.questions import EXAMPLE_GEOMETRY
 
 Docs = dict[int | str, dict[str, Any]]
 
@@ -133,7 +134,7 @@ def question_responses(operation: Operation) -> Docs:
 def request_body(operation: Operation) -> dict[str, Any]:
     """What is sent with a question."""
     examples = {
-        name: {"summary": summary, "value": value}
+        name: {"summary": summary, "value": {"geometry": EXAMPLE_GEOMETRY, **value}}
         for name, (summary, value) in operation.question.examples.items()
     }
     return {

@@ -1,7 +1,11 @@
-"""`rpr-cusps check`: many geometries against one requirement, in parallel."""
+"""Prove or refute a requirement: at most, or at least, so many cusps in every slice of a range of lengths.
+
+Many geometries may be given and are checked in parallel; a folder stands for all *.json in it. With limits of
+the other legs, only cusps strictly within them are counted."""
 
 from __future__ import annotations
 
+import argparse
 import multiprocessing
 import os
 import signal
@@ -10,22 +14,46 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter
+
 import rpr_solver
-from rpr_solver import EXAMPLES, Manipulator, Requirement
+from rpr_solver import EXAMPLES as MANIPULATORS
+from rpr_solver import Manipulator, Requirement
 from rpr_solver.errors import InputError, SolverError
-from service.cli.analyse import digits_option, leg_and_range
+from service.cli.arguments import (
+    GEOMETRY,
+    add_digits,
+    add_format,
+    add_options,
+    add_ranges,
+    geometry_of,
+    leg_and_range,
+    manipulator_of,
+    options_source,
+)
 from service.cli.check_reports import Outcome, document, github_annotations, junit_xml, page
 from service.cli.pages import Progress, write_document
-from service.cli.solve import read_geometry
-from service.schemas.document_requests import CHECK_DIGITS
-from service.schemas.exact_json import JsonNumber
-from service.schemas.limits import Limits
-from service.schemas.numbers import whole
-from service.schemas.ranges import parse_open_range
+from service.schemas.checks import CHECK_DIGITS, RequirementDocument
+from service.schemas.document import named, part, read
+from service.schemas.lengths import split_ends
+from service.schemas.numbers import Digits, whole_number
+
+DESCRIPTION = f"""{__doc__}
+
+{GEOMETRY}
+
+Exit status: 0 all pass, 1 some requirement is violated or could not be decided, 2 bad input."""
+EXAMPLES = """\
+examples:
+  rpr-cusps check innocenti --l1-range 28:31 --max-cusps 8
+  rpr-cusps check designs/ --l1-range 10:20 --max-cusps 0 --junit report.xml
+  rpr-cusps check a.json b.json --l1-range 10: --min-cusps 1 --l2-limits 5:40 --format json
+
+On GitHub Actions each geometry that does not pass is annotated.
+"""
 
 PASSED, FAILED, BAD_INPUT = 0, 1, 2
 _MAX_JOBS = 1024
@@ -33,39 +61,78 @@ _MAX_JOBS = 1024
 OnProgress = Callable[[int, int], None]
 
 
-@dataclass(frozen=True)
-class CheckOptions:
-    """The options of the command, as they were written."""
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument(
+        "geometry", metavar="GEOMETRY", nargs="+", help="a JSON file, a folder, -, or a built-in name"
+    )
+    add_ranges(parser, "the lengths to check; either end may be left out")
+    parser.add_argument("--max-cusps", metavar="N", help="at most so many in every slice; 0: free of cusps")
+    parser.add_argument("--min-cusps", metavar="N", help="at least so many in every slice")
+    add_options(parser, "--l{}-limits", "limits", "A:B", "lengths that another leg can have")
+    add_digits(parser, CHECK_DIGITS)
+    add_format(parser)
+    parser.add_argument("--junit", metavar="FILE", help="write JUnit XML, a test case for each geometry")
+    parser.add_argument(
+        "--github", action="store_true", help="print GitHub annotations (always done on GitHub Actions)"
+    )
+    parser.add_argument("--jobs", metavar="N", help="processes (default: one for each core)")
 
-    sources: Sequence[str]
-    ranges: Sequence[tuple[str, str]]
-    limits: Sequence[tuple[str, str]]
-    fixed_leg: str | None
-    max_cusps: str | None
-    min_cusps: str | None
-    digits: str | None
-    form: str
-    junit: str | None
-    github: bool
-    jobs: str | None
 
-
-def check(options: CheckOptions) -> int:
-    """Run the command; returns the exit status.
-
-    Raises:
-        InputError: naming the option at fault; a geometry at fault is told among the outcomes.
-    """
-    limits = Limits()
-    digits = digits_option(options.digits, limits, CHECK_DIGITS)
-    requirement = _requirement(options, limits)
-    jobs = _jobs(options.jobs)
-    sources = list(expand(options.sources))
-    outcomes = _check_all(sources, requirement, digits, jobs, limits)
-    _report(outcomes, requirement.to_json(), options)
+def run(args: argparse.Namespace) -> int:
+    """Run the command; returns the exit status. A geometry at fault is told among the outcomes."""
+    digits = CHECK_DIGITS
+    if args.digits is not None:
+        with named("digits"):
+            digits = part(TypeAdapter(Digits).validate_python, args.digits, options_source())
+    requirement = _requirement(args)
+    jobs = _jobs(args.jobs)
+    sources = list(expand(args.geometry))
+    outcomes = _check_all(sources, requirement, digits, jobs)
+    _report(outcomes, requirement.to_json(), args)
     if any(o.error is not None and o.error["type"] == "input-error" for o in outcomes):
         return BAD_INPUT
     return PASSED if all(o.passed for o in outcomes) else FAILED
+
+
+def _requirement(args: argparse.Namespace) -> Requirement:
+    if not args.ranges:
+        raise InputError.of(
+            "--l1-range", "is missing; give the lengths to check, for example --l1-range 10:20"
+        )
+    leg, ends, option = leg_and_range(args, options_source())
+    if args.max_cusps is None and args.min_cusps is None:
+        raise InputError.of("--max-cusps", "is missing; give --max-cusps or --min-cusps")
+    names = {"range": option, "max_cusps": "--max-cusps", "min_cusps": "--min-cusps"}
+    limits: dict[str, object] = {}
+    for option, text in args.limits:
+        limited = option[2:4]
+        if limited in limits:
+            raise InputError.of(option, "is given twice")
+        if limited == f"l{leg}":
+            raise InputError.of(option, f"limits the fixed leg; its lengths are --l{leg}-range")
+        names[f"limits.{limited}"] = option
+        with named(option):
+            limits[limited] = split_ends(text, ("min", "max"))
+    members = {
+        "fixed_leg": leg,
+        "range": ends,
+        "max_cusps": args.max_cusps,
+        "min_cusps": args.min_cusps,
+        "limits": limits,
+    }
+    return read(RequirementDocument, members, options_source(names)).requirement
+
+
+def _jobs(text: str | None) -> int:
+    if text is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    expected = f"1 to {_MAX_JOBS}"
+    with named("--jobs"):
+        jobs = whole_number(text, expected, is_text=True)
+        if not 1 <= jobs <= _MAX_JOBS:
+            raise InputError.of("", f"is {jobs}; give {expected}")
+    return jobs
 
 
 def expand(sources: Sequence[str]) -> Iterator[str]:
@@ -78,24 +145,22 @@ def expand(sources: Sequence[str]) -> Iterator[str]:
         raise InputError.of("GEOMETRY", "is - twice; standard input can be read once")
     for source in sources:
         folder = Path(source)
-        if source in EXAMPLES or source == "-" or not folder.is_dir():
+        if source in MANIPULATORS or source == "-" or not folder.is_dir():
             yield source
             continue
-        found = sorted(path for path in folder.iterdir() if path.suffix == ".json" and path.is_file())
-        if not found:
+        files = sorted(path for path in folder.iterdir() if path.suffix == ".json" and path.is_file())
+        if not files:
             raise InputError.of("GEOMETRY", f"the folder {source!r} has no *.json")
-        yield from map(str, found)
+        yield from map(str, files)
 
 
-def _check_all(
-    sources: Sequence[str], requirement: Requirement, digits: int, jobs: int, limits: Limits
-) -> list[Outcome]:
+def _check_all(sources: Sequence[str], requirement: Requirement, digits: int, jobs: int) -> list[Outcome]:
     outcomes: dict[int, Outcome] = {}
     manipulators: dict[int, Manipulator] = {}
     names = [os.fsencode(source).decode("utf-8", "replace") for source in sources]  # a file's may be anything
     for i, source in enumerate(sources):
         try:
-            manipulators[i] = read_geometry(source, limits)
+            manipulators[i] = manipulator_of(geometry_of(source), options_source())
         except InputError as error:
             outcomes[i] = Outcome(names[i], error={"type": "input-error", "detail": str(error)})
     single = len(sources) == 1
@@ -129,10 +194,10 @@ def run_check(
             manipulator, requirement, digits=digits, progress=progress
         ).to_json()
         error = None
-    except InputError as found:
-        report, error = None, {"type": "input-error", "detail": str(found)}
-    except SolverError as found:
-        report, error = None, {"type": "solver-error", "detail": str(found)}
+    except InputError as failure:
+        report, error = None, {"type": "input-error", "detail": str(failure)}
+    except SolverError as failure:
+        report, error = None, {"type": "solver-error", "detail": str(failure)}
     return Outcome(source, report, error, time.monotonic() - begin)
 
 
@@ -143,7 +208,7 @@ def _in_processes(
     digits: int,
     jobs: int,
 ) -> Iterator[tuple[int, Outcome]]:
-    """The outcomes as they come. Geometries are sent as JSON."""
+    """The outcomes as they come."""
     executor = ProcessPoolExecutor(min(jobs, len(manipulators)), multiprocessing.get_context("spawn"))
     futures: dict[Future[Outcome], int] = {}
     try:
@@ -152,8 +217,7 @@ def _in_processes(
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             for i, manipulator in manipulators.items():
-                sent = sources[i], manipulator.to_json(), requirement.to_json(), digits
-                futures[executor.submit(_run_sent, *sent)] = i
+                futures[executor.submit(run_check, sources[i], manipulator, requirement, digits)] = i
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for future in as_completed(futures):
@@ -171,70 +235,20 @@ def _in_processes(
         executor.shutdown(wait=False, cancel_futures=True)
 
 
-def _run_sent(source: str, geometry: dict[str, str], requirement: dict[str, Any], digits: int) -> Outcome:
-    manipulator = Manipulator.from_json(geometry)
-    return run_check(source, manipulator, Requirement.from_json(requirement), digits)
-
-
-def _requirement(options: CheckOptions, limits: Limits) -> Requirement:
-    if not options.ranges:
-        raise InputError.of(
-            "--l1-range", "is missing; give the lengths to check, for example --l1-range 10:20"
-        )
-    leg, lengths = leg_and_range(options.ranges, options.fixed_leg, limits)
-    if options.max_cusps is None and options.min_cusps is None:
-        raise InputError.of("--max-cusps", "is missing; give --max-cusps or --min-cusps")
-    bounds = {}
-    for option, text in options.limits:
-        if int(option[3]) in bounds:
-            raise InputError.of(option, "is given twice")
-        if int(option[3]) == leg:
-            raise InputError.of(option, f"limits the fixed leg; its lengths are --l{leg}-range")
-        bounds[int(option[3])] = parse_open_range(text, option, limits)
-    return Requirement(
-        leg,
-        lengths.start,
-        lengths.stop,
-        _count(options.max_cusps, "--max-cusps"),
-        _count(options.min_cusps, "--min-cusps"),
-        bounds,
-    )
-
-
-def _count(text: str | None, option: str) -> int | None:
-    if text is None:
-        return None
-    found = whole(JsonNumber(text), option, "of cusps, 0 or more")
-    if found < 0:
-        raise InputError.of(option, f"is {found}; a number of cusps is at least 0")
-    return found
-
-
-def _jobs(text: str | None) -> int:
-    if text is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    found = whole(JsonNumber(text), "--jobs", f"1 to {_MAX_JOBS}")
-    if not 1 <= found <= _MAX_JOBS:
-        raise InputError.of("--jobs", f"is {found}; give 1 to {_MAX_JOBS}")
-    return found
-
-
-def _report(outcomes: Sequence[Outcome], requirement: dict[str, Any], options: CheckOptions) -> None:
-    write_document(document(outcomes, requirement), page(outcomes, requirement), options.form)
+def _report(outcomes: Sequence[Outcome], requirement: dict[str, Any], args: argparse.Namespace) -> None:
+    write_document(document(outcomes, requirement), page(outcomes, requirement), args.format)
     for outcome in outcomes:
         if outcome.error is not None:
             print(
                 f"rpr-cusps check: {outcome.source}: no answer ({outcome.error['type']}): {outcome.message}",
                 file=sys.stderr,
             )
-    if options.github or os.environ.get("GITHUB_ACTIONS") == "true":
+    if args.github or os.environ.get("GITHUB_ACTIONS") == "true":
         # GitHub reads both streams; a JSON document must stay one
-        out = sys.stderr if options.form == "json" else sys.stdout
+        out = sys.stderr if args.format == "json" else sys.stdout
         out.writelines(line + "\n" for line in github_annotations(outcomes))
-    if options.junit is not None:
+    if args.junit is not None:
         try:
-            Path(options.junit).write_text(junit_xml(outcomes), encoding="utf-8")
+            Path(args.junit).write_text(junit_xml(outcomes), encoding="utf-8")
         except OSError as error:
-            raise InputError.of(
-                "--junit", f"{options.junit!r} cannot be written ({error.strerror})"
-            ) from None
+            raise InputError.of("--junit", f"{args.junit!r} cannot be written ({error.strerror})") from None

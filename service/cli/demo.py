@@ -1,7 +1,9 @@
-"""`rpr-cusps demo`: the whole service, started, asked once over HTTP, and stopped."""
+"""Start the whole service on a free port, post the article's first manipulator at L1 = 14.98 over HTTP, print
+the cusp table that a worker computed, and stop everything."""
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import os
 import re
@@ -12,10 +14,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from rpr_solver import EXAMPLES
+from rpr_solver import EXAMPLES as MANIPULATORS
 from service.cli.pages import Progress, write_table
 from service.cli.solve import report
-from service.client import ServiceClient, ServiceError
+from service.client import ServiceClient
+from service.errors import ServiceError
+
+DESCRIPTION, EXAMPLES = __doc__, None
 
 EXAMPLE, L1 = "innocenti", "14.98"
 
@@ -24,8 +29,13 @@ _PROGRAM = "import sys; sys.path.append(sys.argv.pop(1)); from service.cli.main 
 _STOP_PATIENCE = 15.0
 
 
-def demo(*, keep: bool = False) -> int:
-    """Run the demonstration; returns the exit status.
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("--keep", action="store_true", help="leave the service running until Ctrl-C")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command; returns the exit status.
 
     Raises:
         ServiceError: the service did not start or did not answer.
@@ -36,11 +46,11 @@ def demo(*, keep: bool = False) -> int:
     ):
         _say(f"The service runs at {url}; posting the manipulator {EXAMPLE!r} at L1 = {L1}.")
         with ServiceClient(url) as client, Progress(1) as progress:
-            request = {"geometry": EXAMPLES[EXAMPLE].to_json(), "l1": L1}
+            request = {"geometry": MANIPULATORS[EXAMPLE].to_json(), "l1": L1}
             table = client.cusp_table(request, progress.update)
         write_table(table, "table")
         sys.stdout.flush()
-        if keep:
+        if args.keep:
             _say(f"Still serving: {url}/ (documentation at {url}/docs); Ctrl-C stops it.")
             with contextlib.suppress(KeyboardInterrupt):
                 process.wait()

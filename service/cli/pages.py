@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Any, Self, TextIO
@@ -79,20 +79,27 @@ class Page:
 
 def write_table(table: dict[str, Any], form: str, out: TextIO | None = None) -> None:
     """Print a cusp table as `table`, `json` or `csv`."""
-    if form == "csv":
-        (out or sys.stdout).write(rpr_solver.table_csv(table))
-        return
     sections = []
     for part in table["slices"]:
         sections += [_slice(part), *([_audit(part["audit"])] if "audit" in part else [])]
-    write_document(table, Page(about(table), sections, table["digits"]), form, out)
+    page = Page(about(table), sections, table["digits"])
+    write_document(table, page, form, out, csv=rpr_solver.table_csv)
 
 
-def write_document(document: object, page: Page, form: str, out: TextIO | None = None) -> None:
-    """Print a document as `json`, or its page: fitted to a terminal, or as aligned text with all digits."""
+def write_document(
+    document: Any,
+    page: Page,
+    form: str,
+    out: TextIO | None = None,
+    csv: Callable[[Any], str] | None = None,
+) -> None:
+    """Print a document as `json`, as `csv`, or its page: fitted to a terminal, or as aligned text with all
+    digits."""
     out = out or sys.stdout
     if form == "json":
         out.write(json.dumps(document, indent=2, ensure_ascii=False) + "\n")
+    elif form == "csv" and csv is not None:
+        out.write(csv(document))
     elif out.isatty():
         _write_rich(page, Console(file=out))
     else:
@@ -219,13 +226,13 @@ def _write_rich(page: Page, console: Console) -> None:
 def _fitting(rows: Sequence[Sequence[str]], width: int) -> list[int]:
     """Widths of columns that fit; short columns leave their room to long ones."""
     needed = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    left, found = width - _COLUMN_PADDING * len(needed), [0] * len(needed)
+    left, widths = width - _COLUMN_PADDING * len(needed), [0] * len(needed)
     for rest, i in zip(
         range(len(needed), 0, -1), sorted(range(len(needed)), key=needed.__getitem__), strict=True
     ):
-        found[i] = max(min(needed[i], left // rest), _LEAST_WIDTH)
-        left -= found[i]
-    return found
+        widths[i] = max(min(needed[i], left // rest), _LEAST_WIDTH)
+        left -= widths[i]
+    return widths
 
 
 def _where(part: dict[str, Any]) -> str:

@@ -1,124 +1,129 @@
-"""`rpr-cusps solve`: read a geometry, have its slices solved here or by a service, print the table."""
+"""Compute cusp tables and print them."""
 
 from __future__ import annotations
 
+import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import rpr_solver
-from rpr_solver import EXAMPLES, Manipulator, exact_str
 from rpr_solver.article.audit import article_document
 from rpr_solver.errors import InputError, SolverError
+from service.cli.arguments import (
+    GEOMETRY,
+    MAX_LOCAL_SLICES,
+    add_digits,
+    add_format,
+    add_geometry,
+    add_options,
+    ask,
+    fixed_leg_of,
+    options_source,
+    range_values,
+)
 from service.cli.pages import Progress, failures, write_table
 from service.client import ServiceClient
-from service.schemas.exact_json import JsonError, JsonNumber, parse_json
-from service.schemas.lengths import check_count, distinct, parse_range
-from service.schemas.limits import Limits
-from service.schemas.numbers import digits_in_range, fixed_leg, geometry, number, whole
-from service.schemas.table_requests import ARTICLE, METHODS, read_method
+from service.errors import ServiceError
+from service.schemas.tables import ARTICLE, METHODS, CuspTableRequest
 
-MAX_LOCAL_SLICES = 1_000_000
+DESCRIPTION = f"{__doc__}\n\n{GEOMETRY}"
+EXAMPLES = """\
+examples:
+  rpr-cusps solve innocenti --l1 14.98
+  rpr-cusps solve innocenti --l1 14.98 --method article
+  rpr-cusps solve zein-flat --l1 2 --l1 5/2 --digits 200 --format json
+  rpr-cusps solve robot.json --l1-range 0.1:50.1:0.1 --digits 30 --format csv > cusps.csv
+  echo '{"a2x":15.91,"a3x":0,"a3y":10,"d1":17.04,"d2":16.54,"d3":20.84}' | rpr-cusps solve - --l1 14.98
 
-OnProgress = Callable[[int, int], None]
+On a terminal a table shows as many digits as fit; all of them are in every other output.
+"""
 
 
-def solve(
-    source: str,
-    slices: Sequence[tuple[str, str]],
-    digits: str | None,
-    leg: str,
-    form: str,
-    url: str | None,
-    method: str = METHODS[0],
-) -> int:
-    """Run the command; returns the exit status.
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    add_geometry(parser)
+    add_options(parser, "--l{}", "slices", "X", "a slice; may be given often (--l2 with fixed leg 2, …)")
+    add_options(
+        parser,
+        "--l{}-range",
+        "slices",
+        "START:STOP:STEP",
+        "slices from START up to STOP, which is included when it is hit",
+    )
+    add_digits(parser, 90)
+    parser.add_argument(
+        "--fixed-leg", default="1", metavar="LEG", help="the leg with the fixed length (default: 1)"
+    )
+    add_format(parser, csv=True)
+    parser.add_argument(
+        "--method",
+        choices=METHODS,
+        default=METHODS[0],
+        help="article: the article's own algorithm, audited; slower, for leg 1 only (default: fast)",
+    )
+    parser.add_argument(
+        "--url", help="have the service at this address compute, for example http://127.0.0.1:8000"
+    )
 
-    Raises:
-        InputError: naming the option or the field at fault.
-        ServiceError: the service cannot be reached, or refused.
-    """
-    limits = Limits(max_slices=MAX_LOCAL_SLICES)
-    chosen = fixed_leg(JsonNumber(leg))
-    wanted = slice_values(slices, chosen, limits)
-    read_method(method, chosen)
-    count = limits.default_digits if digits is None else whole(JsonNumber(digits), "digits", "15 to 1000")
-    count = digits_in_range(count, limits)
-    manipulator = read_geometry(source, limits)
-    with Progress(len(wanted)) as progress:
-        if url is None and method == ARTICLE:
-            table = article_document(manipulator, wanted, count, progress.update)
-        elif url is None:
-            table = solve_here(manipulator, wanted, chosen, count, progress.update)
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command; returns the exit status."""
+    question = _question(args)
+    slices = list(dict.fromkeys(question.slices))
+    with Progress(len(slices)) as progress:
+        if args.url is not None:
+            with _client(args.url) as client:
+                table = client.cusp_table(question.body(), progress.update)
+        elif question.method == ARTICLE:
+            table = article_document(question.geometry, slices, question.digits, progress.update)
         else:
-            request = {
-                "geometry": manipulator.to_json(),
-                f"l{chosen}": [exact_str(x) for x in wanted],
-                "digits": count,
-                "fixed_leg": chosen,
-                "method": method,
-            }
-            with ServiceClient(url) as client:
-                table = client.cusp_table(request, progress.update)
-    write_table(table, form)
+            table = _solve_here(question, slices, progress.update)
+    write_table(table, args.format)
     return report(table)
 
 
-def solve_here(
-    manipulator: Manipulator, wanted: Sequence[Fraction], leg: int, digits: int, on_progress: OnProgress
-) -> dict[str, Any]:
-    """Solve all slices in this process. A slice's failure is told in its place."""
-    on_progress(0, len(wanted))
-    eliminant = rpr_solver.eliminate(manipulator, leg)
-    solved: list[dict[str, Any]] = []
-    for value in wanted:
-        try:
-            found = rpr_solver.solve_slice(eliminant, value, digits).to_json()
-        except InputError as error:
-            found = rpr_solver.slice_error_json(value, leg, "input-error", str(error))
-        except SolverError as error:
-            found = rpr_solver.slice_error_json(value, leg, "solver-error", str(error))
-        solved.append(found)
-        on_progress(len(solved), len(wanted))
-    return rpr_solver.table_json(manipulator, leg, digits, solved)
-
-
-def read_geometry(source: str, limits: Limits) -> Manipulator:
-    """A built-in manipulator, or the geometry in a JSON file or on standard input."""
-    if source in EXAMPLES:
-        return EXAMPLES[source]
-    try:
-        body = sys.stdin.buffer.read() if source == "-" else Path(source).read_bytes()
-    except OSError as error:
-        names = ", ".join(EXAMPLES)
-        raise InputError.of(
-            "GEOMETRY",
-            f"{source!r} cannot be read ({error.strerror}); give a JSON file, -, or one of {names}",
-        ) from None
-    try:
-        document = parse_json(body)
-    except JsonError as error:
-        raise InputError.of("GEOMETRY", f"in {source!r}: {error.detail}") from None
-    return geometry(document, limits)
-
-
-def slice_values(given: Sequence[tuple[str, str]], leg: int, limits: Limits) -> list[Fraction]:
-    """The slices of the options `--l1` and `--l1-range`, in their order, each once."""
+def _question(args: argparse.Namespace) -> CuspTableRequest:
+    limits = {"max_slices": MAX_LOCAL_SLICES, "max_article_slices": MAX_LOCAL_SLICES}
+    leg = fixed_leg_of(args.fixed_leg, options_source())
     name = f"l{leg}"
-    if not given:
-        raise InputError.of(f"--{name}", f"is missing; give a slice, for example --{name} 14.98")
-    found: list[Fraction] = []
-    for option, text in given:
+    source = options_source({name: f"--{name}"}, **limits)
+    slices: list[object] = []
+    for option, text in args.slices:
         if not option.startswith(f"--{name}"):
             raise InputError.of(option, f"with --fixed-leg {leg} the slices are --{name}")
-        if option.endswith("-range"):
-            found += parse_range(text, option, limits.max_number_digits).values(limits.max_slices)
-        else:
-            found.append(number(text, option, limits))
-        check_count(len(found), limits.max_slices, f"--{name}")
-    return distinct(found)
+        slices += range_values(text, option, source) if option.endswith("-range") else [text]
+    if not slices:
+        raise InputError.of(f"--{name}", f"is missing; give a slice, for example --{name} 14.98")
+    return ask(CuspTableRequest, args, {"fixed_leg": leg, name: slices, "method": args.method}, source)
+
+
+def _client(url: str) -> ServiceClient:
+    try:
+        return ServiceClient(url)
+    except ServiceError as error:
+        raise InputError.of("--url", str(error)) from None
+
+
+def _solve_here(
+    question: CuspTableRequest, slices: list[Fraction], on_progress: Callable[[int, int], None]
+) -> dict[str, Any]:
+    """Solve all slices in this process. A slice's failure is told in its place."""
+    on_progress(0, len(slices))
+    leg, digits = question.fixed_leg, question.digits
+    eliminant = rpr_solver.eliminate(question.geometry, leg)
+    solved: list[dict[str, Any]] = []
+    for value in slices:
+        try:
+            entry = rpr_solver.solve_slice(eliminant, value, digits).to_json()
+        except InputError as error:
+            entry = rpr_solver.slice_error_json(value, leg, "input-error", str(error))
+        except SolverError as error:
+            entry = rpr_solver.slice_error_json(value, leg, "solver-error", str(error))
+        solved.append(entry)
+        on_progress(len(solved), len(slices))
+    return rpr_solver.table_json(question.geometry, leg, digits, solved)
 
 
 def report(table: dict[str, Any]) -> int:

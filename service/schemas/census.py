@@ -7,11 +7,10 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import BaseModel, Field
 
-from service.schemas.lengths import OpenRange
+from service.schemas.lengths import Range, range_field
 from service.schemas.numbers import Digits, FixedLeg, digits_field
 from service.schemas.points import ClosedRange, Decimal, GeometryText, Interval, TransitionEvent, optional
-from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
-from worker import JobRequest
+from service.schemas.questions import Examples, Question
 from worker.answers import censuses
 from worker.answers.requests import Kind
 
@@ -22,23 +21,20 @@ class CensusRequest(Question):
     expected: ClassVar[str] = "send an object with geometry"
     kinds: ClassVar[Sequence[Kind]] = (censuses.KIND,)
     examples: ClassVar[Examples] = {
-        "whole": ("All of the article's first manipulator", {"geometry": EXAMPLE_GEOMETRY, "digits": 30}),
+        "whole": ("All of the article's first manipulator", {"digits": 30}),
         "range": (
             "A range of leg 1",
-            {"geometry": EXAMPLE_GEOMETRY, "digits": 30, "range": {"from": 28, "to": "31"}},
+            {"digits": 30, "range": {"from": 28, "to": "31"}},
         ),
     }
 
     fixed_leg: FixedLeg = Field(default=1, description="The leg whose length is fixed in a slice.")
     digits: Digits = digits_field()
-    range: OpenRange | None = Field(default=None, description="All lengths when missing.")
+    range: Range = range_field()
 
-    def job_request(self) -> JobRequest:
+    def content(self) -> dict[str, Any]:
         """The question in canonical form."""
-        start, stop = (self.range or OpenRange()).ends
-        return censuses.census_request(
-            self.geometry, fixed_leg=self.fixed_leg, digits=self.digits, start=start, stop=stop
-        )
+        return self.model_dump()
 
 
 class Transition(BaseModel):

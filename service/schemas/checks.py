@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from rpr_solver import Requirement
 from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.document import Document
-from service.schemas.lengths import OpenRange
+from service.schemas.lengths import Range, range_field
 from service.schemas.numbers import Count, Digits, Exact, FixedLeg, digits_field
 from service.schemas.points import Cusp, GeometryText, Interval, optional
-from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
-from worker import JobRequest
+from service.schemas.questions import Examples, Question
 from worker.answers import checks
 from worker.answers.requests import Kind
 
@@ -50,7 +49,7 @@ class RequirementDocument(Document):
     expected: ClassVar[str] = "give an object with range and max_cusps or min_cusps"
 
     fixed_leg: FixedLeg = Field(default=1, description="The leg whose length runs over the range.")
-    range: OpenRange | None = Field(default=None, description="All lengths when missing.")
+    range: Range = range_field()
     max_cusps: Count = Field(default=None, description="At most so many; 0: free of cusps.")
     min_cusps: Count = Field(default=None, description="At least so many.")
     limits: JointLimits | None = Field(
@@ -63,8 +62,7 @@ class RequirementDocument(Document):
         limits = {
             int(leg[1]): (limit.min, limit.max) for leg, limit in self.limits or () if limit is not None
         }
-        start, stop = (self.range or OpenRange()).ends
-        return Requirement(self.fixed_leg, start, stop, self.max_cusps, self.min_cusps, limits)
+        return Requirement(self.fixed_leg, *self.range.ends, self.max_cusps, self.min_cusps, limits)
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
@@ -85,7 +83,6 @@ class CheckRequest(Question):
         "at_most": (
             "At most eight cusps for L1 between 28 and 31",
             {
-                "geometry": EXAMPLE_GEOMETRY,
                 "requirement": {"range": {"from": 28, "to": 31}, "max_cusps": 8},
             },
         ),
@@ -94,9 +91,9 @@ class CheckRequest(Question):
     requirement: RequirementDocument
     digits: Digits = digits_field(CHECK_DIGITS)
 
-    def job_request(self) -> JobRequest:
+    def content(self) -> dict[str, Any]:
         """The question in canonical form."""
-        return checks.check_request(self.geometry, self.requirement.requirement, self.digits)
+        return {**self.model_dump(), "requirement": self.requirement.requirement.to_json()}
 
 
 class Example(BaseModel):

@@ -4,15 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
-from service.schemas.lengths import OpenRange, Slices, SlicesOfOneLeg, own_slices_only, slices_field
+from rpr_solver import exact_str
+from service.schemas.lengths import (
+    OpenRange,
+    Range,
+    Slices,
+    SlicesOfOneLeg,
+    own_slices_only,
+    range_field,
+    slices_field,
+)
 from service.schemas.numbers import Digits, FixedLeg, Samples, digits_field
 from service.schemas.points import ClosedRange, Decimal, GeometryText, Point, TransitionEvent
-from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
-from worker import JobRequest
+from service.schemas.questions import Examples, Question
 from worker.answers import curves
 from worker.answers.requests import Kind
 
@@ -29,7 +37,6 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
         "scan": (
             "Points of all curves with L1 between 27 and 29, a tenth apart",
             {
-                "geometry": EXAMPLE_GEOMETRY,
                 "digits": 15,
                 "range": {"from": 27, "to": 29},
                 "l1": {"start": 27, "stop": 29, "step": "0.1"},
@@ -37,7 +44,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
         ),
         "samples": (
             "Four points of every curve between any two transitions",
-            {"geometry": EXAMPLE_GEOMETRY, "digits": 15, "samples": 4},
+            {"digits": 15, "samples": 4},
         ),
     }
 
@@ -45,7 +52,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
         default=1, description="The leg whose length is fixed in a slice, and the parameter of the curves."
     )
     digits: Digits = digits_field()
-    range: OpenRange | None = Field(default=None, description="All lengths when missing.")
+    range: Range = range_field()
     l1: Slices = slices_field(
         "Lengths of leg 1 at which points are wanted, within the range: a number, a list or a range. With "
         "`fixed_leg` 2 or 3 it is called `l2` or `l3`."
@@ -63,21 +70,13 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     def _are_within_the_range(
         cls, lengths: tuple[Fraction, ...], info: ValidationInfo
     ) -> tuple[Fraction, ...]:
-        (info.data.get("range") or OpenRange()).check_inside(lengths)
+        info.data.get("range", OpenRange()).check_inside(lengths)
         return lengths
 
-    def job_request(self) -> JobRequest:
+    def content(self) -> dict[str, Any]:
         """The question in canonical form."""
-        start, stop = (self.range or OpenRange()).ends
-        return curves.curves_request(
-            self.geometry,
-            fixed_leg=self.fixed_leg,
-            digits=self.digits,
-            start=start,
-            stop=stop,
-            lengths=self.slices,
-            samples=self.samples,
-        )
+        lengths = [exact_str(x) for x in sorted(set(self.slices))]
+        return {**self.model_dump(exclude={"l1", "l2", "l3"}), "lengths": lengths}
 
 
 class CurveEnd(BaseModel):

@@ -1,14 +1,16 @@
 """What is sent, as pydantic models: strict, and with every fault told in words under its dotted name.
 
 A validator raises :class:`InputError`, which names its fault relative to the value that is read: "" for the
-value itself, "step" or "range.from" for a part of it. Limits reach validators as the validation's context.
+value itself, "step" or "range.from" for a part of it. The :class:`Source` is the validation's context.
 """
 
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any, ClassVar, Self, TypeVar, get_args
 
@@ -28,6 +30,34 @@ from service.schemas.limits import LimitError, Limits
 T = TypeVar("T")
 
 _LISTED = 20
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where values come from, and what may be asked for there.
+
+    Attributes:
+        limits: what may be asked for.
+        names: how messages call members such as "l1" or "limits.l2": by the options that gave them.
+        is_text: whether every value is text, as on a command line; JSON tells numbers from strings.
+    """
+
+    limits: Limits
+    names: Mapping[str, str] = field(default_factory=dict)
+    is_text: bool = False
+
+    @classmethod
+    def of(cls, info: ValidationInfo) -> Source:
+        """The source of a validation."""
+        source: Source = info.context or cls(Limits())
+        return source
+
+    def called(self, place: str) -> str:
+        """How messages call a member."""
+        for member, name in self.names.items():
+            if place == member or place.startswith((f"{member}.", f"{member}[")):
+                return name + re.sub(r"^\[\d+\]", "", place.removeprefix(member))
+        return place or "body"
 
 
 @dataclass(frozen=True)
@@ -65,7 +95,7 @@ class Document(BaseModel):
     def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
         """The members that this object may have."""
         del value
-        return [field.alias or name for name, field in cls.model_fields.items()]
+        return [info.alias or name for name, info in cls.model_fields.items()]
 
     @classmethod
     def _problems_of_members(cls, value: Mapping[str, Any]) -> Iterator[FieldProblem]:
@@ -90,54 +120,61 @@ class Document(BaseModel):
     @classmethod
     def _sentence(cls, fault: Any) -> str:
         """What pydantic complains of by itself, in words."""
-        [field] = [f for name, f in cls.model_fields.items() if fault["loc"][-1] in (name, f.alias)]
+        [info] = [f for name, f in cls.model_fields.items() if fault["loc"][-1] in (name, f.alias)]
         if fault["type"] == "missing":
-            texts = [hint.text for hint in field.metadata if isinstance(hint, Expected)]
-            return f"is missing; {texts[0] if texts else getattr(field.annotation, 'expected', 'give it')}"
+            texts = [hint.text for hint in info.metadata if isinstance(hint, Expected)]
+            return f"is missing; {texts[0] if texts else getattr(info.annotation, 'expected', 'give it')}"
         value = fault["input"]
         said = repr(value[:40]) if type(value) is str else json_kind(value)
-        return f"is {said}; it must be one of {', '.join(get_args(field.annotation))}"
+        return f"is {said}; it must be one of {', '.join(get_args(info.annotation))}"
 
 
 M = TypeVar("M", bound=Document)
 
 
-def read(model: type[M], value: object, limits: Limits, field: str = "") -> M:
+def read(model: type[M], value: object, source: Source) -> M:
     """Read what was sent.
 
     Args:
         model: what it should be.
-        value: JSON as :func:`service.schemas.exact_json.parse_json` gives it, or exact values.
-        limits: what may be asked for.
-        field: how messages call the whole; without it, by the names of its members, and "body".
+        value: JSON as :func:`service.schemas.exact_json.parse_json` gives it, options, or exact values.
+        source: where it comes from, and what may be asked for there.
 
     Raises:
         LimitError: it is right but too large.
         InputError: naming every field at fault.
     """
     try:
-        return part(model.model_validate, value, limits)
+        return part(model.model_validate, value, source)
     except InputError as error:
-        raise (at(error, field) if field else _whole_named(error)) from None
+        raise renamed(error, source.called) from None
 
 
-def part(validate: Callable[..., T], value: object, limits: Limits) -> T:
+@contextmanager
+def named(option: str) -> Iterator[None]:
+    """Errors of what is read here are those of this option."""
+    try:
+        yield
+    except InputError as error:
+        raise at(error, option) from None
+
+
+def part(validate: Callable[..., T], value: object, source: Source) -> T:
     """Read a part of what was sent by a method of pydantic's; faults are named relative to it."""
     try:
-        return validate(value, context=limits)
+        return validate(value, context=source)
     except ValidationError as error:
         raise together([at(f["ctx"]["error"], dotted(f["loc"])) for f in error.errors()]) from None
 
 
-def limits_of(info: ValidationInfo) -> Limits:
-    """The limits in the context of a validation."""
-    limits: Limits = info.context or Limits()
-    return limits
-
-
 def at(error: InputError, place: str) -> InputError:
     """The same error of a part, named from the whole."""
-    problems = [FieldProblem(_joined(place, p.field), p.message) for p in error.problems]
+    return renamed(error, lambda field: _joined(place, field))
+
+
+def renamed(error: InputError, name: Callable[[str], str]) -> InputError:
+    """The same error with other names of the fields."""
+    problems = [FieldProblem(name(p.field), p.message) for p in error.problems]
     if isinstance(error, LimitError):
         return LimitError(problems, error.limit, error.value)
     return InputError(problems)
@@ -160,7 +197,3 @@ def dotted(place: Iterable[int | str]) -> str:
 
 def _joined(place: str, field: str) -> str:
     return f"{place}.{field}" if place and field and not field.startswith("[") else place + field
-
-
-def _whole_named(error: InputError) -> InputError:
-    return error if all(p.field for p in error.problems) else at(error, "body")

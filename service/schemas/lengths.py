@@ -6,14 +6,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
-from pydantic import Field, PlainValidator, ValidationInfo, model_validator
+from pydantic import BeforeValidator, Field, PlainValidator, ValidationInfo, model_serializer, model_validator
 
-from rpr_solver import exact_str
+from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.transitions.length_range import range_problems
-from service.schemas.document import Document, limits_of, part, read, together
+from service.schemas.document import Document, Source, at, part, together
 from service.schemas.limits import LimitError, Limits
-from service.schemas.numbers import FIXED_LEGS, Exact, exact_number, fixed_leg
+from service.schemas.numbers import FIXED_LEGS, Exact, exact_number
 
 LEGS = ("l1", "l2", "l3")
 
@@ -36,14 +36,14 @@ class SliceRange(Document):
             )
         return self
 
-    def values(self, limits: Limits, field: str = "") -> tuple[Fraction, ...]:
+    def values(self, limits: Limits) -> tuple[Fraction, ...]:
         """All values of the range.
 
         Raises:
             LimitError: there are too many.
         """
         count = int((self.stop - self.start) // self.step) + 1
-        check_count(count, limits, field)
+        check_count(count, limits)
         return tuple(self.start + i * self.step for i in range(count))
 
 
@@ -65,29 +65,48 @@ class OpenRange(Document):
             raise InputError(problems)
         return self
 
+    @model_serializer
+    def _canonical(self) -> dict[str, str | None]:
+        start, stop = self.ends
+        return {"from": exact_str(start), "to": None if stop is None else exact_str(stop)}
+
     @property
     def ends(self) -> tuple[Fraction, Fraction | None]:
         """Both ends; None is no end."""
         return self.start or Fraction(0), self.stop
 
-    def check_inside(self, lengths: Iterable[Fraction], field: str = "") -> None:
+    def check_inside(self, lengths: Iterable[Fraction]) -> None:
         """Refuse lengths that are no leg lengths, or outside.
 
         Raises:
-            InputError: naming the first one at fault.
+            InputError: with the first one at fault.
         """
         start, stop = self.ends
         for x in lengths:
             if x <= 0:
-                raise InputError.of(field, f"is {exact_str(x)}; a leg length must be > 0")
+                raise InputError.of("", f"is {exact_str(x)}; a leg length must be > 0")
             if x < start or (stop is not None and x > stop):
                 end = "" if stop is None else f" to {exact_str(stop)}"
-                raise InputError.of(
-                    field, f"is {exact_str(x)}, outside the range from {exact_str(start)}{end}"
-                )
+                raise InputError.of("", f"is {exact_str(x)}, outside the range from {exact_str(start)}{end}")
 
 
-def check_count(count: int, limits: Limits, field: str = "") -> None:
+Range = Annotated[
+    OpenRange,
+    BeforeValidator(lambda value: {} if value is None else value, json_schema_input_type=OpenRange | None),
+]
+"""A range of lengths; null is all."""
+
+
+def range_field() -> Any:
+    """The field of a range, which may be missing or null."""
+    return Field(
+        default_factory=OpenRange,
+        description="All lengths when missing.",
+        json_schema_extra={"default": None},
+    )
+
+
+def check_count(count: int, limits: Limits) -> None:
     """Refuse too many slices.
 
     Raises:
@@ -95,56 +114,49 @@ def check_count(count: int, limits: Limits, field: str = "") -> None:
     """
     if count > limits.max_slices:
         shown = str(count) if count < 10**20 else "more than 10^20"
-        raise LimitError.exceeded(limits, "max_slices", f"asks for {shown} slices", field)
+        raise LimitError.exceeded(limits, "max_slices", f"asks for {shown} slices")
 
 
-def parse_range(text: str, field: str, limits: Limits) -> SliceRange:
-    """Read `START:STOP:STEP`.
+def split_range(text: str) -> dict[str, str]:
+    """The parts of `START:STOP:STEP`.
 
-    >>> [str(x) for x in parse_range("14:15:0.5", "l1", Limits()).values(Limits())]
-    ['14', '29/2', '15']
+    >>> split_range("14:15:0.5")
+    {'start': '14', 'stop': '15', 'step': '0.5'}
     """
     parts = text.split(":")
     if len(parts) != 3:
-        raise InputError.of(field, f"{text[:60]!r} is not START:STOP:STEP, for example 0.1:50.1:0.1")
-    return read(SliceRange, dict(zip(("start", "stop", "step"), parts, strict=True)), limits, field)
+        raise InputError.of("", f"{text[:60]!r} is not START:STOP:STEP, for example 0.1:50.1:0.1")
+    return dict(zip(("start", "stop", "step"), parts, strict=True))
 
 
-def parse_ends(text: str, field: str) -> tuple[str | None, str | None]:
-    """Split `A:B`, either of which may be missing.
+def split_ends(text: str, names: tuple[str, str] = ("from", "to")) -> dict[str, str | None]:
+    """The parts of `A:B`, either of which may be missing.
 
-    >>> parse_ends("10:61/2", "--l1-range"), parse_ends(":", "--l1-range")
-    (('10', '61/2'), (None, None))
+    >>> split_ends("10:61/2"), split_ends(":")
+    ({'from': '10', 'to': '61/2'}, {'from': None, 'to': None})
     """
     parts = text.split(":")
     if len(parts) != 2:
-        raise InputError.of(field, f"{text[:60]!r} is not A:B, for example 10:20, 10: or :20")
-    first, second = (part if part.strip() else None for part in parts)
-    return first, second
+        raise InputError.of("", f"{text[:60]!r} is not A:B, for example 10:20, 10: or :20")
+    return {name: part if part.strip() else None for name, part in zip(names, parts, strict=True)}
 
 
-def parse_open_range(text: str, field: str, limits: Limits) -> OpenRange:
-    """Read `A:B` as a range of lengths."""
-    start, stop = parse_ends(text, field)
-    return read(OpenRange, {"from": start, "to": stop}, limits, field)
-
-
-def _read_slices(value: object, info: ValidationInfo) -> tuple[Fraction, ...]:
-    limits = limits_of(info)
+def _slices(value: object, info: ValidationInfo) -> tuple[Fraction, ...]:
+    source = Source.of(info)
     if isinstance(value, Mapping):
-        return part(SliceRange.model_validate, value, limits).values(limits)
+        return part(SliceRange.model_validate, value, source).values(source.limits)
     if not isinstance(value, list | tuple):
-        return (exact_number(value, limits),)
+        return (exact_number(value, info),)
     if not value:
         raise InputError.of("", "is an empty list; give at least one number")
-    check_count(len(value), limits)
+    check_count(len(value), source.limits)
     numbers: list[Fraction] = []
     errors: list[InputError] = []
     for i, item in enumerate(value):
         try:
-            numbers.append(exact_number(item, limits, f"[{i}]"))
+            numbers.append(exact_number(item, info))
         except InputError as error:
-            errors.append(error)
+            errors.append(at(error, f"[{i}]"))
     if errors:
         raise together(errors)
     return tuple(numbers)
@@ -153,7 +165,7 @@ def _read_slices(value: object, info: ValidationInfo) -> tuple[Fraction, ...]:
 Slices = Annotated[
     tuple[Exact, ...],
     PlainValidator(
-        _read_slices, json_schema_input_type=Exact | Annotated[list[Exact], Field(min_length=1)] | SliceRange
+        _slices, json_schema_input_type=Exact | Annotated[list[Exact], Field(min_length=1)] | SliceRange
     ),
 ]
 """One length, a list of them, or a range."""
@@ -206,9 +218,10 @@ class SlicesOfOneLeg(Document):
 def _leg_of(value: Mapping[str, Any]) -> int | None:
     """The fixed leg; None where it cannot be read."""
     try:
-        return fixed_leg(value.get("fixed_leg", 1))
+        leg = parse_exact(value.get("fixed_leg", 1), "fixed_leg")
     except InputError:
         return None
+    return int(leg) if leg in FIXED_LEGS else None
 
 
 def own_slices_only(*, required: bool) -> dict[str, Any]:

@@ -8,11 +8,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, WithJsonSchema
 
-from rpr_solver import exact_str, parse_exact
+from rpr_solver import DEFAULT_DIGITS, exact_str, parse_exact
 from rpr_solver.errors import InputError
-from service.schemas.document import Expected, limits_of
+from service.schemas.document import Expected, Source
 from service.schemas.exact_json import JsonNumber, json_kind
-from service.schemas.limits import LimitError, Limits
+from service.schemas.limits import LimitError
 
 NUMBER_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?\s*$|^\s*[+-]?\d+/\d+\s*$"
 
@@ -30,55 +30,21 @@ _DECIMAL = re.compile(r"[+-]?0*(\d*)(?:\.(\d*?)0*)?(?:[eE]([+-]?\d+))?", re.ASCI
 _UNSAID: Any = object()
 
 
-def exact_number(value: object, limits: Limits, field: str = "") -> Fraction:
-    """Read one exact number: a JSON number, or a string as JSON or an option has it.
-
-    >>> exact_number("17.040", Limits())
-    Fraction(426, 25)
-    """
+def exact_number(value: object, info: ValidationInfo) -> Fraction:
+    """Read one exact number: a JSON number or text."""
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):
-        raise InputError.of(field, f'is {json_kind(value)}; give a number such as 17.04, "17.04" or "426/25"')
+        raise InputError.of("", f'is {json_kind(value)}; give a number such as 17.04, "17.04" or "426/25"')
+    limits = Source.of(info).limits
     try:
-        return parse_exact(str(value), field, max_digits=limits.max_number_digits)
+        return parse_exact(str(value), "", max_digits=limits.max_number_digits)
     except InputError:
         digits = digits_of(value)
         if digits <= limits.max_number_digits:
             raise
     counted = f"{digits} digits" if digits < 10**20 else "more than 10^20 digits"
-    raise LimitError.exceeded(limits, "max_number_digits", f"a number with {counted}", field)
-
-
-def positive_number(value: object, limits: Limits, field: str = "") -> Fraction:
-    """Read the length of a leg."""
-    length = exact_number(value, limits, field)
-    if length <= 0:
-        raise InputError.of(field, f"is {exact_str(length)}; a leg length must be > 0")
-    return length
-
-
-def whole_number(text: str, expected: str, field: str = "") -> int:
-    """Read a whole number as it is written in JSON or in an option.
-
-    >>> whole_number("3.00e1", "15 to 1000")
-    30
-    """
-    try:
-        exact = parse_exact(str(text), field)
-    except InputError:
-        raise InputError.of(field, f"is {text[:40]}; give {expected}") from None
-    if exact.denominator != 1:
-        raise InputError.of(field, f"is {text[:40]}; give the whole number {expected}")
-    return int(exact)
-
-
-def fixed_leg(value: object, field: str = "") -> int:
-    """Read the number of the leg whose length is fixed in a slice."""
-    leg = _whole(value, "1, 2 or 3", field)
-    if leg not in FIXED_LEGS:
-        raise InputError.of(field, f"is {str(value)[:40]}; it must be 1, 2 or 3")
-    return leg
+    raise LimitError.exceeded(limits, "max_number_digits", f"a number with {counted}")
 
 
 def digits_of(text: str) -> int:
@@ -95,43 +61,61 @@ def digits_of(text: str) -> int:
     return len(whole + part) + shift if shift >= 0 else max(len((whole + part).lstrip("0")), 1 - shift)
 
 
-def _whole(value: object, expected: str, field: str = "") -> int:
-    """A whole number of JSON, or one that is read already."""
+def whole_number(value: object, expected: str, *, is_text: bool) -> int:
+    """Read a whole number: a JSON number, or text where there is nothing else.
+
+    >>> whole_number("3.00e1", "15 to 1000", is_text=True)
+    30
+    """
     if isinstance(value, int) and not isinstance(value, bool):
         return value
-    if not isinstance(value, JsonNumber):
-        raise InputError.of(field, f"is {json_kind(value)}; give the number {expected}")
-    return whole_number(value, expected, field)
+    if not isinstance(value, str if is_text else JsonNumber):
+        raise InputError.of("", f"is {json_kind(value)}; give the number {expected}")
+    text = str(value)
+    try:
+        exact = parse_exact(text, "")
+    except InputError:
+        raise InputError.of("", f"is {text[:40]}; give {expected}") from None
+    if exact.denominator != 1:
+        raise InputError.of("", f"is {text[:40]}; give the whole number {expected}")
+    return int(exact)
 
 
-def _read_exact(value: object, info: ValidationInfo) -> Fraction:
-    return exact_number(value, limits_of(info))
+def _whole(value: object, info: ValidationInfo, expected: str) -> int:
+    return whole_number(value, expected, is_text=Source.of(info).is_text)
 
 
-def _read_length(value: object, info: ValidationInfo) -> Fraction:
-    return positive_number(value, limits_of(info))
+def _length(value: object, info: ValidationInfo) -> Fraction:
+    length = exact_number(value, info)
+    if length <= 0:
+        raise InputError.of("", f"is {exact_str(length)}; a leg length must be > 0")
+    return length
 
 
-def _read_digits(value: object, info: ValidationInfo) -> int:
-    limits = limits_of(info)
-    digits = (
-        limits.default_digits
-        if value is _UNSAID
-        else _whole(value, f"{limits.min_digits} to {limits.max_digits}")
-    )
-    if digits > limits.max_digits:
-        raise LimitError.exceeded(limits, "max_digits", f"asks for {_short(digits)} digits")
-    if digits < limits.min_digits:
-        raise LimitError.exceeded(limits, "min_digits", f"asks for {_short(digits)} digits")
-    return digits
+def _fixed_leg(value: object, info: ValidationInfo) -> int:
+    leg = _whole(value, info, "1, 2 or 3")
+    if leg not in FIXED_LEGS:
+        raise InputError.of("", f"is {str(value)[:40]}; it must be 1, 2 or 3")
+    return leg
 
 
-def _read_samples(value: object, info: ValidationInfo) -> int | None:
+def _digits(value: object, info: ValidationInfo) -> int:
+    limits = Source.of(info).limits
+    if value is _UNSAID:
+        value = limits.default_digits
+    digits = _whole(value, info, f"{limits.min_digits} to {limits.max_digits}")
+    if limits.min_digits <= digits <= limits.max_digits:
+        return digits
+    limit = "max_digits" if digits > limits.max_digits else "min_digits"
+    raise LimitError.exceeded(limits, limit, f"asks for {_short(digits)} digits")
+
+
+def _samples(value: object, info: ValidationInfo) -> int | None:
     if value is None:
         return None
-    limits = limits_of(info)
+    limits = Source.of(info).limits
     expected = f"1 to {limits.max_samples}"
-    samples = _whole(value, expected)
+    samples = _whole(value, info, expected)
     if samples > limits.max_samples:
         raise LimitError.exceeded(limits, "max_samples", f"asks for {_short(samples)} points")
     if samples < 1:
@@ -139,15 +123,9 @@ def _read_samples(value: object, info: ValidationInfo) -> int | None:
     return samples
 
 
-def _read_count(value: object, info: ValidationInfo) -> int | None:
-    if value is None or (isinstance(value, int) and not isinstance(value, bool)):
-        return value
-    if not isinstance(value, str):
-        raise InputError.of("", f"is {json_kind(value)}; give a whole number")
-    number = exact_number(value, limits_of(info))
-    if number.denominator != 1:
-        raise InputError.of("", f"is {exact_str(number)}; give a whole number")
-    return int(number)
+def _count(value: object) -> int | None:
+    # text has always been taken here
+    return None if value is None else whole_number(value, "0 or more", is_text=isinstance(value, str))
 
 
 def _short(number: int) -> str:
@@ -155,41 +133,27 @@ def _short(number: int) -> str:
     return text if len(text) <= 20 else f"{text[:20]}…"
 
 
-Exact = Annotated[
-    Fraction,
-    PlainValidator(_read_exact),
-    PlainSerializer(exact_str, return_type=str),
-    WithJsonSchema(EXACT_NUMBER),
-    Expected("give a number"),
-]
+_DESCRIBED = (PlainSerializer(exact_str, return_type=str), WithJsonSchema(EXACT_NUMBER))
+
+Exact = Annotated[Fraction, PlainValidator(exact_number), *_DESCRIBED, Expected("give a number")]
 """An exact number."""
 
-Length = Annotated[
-    Fraction,
-    PlainValidator(_read_length),
-    PlainSerializer(exact_str, return_type=str),
-    WithJsonSchema(EXACT_NUMBER),
-    Expected("give a number > 0"),
-]
+Length = Annotated[Fraction, PlainValidator(_length), *_DESCRIBED, Expected("give a number > 0")]
 """The length of a leg."""
 
-FixedLeg = Annotated[int, PlainValidator(fixed_leg, json_schema_input_type=Literal[1, 2, 3])]
+FixedLeg = Annotated[int, PlainValidator(_fixed_leg, json_schema_input_type=Literal[FIXED_LEGS])]
 """The leg whose length is fixed in a slice."""
 
-Digits = Annotated[
-    int, PlainValidator(_read_digits, json_schema_input_type=Annotated[int, Field(ge=15, le=1000)])
-]
+Digits = Annotated[int, PlainValidator(_digits, json_schema_input_type=Annotated[int, Field(ge=15, le=1000)])]
 """How many significant digits are asked for."""
 
 Samples = Annotated[
-    int | None,
-    PlainValidator(_read_samples, json_schema_input_type=Annotated[int, Field(ge=1)] | None),
+    int | None, PlainValidator(_samples, json_schema_input_type=Annotated[int, Field(ge=1)] | None)
 ]
 """How many points each interval of a cusp curve shall have."""
 
 Count = Annotated[
-    int | None,
-    PlainValidator(_read_count, json_schema_input_type=Annotated[int, Field(ge=0)] | None),
+    int | None, PlainValidator(_count, json_schema_input_type=Annotated[int, Field(ge=0)] | None)
 ]
 """A number of cusps; None where none is said."""
 
@@ -198,7 +162,7 @@ def digits_field(default: int | None = None) -> Any:
     """The field of the digits; without a default it is that of the limits."""
     said: dict[str, Any] = {"default": default}
     if default is None:
-        said = {"default_factory": lambda: _UNSAID, "json_schema_extra": {"default": 90}}
+        said = {"default_factory": lambda: _UNSAID, "json_schema_extra": {"default": DEFAULT_DIGITS}}
     return Field(
         validate_default=True, description="Significant digits of every number in the answer.", **said
     )

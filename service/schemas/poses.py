@@ -9,8 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from service.schemas.numbers import Digits, Length, digits_field
 from service.schemas.points import Decimal, GeometryText, optional
-from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
-from worker import JobRequest
+from service.schemas.questions import Examples, Question
 from worker.answers import poses
 from worker.answers.requests import Kind
 
@@ -23,7 +22,7 @@ class PosesRequest(Question):
     examples: ClassVar[Examples] = {
         "legs": (
             "The article's first manipulator with three given legs",
-            {"geometry": EXAMPLE_GEOMETRY, "l1": 14.98, "l2": 15, "l3": 30, "digits": 30},
+            {"l1": 14.98, "l2": 15, "l3": 30, "digits": 30},
         )
     }
 
@@ -32,9 +31,9 @@ class PosesRequest(Question):
     l3: Length = Field(description="Length of leg 3; > 0.")
     digits: Digits = digits_field()
 
-    def job_request(self) -> JobRequest:
+    def content(self) -> dict[str, Any]:
         """The question in canonical form."""
-        return poses.poses_request(self.geometry, (self.l1, self.l2, self.l3), digits=self.digits)
+        return self.model_dump()
 
 
 class Pose(BaseModel):

@@ -10,16 +10,15 @@ from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo
 
 from rpr_solver import Manipulator
 from rpr_solver.errors import FieldProblem, InputError
-from service.schemas.document import Document, Expected, limits_of, part
-from service.schemas.limits import Limits
+from service.schemas.document import Document, Expected, Source, part
 from service.schemas.numbers import Exact
 from worker import JobRequest
 from worker.answers.requests import Kind
 
 EXAMPLE_GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
 
-Examples = Mapping[str, tuple[str, Any]]
-"""Bodies by name, each with a summary."""
+Examples = Mapping[str, tuple[str, Mapping[str, Any]]]
+"""Bodies by name, each with a summary; without a geometry it is that of the article's first manipulator."""
 
 
 class Geometry(Document):
@@ -39,15 +38,10 @@ class Geometry(Document):
     )
 
 
-def manipulator_of(value: object, limits: Limits) -> Manipulator:
-    """Read a geometry.
-
-    Raises:
-        InputError: there is no such manipulator; faults are named by the members, such as d1.
-    """
+def _manipulator(value: object, info: ValidationInfo) -> Manipulator:
     if isinstance(value, Manipulator):
         return value
-    geometry = part(Geometry.model_validate, value, limits)
+    geometry = part(Geometry.model_validate, value, Source.of(info))
     try:
         return Manipulator(**dict(geometry))
     except InputError as error:
@@ -55,13 +49,9 @@ def manipulator_of(value: object, limits: Limits) -> Manipulator:
         raise InputError(problems) from None
 
 
-def _read_manipulator(value: object, info: ValidationInfo) -> Manipulator:
-    return manipulator_of(value, limits_of(info))
-
-
 GeometryField = Annotated[
     Manipulator,
-    PlainValidator(_read_manipulator, json_schema_input_type=Geometry),
+    PlainValidator(_manipulator, json_schema_input_type=Geometry),
     PlainSerializer(Manipulator.to_json),
     Expected(Geometry.expected),
 ]
@@ -82,6 +72,15 @@ class Question(Document):
 
     geometry: GeometryField
 
+    @property
+    def kind(self) -> Kind:
+        """The kind of the document that answers it."""
+        return self.kinds[0]
+
     @abstractmethod
+    def content(self) -> dict[str, Any]:
+        """The question in canonical form: plain JSON, the same for every spelling."""
+
     def job_request(self) -> JobRequest:
-        """The question in canonical form, with the id of the job that answers it."""
+        """What the job that answers it is asked for."""
+        return JobRequest(self.kind, self.content())

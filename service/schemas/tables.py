@@ -7,22 +7,23 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
+from rpr_solver import exact_str
 from rpr_solver.errors import InputError
 from service.schemas.article_audit import Audit
-from service.schemas.document import limits_of
+from service.schemas.document import Source
 from service.schemas.lengths import Slices, SlicesOfOneLeg, own_slices_only, slices_field
 from service.schemas.limits import LimitError
 from service.schemas.numbers import Digits, FixedLeg, digits_field
 from service.schemas.points import Cusp, GeometryText, Point, optional
 from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
-from worker import JobRequest
 from worker.answers import article, tables
 from worker.answers.requests import Kind
 
 ARTICLE = "article"
 METHODS = ("fast", ARTICLE)
 
-EXAMPLE_REQUEST: dict[str, Any] = {"geometry": EXAMPLE_GEOMETRY, "l1": 14.98}
+_SCAN = {"start": "0.1", "stop": "50.1", "step": "0.1"}
+_TURNED = {**EXAMPLE_GEOMETRY, "d1": "426/25", "orientation": "ccw"}
 
 
 class CuspTableRequest(SlicesOfOneLeg, Question):
@@ -34,33 +35,19 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     kinds: ClassVar[Sequence[Kind]] = (tables.KIND, article.KIND)
     needs_slices: ClassVar[bool] = True
     examples: ClassVar[Examples] = {
-        "slice": ("The article's first manipulator, one slice", EXAMPLE_REQUEST),
-        "scan": (
-            "The same manipulator, 501 slices",
-            {
-                "geometry": EXAMPLE_GEOMETRY,
-                "l1": {"start": "0.1", "stop": "50.1", "step": "0.1"},
-                "digits": 30,
-            },
-        ),
-        "exact": (
-            "Quotients and many digits",
-            {
-                "geometry": {**EXAMPLE_GEOMETRY, "d1": "426/25", "orientation": "ccw"},
-                "l1": ["14.98", 27],
-                "digits": 200,
-            },
-        ),
+        "slice": ("The article's first manipulator, one slice", {"l1": 14.98}),
+        "scan": ("The same manipulator, 501 slices", {"l1": _SCAN, "digits": 30}),
+        "exact": ("Quotients and many digits", {"geometry": _TURNED, "l1": ["14.98", 27], "digits": 200}),
         "article": (
             "By the article's own algorithm, with its audit",
-            {**EXAMPLE_REQUEST, "digits": 30, "method": "article"},
+            {"l1": 14.98, "digits": 30, "method": "article"},
         ),
     }
 
     l1: Slices = slices_field(
         "The slices: the fixed length L1 as one number, as a list, or as a range. With `fixed_leg` 2 or 3 it "
         "is called `l2` or `l3`. A value that is given twice counts once.",
-        examples=["14.98", ["14.98", 27], {"start": "0.1", "stop": "50.1", "step": "0.1"}],
+        examples=["14.98", ["14.98", 27], _SCAN],
     )
     l2: Slices = slices_field("The slices when `fixed_leg` is 2.")
     l3: Slices = slices_field("The slices when `fixed_leg` is 3.")
@@ -82,17 +69,27 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
 
     @model_validator(mode="after")
     def _article_takes_few_slices(self, info: ValidationInfo) -> Self:
-        limits, count = limits_of(info), len(self.slices)
+        limits, count = Source.of(info).limits, len(self.slices)
         if self.method == ARTICLE and count > limits.max_article_slices:
             sent = f"asks for {count} slices by the article's method"
             raise LimitError.exceeded(limits, "max_article_slices", sent, "l1")
         return self
 
-    def job_request(self) -> JobRequest:
-        """The question in canonical form; the article's algorithm makes a document of another kind."""
-        if self.method == ARTICLE:
-            return article.article_request(self.geometry, self.slices, self.digits)
-        return tables.table_request(self.geometry, self.slices, fixed_leg=self.fixed_leg, digits=self.digits)
+    @property
+    def kind(self) -> Kind:
+        """By the article's algorithm it is a document of its own kind."""
+        return article.KIND if self.method == ARTICLE else tables.KIND
+
+    def body(self) -> dict[str, Any]:
+        """The question as it is posted."""
+        content = self.content()
+        return {f"l{self.fixed_leg}": content.pop("l1"), **content, "method": self.method}
+
+    def content(self) -> dict[str, Any]:
+        """The question in canonical form; duplicate slices are removed."""
+        leg = {} if self.method == ARTICLE else {"fixed_leg": self.fixed_leg}
+        slices = list(dict.fromkeys(map(exact_str, self.slices)))
+        return {"geometry": self.geometry.to_json(), **leg, "digits": self.digits, "l1": slices}
 
 
 class DegeneratePoint(Point):

@@ -6,8 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 import rpr_solver
-from rpr_solver import DEFAULT_DIGITS, Manipulator
-from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, Progress, content_range, scan_content
+from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, Progress, content_range
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore
 
@@ -16,19 +15,7 @@ KIND = Kind("census", "ce-")
 Document = dict[str, Any]
 
 
-def census_request(
-    manipulator: Manipulator,
-    *,
-    fixed_leg: int = 1,
-    digits: int = DEFAULT_DIGITS,
-    start: Fraction = Fraction(0),
-    stop: Fraction | None = None,
-) -> JobRequest:
-    """The request for the census of a range of the fixed leg; without an end it is the whole one."""
-    return JobRequest(KIND, scan_content(manipulator, fixed_leg, digits, start, stop))
-
-
-def part_of_known_census(request: JobRequest, store: ResultStore) -> Document | None:
+def derive(request: JobRequest, store: ResultStore) -> Document | None:
     """A census that follows from a whole one that is known with as many digits or more."""
     start, stop = content_range(request.content)
     for digits in store.census_digits(_family(request)):
@@ -39,7 +26,7 @@ def part_of_known_census(request: JobRequest, store: ResultStore) -> Document | 
     return None
 
 
-def compute_census(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
+def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
     """Compute a census; the whole one is kept for the sake of other ranges.
 
     Raises:

@@ -5,24 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import rpr_solver
-from rpr_solver import Manipulator, Requirement
+from rpr_solver import Requirement
 from worker.answers.requests import JobRequest, Kind, Progress
 from worker.answers.store import ResultStore
 
 KIND = Kind("check", "ch-")
 
 
-def check_request(manipulator: Manipulator, requirement: Requirement, digits: int) -> JobRequest:
-    """The request for the report on a requirement."""
-    content = {
-        "geometry": manipulator.to_json(),
-        "requirement": requirement.to_json(),
-        "digits": digits,
-    }
-    return JobRequest(KIND, content)
-
-
-def compute_check(request: JobRequest, _store: ResultStore, progress: Progress) -> dict[str, Any]:
+def compute(request: JobRequest, _store: ResultStore, progress: Progress) -> dict[str, Any]:
     """Prove or refute a requirement.
 
     Raises:

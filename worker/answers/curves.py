@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
 import rpr_solver
-from rpr_solver import DEFAULT_DIGITS, CuspCurves, Manipulator, exact_str
-from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, Progress, content_range, scan_content
+from rpr_solver import CuspCurves
+from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, Progress, content_range
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore
 
@@ -17,26 +16,7 @@ KIND = Kind("cusp-curves", "cc-")
 Document = dict[str, Any]
 
 
-def curves_request(
-    manipulator: Manipulator,
-    *,
-    fixed_leg: int = 1,
-    digits: int = DEFAULT_DIGITS,
-    start: Fraction = Fraction(0),
-    stop: Fraction | None = None,
-    lengths: Sequence[Fraction] = (),
-    samples: int | None = None,
-) -> JobRequest:
-    """The request for the curves that meet a range, with points at these lengths, and in each interval."""
-    content = {
-        **scan_content(manipulator, fixed_leg, digits, start, stop),
-        "lengths": [exact_str(x) for x in sorted(set(lengths))],
-        "samples": samples,
-    }
-    return JobRequest(KIND, content)
-
-
-def part_of_known_curves(request: JobRequest, store: ResultStore) -> Document | None:
+def derive(request: JobRequest, store: ResultStore) -> Document | None:
     """A part of curves that are known, without other points."""
     content = request.content
     if content["lengths"] or content["samples"] is not None:
@@ -45,7 +25,7 @@ def part_of_known_curves(request: JobRequest, store: ResultStore) -> Document | 
     return None if whole is None else CuspCurves.from_json(whole).within(*content_range(content)).to_json()
 
 
-def compute_curves(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
+def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
     """Compute curves; the whole ones are kept for the sake of other ranges and samples.
 
     Raises:

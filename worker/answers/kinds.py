@@ -32,11 +32,11 @@ class Computation:
 
 
 COMPUTATIONS: Mapping[Kind, Computation] = {
-    article.KIND: Computation(article.compute_article_table),
-    poses.KIND: Computation(poses.compute_poses),
-    censuses.KIND: Computation(censuses.compute_census, censuses.part_of_known_census),
-    checks.KIND: Computation(checks.compute_check),
-    curves.KIND: Computation(curves.compute_curves, curves.part_of_known_curves),
+    article.KIND: Computation(article.compute),
+    poses.KIND: Computation(poses.compute),
+    censuses.KIND: Computation(censuses.compute, censuses.derive),
+    checks.KIND: Computation(checks.compute),
+    curves.KIND: Computation(curves.compute, curves.derive),
 }
 KINDS = (tables.KIND, *COMPUTATIONS)
 _BY_NAME = {kind.name: kind for kind in KINDS}
@@ -53,14 +53,14 @@ def known_document(
         errors: those of single slices that a job met; they stand in its table.
     """
     if request.kind.by_slices:
-        return tables.known_table(request, store, errors)
+        return tables.known(request, store, errors)
     return store.get_document(request) or COMPUTATIONS[request.kind].derive(request, store)
 
 
 def missing_parts(request: JobRequest, store: ResultStore) -> Sequence[str]:
     """The parts that have to be computed; what is known will last as long as what is new."""
     if request.kind.by_slices:
-        return tables.missing_slices(request, store)
+        return tables.missing(request, store)
     return () if store.renew_document(request) else request.parts
 
 

@@ -10,7 +10,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from rpr_solver import SOLVER_VERSION, Manipulator, exact_str
+from rpr_solver import SOLVER_VERSION, Manipulator
 from rpr_solver.model.manipulator import hash_of_canonical
 
 Progress = Callable[[int, int], None]
@@ -101,18 +101,6 @@ class JobRequest:
 
 ALL_LENGTHS: Mapping[str, str | None] = {"from": "0", "to": None}
 """The range without ends, in a request's content."""
-
-
-def scan_content(
-    manipulator: Manipulator, fixed_leg: int, digits: int, start: Fraction, stop: Fraction | None
-) -> dict[str, Any]:
-    """The content of a request that concerns a range of lengths of one leg; None is no end."""
-    return {
-        "geometry": manipulator.to_json(),
-        "fixed_leg": fixed_leg,
-        "digits": digits,
-        "range": {"from": exact_str(start), "to": None if stop is None else exact_str(stop)},
-    }
 
 
 def content_range(content: Mapping[str, Any]) -> tuple[Fraction, Fraction | None]:

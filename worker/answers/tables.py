@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
 import rpr_solver
-from rpr_solver import DEFAULT_DIGITS, Eliminant, Manipulator, exact_str
+from rpr_solver import Eliminant
 from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError, SolverError
 from worker.answers.requests import JobRequest, Kind
@@ -22,25 +22,7 @@ KIND = Kind("cusp-table", "ct-", unit="slices", by_slices=True)
 INTERNAL = "The computation failed in an unforeseen way; the worker's log has the details."
 
 
-def table_request(
-    manipulator: Manipulator, slices: Iterable[Fraction], *, fixed_leg: int = 1, digits: int = DEFAULT_DIGITS
-) -> JobRequest:
-    """The request for a cusp table; duplicate slices are removed."""
-    content = {
-        "geometry": manipulator.to_json(),
-        "fixed_leg": fixed_leg,
-        "digits": digits,
-        "l1": canonical_slices(slices),
-    }
-    return JobRequest(KIND, content)
-
-
-def canonical_slices(slices: Iterable[Fraction]) -> list[str]:
-    """Each slice once, in its canonical text."""
-    return list(dict.fromkeys(map(exact_str, slices)))
-
-
-def known_table(
+def known(
     request: JobRequest, store: ResultStore, errors: Mapping[str, SliceJson] | None = None
 ) -> dict[str, Any] | None:
     """The table if every slice is known, or has its error among those that a job met."""
@@ -52,7 +34,7 @@ def known_table(
     return {**head, "slices": [slices[x] for x in request.parts]}
 
 
-def missing_slices(request: JobRequest, store: ResultStore) -> Sequence[str]:
+def missing(request: JobRequest, store: ResultStore) -> Sequence[str]:
     """The slices that are not known; those that are will last as long as new ones."""
     slices = store.get_slices(request)
     store.renew_slices(request, slices)

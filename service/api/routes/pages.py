@@ -14,7 +14,7 @@ from service import __version__
 from service.api.negotiation import JSON, json_bytes
 from service.api.operations import WEB
 from service.api.problems import ProblemError, ProblemType, TypeInfo
-from service.schemas.tables import EXAMPLE_REQUEST
+from service.schemas.questions import EXAMPLE_GEOMETRY
 
 router = APIRouter(include_in_schema=False)
 
@@ -28,7 +28,7 @@ _POLICY = (
 @router.get("/")
 async def index(request: Request) -> Response:
     """What this is, and a first request to copy."""
-    example = {key: json.dumps(value) for key, value in EXAMPLE_REQUEST.items()}
+    example = {key: json.dumps(value) for key, value in {"geometry": EXAMPLE_GEOMETRY, "l1": 14.98}.items()}
     return _page("index.html", text={"base": str(request.base_url).rstrip("/"), **example})
 
 

@@ -1,0 +1,83 @@
+"""Every length at which the number of cusps changes, with its kind and pose, and the number of cusps between:
+all of them, by proof."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from typing import Any
+
+import rpr_solver
+from service.cli.arguments import (
+    GEOMETRY,
+    add_digits,
+    add_format,
+    add_geometry,
+    add_ranges,
+    ask,
+    leg_and_range,
+    options_source,
+)
+from service.cli.pages import Page, Progress, Section, about, counted, rows_of, write_document
+from service.schemas.census import CensusRequest
+
+DESCRIPTION = f"{__doc__}\n\n{GEOMETRY}"
+EXAMPLES = """\
+examples:
+  rpr-cusps census innocenti --digits 20
+  rpr-cusps census innocenti --l1-range 28:31 --format json
+  rpr-cusps census robot.json --l2-range :40 --format csv    slices of leg 2
+"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    add_geometry(parser)
+    add_ranges(parser, "the lengths of interest; either end may be left out (default: all)")
+    add_digits(parser, 90)
+    add_format(parser, csv=True)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command; returns the exit status."""
+    leg, ends, option = leg_and_range(args, options_source())
+    source = options_source({"range": option})
+    question = ask(CensusRequest, args, {"fixed_leg": leg, "range": ends}, source)
+    start, stop = question.range.ends
+    with Progress(1, "steps") as progress:
+        document = rpr_solver.census(
+            question.geometry,
+            fixed_leg=leg,
+            digits=question.digits,
+            start=start,
+            stop=stop,
+            progress=progress.update,
+        ).to_json()
+    write_document(document, _page(document), args.format, csv=rpr_solver.census_csv)
+    return 0
+
+
+def _page(document: Mapping[str, Any]) -> Page:
+    leg = f"l{document['fixed_leg']}"
+    intervals, transitions = document["intervals"], document["transitions"]
+    ends = document["range"]
+    below = "" if ends["to"] is None else f" up to {ends['to']}"
+    counts = [interval["count"] for interval in intervals]
+    low, high = min(counts), max(counts)
+    span = counted(high, "cusp") if low == high else f"{low} to {high} cusps"
+    title = f"{leg.upper()} from {ends['from']}{below}: {span}, {counted(len(transitions), 'transition')}"
+    rows = [["from", "to", "cusps"], *([i["from"], i["to"] or "∞", str(i["count"])] for i in intervals)]
+    events = [
+        {
+            leg: transition[leg],
+            "cusps": f"{transition['count_before']} → {transition['count_after']}",
+            **event,
+        }
+        for transition in transitions
+        for event in transition["events"]
+    ]
+    sections = [Section(title, rows)]
+    if events:
+        keys = [leg, "cusps", *(key for key in events[0] if key not in (leg, "cusps"))]
+        sections.append(Section("Transitions", rows_of(events, keys)))
+    return Page(about(document), sections, document["digits"])

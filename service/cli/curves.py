@@ -1,0 +1,106 @@
+"""The curves that cusps run along while one leg changes its length: each cusp followed, by proof, from the
+transition where it is born to the one where it dies, and named. The names belong to the manipulator,
+whatever range or points are asked for."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from typing import Any
+
+import rpr_solver
+from rpr_solver.errors import InputError
+from service.cli.arguments import (
+    GEOMETRY,
+    MAX_LOCAL_SLICES,
+    add_digits,
+    add_format,
+    add_geometry,
+    add_options,
+    add_ranges,
+    ask,
+    leg_and_range,
+    options_source,
+    range_values,
+)
+from service.cli.pages import Page, Progress, Section, about, counted, rows_of, write_document
+from service.schemas.curves import CuspCurvesRequest
+
+DESCRIPTION = f"{__doc__}\n\n{GEOMETRY}"
+EXAMPLES = """\
+examples:
+  rpr-cusps curves innocenti --digits 15
+  rpr-cusps curves innocenti --l1-range 27:29:0.1 --format csv
+  rpr-cusps curves robot.json --l2-range 10:40 --samples 20 --format json
+"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    add_geometry(parser)
+    add_ranges(
+        parser, "the lengths of interest (default: all); with a step, also those of points", "A:B[:STEP]"
+    )
+    add_options(parser, "--l{}", "lengths", "X", "a length of points; may be given often")
+    parser.add_argument(
+        "--samples", metavar="N", help="N points of each curve in every interval between transitions"
+    )
+    add_digits(parser, 90)
+    add_format(parser, csv=True)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command; returns the exit status."""
+    question = _question(args)
+    with Progress(1, "steps") as progress:
+        document = (
+            rpr_solver.cusp_curves(
+                question.geometry,
+                fixed_leg=question.fixed_leg,
+                digits=question.digits,
+                progress=progress.update,
+            )
+            .part(
+                *question.range.ends,
+                lengths=question.slices,
+                samples=question.samples,
+                progress=progress.update,
+            )
+            .to_json()
+        )
+    has_points = bool(question.slices or question.samples)
+    write_document(document, _page(document, has_points), args.format, csv=rpr_solver.curves_csv)
+    return 0
+
+
+def _question(args: argparse.Namespace) -> CuspCurvesRequest:
+    source = options_source(max_slices=MAX_LOCAL_SLICES)
+    lengths: list[object] = []
+    if len(args.ranges) == 1 and args.ranges[0][1].count(":") == 2:
+        [(option, text)] = args.ranges
+        lengths += range_values(text, option, source)
+        args.ranges = [(option, text.rpartition(":")[0])]
+    if args.fixed_leg is None and args.lengths:
+        args.fixed_leg = args.lengths[0][0][3]
+    leg, ends, range_option = leg_and_range(args, source)
+    for option, text in args.lengths:
+        if option != f"--l{leg}":
+            raise InputError.of(option, f"with fixed leg {leg} the lengths are --l{leg}")
+        lengths.append(text)
+    names = {"range": range_option, f"l{leg}": f"--l{leg}" if args.lengths else range_option}
+    values = {"fixed_leg": leg, "range": ends, f"l{leg}": lengths or None, "samples": args.samples}
+    return ask(CuspCurvesRequest, args, values, options_source(names, max_slices=MAX_LOCAL_SLICES))
+
+
+def _page(document: Mapping[str, Any], has_points: bool) -> Page:
+    leg = f"l{document['fixed_leg']}"
+    curves = document["curves"]
+    rows = [["curve", "from", "kind", "joins", "to", "kind", "joins"]]
+    for curve in curves:
+        ends = ((end[leg] or "∞", end["kind"], end["joins"] or "") for end in (curve["from"], curve["to"]))
+        rows.append([curve["name"], *(cell for end in ends for cell in end)])
+    sections = [Section(f"{leg.upper()}: {counted(len(curves), 'cusp curve')}", rows if curves else ())]
+    points = [{"curve": curve["name"], **point} for curve in curves for point in curve["points"]]
+    if has_points and points:
+        sections.append(Section("Points", rows_of(points)))
+    return Page(about(document), sections, document["digits"])

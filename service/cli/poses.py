@@ -1,0 +1,51 @@
+"""Direct kinematics: all poses of the platform with given leg lengths, proved to be all, with
+multiplicity."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from typing import Any
+
+import rpr_solver
+from service.cli.arguments import GEOMETRY, LEGS, add_digits, add_format, add_geometry, ask, options_source
+from service.cli.pages import Page, Section, about, counted, rows_of, write_document
+from service.schemas.poses import PosesRequest
+
+DESCRIPTION = f"{__doc__}\n\n{GEOMETRY}"
+EXAMPLES = """\
+examples:
+  rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30
+  rpr-cusps poses robot.json --l1 14.98 --l2 15 --l3 61/2 --digits 200 --format json
+"""
+
+_KEYS = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y", "multiplicity")
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    add_geometry(parser)
+    for leg in LEGS:
+        parser.add_argument(f"--l{leg}", required=True, metavar="X", help=f"length of leg {leg}")
+    add_digits(parser, 90)
+    add_format(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command; returns the exit status."""
+    names = {f"l{leg}": f"--l{leg}" for leg in LEGS}
+    lengths = {name: getattr(args, name) for name in names}
+    question = ask(PosesRequest, args, lengths, options_source(names))
+    legs = question.l1, question.l2, question.l3
+    table = rpr_solver.poses(question.geometry, *legs, digits=question.digits).to_json()
+    write_document(table, _page(table), args.format)
+    return 0
+
+
+def _page(table: Mapping[str, Any]) -> Page:
+    legs = ", ".join(f"L{i} = {table[f'l{i}']}" for i in LEGS)
+    title = f"{legs}: {counted(table['count'], 'pose')}"
+    if table["count"] != table["count_with_multiplicity"]:
+        title += f", {table['count_with_multiplicity']} with multiplicity"
+    notes = [f"α = {curve['alpha_deg']}: {curve['description']}" for curve in table["curves"]]
+    return Page(about(table), [Section(title, rows_of(table["poses"], _KEYS), notes)], table["digits"])

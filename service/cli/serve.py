@@ -1,0 +1,76 @@
+"""Run the whole service: the HTTP API, worker processes and, unless a Redis URL is given, an embedded Valkey.
+Ctrl-C stops all of it; queued jobs are there again at the next start."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+from collections.abc import Callable
+from pathlib import Path
+
+from service.api.settings import Settings
+from service.cli.worker import add_redis_url
+from service.stack.serve import ServeSettings, serve
+from worker.process.os_limits import die_with_parent
+
+DESCRIPTION = __doc__
+EXAMPLES = """\
+examples:
+  rpr-cusps serve
+  rpr-cusps serve --port 8080 --workers 8 --data-dir /var/lib/rpr-cusps
+  rpr-cusps serve --host 0.0.0.0 --workers 0 --redis-url redis://queue:6379/0    only the API; see worker
+
+Settings come from the environment: RPR_CUSPS_MAX_SLICES and the other limits that /v1/limits shows,
+RPR_CUSPS_DEADLINE (seconds that a part of a job may take) and more.
+"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default: 127.0.0.1)")
+    parser.add_argument(
+        "--port",
+        type=_whole("a port", 65535),
+        default=8000,
+        metavar="N",
+        help="default: 8000; 0 takes a free one",
+    )
+    parser.add_argument(
+        "--workers",
+        type=_whole("a number of workers", 1024),
+        metavar="N",
+        help="worker processes (default: one for each core)",
+    )
+    add_redis_url(parser, "a Redis or Valkey server to use (default: an embedded one)")
+    parser.add_argument(
+        "--data-dir",
+        type=Path,
+        metavar="DIR",
+        help="where the embedded Valkey keeps its data (default: your own)",
+    )
+    parser.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command; returns the exit status."""
+    Settings()  # complains of the environment now rather than behind the first request
+    if args.parent_pid is not None:
+        die_with_parent(args.parent_pid, signal.SIGTERM)
+    return serve(
+        ServeSettings(
+            host=args.host,
+            port=args.port,
+            workers=args.workers,
+            redis_url=args.redis_url,
+            data_dir=args.data_dir,
+        )
+    )
+
+
+def _whole(what: str, high: int) -> Callable[[str], int]:
+    def parse(text: str) -> int:
+        if not (text.isascii() and text.isdigit() and len(text) < 10 and int(text) <= high):
+            raise argparse.ArgumentTypeError(f"{text[:40]!r} is not {what} from 0 to {high}")
+        return int(text)
+
+    return parse
