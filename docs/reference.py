@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import importlib
 import inspect
 import re
 import sys
@@ -19,7 +20,7 @@ from pydantic_settings import BaseSettings
 import rpr_solver
 from service.api.problems import ProblemType
 from service.api.settings import Settings
-from service.cli.main import _parser
+from service.cli.main import COMMANDS
 from service.schemas.limits import Limits
 from worker.settings import WorkerSettings
 
@@ -71,8 +72,10 @@ def names() -> Iterator[str]:
 
 def commands() -> list[tuple[str, argparse.ArgumentParser]]:
     """The commands of `rpr-cusps` and their parsers."""
-    [choices] = [a.choices for a in _parser()._actions if isinstance(a, argparse._SubParsersAction)]
-    return list(choices.items())
+    parsers = {name: argparse.ArgumentParser() for name in COMMANDS}
+    for name, parser in parsers.items():
+        importlib.import_module(f"service.cli.{name}").configure(parser)
+    return list(parsers.items())
 
 
 def visible(parser: argparse.ArgumentParser) -> list[argparse.Action]:

@@ -11,7 +11,7 @@ RuntimeError
     └── EmbeddedError       stack.errors: the embedded server cannot be started
 Exception
 ├── ProblemError            api.problems: answered as a problem document; whatever else goes wrong becomes one
-├── ServiceError            client: the service refused, failed, or cannot be reached
+├── ServiceError            errors: the service refused, failed, or cannot be reached
 └── WorkerError             (the worker's) worker.process.worker: no Redis, or no longer
 """
 

@@ -27,17 +27,19 @@ MAY_IMPORT = {
     "worker.settings": "rpr_solver",
     "worker.connection": "",
     "worker.jobs": "rpr_solver worker.settings worker.answers",
-    "worker.answers": "rpr_solver worker.settings worker.jobs",
+    "worker.answers": "rpr_solver worker.settings",
     "worker.process": "rpr_solver worker.settings worker.connection worker.jobs worker.answers",
     "worker.__main__": "worker.settings worker.process",
     "worker": "worker.connection worker.settings worker.jobs worker.answers",
     # service: faces people and programs
-    "service.schemas": "rpr_solver worker",
+    "service.errors": "",
+    "service.schemas": "rpr_solver worker.answers",
     "service.api": "rpr_solver worker service service.schemas",
     "service.openapi_yaml": "service.api service.schemas",
     "service.stack": "worker service service.schemas service.api",
-    "service.client": "service.schemas",
-    "service.cli": "rpr_solver worker service service.schemas service.client service.stack service.api",
+    "service.client": "service.errors",
+    "service.cli": "rpr_solver worker service service.errors service.schemas service.client service.stack "
+    "service.api",
     "service.__main__": "service.cli",
     "service": "",
 }

@@ -32,8 +32,8 @@ _UNSAID: Any = object()
 
 def exact_number(value: object, info: ValidationInfo) -> Fraction:
     """Read one exact number: a JSON number or text."""
-    if isinstance(value, Fraction):
-        return value
+    if isinstance(value, Fraction | int) and not isinstance(value, bool):
+        return Fraction(value)
     if not isinstance(value, str):
         raise InputError.of("", f'is {json_kind(value)}; give a number such as 17.04, "17.04" or "426/25"')
     limits = Source.of(info).limits

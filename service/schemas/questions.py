@@ -12,8 +12,7 @@ from rpr_solver import Manipulator
 from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.document import Document, Expected, Source, part
 from service.schemas.numbers import Exact
-from worker import JobRequest
-from worker.answers.requests import Kind
+from worker.answers.requests import JobRequest, Kind
 
 EXAMPLE_GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
 

@@ -15,12 +15,13 @@ from redis import Redis
 from rpr_solver import EXAMPLES
 from tests.support.jobs import a_request, ended
 from tests.support.processes import ROOT, Workers, descendants, environment, is_running, until
-from worker import DocumentRequest, JobQueue, JobRequest, JobView, WorkerSettings
+from worker import JobQueue, JobRequest, JobView, WorkerSettings
+from worker.answers import poses
 
 
-def a_document() -> DocumentRequest:
+def a_document() -> JobRequest:
     content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": "14.98", "l2": "15", "l3": "30"}
-    return DocumentRequest("poses", {**content, "digits": 20})
+    return JobRequest(poses.KIND, {**content, "digits": 20})
 
 
 both_kinds = pytest.mark.parametrize("wanted", [a_request("1", "2"), a_document()], ids=["table", "document"])

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from rpr_solver import EXAMPLES
 from tests.support.processes import until
-from worker import JobQueue, JobView, TableRequest
+from worker import JobQueue, JobRequest, JobView
+from worker.answers import tables
 
 
-def a_request(*l1: str, digits: int = 30) -> TableRequest:
-    manipulator = EXAMPLES["innocenti"]
-    return TableRequest(manipulator.to_json(), manipulator.geometry_hash, 1, digits, l1)
+def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:
+    geometry = EXAMPLES["innocenti"].to_json()
+    content = {"geometry": geometry, "fixed_leg": fixed_leg, "digits": digits, "l1": list(l1)}
+    return JobRequest(tables.KIND, content)
 
 
 def ended(queue: JobQueue, job_id: str, seconds: float = 30.0) -> JobView:

@@ -5,7 +5,7 @@ from redis import Redis
 
 from tests.support.jobs import a_request
 from tests.support.valkey import redis, valkey
-from worker import JobQueue, TableRequest, WorkerSettings
+from worker import JobQueue, JobRequest, WorkerSettings
 
 __all__ = ["redis", "valkey"]
 
@@ -21,6 +21,6 @@ def queue(redis: Redis, settings: WorkerSettings) -> JobQueue:
 
 
 @pytest.fixture
-def table_request() -> TableRequest:
+def table_request() -> JobRequest:
     """Five slices: two chunks under the settings above."""
     return a_request("1", "2", "3", "4", "5")

@@ -9,7 +9,6 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver import Eliminant
-from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError, SolverError
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.single_flight import single_flight
@@ -30,8 +29,14 @@ def known(
     slices = {**store.get_slices(request, [x for x in request.parts if x not in errors]), **errors}
     if len(slices) < len(request.parts):
         return None
-    head = document_head(request.geometry, request.geometry_hash, request.fixed_leg, request.digits)
-    return {**head, "slices": [slices[x] for x in request.parts]}
+    return {
+        "geometry": request.geometry,
+        "geometry_hash": request.geometry_hash,
+        "fixed_leg": request.fixed_leg,
+        "digits": request.digits,
+        "solver_version": rpr_solver.SOLVER_VERSION,
+        "slices": [slices[x] for x in request.parts],
+    }
 
 
 def missing(request: JobRequest, store: ResultStore) -> Sequence[str]:

@@ -5,7 +5,7 @@ Nothing is remembered in the process, so any number of API processes can serve t
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import cast
 
 from redis import Redis
 from rq.worker_registration import REDIS_WORKER_KEYS
@@ -77,4 +77,3 @@ class JobQueue:
         """How many workers are alive, by RQ's register."""
         keys = cast("set[bytes]", self.redis.smembers(REDIS_WORKER_KEYS))
         return self.redis.exists(*keys) if keys else 0
-

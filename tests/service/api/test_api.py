@@ -16,13 +16,17 @@ from redis import Redis
 
 from rpr_solver import EXAMPLES, exact_str, parse_exact
 from service.api.app import create_app
-from service.api.operation_docs import EXAMPLE_REQUEST
 from service.api.settings import Settings
+from service.schemas.tables import CuspTableRequest
 from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.jobs import a_request
 from tests.support.service_server import GEOMETRY, ended, serving_app
-from worker import JobQueue, TableRequest
+from worker import JobQueue
 
 Fresh = Callable[[], str]
+
+
+EXAMPLE = {"geometry": GEOMETRY, **CuspTableRequest.examples["slice"][1]}
 
 
 def post(client: httpx.Client, slices: object, wait: int | None = 20, **more: object) -> httpx.Response:
@@ -42,7 +46,9 @@ def long_job(client: httpx.Client, fresh: Fresh) -> str:
 
 
 def test_the_documented_example_works_as_it_stands(api: httpx.Client) -> None:
-    answer = api.post("/v1/cusp-tables", json=EXAMPLE_REQUEST, headers={"Prefer": "wait=20"})
+    answer = api.post(
+        "/v1/cusp-tables", json={"geometry": GEOMETRY, "l1": 14.98}, headers={"Prefer": "wait=20"}
+    )
     assert answer.status_code == 200
     table = answer.json()
     assert table["geometry"] == EXAMPLES["innocenti"].to_json()
@@ -215,7 +221,7 @@ def test_an_expired_result_is_gone(api: httpx.Client, redis: Redis, fresh: Fresh
     ended(api, job["id"])
     queue = JobQueue(redis)
     _, request, _ = queue.records.request(job["id"])  # type: ignore[misc]
-    redis.delete(*queue.store.slice_keys(request, request.l1))
+    redis.delete(*queue.store.slice_keys(request, request.parts))
     answer = api.get(job["links"]["result"])
     assert (answer.status_code, answer.json()["type"]) == (410, "/problems/result-expired")
     assert post(api, l1).status_code == 200
@@ -235,8 +241,8 @@ def test_an_expired_result_is_gone(api: httpx.Client, redis: Redis, fresh: Fresh
 def test_a_failed_job_says_why(
     idle: httpx.Client, idle_queue: JobQueue, fresh: Fresh, kind: str, status: int, slug: str
 ) -> None:
-    request = TableRequest.of(EXAMPLES["innocenti"], [parse_exact(fresh(), "l1")])
-    refs = idle_queue.records.create(request, request.l1, "")
+    request = a_request(fresh())
+    refs = idle_queue.records.create(request, request.parts, "")
     assert refs
     idle_queue.records.fail(refs[0], kind, "This is why.")
     answer = idle.get(f"/v1/jobs/{request.job_id}/result")

@@ -11,9 +11,9 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, Manipulator
-from worker import DocumentRequest, ResultStore, WorkerSettings
-from worker.answers.censuses import census_request
-from worker.answers.documents import compute, known_document
+from worker import JobRequest, ResultStore, WorkerSettings
+from worker.answers import censuses
+from worker.answers.kinds import compute, known_document
 
 MANIPULATOR = EXAMPLES["innocenti"]
 
@@ -49,12 +49,18 @@ def store(redis: Redis, settings: WorkerSettings) -> ResultStore:
     return ResultStore(redis, settings)
 
 
-def request(start: str = "0", stop: str | None = None, digits: int = 20) -> DocumentRequest:
-    end = None if stop is None else Fraction(stop)
-    return census_request(MANIPULATOR, digits=digits, start=Fraction(start), stop=end)
+def request(
+    start: str = "0",
+    stop: str | None = None,
+    digits: int = 20,
+    manipulator: Manipulator = MANIPULATOR,
+    fixed_leg: int = 1,
+) -> JobRequest:
+    content = {"geometry": manipulator.to_json(), "fixed_leg": fixed_leg, "digits": digits}
+    return JobRequest(censuses.KIND, {**content, "range": {"from": start, "to": stop}})
 
 
-def get(wanted: DocumentRequest, store: ResultStore) -> dict[str, Any]:
+def get(wanted: JobRequest, store: ResultStore) -> dict[str, Any]:
     return known_document(wanted, store) or compute(wanted, store, lambda *_: None)
 
 
@@ -100,13 +106,13 @@ def test_an_end_that_digits_do_not_tell_from_a_transition(solver: Computed, stor
 
 
 def test_an_end_at_a_transition(store: ResultStore) -> None:
-    """Held at leg 2, this machine passes a node at L2 = 16 exactly."""
-    machine = Manipulator(*(Fraction(x) for x in (10, 0, 8, 6, 10, 8)))
-    at, wanted = Fraction(16), {"fixed_leg": 2, "digits": 20}
-    whole = get(census_request(machine, **wanted), store)  # type: ignore[arg-type]
-    [k] = [k for k, t in enumerate(whole["transitions"]) if Fraction(t["l2"]) == at]
-    above = get(census_request(machine, start=at, **wanted), store)  # type: ignore[arg-type]
-    below = get(census_request(machine, stop=at, **wanted), store)  # type: ignore[arg-type]
+    """Held at leg 2, this manipulator passes a node at L2 = 16 exactly."""
+    turned = Manipulator(*(Fraction(x) for x in (10, 0, 8, 6, 10, 8)))
+    held: dict[str, Any] = {"manipulator": turned, "fixed_leg": 2}
+    whole = get(request(**held), store)
+    [k] = [k for k, t in enumerate(whole["transitions"]) if Fraction(t["l2"]) == 16]
+    above = get(request("16", **held), store)
+    below = get(request(stop="16", **held), store)
     assert above["transitions"] == whole["transitions"][k + 1 :]
     assert below["transitions"] == whole["transitions"][:k]
     assert above["intervals"][0]["from"] == below["intervals"][-1]["to"] == "16"

@@ -6,18 +6,17 @@ import pytest
 from redis import Redis
 
 from rpr_solver import EXAMPLES, SolverError, poses
-from worker import DocumentRequest, JobQueue, WorkerSettings
-from worker.answers import documents
+from worker import JobQueue, JobRequest, WorkerSettings
+from worker.answers import poses as poses_kind
 from worker.jobs.records import ChunkRef
-from worker.jobs.requests import kind_of, request_from_json
 from worker.jobs.sweeper import Sweeper
 from worker.process import tasks
 
 
 @pytest.fixture
-def wanted() -> DocumentRequest:
+def wanted() -> JobRequest:
     content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": "14.98", "l2": "15", "l3": "30"}
-    return DocumentRequest("poses", {**content, "digits": 20})
+    return JobRequest(poses_kind.KIND, {**content, "digits": 20})
 
 
 @pytest.fixture(autouse=True)
@@ -34,7 +33,7 @@ def run(ref: ChunkRef) -> None:
     tasks.run_chunk(ref.job_id, ref.run, ref.index, ref.attempt)
 
 
-def test_from_queued_to_succeeded(queue: JobQueue, wanted: DocumentRequest) -> None:
+def test_from_queued_to_succeeded(queue: JobQueue, wanted: JobRequest) -> None:
     assert queue.known(wanted) is None
     view = queue.submit(wanted)
     assert (view.id, view.status, view.done, view.total) == (wanted.job_id, "queued", 0, 1)
@@ -49,7 +48,7 @@ def test_from_queued_to_succeeded(queue: JobQueue, wanted: DocumentRequest) -> N
     assert queue.submit(wanted).run == view.run
 
 
-def test_a_known_document_needs_no_work(queue: JobQueue, redis: Redis, wanted: DocumentRequest) -> None:
+def test_a_known_document_needs_no_work(queue: JobQueue, redis: Redis, wanted: JobRequest) -> None:
     first = queue.submit(wanted)
     run(open_chunk(queue))
     redis.delete(queue.records.keys.job(first.id).record)
@@ -59,16 +58,16 @@ def test_a_known_document_needs_no_work(queue: JobQueue, redis: Redis, wanted: D
 
 
 def test_a_document_that_was_lost_is_computed_again(
-    queue: JobQueue, redis: Redis, wanted: DocumentRequest
+    queue: JobQueue, redis: Redis, wanted: JobRequest
 ) -> None:
     first = queue.submit(wanted)
     run(open_chunk(queue))
-    redis.delete(queue.records.keys.document(wanted.content_hash))
+    redis.delete(queue.store.keys.document(wanted.content_hash))
     assert queue.result(first.id) is None
     assert queue.submit(wanted).status == "queued"
 
 
-def test_progress_is_told_and_forgotten_after_the_end(queue: JobQueue, wanted: DocumentRequest) -> None:
+def test_progress_is_told_and_forgotten_after_the_end(queue: JobQueue, wanted: JobRequest) -> None:
     view = queue.submit(wanted)
     ref = open_chunk(queue)
     queue.records.start(ref)
@@ -84,7 +83,7 @@ def test_progress_is_told_and_forgotten_after_the_end(queue: JobQueue, wanted: D
 
 
 def test_a_canceled_job_keeps_its_state_when_its_document_comes_late(
-    queue: JobQueue, wanted: DocumentRequest
+    queue: JobQueue, wanted: JobRequest
 ) -> None:
     view = queue.submit(wanted)
     ref = open_chunk(queue)
@@ -102,7 +101,7 @@ def test_a_canceled_job_keeps_its_state_when_its_document_comes_late(
     ("error", "kind"), [(SolverError("undecided"), "solver-error"), (KeyError("x"), "internal-error")]
 )
 def test_what_goes_wrong_fails_the_job(
-    queue: JobQueue, wanted: DocumentRequest, monkeypatch: pytest.MonkeyPatch, error: Exception, kind: str
+    queue: JobQueue, wanted: JobRequest, monkeypatch: pytest.MonkeyPatch, error: Exception, kind: str
 ) -> None:
     def fail(*_: object) -> None:
         raise error
@@ -116,7 +115,7 @@ def test_what_goes_wrong_fails_the_job(
     assert queue.submit(wanted).status == "queued"
 
 
-def test_a_lost_document_is_put_back(queue: JobQueue, redis: Redis, wanted: DocumentRequest) -> None:
+def test_a_lost_document_is_put_back(queue: JobQueue, redis: Redis, wanted: JobRequest) -> None:
     queue.submit(wanted)
     ref = open_chunk(queue)
     redis.delete(queue.chunks.small.key)
@@ -126,27 +125,9 @@ def test_a_lost_document_is_put_back(queue: JobQueue, redis: Redis, wanted: Docu
     assert open_chunk(queue).attempt == 1
 
 
-def test_equal_questions_are_one_request(wanted: DocumentRequest) -> None:
-    assert request_from_json(wanted.to_json()) == wanted
-    turned = DocumentRequest("poses", dict(reversed(wanted.content.items())))
-    assert turned.job_id == wanted.job_id
-    assert hash(turned) == hash(wanted)
-    assert kind_of(wanted.job_id) == "poses"
-    assert kind_of("xx-1") is None
-    others = {
-        DocumentRequest("census", wanted.content),
-        DocumentRequest("poses", {**wanted.content, "l1": "1"}),
-    }
-    assert len({wanted.job_id, *(other.job_id for other in others)}) == 3
-
-
 def test_progress_is_told_a_few_times_a_second() -> None:
     told: list[tuple[int, int]] = []
     progress = tasks.Throttle(lambda done, total: told.append((done, total)), pause=60)
     for step in range(5):
         progress(step, 5)
     assert told == [(0, 5)]
-
-
-def test_every_computation_has_a_kind() -> None:
-    assert set(documents._COMPUTATIONS) <= {"poses", "census", "check", "cusp-curves", "article-table"}

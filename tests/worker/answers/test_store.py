@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -10,11 +9,11 @@ from redis import Redis
 
 import rpr_solver
 from tests.support.jobs import a_request
-from worker import ResultStore, TableRequest, WorkerSettings
+from worker import JobRequest, ResultStore, WorkerSettings
 from worker.jobs.records import Chunk, ChunkRef, JobRecords
 
 
-def keep(store: ResultStore, request: TableRequest, l1: str, value: Mapping[str, object]) -> None:
+def keep(store: ResultStore, request: JobRequest, l1: str, value: Mapping[str, object]) -> None:
     """Keep a slice as a worker does, here for a job that is gone."""
     ref, chunk = ChunkRef(request.job_id, "gone", 0, 0), Chunk(request, (l1,), 0)
     assert not JobRecords(store.redis, store.settings).put_slice(ref, chunk, 0, value)
@@ -37,7 +36,7 @@ def test_results_are_bounded_in_time_and_errors_more_so(redis: Redis) -> None:
     request = a_request("1", "2")
     keep(store, request, "1", slice_of("1"))
     keep(store, request, "2", {"l1": "2", "error": {"type": "solver-error", "detail": "no"}})
-    good, bad = store.slice_keys(request, request.l1)
+    good, bad = store.slice_keys(request, request.parts)
     assert 990 < redis.ttl(good) <= 1000
     assert 0 < redis.ttl(bad) <= 10
     assert set(store.get_slices(request)) == {"1", "2"}
@@ -48,8 +47,8 @@ def test_another_question_has_other_results(redis: Redis) -> None:
     store = ResultStore(redis)
     request = a_request("1")
     keep(store, request, "1", slice_of("1"))
-    assert store.get_slices(replace(request, fixed_leg=2)) == {}
-    assert store.get_slices(replace(request, digits=40)) == {}
+    assert store.get_slices(a_request("1", fixed_leg=2)) == {}
+    assert store.get_slices(a_request("1", digits=40)) == {}
 
 
 def test_more_digits_serve_fewer(redis: Redis) -> None:
@@ -62,7 +61,7 @@ def test_more_digits_serve_fewer(redis: Redis) -> None:
     assert store.get_slices(short) == {"14.98": expected}
 
     store.renew_slices(short, store.get_slices(short))
-    redis.delete(*store.slice_keys(long, long.l1))
+    redis.delete(*store.slice_keys(long, long.parts))
     assert store.get_slices(short) == {"14.98": expected}
 
 
@@ -70,7 +69,7 @@ def test_held_slices_last_as_long_as_new_ones(redis: Redis) -> None:
     store = ResultStore(redis)
     request = a_request("1")
     keep(store, request, "1", slice_of("1"))
-    key = store.slice_keys(request, request.l1)[0]
+    key = store.slice_keys(request, request.parts)[0]
     redis.expire(key, 5)
     store.renew_slices(request, store.get_slices(request))
     assert redis.ttl(key) > 1000

@@ -10,7 +10,7 @@ import pytest
 from redis import Redis
 
 from tests.support.jobs import a_request
-from worker import JobQueue, TableRequest, WorkerSettings
+from worker import JobQueue, JobRequest, WorkerSettings
 from worker.jobs.records import ChunkEntry, ChunkRef
 from worker.jobs.sweeper import Sweeper
 
@@ -23,7 +23,7 @@ def work(queue: JobQueue, ref: ChunkRef, slices: int = 100, *, error: str = "") 
     """Do what a worker does with a chunk, or with the first slices of it."""
     chunk = queue.records.start(ref)
     assert chunk is not None
-    for offset, l1 in enumerate(chunk.l1[:slices]):
+    for offset, l1 in enumerate(chunk.parts[:slices]):
         value: dict[str, object] = {"l1": l1, "count": 0, "cusps": []}
         if l1 == error:
             value = {"l1": l1, "error": {"type": "solver-error", "detail": "undecided"}}
@@ -39,7 +39,7 @@ def entry(queue: JobQueue, index: int = 0) -> ChunkEntry:
     return next(e for e in queue.records.open_chunks() if e.ref.index == index)
 
 
-def test_from_queued_to_succeeded(queue: JobQueue, table_request: TableRequest) -> None:
+def test_from_queued_to_succeeded(queue: JobQueue, table_request: JobRequest) -> None:
     view = queue.submit(table_request)
     assert (view.id, view.status, view.done, view.total) == (table_request.job_id, "queued", 0, 5)
     assert view.created_at.endswith("Z")
@@ -61,9 +61,9 @@ def test_from_queued_to_succeeded(queue: JobQueue, table_request: TableRequest) 
     assert (done.status, done.done, done.total) == ("succeeded", 5, 5)
     assert done.created_at <= (done.started_at or "") <= (done.finished_at or "")
     table = queue.result(view.id)
-    assert table == queue.table(table_request)
+    assert table == queue.known(table_request)
     assert table is not None
-    assert [s["l1"] for s in table["slices"]] == list(table_request.l1)
+    assert [s["l1"] for s in table["slices"]] == list(table_request.parts)
 
 
 def test_unknown_job(queue: JobQueue) -> None:
@@ -71,7 +71,7 @@ def test_unknown_job(queue: JobQueue) -> None:
 
 
 def test_the_same_at_once_is_one_job(
-    redis: Redis, settings: WorkerSettings, table_request: TableRequest
+    redis: Redis, settings: WorkerSettings, table_request: JobRequest
 ) -> None:
     queues = [JobQueue(redis, settings) for _ in range(8)]
     with ThreadPoolExecutor(8) as pool:
@@ -80,7 +80,7 @@ def test_the_same_at_once_is_one_job(
     assert queues[0].depth() == 2
 
 
-def test_only_missing_slices_are_computed(queue: JobQueue, table_request: TableRequest) -> None:
+def test_only_missing_slices_are_computed(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     finish(queue)
     view = queue.submit(a_request("4", "5", "6", "7"))
@@ -88,10 +88,10 @@ def test_only_missing_slices_are_computed(queue: JobQueue, table_request: TableR
     (ref,) = refs(queue)
     chunk = queue.records.start(ref)
     assert chunk is not None
-    assert chunk.l1 == ("6", "7")
+    assert chunk.parts == ("6", "7")
 
 
-def test_all_known_is_done_at_once(queue: JobQueue, table_request: TableRequest) -> None:
+def test_all_known_is_done_at_once(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     finish(queue)
     view = queue.submit(a_request("2", "1"))
@@ -100,9 +100,7 @@ def test_all_known_is_done_at_once(queue: JobQueue, table_request: TableRequest)
     assert queue.result(view.id) is not None
 
 
-def test_a_succeeded_job_is_joined_while_its_results_last(
-    queue: JobQueue, table_request: TableRequest
-) -> None:
+def test_a_succeeded_job_is_joined_while_its_results_last(queue: JobQueue, table_request: JobRequest) -> None:
     first = queue.submit(table_request)
     finish(queue)
     assert queue.submit(table_request).run == first.run
@@ -112,7 +110,7 @@ def test_a_succeeded_job_is_joined_while_its_results_last(
     assert (again.run != first.run, again.status, again.done) == (True, "queued", 4)
 
 
-def test_a_failed_job_is_replaced(queue: JobQueue, table_request: TableRequest) -> None:
+def test_a_failed_job_is_replaced(queue: JobQueue, table_request: JobRequest) -> None:
     first = queue.submit(table_request)
     ref = refs(queue)[0]
     work(queue, ref, 1)
@@ -130,9 +128,7 @@ def test_a_failed_job_is_replaced(queue: JobQueue, table_request: TableRequest) 
     assert done.status == "succeeded"
 
 
-def test_a_canceled_job_stays_canceled_until_asked_again(
-    queue: JobQueue, table_request: TableRequest
-) -> None:
+def test_a_canceled_job_stays_canceled_until_asked_again(queue: JobQueue, table_request: JobRequest) -> None:
     first = queue.submit(table_request)
     stale = refs(queue)
     view = queue.cancel(first.id)
@@ -147,7 +143,7 @@ def test_a_canceled_job_stays_canceled_until_asked_again(
     assert queue.result(first.id) is not None
 
 
-def test_what_comes_late_changes_nothing(queue: JobQueue, table_request: TableRequest) -> None:
+def test_what_comes_late_changes_nothing(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     old = refs(queue)[0]
     chunk = queue.records.start(old)
@@ -163,7 +159,7 @@ def test_what_comes_late_changes_nothing(queue: JobQueue, table_request: TableRe
     assert "1" in queue.store.get_slices(table_request)  # a true result is not thrown away
 
 
-def test_a_slice_that_fails_does_not_spoil_the_others(queue: JobQueue, table_request: TableRequest) -> None:
+def test_a_slice_that_fails_does_not_spoil_the_others(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     first, second = refs(queue)
     work(queue, first, error="2")
@@ -174,11 +170,11 @@ def test_a_slice_that_fails_does_not_spoil_the_others(queue: JobQueue, table_req
     # the error leaves the store soon; the job that saw it keeps it, and the next one tries again
     queue.redis.delete(*queue.store.slice_keys(table_request, ["2"]))
     assert queue.result(table_request.job_id) == table
-    assert queue.table(table_request) is None
+    assert queue.known(table_request) is None
     assert queue.submit(table_request).done == 4
 
 
-def test_a_slice_is_counted_once(queue: JobQueue, table_request: TableRequest) -> None:
+def test_a_slice_is_counted_once(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     first = refs(queue)[0]
     work(queue, first, 2)
@@ -191,7 +187,7 @@ def test_a_slice_is_counted_once(queue: JobQueue, table_request: TableRequest) -
     assert view.done == 3
 
 
-def test_a_chunk_that_nobody_has_is_put_back(queue: JobQueue, table_request: TableRequest) -> None:
+def test_a_chunk_that_nobody_has_is_put_back(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     queue.redis.delete(queue.chunks.bulk.key)
     sweeper = Sweeper(queue.redis, queue.settings)
@@ -217,7 +213,7 @@ def test_a_chunk_with_a_sign_of_life_is_left_alone(queue: JobQueue) -> None:
         assert sweeper.sweep() == 0
 
 
-def test_a_chunk_lost_too_often_fails_its_job(queue: JobQueue, table_request: TableRequest) -> None:
+def test_a_chunk_lost_too_often_fails_its_job(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     sweeper = Sweeper(queue.redis, queue.settings)
     for _ in range(2 * queue.settings.max_losses + 2):

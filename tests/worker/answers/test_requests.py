@@ -1,0 +1,122 @@
+"""Requests: canonical, named by their content, and kept in Redis."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+import rpr_solver
+from rpr_solver import EXAMPLES
+from worker import JobRequest
+from worker.answers import article, censuses, checks, curves, poses, requests, tables
+from worker.answers.kinds import COMPUTATIONS, KINDS, kind_of_job, request_from_json
+
+GEOMETRY = EXAMPLES["innocenti"].to_json()
+
+OF_VERSION_2 = {
+    "ct-94612320235d97a2778f4b3771589f397e15f69f": JobRequest(
+        tables.KIND, {"geometry": GEOMETRY, "fixed_leg": 2, "digits": 30, "l1": ["14.98", "27", "1/3"]}
+    ),
+    "at-d63b043f56092d4104453e145f40955e082a8e16": JobRequest(
+        article.KIND, {"geometry": GEOMETRY, "l1": ["14.98", "27"], "digits": 30}
+    ),
+    "po-bfbaa4adbf4641df505db06aebea24f98bb242e5": JobRequest(
+        poses.KIND, {"geometry": GEOMETRY, "l1": "14.98", "l2": "15", "l3": "30.5", "digits": 20}
+    ),
+    "ce-1679db5350ac2f86d75f9a981219198589feaf3d": JobRequest(
+        censuses.KIND,
+        {"geometry": GEOMETRY, "fixed_leg": 3, "digits": 30, "range": {"from": "28", "to": "31"}},
+    ),
+    "ch-e76414571dc59287436735be81e3ca2026362507": JobRequest(
+        checks.KIND,
+        {
+            "geometry": GEOMETRY,
+            "requirement": {
+                "fixed_leg": 1,
+                "range": {"from": "28", "to": "31"},
+                "max_cusps": 8,
+                "min_cusps": None,
+                "limits": {"l2": {"min": "5", "max": None}},
+            },
+            "digits": 30,
+        },
+    ),
+    "cc-071c3b28117cc36ca08634ef2a4021e9ce90dbfa": JobRequest(
+        curves.KIND,
+        {
+            "geometry": GEOMETRY,
+            "fixed_leg": 1,
+            "digits": 15,
+            "range": {"from": "0", "to": "29"},
+            "lengths": ["27", "28"],
+            "samples": 4,
+        },
+    ),
+}
+"""A request of each kind under the id of its job with version 2 of the solver, wherever it is posted."""
+
+
+@pytest.fixture
+def _version_2(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(requests, "SOLVER_VERSION", "2")
+
+
+@pytest.mark.usefixtures("_version_2")
+@pytest.mark.parametrize("job_id", OF_VERSION_2)
+def test_the_id_of_a_job_never_changes(job_id: str) -> None:
+    request = JobRequest(OF_VERSION_2[job_id].kind, dict(reversed(OF_VERSION_2[job_id].content.items())))
+    assert request.job_id == job_id
+    assert kind_of_job(job_id) == request.kind
+    assert request.content_hash.startswith(job_id[3:])
+
+
+def test_each_kind_is_pinned_and_can_be_answered() -> None:
+    assert {request.kind for request in OF_VERSION_2.values()} == set(KINDS)
+    assert len({kind.prefix for kind in KINDS}) == len({kind.name for kind in KINDS}) == len(KINDS)
+    assert {kind for kind in KINDS if not kind.by_slices} == set(COMPUTATIONS)
+    assert kind_of_job("xx-1") is None
+
+
+@pytest.mark.parametrize("request_", OF_VERSION_2.values(), ids=OF_VERSION_2)
+def test_json_and_back(request_: JobRequest) -> None:
+    assert request_from_json(request_.to_json()) == request_
+    assert hash(request_from_json(request_.to_json())) == hash(request_)
+
+
+def test_records_of_tables_of_version_0_1_0_can_be_read() -> None:
+    request = OF_VERSION_2["ct-94612320235d97a2778f4b3771589f397e15f69f"]
+    old = {**request.content, "geometry_hash": EXAMPLES["innocenti"].geometry_hash}
+    assert request_from_json(json.dumps(old)) == request
+
+
+def test_a_geometry_is_hashed_without_reading_its_numbers() -> None:
+    for manipulator in EXAMPLES.values():
+        turned = dict(reversed(manipulator.to_json().items()))
+        request = JobRequest(poses.KIND, {"geometry": turned})
+        assert request.geometry_hash == manipulator.geometry_hash
+        assert request.manipulator == manipulator
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"geometry": EXAMPLES["zein-flat"].to_json()},
+        {"fixed_leg": 2},
+        {"digits": 91},
+        {"l1": ["1"]},
+        {"l1": ["2", "1"]},
+    ],
+)
+def test_every_member_changes_the_id(change: dict[str, Any]) -> None:
+    content = {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 90, "l1": ["1", "2"]}
+    assert JobRequest(tables.KIND, content | change).job_id != JobRequest(tables.KIND, content).job_id
+
+
+def test_another_version_of_the_solver_has_other_ids(monkeypatch: pytest.MonkeyPatch) -> None:
+    job_ids = {JobRequest(request.kind, request.content).job_id for request in OF_VERSION_2.values()}
+    monkeypatch.setattr(requests, "SOLVER_VERSION", rpr_solver.SOLVER_VERSION + "x")
+    assert job_ids.isdisjoint(
+        JobRequest(request.kind, request.content).job_id for request in OF_VERSION_2.values()
+    )
