@@ -6,12 +6,11 @@ import argparse
 import os
 import sys
 
-from rpr_solver.errors import InputError
 from worker.process.worker import WorkerError, run_worker
 
 DESCRIPTION, EXAMPLES = __doc__, None
 
-FAILED = 1
+FAILED, BAD_INPUT = 1, 2
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -22,14 +21,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     if args.redis_url is None:
-        raise InputError.of(
-            "--redis-url", "is missing; give the address of the queue, for example redis://127.0.0.1:6379/0"
+        return _fail(
+            "--redis-url is missing; give the address of the queue, for example redis://127.0.0.1:6379/0",
+            BAD_INPUT,
         )
     try:
         return run_worker(str(args.redis_url))
     except WorkerError as error:
-        print(f"rpr-cusps worker: {error}", file=sys.stderr)
-        return FAILED
+        return _fail(str(error), FAILED)
 
 
 def add_redis_url(parser: argparse.ArgumentParser, text: str) -> None:
@@ -43,6 +42,11 @@ def add_redis_url(parser: argparse.ArgumentParser, text: str) -> None:
         metavar="URL",
         help=f"{text}; also RPR_CUSPS_REDIS_URL",
     )
+
+
+def _fail(message: str, status: int) -> int:
+    print(f"rpr-cusps worker: {message}", file=sys.stderr)
+    return status
 
 
 def _redis_url(text: str) -> str:
