@@ -23,6 +23,7 @@ from service.schemas.questions import GeometryField, Question
 
 Q = TypeVar("Q", bound=Question)
 
+_FIXED_LEG: TypeAdapter[int] = TypeAdapter(FixedLeg)
 _MANIPULATOR: TypeAdapter[Manipulator] = TypeAdapter(GeometryField)
 
 MAX_LOCAL_SLICES = 1_000_000
@@ -81,22 +82,21 @@ def add_ranges(parser: argparse.ArgumentParser, text: str, form: str = "A:B") ->
     )
 
 
-def options_source(names: Mapping[str, str] | None = None, **limits: int) -> Source:
-    """The command line as a source: every value is text, and members are called by their options."""
-    return Source(Limits(**limits), names or {}, is_text=True)
+def source(names: Mapping[str, str] | None = None) -> Source:
+    """The command line as a source: every value is text, members are called by their options, and slices are
+    bounded only by the time that they take here."""
+    limits = Limits(max_slices=MAX_LOCAL_SLICES, max_article_slices=MAX_LOCAL_SLICES)
+    return Source(limits, names or {}, is_text=True)
 
 
-def ask(
-    model: type[Q], args: argparse.Namespace, values: Mapping[str, object], source: Source | None = None
-) -> Q:
+def ask(model: type[Q], args: argparse.Namespace, members: Mapping[str, object], origin: Source) -> Q:
     """The question that the options make; what is None was not given.
 
     Raises:
         InputError: naming the options, and the members of the geometry, at fault.
     """
-    members = {"geometry": geometry_of(args.geometry), "digits": args.digits, **values}
-    given = {name: value for name, value in members.items() if value is not None}
-    return read(model, given, source or options_source())
+    members = {"geometry": geometry_of(args.geometry), "digits": args.digits, **members}
+    return read(model, {name: value for name, value in members.items() if value is not None}, origin)
 
 
 def geometry_of(name: str) -> object:
@@ -116,18 +116,17 @@ def geometry_of(name: str) -> object:
         raise InputError.of("GEOMETRY", f"in {name!r}: {error.detail}") from None
 
 
-def fixed_leg_of(text: str, source: Source) -> int:
+def fixed_leg_of(text: str) -> int:
     """The leg that `--fixed-leg` names."""
     with named("fixed_leg"):
-        leg: int = part(TypeAdapter(FixedLeg).validate_python, text, source)
-    return leg
+        return part(_FIXED_LEG.validate_python, text, source())
 
 
-def leg_and_range(args: argparse.Namespace, source: Source) -> tuple[int, dict[str, str | None], str]:
+def leg_and_range(args: argparse.Namespace) -> tuple[int, dict[str, str | None], str]:
     """`--fixed-leg` and the one range, whose option implies the leg; and the name of that option."""
     if len(args.ranges) > 1:
         raise InputError.of(args.ranges[1][0], "is one range too many; give one")
-    leg = None if args.fixed_leg is None else fixed_leg_of(args.fixed_leg, source)
+    leg = None if args.fixed_leg is None else fixed_leg_of(args.fixed_leg)
     if not args.ranges:
         return leg or 1, {}, "range"
     [(option, text)] = args.ranges
@@ -137,13 +136,14 @@ def leg_and_range(args: argparse.Namespace, source: Source) -> tuple[int, dict[s
         return int(option[3]), split_ends(text), option
 
 
-def range_values(text: str, option: str, source: Source) -> tuple[Fraction, ...]:
+def range_values(text: str, option: str, origin: Source) -> tuple[Fraction, ...]:
     """The lengths of `START:STOP:STEP`."""
     with named(option):
-        return part(SliceRange.model_validate, split_range(text), source).values(source.limits)
+        return part(SliceRange.model_validate, split_range(text), origin).values(origin.limits)
 
 
-def manipulator_of(geometry: object, source: Source) -> Manipulator:
-    """Read a geometry by itself."""
+def manipulator_of(name: str) -> Manipulator:
+    """A manipulator by itself, built in or read."""
+    geometry = geometry_of(name)
     with named("geometry"):
-        return part(_MANIPULATOR.validate_python, geometry, source)
+        return part(_MANIPULATOR.validate_python, geometry, source())

@@ -8,20 +8,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import rpr_solver
-from service.cli.arguments import (
-    GEOMETRY,
-    add_digits,
-    add_format,
-    add_geometry,
-    add_ranges,
-    ask,
-    leg_and_range,
-    options_source,
-)
+from service.cli import arguments
 from service.cli.pages import Page, Progress, Section, about, counted, rows_of, write_document
 from service.schemas.census import CensusRequest
 
-DESCRIPTION = f"{__doc__}\n\n{GEOMETRY}"
+DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
 examples:
   rpr-cusps census innocenti --digits 20
@@ -32,17 +23,17 @@ examples:
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    add_geometry(parser)
-    add_ranges(parser, "the lengths of interest; either end may be left out (default: all)")
-    add_digits(parser, 90)
-    add_format(parser, csv=True)
+    arguments.add_geometry(parser)
+    arguments.add_ranges(parser, "the lengths of interest; either end may be left out (default: all)")
+    arguments.add_digits(parser, 90)
+    arguments.add_format(parser, csv=True)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    leg, ends, option = leg_and_range(args, options_source())
-    source = options_source({"range": option})
-    question = ask(CensusRequest, args, {"fixed_leg": leg, "range": ends}, source)
+    leg, ends, option = arguments.leg_and_range(args)
+    origin = arguments.source({"range": option})
+    question = arguments.ask(CensusRequest, args, {"fixed_leg": leg, "range": ends}, origin)
     start, stop = question.range.ends
     with Progress(1, "steps") as progress:
         document = rpr_solver.census(

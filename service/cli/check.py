@@ -23,17 +23,7 @@ import rpr_solver
 from rpr_solver import EXAMPLES as MANIPULATORS
 from rpr_solver import Manipulator, Requirement
 from rpr_solver.errors import InputError, SolverError
-from service.cli.arguments import (
-    GEOMETRY,
-    add_digits,
-    add_format,
-    add_options,
-    add_ranges,
-    geometry_of,
-    leg_and_range,
-    manipulator_of,
-    options_source,
-)
+from service.cli import arguments
 from service.cli.check_reports import Outcome, document, github_annotations, junit_xml, page
 from service.cli.pages import Progress, write_document
 from service.schemas.checks import CHECK_DIGITS, RequirementDocument
@@ -43,7 +33,7 @@ from service.schemas.numbers import Digits, whole_number
 
 DESCRIPTION = f"""{__doc__}
 
-{GEOMETRY}
+{arguments.GEOMETRY}
 
 Exit status: 0 all pass, 1 some requirement is violated or could not be decided, 2 bad input."""
 EXAMPLES = """\
@@ -64,14 +54,17 @@ OnProgress = Callable[[int, int], None]
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument(
-        "geometry", metavar="GEOMETRY", nargs="+", help="a JSON file, a folder, -, or a built-in name"
+        "geometry",
+        metavar="arguments.GEOMETRY",
+        nargs="+",
+        help="a JSON file, a folder, -, or a built-in name",
     )
-    add_ranges(parser, "the lengths to check; either end may be left out")
+    arguments.add_ranges(parser, "the lengths to check; either end may be left out")
     parser.add_argument("--max-cusps", metavar="N", help="at most so many in every slice; 0: free of cusps")
     parser.add_argument("--min-cusps", metavar="N", help="at least so many in every slice")
-    add_options(parser, "--l{}-limits", "limits", "A:B", "lengths that another leg can have")
-    add_digits(parser, CHECK_DIGITS)
-    add_format(parser)
+    arguments.add_options(parser, "--l{}-limits", "limits", "A:B", "lengths that another leg can have")
+    arguments.add_digits(parser, CHECK_DIGITS)
+    arguments.add_format(parser)
     parser.add_argument("--junit", metavar="FILE", help="write JUnit XML, a test case for each geometry")
     parser.add_argument(
         "--github", action="store_true", help="print GitHub annotations (always done on GitHub Actions)"
@@ -84,7 +77,7 @@ def run(args: argparse.Namespace) -> int:
     digits = CHECK_DIGITS
     if args.digits is not None:
         with named("digits"):
-            digits = part(TypeAdapter(Digits).validate_python, args.digits, options_source())
+            digits = part(TypeAdapter(Digits).validate_python, args.digits, arguments.source())
     requirement = _requirement(args)
     jobs = _jobs(args.jobs)
     sources = list(expand(args.geometry))
@@ -100,7 +93,7 @@ def _requirement(args: argparse.Namespace) -> Requirement:
         raise InputError.of(
             "--l1-range", "is missing; give the lengths to check, for example --l1-range 10:20"
         )
-    leg, ends, option = leg_and_range(args, options_source())
+    leg, ends, option = arguments.leg_and_range(args)
     if args.max_cusps is None and args.min_cusps is None:
         raise InputError.of("--max-cusps", "is missing; give --max-cusps or --min-cusps")
     names = {"range": option, "max_cusps": "--max-cusps", "min_cusps": "--min-cusps"}
@@ -121,7 +114,7 @@ def _requirement(args: argparse.Namespace) -> Requirement:
         "min_cusps": args.min_cusps,
         "limits": limits,
     }
-    return read(RequirementDocument, members, options_source(names)).requirement
+    return read(RequirementDocument, members, arguments.source(names)).requirement
 
 
 def _jobs(text: str | None) -> int:
@@ -142,7 +135,7 @@ def expand(sources: Sequence[str]) -> Iterator[str]:
         InputError: a folder without any, or standard input given twice.
     """
     if sources.count("-") > 1:
-        raise InputError.of("GEOMETRY", "is - twice; standard input can be read once")
+        raise InputError.of("arguments.GEOMETRY", "is - twice; standard input can be read once")
     for source in sources:
         folder = Path(source)
         if source in MANIPULATORS or source == "-" or not folder.is_dir():
@@ -150,7 +143,7 @@ def expand(sources: Sequence[str]) -> Iterator[str]:
             continue
         files = sorted(path for path in folder.iterdir() if path.suffix == ".json" and path.is_file())
         if not files:
-            raise InputError.of("GEOMETRY", f"the folder {source!r} has no *.json")
+            raise InputError.of("arguments.GEOMETRY", f"the folder {source!r} has no *.json")
         yield from map(str, files)
 
 
@@ -160,7 +153,7 @@ def _check_all(sources: Sequence[str], requirement: Requirement, digits: int, jo
     names = [os.fsencode(source).decode("utf-8", "replace") for source in sources]  # a file's may be anything
     for i, source in enumerate(sources):
         try:
-            manipulators[i] = manipulator_of(geometry_of(source), options_source())
+            manipulators[i] = arguments.manipulator_of(source)
         except InputError as error:
             outcomes[i] = Outcome(names[i], error={"type": "input-error", "detail": str(error)})
     single = len(sources) == 1

@@ -10,23 +10,11 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.errors import InputError
-from service.cli.arguments import (
-    GEOMETRY,
-    MAX_LOCAL_SLICES,
-    add_digits,
-    add_format,
-    add_geometry,
-    add_options,
-    add_ranges,
-    ask,
-    leg_and_range,
-    options_source,
-    range_values,
-)
+from service.cli import arguments
 from service.cli.pages import Page, Progress, Section, about, counted, rows_of, write_document
 from service.schemas.curves import CuspCurvesRequest
 
-DESCRIPTION = f"{__doc__}\n\n{GEOMETRY}"
+DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
 examples:
   rpr-cusps curves innocenti --digits 15
@@ -37,59 +25,53 @@ examples:
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    add_geometry(parser)
-    add_ranges(
+    arguments.add_geometry(parser)
+    arguments.add_ranges(
         parser, "the lengths of interest (default: all); with a step, also those of points", "A:B[:STEP]"
     )
-    add_options(parser, "--l{}", "lengths", "X", "a length of points; may be given often")
+    arguments.add_options(parser, "--l{}", "lengths", "X", "a length of points; may be given often")
     parser.add_argument(
         "--samples", metavar="N", help="N points of each curve in every interval between transitions"
     )
-    add_digits(parser, 90)
-    add_format(parser, csv=True)
+    arguments.add_digits(parser, 90)
+    arguments.add_format(parser, csv=True)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
     with Progress(1, "steps") as progress:
-        document = (
-            rpr_solver.cusp_curves(
-                question.geometry,
-                fixed_leg=question.fixed_leg,
-                digits=question.digits,
-                progress=progress.update,
-            )
-            .part(
-                *question.range.ends,
-                lengths=question.slices,
-                samples=question.samples,
-                progress=progress.update,
-            )
-            .to_json()
+        whole = rpr_solver.cusp_curves(
+            question.geometry,
+            fixed_leg=question.fixed_leg,
+            digits=question.digits,
+            progress=progress.update,
         )
+        start, stop = question.range.ends
+        lengths, samples = question.slices, question.samples
+        part = whole.part(start, stop, lengths=lengths, samples=samples, progress=progress.update)
+    document = part.to_json()
     has_points = bool(question.slices or question.samples)
     write_document(document, _page(document, has_points), args.format, csv=rpr_solver.curves_csv)
     return 0
 
 
 def _question(args: argparse.Namespace) -> CuspCurvesRequest:
-    source = options_source(max_slices=MAX_LOCAL_SLICES)
     lengths: list[object] = []
     if len(args.ranges) == 1 and args.ranges[0][1].count(":") == 2:
         [(option, text)] = args.ranges
-        lengths += range_values(text, option, source)
+        lengths += arguments.range_values(text, option, arguments.source())
         args.ranges = [(option, text.rpartition(":")[0])]
     if args.fixed_leg is None and args.lengths:
         args.fixed_leg = args.lengths[0][0][3]
-    leg, ends, range_option = leg_and_range(args, source)
+    leg, ends, range_option = arguments.leg_and_range(args)
     for option, text in args.lengths:
         if option != f"--l{leg}":
             raise InputError.of(option, f"with fixed leg {leg} the lengths are --l{leg}")
         lengths.append(text)
     names = {"range": range_option, f"l{leg}": f"--l{leg}" if args.lengths else range_option}
-    values = {"fixed_leg": leg, "range": ends, f"l{leg}": lengths or None, "samples": args.samples}
-    return ask(CuspCurvesRequest, args, values, options_source(names, max_slices=MAX_LOCAL_SLICES))
+    members = {"fixed_leg": leg, "range": ends, f"l{leg}": lengths or None, "samples": args.samples}
+    return arguments.ask(CuspCurvesRequest, args, members, arguments.source(names))
 
 
 def _page(document: Mapping[str, Any], has_points: bool) -> Page:

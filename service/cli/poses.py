@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import rpr_solver
-from service.cli.arguments import GEOMETRY, LEGS, add_digits, add_format, add_geometry, ask, options_source
+from service.cli import arguments
 from service.cli.pages import Page, Section, about, counted, rows_of, write_document
 from service.schemas.poses import PosesRequest
 
-DESCRIPTION = f"{__doc__}\n\n{GEOMETRY}"
+DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
 examples:
   rpr-cusps poses innocenti --l1 14.98 --l2 15 --l3 30
@@ -24,18 +24,18 @@ _KEYS = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y", 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    add_geometry(parser)
-    for leg in LEGS:
+    arguments.add_geometry(parser)
+    for leg in arguments.LEGS:
         parser.add_argument(f"--l{leg}", required=True, metavar="X", help=f"length of leg {leg}")
-    add_digits(parser, 90)
-    add_format(parser)
+    arguments.add_digits(parser, 90)
+    arguments.add_format(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    names = {f"l{leg}": f"--l{leg}" for leg in LEGS}
+    names = {f"l{leg}": f"--l{leg}" for leg in arguments.LEGS}
     lengths = {name: getattr(args, name) for name in names}
-    question = ask(PosesRequest, args, lengths, options_source(names))
+    question = arguments.ask(PosesRequest, args, lengths, arguments.source(names))
     legs = question.l1, question.l2, question.l3
     table = rpr_solver.poses(question.geometry, *legs, digits=question.digits).to_json()
     write_document(table, _page(table), args.format)
@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _page(table: Mapping[str, Any]) -> Page:
-    legs = ", ".join(f"L{i} = {table[f'l{i}']}" for i in LEGS)
+    legs = ", ".join(f"L{i} = {table[f'l{i}']}" for i in arguments.LEGS)
     title = f"{legs}: {counted(table['count'], 'pose')}"
     if table["count"] != table["count_with_multiplicity"]:
         title += f", {table['count_with_multiplicity']} with multiplicity"

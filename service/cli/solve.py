@@ -11,24 +11,13 @@ from typing import Any
 import rpr_solver
 from rpr_solver.article.audit import article_document
 from rpr_solver.errors import InputError, SolverError
-from service.cli.arguments import (
-    GEOMETRY,
-    MAX_LOCAL_SLICES,
-    add_digits,
-    add_format,
-    add_geometry,
-    add_options,
-    ask,
-    fixed_leg_of,
-    options_source,
-    range_values,
-)
+from service.cli import arguments
 from service.cli.pages import Progress, failures, write_table
 from service.client import ServiceClient
 from service.errors import ServiceError
 from service.schemas.tables import ARTICLE, METHODS, CuspTableRequest
 
-DESCRIPTION = f"{__doc__}\n\n{GEOMETRY}"
+DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
 examples:
   rpr-cusps solve innocenti --l1 14.98
@@ -43,20 +32,16 @@ On a terminal a table shows as many digits as fit; all of them are in every othe
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    add_geometry(parser)
-    add_options(parser, "--l{}", "slices", "X", "a slice; may be given often (--l2 with fixed leg 2, …)")
-    add_options(
-        parser,
-        "--l{}-range",
-        "slices",
-        "START:STOP:STEP",
-        "slices from START up to STOP, which is included when it is hit",
-    )
-    add_digits(parser, 90)
+    arguments.add_geometry(parser)
+    text = "a slice; may be given often (--l2 with fixed leg 2, …)"
+    arguments.add_options(parser, "--l{}", "slices", "X", text)
+    text = "slices from START up to STOP, which is included when it is hit"
+    arguments.add_options(parser, "--l{}-range", "slices", "START:STOP:STEP", text)
+    arguments.add_digits(parser, 90)
     parser.add_argument(
         "--fixed-leg", default="1", metavar="LEG", help="the leg with the fixed length (default: 1)"
     )
-    add_format(parser, csv=True)
+    arguments.add_format(parser, csv=True)
     parser.add_argument(
         "--method",
         choices=METHODS,
@@ -85,18 +70,18 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _question(args: argparse.Namespace) -> CuspTableRequest:
-    limits = {"max_slices": MAX_LOCAL_SLICES, "max_article_slices": MAX_LOCAL_SLICES}
-    leg = fixed_leg_of(args.fixed_leg, options_source())
+    leg = arguments.fixed_leg_of(args.fixed_leg)
     name = f"l{leg}"
-    source = options_source({name: f"--{name}"}, **limits)
+    origin = arguments.source({name: f"--{name}"})
     slices: list[object] = []
     for option, text in args.slices:
         if not option.startswith(f"--{name}"):
             raise InputError.of(option, f"with --fixed-leg {leg} the slices are --{name}")
-        slices += range_values(text, option, source) if option.endswith("-range") else [text]
+        slices += arguments.range_values(text, option, origin) if option.endswith("-range") else [text]
     if not slices:
         raise InputError.of(f"--{name}", f"is missing; give a slice, for example --{name} 14.98")
-    return ask(CuspTableRequest, args, {"fixed_leg": leg, name: slices, "method": args.method}, source)
+    members = {"fixed_leg": leg, name: slices, "method": args.method}
+    return arguments.ask(CuspTableRequest, args, members, origin)
 
 
 def _client(url: str) -> ServiceClient:
