@@ -55,7 +55,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument(
         "geometry",
-        metavar="arguments.GEOMETRY",
+        metavar="GEOMETRY",
         nargs="+",
         help="a JSON file, a folder, -, or a built-in name",
     )
