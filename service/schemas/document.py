@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import islice
 from typing import Any, ClassVar, Self, TypeVar, get_args
 
@@ -81,10 +82,10 @@ class Document(BaseModel):
             return value
         if not isinstance(value, Mapping):
             raise InputError.of("", f"is {json_kind(value)}; {cls.expected}")
-        errors: list[InputError] = [InputError([problem]) for problem in cls._problems_of_members(value)]
-        known = {name: value[name] for name in cls._members(value) if name in value}
+        known = cls._members(value)
+        errors = [InputError([problem]) for problem in cls._problems_of_members(value, known)]
         try:
-            document = handler(known)
+            document = handler({name: value[name] for name in known if name in value})
         except ValidationError as error:
             errors += (at(cause, place) for place, cause in cls._causes(error))
         if errors:
@@ -95,11 +96,15 @@ class Document(BaseModel):
     def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
         """The members that this object may have."""
         del value
+        return cls._names()
+
+    @classmethod
+    @cache
+    def _names(cls) -> Sequence[str]:
         return [info.alias or name for name, info in cls.model_fields.items()]
 
     @classmethod
-    def _problems_of_members(cls, value: Mapping[str, Any]) -> Iterator[FieldProblem]:
-        known = cls._members(value)
+    def _problems_of_members(cls, value: Mapping[str, Any], known: Sequence[str]) -> Iterator[FieldProblem]:
         for name in islice((name for name in value if name not in known), _LISTED):
             shown = name[:60].encode("utf-8", "backslashreplace").decode()
             yield FieldProblem(shown, f"unknown field; {cls._hint(name, known)}")

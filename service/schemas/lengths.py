@@ -17,6 +17,8 @@ from service.schemas.numbers import FIXED_LEGS, Exact, exact_number
 
 LEGS = ("l1", "l2", "l3")
 
+_LISTED = 50
+
 
 class SliceRange(Document):
     """The values start, start + step, …, up to stop, which is included when it is hit exactly."""
@@ -157,6 +159,8 @@ def _slices(value: object, info: ValidationInfo) -> tuple[Fraction, ...]:
             numbers.append(exact_number(item, info))
         except InputError as error:
             errors.append(at(error, f"[{i}]"))
+            if len(errors) == _LISTED:
+                break
     if errors:
         raise together(errors)
     return tuple(numbers)
@@ -193,19 +197,15 @@ class SlicesOfOneLeg(Document):
     @classmethod
     def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
         leg = _leg_of(value)
-        others = () if leg is None else [name for name in LEGS if name != f"l{leg}"]
-        return [name for name in super()._members(value) if name not in others]
+        return [name for name in cls._names() if leg is None or name not in LEGS or name == f"l{leg}"]
 
     @classmethod
-    def _problems_of_members(cls, value: Mapping[str, Any]) -> Iterator[FieldProblem]:
-        yield from super()._problems_of_members(value)
-        leg = _leg_of(value)
-        given = LEGS if leg is None else (f"l{leg}",)
-        if cls.needs_slices and not any(name in value for name in given):
-            yield FieldProblem(
-                given[0],
-                'is missing; give a number, a list of numbers, or {"start": …, "stop": …, "step": …}',
-            )
+    def _problems_of_members(cls, value: Mapping[str, Any], known: Sequence[str]) -> Iterator[FieldProblem]:
+        yield from super()._problems_of_members(value, known)
+        own = [name for name in LEGS if name in known]
+        if cls.needs_slices and not any(name in value for name in own):
+            hint = 'give a number, a list of numbers, or {"start": …, "stop": …, "step": …}'
+            yield FieldProblem(own[0], f"is missing; {hint}")
 
     @classmethod
     def _hint(cls, name: str, known: Sequence[str]) -> str:
