@@ -20,13 +20,13 @@ from typing import Any
 from pydantic import TypeAdapter
 
 import rpr_solver
+from rpr_solver import CHECK_DIGITS, Manipulator, Requirement
 from rpr_solver import EXAMPLES as MANIPULATORS
-from rpr_solver import Manipulator, Requirement
 from rpr_solver.errors import InputError, SolverError
 from service.cli import arguments
 from service.cli.check_reports import Outcome, document, github_annotations, junit_xml, page
 from service.cli.pages import Progress, write_document
-from service.schemas.checks import CHECK_DIGITS, RequirementDocument
+from service.schemas.checks import RequirementDocument
 from service.schemas.document import named, part, read
 from service.schemas.lengths import split_ends
 from service.schemas.numbers import Digits, whole_number

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
-from fractions import Fraction
 from typing import Any
 
 import rpr_solver
 from rpr_solver.article.audit import article_document
-from rpr_solver.errors import InputError, SolverError
+from rpr_solver.errors import InputError
 from service.cli import arguments
 from service.cli.pages import Progress, failures, write_table
 from service.client import ServiceClient
@@ -64,7 +62,10 @@ def run(args: argparse.Namespace) -> int:
         elif question.method == ARTICLE:
             table = article_document(question.geometry, slices, question.digits, progress.update)
         else:
-            table = _solve_here(question, slices, progress.update)
+            leg, digits = question.fixed_leg, question.digits
+            table = rpr_solver.table_document(
+                question.geometry, slices, fixed_leg=leg, digits=digits, progress=progress.update
+            )
     write_table(table, args.format)
     return report(table)
 
@@ -89,26 +90,6 @@ def _client(url: str) -> ServiceClient:
         return ServiceClient(url)
     except ServiceError as error:
         raise InputError.of("--url", str(error)) from None
-
-
-def _solve_here(
-    question: CuspTableRequest, slices: list[Fraction], on_progress: Callable[[int, int], None]
-) -> dict[str, Any]:
-    """Solve all slices in this process. A slice's failure is told in its place."""
-    on_progress(0, len(slices))
-    leg, digits = question.fixed_leg, question.digits
-    eliminant = rpr_solver.eliminate(question.geometry, leg)
-    solved: list[dict[str, Any]] = []
-    for value in slices:
-        try:
-            entry = rpr_solver.solve_slice(eliminant, value, digits).to_json()
-        except InputError as error:
-            entry = rpr_solver.slice_error_json(value, leg, "input-error", str(error))
-        except SolverError as error:
-            entry = rpr_solver.slice_error_json(value, leg, "solver-error", str(error))
-        solved.append(entry)
-        on_progress(len(solved), len(slices))
-    return rpr_solver.table_json(question.geometry, leg, digits, solved)
 
 
 def report(table: dict[str, Any]) -> int:

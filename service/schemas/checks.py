@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from rpr_solver import Requirement
+from rpr_solver import CHECK_DIGITS, Requirement
 from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.document import Document
 from service.schemas.lengths import Range, range_field
@@ -17,9 +17,6 @@ from service.schemas.points import Cusp, GeometryText, Interval, optional
 from service.schemas.questions import Examples, Question
 from worker.answers import checks
 from worker.answers.requests import Kind
-
-CHECK_DIGITS = 30
-"""Digits of a check's report when a request does not say."""
 
 
 class JointLimit(Document):

@@ -6,7 +6,8 @@ from fractions import Fraction
 from typing import Any
 
 from rpr_solver.article.audit import article_document
-from worker.answers.requests import JobRequest, Kind, Progress
+from rpr_solver.contract import Progress
+from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 
 KIND = Kind("article-table", "at-", unit="slices")

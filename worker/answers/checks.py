@@ -6,7 +6,8 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver import Requirement
-from worker.answers.requests import JobRequest, Kind, Progress
+from rpr_solver.contract import Progress
+from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 
 KIND = Kind("check", "ch-")

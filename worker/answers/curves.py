@@ -7,7 +7,8 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver import CuspCurves
-from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, Progress, content_range
+from rpr_solver.contract import Progress
+from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, content_range
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore
 

@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from rpr_solver.contract import Progress
 from worker.answers import article, censuses, checks, curves, poses, tables
-from worker.answers.requests import JobRequest, Kind, Progress
+from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 
 Document = dict[str, Any]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import rpr_solver
-from worker.answers.requests import JobRequest, Kind, Progress
+from rpr_solver.contract import Progress
+from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 
 KIND = Kind("poses", "po-")

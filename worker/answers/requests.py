@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -12,9 +12,6 @@ from typing import Any
 
 from rpr_solver import SOLVER_VERSION, Manipulator
 from rpr_solver.model.manipulator import hash_of_canonical
-
-Progress = Callable[[int, int], None]
-"""Callback `progress(done, total)` of a computation; `total` may grow."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +51,10 @@ class JobRequest:
     def geometry_hash(self) -> str:
         """The hash of the manipulator."""
         return hash_of_canonical(self.geometry)
+
+    def identity_json(self) -> dict[str, object]:
+        """The geometry and its hash, as the head of a document has them."""
+        return {"geometry": self.geometry, "geometry_hash": self.geometry_hash}
 
     @cached_property
     def manipulator(self) -> Manipulator:

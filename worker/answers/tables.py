@@ -9,7 +9,7 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver import Eliminant
-from rpr_solver.errors import InputError, SolverError
+from rpr_solver.contract import document_head
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore, SliceJson
@@ -29,14 +29,8 @@ def known(
     slices = {**store.get_slices(request, [x for x in request.parts if x not in errors]), **errors}
     if len(slices) < len(request.parts):
         return None
-    return {
-        "geometry": request.geometry,
-        "geometry_hash": request.geometry_hash,
-        "fixed_leg": request.fixed_leg,
-        "digits": request.digits,
-        "solver_version": rpr_solver.SOLVER_VERSION,
-        "slices": [slices[x] for x in request.parts],
-    }
+    head = document_head(request, request.digits, request.fixed_leg)
+    return {**head, "slices": [slices[x] for x in request.parts]}
 
 
 def missing(request: JobRequest, store: ResultStore) -> Sequence[str]:
@@ -59,16 +53,10 @@ def eliminant_of(request: JobRequest, store: ResultStore) -> Eliminant:
 
 def solve(eliminant: Eliminant, l1: str, request: JobRequest) -> SliceJson:
     """One slice. An error is reported in the slice's own entry; other slices are unaffected."""
-    value = Fraction(l1)
     try:
-        return rpr_solver.solve_slice(eliminant, value, request.digits).to_json()
-    except InputError as error:
-        kind, detail = "input-error", str(error)
-    except SolverError as error:
-        kind, detail = "solver-error", str(error)
+        return rpr_solver.slice_json(eliminant, Fraction(l1), request.digits)
     except MemoryError:
         raise
     except Exception:
         log.exception("slice l1=%s of %s failed", l1, request.geometry_hash)
-        kind, detail = "internal-error", INTERNAL
-    return rpr_solver.slice_error_json(value, request.fixed_leg, kind, detail)
+        return rpr_solver.slice_error_json(Fraction(l1), request.fixed_leg, "internal-error", INTERNAL)

@@ -11,9 +11,9 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from rpr_solver import Eliminant
+from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError, SolverError
 from worker.answers.kinds import compute, known_document
-from worker.answers.requests import Progress
 from worker.answers.store import ResultStore
 from worker.answers.tables import INTERNAL, eliminant_of, solve
 from worker.jobs.chunks import ChunkQueue
