@@ -114,7 +114,7 @@ def _requirement(args: argparse.Namespace) -> Requirement:
         "min_cusps": args.min_cusps,
         "limits": limits,
     }
-    return read(RequirementDocument, members, arguments.source(names)).requirement
+    return read(RequirementDocument, members, arguments.source(names)).to_requirement()
 
 
 def _jobs(text: str | None) -> int:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from rpr_solver import CHECK_DIGITS, Requirement
-from rpr_solver.errors import FieldProblem, InputError
-from service.schemas.document import Document
+from service.schemas.document import Document, unnamed
 from service.schemas.lengths import Range, range_field
 from service.schemas.numbers import Count, Digits, Exact, FixedLeg, digits_field
 from service.schemas.points import Cusp, GeometryText, Interval, optional
@@ -53,9 +51,8 @@ class RequirementDocument(Document):
         default=None, description="Only cusps strictly within these limits are counted."
     )
 
-    @cached_property
-    def requirement(self) -> Requirement:
-        """The requirement that is meant."""
+    def to_requirement(self) -> Requirement:
+        """The requirement as the solver takes it."""
         limits = {
             int(leg[1]): (limit.min, limit.max) for leg, limit in self.limits or () if limit is not None
         }
@@ -63,11 +60,8 @@ class RequirementDocument(Document):
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
-        try:
-            assert self.requirement
-        except InputError as error:
-            problems = [FieldProblem(p.field.removeprefix("requirement."), p.message) for p in error.problems]
-            raise InputError(problems) from None
+        with unnamed("requirement"):
+            self.to_requirement()
         return self
 
 
@@ -90,7 +84,7 @@ class CheckRequest(Question):
 
     def content(self) -> dict[str, Any]:
         """The question in canonical form."""
-        return {**self.model_dump(), "requirement": self.requirement.requirement.to_json()}
+        return {**self.model_dump(), "requirement": self.requirement.to_requirement().to_json()}
 
 
 class Example(BaseModel):

@@ -164,6 +164,15 @@ def named(option: str) -> Iterator[None]:
         raise at(error, option) from None
 
 
+@contextmanager
+def unnamed(member: str) -> Iterator[None]:
+    """Errors of the solver, which calls a member by its usual name, are told relative to it."""
+    try:
+        yield
+    except InputError as error:
+        raise renamed(error, lambda field: field.removeprefix(member).removeprefix(".")) from None
+
+
 def part(validate: Callable[..., T], value: object, source: Source) -> T:
     """Read a part of what was sent by a method of pydantic's; faults are named relative to it."""
     try:

@@ -10,8 +10,8 @@ from pydantic import BeforeValidator, Field, PlainValidator, ValidationInfo, mod
 
 from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.transitions.length_range import range_problems
-from service.schemas.document import Document, Source, at, part, together
+from rpr_solver.transitions.length_range import check_range
+from service.schemas.document import Document, Source, at, part, together, unnamed
 from service.schemas.limits import LimitError, Limits
 from service.schemas.numbers import FIXED_LEGS, Exact, exact_number
 
@@ -59,12 +59,8 @@ class OpenRange(Document):
 
     @model_validator(mode="after")
     def _is_not_empty(self) -> Self:
-        problems = [
-            FieldProblem(problem.field.removeprefix("."), problem.message)
-            for problem in range_problems(*self.ends, "")
-        ]
-        if problems:
-            raise InputError(problems)
+        with unnamed("range"):
+            check_range(*self.ends)
         return self
 
     @model_serializer

@@ -1,4 +1,8 @@
-"""What every question has: a manipulator; and the request that it makes."""
+"""What every question has: a manipulator; and the request that it makes.
+
+A new kind of document is a module here (its question and its answer), one in `worker.answers` with an entry
+in its `kinds`, an entry in `service.api.operations`, and a command in `service.cli` with its line in `main`.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo
 
 from rpr_solver import Manipulator
-from rpr_solver.errors import FieldProblem, InputError
-from service.schemas.document import Document, Expected, Source, part
+from service.schemas.document import Document, Expected, Source, part, unnamed
 from service.schemas.numbers import Exact
 from worker.answers.requests import JobRequest, Kind
 
@@ -41,11 +44,8 @@ def _manipulator(value: object, info: ValidationInfo) -> Manipulator:
     if isinstance(value, Manipulator):
         return value
     geometry = part(Geometry.model_validate, value, Source.of(info))
-    try:
+    with unnamed("geometry"):
         return Manipulator(**dict(geometry))
-    except InputError as error:
-        problems = [FieldProblem(p.field.removeprefix("geometry."), p.message) for p in error.problems]
-        raise InputError(problems) from None
 
 
 GeometryField = Annotated[
