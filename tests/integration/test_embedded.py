@@ -11,7 +11,7 @@ import pytest
 
 from service.stack.embedded_valkey import EmbeddedValkey, default_data_dir
 from service.stack.errors import EmbeddedError
-from tests.support.processes import ROOT, environment, is_running, until
+from tests.support.processes import environment, is_running, started, until
 from worker import connect
 
 HOLD = """
@@ -60,10 +60,8 @@ def test_a_data_directory_has_one_server(tmp_path: Path) -> None:
 
 
 def test_the_server_ends_with_its_owner(tmp_path: Path) -> None:
-    owner = subprocess.Popen(
-        [sys.executable, "-c", HOLD, str(tmp_path)], stdout=subprocess.PIPE, env=environment(), cwd=ROOT
-    )
-    with owner:
+    command = [sys.executable, "-c", HOLD, str(tmp_path)]
+    with started(command, stdout=subprocess.PIPE, env=environment()) as owner:
         assert owner.stdout is not None
         pid = int(owner.stdout.readline())
         owner.kill()

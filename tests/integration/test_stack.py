@@ -20,7 +20,15 @@ from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey, runtime_dir
 from tests.support.jobs import a_request, ended
-from tests.support.processes import ROOT, descendants, environment, is_running, until
+from tests.support.processes import (
+    PATIENCE,
+    completed,
+    descendants,
+    environment,
+    is_running,
+    started,
+    until,
+)
 from worker import JobQueue, WorkerSettings, connect
 
 SLOW = "tests.support.hard_tasks.slow_once"
@@ -72,25 +80,13 @@ def command(data: Path, *, port: int = 0, workers: int = 1, url: str = "") -> li
 
 @contextmanager
 def running(data: Path, *, workers: int = 1, url: str = "", **settings: object) -> Iterator[Stack]:
-    process = subprocess.Popen(
-        command(data, workers=workers, url=url),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=environment(**settings),
-        cwd=ROOT,
-    )
-    with process:
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with started(command(data, workers=workers, url=url), env=environment(**settings), **options) as process:
         try:
-            assert process.stdout is not None
             yield Stack(process, process.stdout.readline(), data)
         finally:
-            if process.poll() is None:
-                process.terminate()
-                try:
-                    process.wait(20)
-                except subprocess.TimeoutExpired:
-                    process.kill()
+            process.terminate()
+            process.wait(PATIENCE)
 
 
 def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
@@ -105,12 +101,12 @@ def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
         assert httpx.get(f"{stack.base}/healthz").status_code == 200
         body = {"geometry": dict(a_request("1").geometry), "l1": "14.98", "digits": 30}
         answer = httpx.post(
-            f"{stack.base}/v1/cusp-tables", json=body, headers={"Prefer": "wait=20"}, timeout=30
+            f"{stack.base}/v1/cusp-tables", json=body, headers={"Prefer": "wait=30"}, timeout=PATIENCE
         )
         assert answer.status_code == 200, answer.text
         assert answer.json()["slices"][0]["count"] == 6
         stack.process.send_signal(signal.SIGINT)
-        assert stack.process.wait(10) == 0
+        assert stack.process.wait(PATIENCE) == 0
         assert [pid for pid in parts if is_running(pid)] == []
         assert stack.process.stderr is not None
         assert stack.process.stderr.read() == ""
@@ -128,8 +124,8 @@ def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None
         until(lambda: len(stack.parts()) == 4)  # with the work horse
         parts = stack.parts()
         stack.process.send_signal(number)
-        assert stack.process.wait(10) == (0 if number == signal.SIGTERM else -number)
-        until(lambda: not any(is_running(pid) for pid in parts), seconds=5)
+        assert stack.process.wait(PATIENCE) == (0 if number == signal.SIGTERM else -number)
+        until(lambda: not any(is_running(pid) for pid in parts))
     # and nothing is lost either
     with running(tmp_path) as stack, stack.redis() as redis:
         done = ended(JobQueue(redis), view.id)
@@ -142,7 +138,7 @@ def test_queued_jobs_are_there_again(tmp_path: Path) -> None:
         for request in requests:
             JobQueue(redis).submit(request)
         stack.process.terminate()
-        assert stack.process.wait(10) == 0
+        assert stack.process.wait(PATIENCE) == 0
     with running(tmp_path, workers=2) as stack, stack.redis() as redis:
         for request in requests:
             done = ended(JobQueue(redis), request.job_id)
@@ -155,7 +151,7 @@ def test_a_second_signal_hurries(tmp_path: Path) -> None:
         JobQueue(redis, WorkerSettings(task="tests.support.hard_tasks.endless")).submit(a_request("1"))
         until(lambda: len(stack.parts()) == 3)
         parts = stack.parts()
-        until(lambda: stack.process.poll() is not None or stack.process.terminate(), seconds=10)
+        until(lambda: stack.process.poll() is not None or stack.process.terminate())
         assert stack.process.returncode == 0
         assert not any(is_running(pid) for pid in parts)
 
@@ -169,7 +165,7 @@ def test_a_dead_worker_is_replaced(tmp_path: Path) -> None:
         assert result.status == "succeeded"
         assert not is_running(worker)
         stack.process.terminate()
-        stack.process.wait(10)
+        stack.process.wait(PATIENCE)
         assert stack.process.stderr is not None
         assert stack.process.stderr.read() == "rpr-cusps serve: a worker ended (SIGKILL); starting another\n"
 
@@ -195,7 +191,7 @@ def test_with_a_server_of_ones_own(tmp_path: Path, valkey: EmbeddedValkey, redis
         done = ended(JobQueue(redis), JobQueue(redis).submit(a_request("1")).id)
         assert done.status == "succeeded"
         stack.process.terminate()
-        assert stack.process.wait(10) == 0
+        assert stack.process.wait(PATIENCE) == 0
     assert valkey.is_alive()
     assert not data.exists()
 
@@ -210,27 +206,19 @@ def test_clients_that_wait_do_not_hold_the_end(tmp_path: Path) -> None:
             f"{stack.base}/v1/cusp-tables",
             json=body,
             headers={"Prefer": "wait=30"},
-            timeout=60,
+            timeout=PATIENCE,
         )
-        with httpx.stream("GET", f"{stack.base}/v1/jobs/{view.id}/events", timeout=60) as events:
+        with httpx.stream("GET", f"{stack.base}/v1/jobs/{view.id}/events", timeout=PATIENCE) as events:
             assert next(events.iter_lines())
             stack.process.terminate()
-            assert stack.process.wait(10) == 0
-        wait([waiting], 10)  # answered or cut off, but not left alone
+            assert stack.process.wait(PATIENCE) == 0
+        wait([waiting], PATIENCE)  # answered or cut off, but not left alone
         assert stack.process.stderr is not None
         assert stack.process.stderr.read() == ""
 
 
-def failure(data: Path, environ: dict[str, str] | None = None, **options: object) -> str:
-    done = subprocess.run(
-        command(data, **options),  # type: ignore[arg-type]
-        env={**environment(), **(environ or {})},
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=20,
-        check=False,
-    )
+def failure(data: Path, settings: dict[str, object] | None = None, **options: object) -> str:
+    done = completed(command(data, **options), environment(**(settings or {})))  # type: ignore[arg-type]
     assert done.returncode == 1
     assert done.stdout == ""
     assert done.stderr.count("\n") == 1
@@ -257,5 +245,5 @@ def test_a_server_that_does_not_answer(tmp_path: Path) -> None:
 
 
 def test_a_setting_that_makes_no_sense(tmp_path: Path) -> None:
-    told = failure(tmp_path, {"RPR_CUSPS_DEADLINE": "-1"})
+    told = failure(tmp_path, {"deadline": -1})
     assert told.startswith("rpr-cusps serve: RPR_CUSPS_DEADLINE: ")

@@ -10,7 +10,7 @@ from redis import Redis
 from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.processes import until
+from tests.support.processes import PATIENCE, until
 from tests.support.service_server import serving
 from tests.support.valkey import valkey
 from worker import JobQueue, connect
@@ -43,7 +43,6 @@ def idle_url(valkey: EmbeddedValkey) -> Iterator[str]:
         max_digits=100,
         max_number_digits=30,
         max_body_bytes=2000,
-        max_wait_seconds=1,
     )
     with serving(Settings(redis_url=f"{valkey.url}?db=1", keepalive_seconds=0.3, limits=limits)) as url:
         yield url
@@ -58,14 +57,14 @@ def base_url(valkey: EmbeddedValkey, worker: None) -> Iterator[str]:  # noqa: AR
 @pytest.fixture
 def api(base_url: str) -> Iterator[httpx.Client]:
     """A client of a service with a worker."""
-    with httpx.Client(base_url=base_url, timeout=30) as client:
+    with httpx.Client(base_url=base_url, timeout=PATIENCE) as client:
         yield client
 
 
 @pytest.fixture
 def idle(idle_url: str) -> Iterator[httpx.Client]:
     """A client of the service without a worker."""
-    with httpx.Client(base_url=idle_url, timeout=30) as client:
+    with httpx.Client(base_url=idle_url, timeout=PATIENCE) as client:
         yield client
 
 

@@ -14,7 +14,7 @@ def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:
     return JobRequest(tables.KIND, content)
 
 
-def ended(queue: JobQueue, job_id: str, seconds: float = 30.0) -> JobView:
+def ended(queue: JobQueue, job_id: str) -> JobView:
     """The job when it has come to its end."""
 
     def terminal() -> JobView | None:
@@ -22,4 +22,4 @@ def ended(queue: JobQueue, job_id: str, seconds: float = 30.0) -> JobView:
         assert view is not None, "there is no such job"
         return view if view.is_terminal else None
 
-    return until(terminal, seconds)
+    return until(terminal)

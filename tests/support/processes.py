@@ -1,4 +1,4 @@
-"""Real processes: workers, and a look at what is still running."""
+"""Real processes: started, looked at, and never outliving their test."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from worker import connect
 
@@ -18,52 +19,86 @@ T = TypeVar("T")
 
 ROOT = Path(__file__).parents[2]
 
+PATIENCE = 60.0
+"""Seconds to wait for what must come about: far more than it takes on a machine that is busy otherwise."""
+
+
+@contextmanager
+def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[Any]]:
+    """A child process with the options of `Popen`, in a session of its own that ends with the block."""
+    with _sigint_not_ignored():
+        process = subprocess.Popen(command, cwd=ROOT, start_new_session=True, **options)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait(PATIENCE)
+        for stream in (process.stdin, process.stdout, process.stderr):
+            if stream is not None:
+                stream.close()
+
+
+def completed(
+    command: Sequence[str], env: dict[str, str], stdin: str = ""
+) -> subprocess.CompletedProcess[str]:
+    """The outcome of a child process that ends by itself."""
+    pipe = subprocess.PIPE
+    with started(command, env=env, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as process:
+        out, err = process.communicate(stdin, timeout=PATIENCE)
+    return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+
+@contextmanager
+def _sigint_not_ignored() -> Iterator[None]:
+    """Children inherit an ignored signal (`nohup … &` and some CI runners ignore SIGINT), but no handler."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
 
 @dataclass
 class Workers:
-    """Starts worker processes and ends them, by their ids, when the test is over."""
+    """Starts worker processes and ends them when the test is over."""
 
     url: str
     log: Path
     processes: list[subprocess.Popen[bytes]] = field(default_factory=list)
+    _running: ExitStack = field(default_factory=ExitStack)
 
     def start(self, **settings: object) -> subprocess.Popen[bytes]:
         """One worker, ready for work; settings as in `WorkerSettings`."""
         name = f"test-{os.getpid()}-{len(self.processes)}-{time.monotonic_ns()}"
+        command = [sys.executable, "-m", "worker", "--redis-url", self.url, "--name", name]
         with self.log.open("ab") as log:
-            process = subprocess.Popen(
-                [sys.executable, "-m", "worker", "--redis-url", self.url, "--name", name],
-                env=environment(**settings),
-                cwd=ROOT,
-                stderr=log,
-            )
+            process = self._running.enter_context(started(command, env=environment(**settings), stderr=log))
         self.processes.append(process)
         with connect(self.url) as client:
             until(lambda: client.hget(f"rq:worker:{name}", "state") == b"idle")
         return process
 
     def stop(self) -> None:
-        """End all workers."""
-        for process in self.processes:
-            process.send_signal(signal.SIGTERM)
-        for process in self.processes:
-            try:
-                process.wait(10)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+        """End all workers, in good order."""
+        with self._running:
+            for process in self.processes:
+                process.terminate()
+            for process in self.processes:
+                process.wait(PATIENCE)
 
 
 def environment(**settings: object) -> dict[str, str]:
-    """The environment of a child process, in which worker settings are given and hard tasks are found."""
-    given = {f"RPR_CUSPS_{name.upper()}": str(value) for name, value in settings.items()}
+    """The environment of a child process: these settings and no others; hard tasks are found in it."""
+    inherited = {key: value for key, value in os.environ.items() if not key.startswith("RPR_CUSPS_")}
     paths = [*filter(None, [os.environ.get("PYTHONPATH")]), str(ROOT)]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), **given}
+    given = {f"RPR_CUSPS_{name.upper()}": str(value) for name, value in settings.items()}
+    return {**inherited, "PYTHONPATH": os.pathsep.join(paths), **given}
 
 
-def until(condition: Callable[[], T], seconds: float = 20.0) -> T:
+def until(condition: Callable[[], T]) -> T:
     """Wait for something that must come about, and give what it came to."""
-    end = time.monotonic() + seconds
+    end = time.monotonic() + PATIENCE
     while not (value := condition()):
         assert time.monotonic() < end, "it did not come about in time"
         time.sleep(0.02)

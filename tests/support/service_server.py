@@ -14,7 +14,7 @@ from fastapi import FastAPI
 
 from service.api.app import create_app
 from service.api.settings import Settings
-from tests.support.processes import until
+from tests.support.processes import PATIENCE, until
 
 GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
 
@@ -40,7 +40,7 @@ def serving_app(app: FastAPI) -> Iterator[str]:
             yield f"http://127.0.0.1:{listener.getsockname()[1]}"
         finally:
             server.should_exit = True
-            thread.join(10)
+            thread.join(PATIENCE)
 
 
 def ended(client: httpx.Client, job_id: str) -> dict[str, Any]:
@@ -50,4 +50,4 @@ def ended(client: httpx.Client, job_id: str) -> dict[str, Any]:
         job: dict[str, Any] = client.get(f"/v1/jobs/{job_id}").json()
         return None if job["status"] in ("queued", "running") else job
 
-    return until(terminal, 30)
+    return until(terminal)
