@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import mpmath as mp
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rpr_solver import (
@@ -21,9 +21,9 @@ from rpr_solver import (
     shorten_slice,
     solve_slice,
 )
-from tests.support.article import coalescence, pose, singularity
+from tests.support.article import coalescence, number, pose, singularity
 from tests.support.newton import count_cusps, distance
-from tests.support.strategies import lengths, manipulators
+from tests.support.strategies import examples, lengths, manipulators
 
 LEGS = st.sampled_from([1, 2, 3])
 ANY_MANIPULATOR = st.one_of(manipulators(), manipulators(size=4, denominators=(1,)))
@@ -47,16 +47,16 @@ def mirrored(m: Manipulator) -> Manipulator:
     return replace(m, a3y=-m.a3y, orientation="cw" if m.orientation == "ccw" else "ccw")
 
 
-def swapped_legs_2_and_3(m: Manipulator) -> Manipulator | None:
-    """The same machine with legs 2 and 3 renamed, where A3 lies on the x-axis."""
-    if m.a3y != 0:
-        return None
-    side = "cw" if m.orientation == "ccw" else "ccw"
-    return Manipulator(m.a3x, m.a2x, Fraction(0), m.d3, m.d2, m.d1, side)
+def swapped_legs_2_and_3(m: Manipulator, side: Fraction) -> Manipulator:
+    """Legs 2 and 3 renamed, and all turned so that A1A3, of length `side`, lies on the x-axis."""
+    cos, sin = m.a3x / side, m.a3y / side
+    orientation = "cw" if m.orientation == "ccw" else "ccw"
+    return Manipulator(side, m.a2x * cos, -m.a2x * sin, m.d3, m.d2, m.d1, orientation)
 
 
+@pytest.mark.slow
 @given(ANY_MANIPULATOR, ANY_LENGTH, LEGS, st.sampled_from([Fraction(3), Fraction(1, 7), Fraction(10) ** 12]))
-@settings(max_examples=40)
+@examples(40)
 def test_scale(m: Manipulator, length: Fraction, leg: int, factor: Fraction) -> None:
     table, other = solve(m, length, leg), solve(scaled(m, factor), length * factor, leg)
     assert [(c.alpha_deg, c.theta_deg) for c in other.cusps] == [
@@ -68,8 +68,9 @@ def test_scale(m: Manipulator, length: Fraction, leg: int, factor: Fraction) -> 
         assert abs(ratio - 1) < Fraction(1, 10**28)
 
 
+@pytest.mark.slow
 @given(ANY_MANIPULATOR, ANY_LENGTH, LEGS)
-@settings(max_examples=40)
+@examples(40)
 def test_mirror(m: Manipulator, length: Fraction, leg: int) -> None:
     def turned(angle: str) -> str:
         return (
@@ -87,23 +88,34 @@ def test_mirror(m: Manipulator, length: Fraction, leg: int) -> None:
     assert kinds(other) == kinds(table)
 
 
-@given(st.one_of(manipulators(), manipulators(size=6, denominators=(1,))), ANY_LENGTH)
-@settings(max_examples=40)
-def test_renaming_legs(m: Manipulator, length: Fraction) -> None:
-    if m.a3x == 0:
-        return
-    flat = replace(m, a3y=Fraction(0)) if m.a3x != m.a2x else None
-    other = flat and swapped_legs_2_and_3(flat)
-    if flat is None or other is None:
-        return
-    table, swapped = solve(flat, length), solve(other, length)
-    assert sorted((c.theta_deg, c.second, c.first) for c in swapped.cusps) == sorted(
-        (c.theta_deg, c.first, c.second) for c in table.cusps
-    )
+@pytest.mark.slow
+@given(ANY_MANIPULATOR, st.integers(-9, 9), st.integers(0, 9), ANY_LENGTH, LEGS)
+@examples(40)
+def test_renaming_legs(m: Manipulator, p: int, q: int, length: Fraction, leg: int) -> None:
+    """Pythagorean triples bring bases whose side A1A3 is rational, so that it can be turned to the x-axis."""
+    assume((p, q) != (0, 0))
+    a3x, a3y, side = (Fraction(x, 4) for x in (p * p - q * q, 2 * p * q, p * p + q * q))
+    assume((a3x, a3y) != (m.a2x, 0))
+    m = replace(m, a3x=a3x, a3y=a3y)
+    other_leg = {1: 1, 2: 3, 3: 2}[leg]
+    table, other = solve(m, length, leg), solve(swapped_legs_2_and_3(m, side), length, other_leg)
+    assert kinds(other) == kinds(table)
+    theirs = [(c.theta_deg, *((c.second, c.first) if leg == 1 else (c.first, c.second))) for c in other.cusps]
+    assert sorted(pair for _, *pair in theirs) == sorted([c.first, c.second] for c in table.cusps)
+    with mp.workdps(40):
+        turn = mp.degrees(mp.atan2(number(a3y), number(a3x)))
+        for c in table.cusps:
+            angles = [
+                mp.mpf(theta) + turn - mp.mpf(c.theta_deg)
+                for theta, *pair in theirs
+                if pair == [c.first, c.second]
+            ]
+            assert min(abs(mp.expjpi(angle / 180) - 1) for angle in angles) < mp.mpf(10) ** -25
 
 
+@pytest.mark.slow
 @given(manipulators(), lengths())
-@settings(max_examples=25)
+@examples(25)
 def test_the_three_choices_of_fixed_leg_agree(m: Manipulator, length: Fraction) -> None:
     """A cusp of the slice L1 = c at (L2, L3) is one of the slice L2 = that, within the digits of that."""
     for cusp in solve(m, length, 1, 60).cusps[:2]:
@@ -117,7 +129,7 @@ def test_the_three_choices_of_fixed_leg_agree(m: Manipulator, length: Fraction) 
 
 
 @given(ANY_MANIPULATOR, ANY_LENGTH)
-@settings(max_examples=40)
+@examples(20)
 def test_every_cusp_satisfies_the_articles_equations(m: Manipulator, length: Fraction) -> None:
     with mp.workdps(60):
         for cusp in solve(m, length, 1, 50).cusps:
@@ -126,8 +138,9 @@ def test_every_cusp_satisfies_the_articles_equations(m: Manipulator, length: Fra
             assert abs(coalescence(m, at)) < mp.mpf(10) ** -25
 
 
+@pytest.mark.slow
 @given(manipulators(size=20), lengths(size=30))
-@settings(max_examples=12)
+@examples(12)
 def test_nothing_that_floating_point_newton_finds_is_missing(m: Manipulator, length: Fraction) -> None:
     """Newton may lose cusps; whatever it finds must be in the table, and no more than that is asked of it."""
     table = solve(m, length)
@@ -145,7 +158,7 @@ def test_newton_counts_the_same_where_it_loses_nothing(name: str, l1: str) -> No
 
 
 @given(ANY_MANIPULATOR, ANY_LENGTH, LEGS)
-@settings(max_examples=25)
+@examples(15)
 def test_more_digits_only_add_digits(m: Manipulator, length: Fraction, leg: int) -> None:
     eliminant = eliminate(m, leg)
     long, short = (solve_slice(eliminant, length, digits).to_json() for digits in (70, 20))

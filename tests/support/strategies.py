@@ -1,11 +1,16 @@
 """Random manipulators, generic and special."""
 
+from collections import Counter
+from collections.abc import Callable
 from fractions import Fraction
+from typing import TypeVar
 
-from hypothesis import assume
+from hypothesis import assume, settings
 from hypothesis import strategies as st
 
-from rpr_solver import InputError, Manipulator
+from rpr_solver import InputError, Manipulator, SolverError
+
+Answer = TypeVar("Answer")
 
 
 def rationals(low: int, high: int, denominators: tuple[int, ...]) -> st.SearchStrategy[Fraction]:
@@ -29,3 +34,20 @@ def manipulators(draw: st.DrawFn, size: int = 40, denominators: tuple[int, ...] 
 def lengths(size: int = 60, denominators: tuple[int, ...] = (1, 10, 7)) -> st.SearchStrategy[Fraction]:
     """Positive leg lengths."""
     return rationals(0, size, denominators).filter(bool)
+
+
+def examples(count: int) -> settings:
+    """So many random examples; in the profile `long` as many times more as it has more than the default."""
+    return settings(max_examples=count * settings().max_examples // 100)
+
+
+def unless_refused(solve: Callable[[], Answer], answers: Counter[str]) -> Answer:
+    """The answer; a case that is said not to be supported is counted, and others are tried in its place."""
+    try:
+        answer = solve()
+    except SolverError as error:
+        answers["refused"] += 1
+        assume("not supported" not in str(error))
+        raise
+    answers["given"] += 1
+    return answer

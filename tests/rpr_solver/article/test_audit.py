@@ -7,7 +7,7 @@ import mpmath as mp
 import pytest
 import sympy as sp
 from flint import fmpz_mpoly_ctx
-from hypothesis import given, settings
+from hypothesis import given
 
 from rpr_solver import (
     EXAMPLES,
@@ -24,12 +24,18 @@ from rpr_solver.exact.biform import BiForm
 from rpr_solver.model.slice_map import SliceMap
 from tests.support.article import pose as article_pose
 from tests.support.reference import CASES
-from tests.support.strategies import lengths, manipulators
+from tests.support.strategies import examples, lengths, manipulators
 
-VECTORS = {
-    f"{case['name']}-{item['l1']}": (case["geometry"], item) for case in CASES for item in case["slices"]
-}
-LONG = settings.get_current_profile_name() == "long"
+VECTORS = [
+    pytest.param(
+        case["geometry"],
+        item,
+        id=f"{case['name']}-{item['l1']}",
+        marks=() if n == 0 and case["name"] in ("innocenti", "flat-base", "congruent") else pytest.mark.slow,
+    )
+    for case in CASES
+    for n, item in enumerate(case["slices"])
+]
 
 
 class TestEquations:
@@ -197,7 +203,7 @@ def test_the_articles_factorisation() -> None:
     assert audit["conjecture"]["holds"]
 
 
-@pytest.mark.parametrize(("geometry", "expected"), VECTORS.values(), ids=VECTORS)
+@pytest.mark.parametrize(("geometry", "expected"), VECTORS)
 def test_both_methods_agree(geometry: dict[str, str], expected: dict[str, Any]) -> None:
     m = Manipulator.from_json(geometry)
     truth = solve_slice(eliminate(m), Fraction(expected["l1"]), 90)
@@ -227,8 +233,9 @@ def test_a_swallowtail_at_theta1_180_is_not_lost() -> None:
     assert ours.cusps == truth.cusps
 
 
+@pytest.mark.slow
 @given(manipulators(size=6, denominators=(1,)), lengths(size=8, denominators=(1, 2)))
-@settings(max_examples=200 if LONG else 20)
+@examples(20)
 def test_both_methods_agree_on_special_geometries(m: Manipulator, length: Fraction) -> None:
     truth = solve_slice(eliminate(m), length, 20)
     try:

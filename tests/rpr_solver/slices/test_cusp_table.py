@@ -41,7 +41,7 @@ def kinds(table: SliceTable) -> dict[str, int]:
     ("low", "high", "counts"),
     [("26.78638", "26.78639", (6, 8)), ("28.09489", "28.0949", (8, 10)), ("30.94691", "30.94692", (6, 4))],
 )
-@pytest.mark.parametrize("places", [9, 30])
+@pytest.mark.parametrize("places", [9, pytest.param(30, marks=pytest.mark.slow)])
 def test_slices_beside_a_transition(low: str, high: str, counts: tuple[int, int], places: int) -> None:
     """Bisection with exact counts closes in on the transition; the counts never waver."""
     eliminant = eliminate(INNOCENTI)

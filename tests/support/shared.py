@@ -1,0 +1,37 @@
+"""Answers that many tests look at, computed once in each process.
+
+Tests that share one long answer belong to one `xdist_group`, so that one process runs them all.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+from rpr_solver import Census, CuspCurves, Eliminant, Manipulator, census, cusp_curves, eliminate
+
+
+def eliminant_of(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
+    return _eliminants(manipulator, fixed_leg)
+
+
+def census_of(manipulator: Manipulator, fixed_leg: int = 1, digits: int = 30) -> Census:
+    return _censuses(manipulator, fixed_leg, digits)
+
+
+def curves_of(manipulator: Manipulator, fixed_leg: int = 1, digits: int = 30) -> CuspCurves:
+    return _curves(manipulator, fixed_leg, digits)
+
+
+@cache
+def _eliminants(manipulator: Manipulator, fixed_leg: int) -> Eliminant:
+    return eliminate(manipulator, fixed_leg)
+
+
+@cache
+def _censuses(manipulator: Manipulator, fixed_leg: int, digits: int) -> Census:
+    return census(manipulator, fixed_leg=fixed_leg, digits=digits)
+
+
+@cache
+def _curves(manipulator: Manipulator, fixed_leg: int, digits: int) -> CuspCurves:
+    return cusp_curves(manipulator, fixed_leg=fixed_leg, digits=digits)
