@@ -19,6 +19,8 @@ from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY, ended
 from worker import JobQueue
 
+pytestmark = pytest.mark.xdist_group("documents")  # one store, in which all is computed once
+
 POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
 
 
@@ -28,19 +30,23 @@ def is_whole(model: str, document: object) -> bool:
     return answer.model_validate(document).model_dump(exclude_unset=True, by_alias=True) == document
 
 
-def documented() -> list[tuple[str, Any]]:
+def documented() -> list[Any]:
     """Every example of a request: its path and what is sent."""
-    return [
-        (path, example["value"])
-        for path, operations in create_app().openapi()["paths"].items()
-        for content in operations.get("post", {}).get("requestBody", {}).get("content", {}).values()
-        for example in content["examples"].values()
-    ]
+    examples = []
+    for path, operations in create_app().openapi()["paths"].items():
+        for content in operations.get("post", {}).get("requestBody", {}).get("content", {}).values():
+            marks = pytest.mark.slow if path in ("/v1/checks", "/v1/cusp-curves") else ()
+            for name, example in content["examples"].items():
+                examples.append(pytest.param(path, example["value"], id=f"{path} {name}", marks=marks))
+    return examples
 
 
 @pytest.mark.parametrize(("path", "body"), documented())
 def test_documented_requests_work_as_they_stand(api: httpx.Client, path: str, body: Any) -> None:
-    assert api.post(path, json=body, headers={"Prefer": "wait=30"}).status_code == 200
+    first = api.post(path, json=body, headers={"Prefer": "respond-async"})
+    if first.status_code == 202:
+        assert ended(api, first.json()["id"])["status"] == "succeeded"
+    assert api.post(path, json=body).status_code == 200
 
 
 def test_poses_are_answered_without_being_asked_to_wait(api: httpx.Client) -> None:

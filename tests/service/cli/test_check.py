@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
-import sys
-import time
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 from rpr_solver import EXAMPLES, Requirement, check
-from tests.support.cli_process import ENVIRONMENT, command, run
+from tests.support.cli_process import ENVIRONMENT, Run, command, run
+from tests.support.processes import PATIENCE, descendants, is_running, started, until
 
 RANGE = ("--l1-range", "1:10", "--digits", "15")
 ZEIN = json.dumps(EXAMPLES["zein-flat"].to_json())
@@ -40,8 +40,8 @@ def test_a_requirement_that_holds() -> None:
     assert found["checks"] == [{"source": "zein-flat", "passed": True, "report": report}]
 
 
-def test_a_requirement_that_does_not_hold() -> None:
-    done = run("check", "zein-flat", *RANGE, "--max-cusps", "3")
+def test_a_requirement_that_does_not_hold(run_here: Run) -> None:
+    done = run_here("check", "zein-flat", *RANGE, "--max-cusps", "3")
     assert (done.returncode, done.stderr) == (1, "")
     assert "zein-flat: failed: 4 cusps at L1 = " in done.stdout
     assert "::error" not in done.stdout
@@ -59,9 +59,9 @@ def test_a_folder_in_parallel_with_all_reports(designs: Path) -> None:
     assert [child.tag for case in cases for child in case] == ["error"]
 
 
-def test_annotations_on_github_leave_the_json_whole() -> None:
+def test_annotations_on_github_leave_the_json_whole(run_here: Run) -> None:
     args = ("check", "-", *RANGE, "--min-cusps", "3")
-    shown = run(*args, "--github", stdin=ZEIN)
+    shown = run_here(*args, "--github", stdin=ZEIN)
     assert shown.stdout.splitlines()[-1].startswith("::error title=-%3A check failed::2 cusps at L1 = ")
     machine = run(*args, "--format", "json", stdin=ZEIN, GITHUB_ACTIONS="true")
     assert json.loads(machine.stdout)["passed"] is False
@@ -69,9 +69,11 @@ def test_annotations_on_github_leave_the_json_whole() -> None:
     assert (shown.returncode, machine.returncode) == (1, 1)
 
 
-def test_joint_limits_and_another_leg() -> None:
+def test_joint_limits_and_another_leg(run_here: Run) -> None:
     limits = ("--l1-limits", "1:2", "--l3-limits", ":5")
-    done = run("check", "zein-flat", "--l2-range", "1:5", "--max-cusps", "4", *limits, "--format", "json")
+    done = run_here(
+        "check", "zein-flat", "--l2-range", "1:5", "--max-cusps", "4", *limits, "--format", "json"
+    )
     requirement = json.loads(done.stdout)["requirement"]
     assert requirement["fixed_leg"] == 2
     assert requirement["limits"] == {"l1": {"min": "1", "max": "2"}, "l3": {"min": None, "max": "5"}}
@@ -90,8 +92,8 @@ def test_joint_limits_and_another_leg() -> None:
         (("--l1-range", "1:2", "--max-cusps", "1", "--jobs", "0"), "--jobs: is 0"),
     ],
 )
-def test_a_bad_option_is_one_line_and_status_2(args: tuple[str, ...], said: str) -> None:
-    done = run("check", "zein-flat", *args)
+def test_a_bad_option_is_one_line_and_status_2(run_here: Run, args: tuple[str, ...], said: str) -> None:
+    done = run_here("check", "zein-flat", *args)
     assert (done.returncode, done.stdout) == (2, "")
     assert said in done.stderr
     assert done.stderr.count("\n") == 1
@@ -107,27 +109,22 @@ def test_a_file_name_that_is_no_text(tmp_path: Path) -> None:
     assert len(ElementTree.parse(report).findall("testsuite/testcase")) == 2
 
 
-def test_an_empty_folder_is_bad_input(tmp_path: Path) -> None:
-    done = run("check", str(tmp_path), *RANGE, "--max-cusps", "4")
+def test_an_empty_folder_is_bad_input(run_here: Run, tmp_path: Path) -> None:
+    done = run_here("check", str(tmp_path), *RANGE, "--max-cusps", "4")
     assert (done.returncode, done.stdout) == (2, "")
     assert "has no *.json" in done.stderr
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="looks at /proc")
 def test_ctrl_c_ends_all_processes() -> None:
-    with subprocess.Popen(
+    with started(
         command("check", *["fourteen-cusps"] * 8, "--l1-range", "1:10", "--max-cusps", "4", "--jobs", "2"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env=ENVIRONMENT,
     ) as process:
-        children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-        while len(running := children.read_text().split()) < 3:
-            assert process.poll() is None
-        process.send_signal(2)
-        out, err = process.communicate(timeout=30)
+        until(lambda: len(descendants(process.pid)) >= 3)
+        running = descendants(process.pid)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=PATIENCE)
     assert (process.returncode, out, err) == (130, b"", b"")
-    end = time.monotonic() + 10
-    while any(Path(f"/proc/{pid}").exists() for pid in running):
-        assert time.monotonic() < end
-        time.sleep(0.01)
+    until(lambda: not any(is_running(pid) for pid in running))

@@ -17,8 +17,8 @@ import httpx
 import pytest
 
 from service import __version__
-from tests.support.cli_process import ENVIRONMENT, command, run
-from tests.support.processes import until
+from tests.support.cli_process import ENVIRONMENT, Run, command, run
+from tests.support.processes import PATIENCE, started, until
 from tests.support.service_server import GEOMETRY
 
 
@@ -31,7 +31,7 @@ def test_solve_prints_json_like_the_service(base_url: str) -> None:
 
 
 def test_solve_by_a_service_is_the_same(base_url: str) -> None:
-    slices = ("--l1", "14.98", "--l1-range", "10.001:10.2:0.001", "--digits", "40", "--format", "csv")
+    slices = ("--l1", "14.98", "--l1-range", "10.001:10.05:0.001", "--digits", "40", "--format", "csv")
     there = run("solve", "zein-flat", *slices, "--url", base_url)
     here = run("solve", "zein-flat", *slices)
     assert (there.returncode, there.stderr) == (0, "")
@@ -49,8 +49,8 @@ def test_a_table_in_a_pipe_is_aligned_and_whole() -> None:
     assert len({row.index(row.split()[2]) for row in cusps}) == 1
 
 
-def test_csv_has_a_line_for_each_cusp() -> None:
-    done = run("solve", "fourteen-cusps", "--l1", "1", "--l1", "2", "--digits", "15", "--format", "csv")
+def test_csv_has_a_line_for_each_cusp(run_here: Run) -> None:
+    done = run_here("solve", "fourteen-cusps", "--l1", "1", "--l1", "2", "--digits", "15", "--format", "csv")
     rows = list(csv.DictReader(io.StringIO(done.stdout)))
     assert {row["l1"] for row in rows} == {"1", "2"}
     assert all(
@@ -58,11 +58,11 @@ def test_csv_has_a_line_for_each_cusp() -> None:
     )
 
 
-def test_the_geometry_may_come_from_a_file_or_standard_input(tmp_path: Path) -> None:
+def test_the_geometry_may_come_from_a_file_or_standard_input(run_here: Run, tmp_path: Path) -> None:
     file = tmp_path / "robot.json"
     file.write_text(json.dumps(GEOMETRY))
-    named = run("solve", "innocenti", "--l1", "3", "--digits", "20", "--format", "json")
-    read = run("solve", str(file), "--l1", "3", "--digits", "20", "--format", "json")
+    named = run_here("solve", "innocenti", "--l1", "3", "--digits", "20", "--format", "json")
+    read = run_here("solve", str(file), "--l1", "3", "--digits", "20", "--format", "json")
     piped = run("solve", "-", "--l1", "3.0", "--digits", "20", "--format", "json", stdin=json.dumps(GEOMETRY))
     assert named.stdout == read.stdout == piped.stdout
     assert json.loads(named.stdout)["slices"]
@@ -94,8 +94,10 @@ def test_the_geometry_may_come_from_a_file_or_standard_input(tmp_path: Path) -> 
         (("worker",), "", "--redis-url is missing"),
     ],
 )
-def test_bad_input_is_one_line_and_status_2(args: tuple[str, ...], stdin: str, said: str) -> None:
-    done = run(*args, stdin=stdin)
+def test_bad_input_is_one_line_and_status_2(
+    run_here: Run, args: tuple[str, ...], stdin: str, said: str
+) -> None:
+    done = run_here(*args, stdin=stdin)
     assert (done.returncode, done.stdout) == (2, "")
     assert said in done.stderr
     assert done.stderr.count("\n") == 1
@@ -127,32 +129,30 @@ def test_a_refusal_of_the_service_is_status_2(idle_url: str) -> None:
     assert "max_slices is 5" in done.stderr
 
 
-def test_version_and_help() -> None:
-    assert run("--version").stdout == f"rpr-cusps {__version__}\n"
+def test_version_and_help(run_here: Run) -> None:
+    assert run_here("--version").stdout == f"rpr-cusps {__version__}\n"
     for name in ("solve", "census", "check", "poses", "serve", "worker", "demo"):
-        done = run(name, "--help")
+        done = run_here(name, "--help")
         assert done.returncode == 0
         assert done.stdout.startswith(f"usage: rpr-cusps {name}")
 
 
 def test_a_broken_pipe_is_quiet() -> None:
-    with subprocess.Popen(
-        command("solve", "innocenti", "--l1-range", "1:20:0.02"),
+    with started(
+        command("solve", "innocenti", "--l1-range", "1:20:0.1"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env=ENVIRONMENT,
     ) as process:
-        assert process.stdout is not None
-        assert process.stderr is not None
         process.stdout.read(1)
         process.stdout.close()
         assert process.stderr.read() == b""
-    assert process.returncode == 141
+        assert process.wait(PATIENCE) == 141
 
 
 def test_ctrl_c_is_quiet_and_status_130() -> None:
     main, side = pty.openpty()
-    with subprocess.Popen(
+    with started(
         command("solve", "innocenti", "--l1-range", "1:20:0.0001", "--digits", "1000"),
         stdout=subprocess.PIPE,
         stderr=side,
@@ -165,9 +165,8 @@ def test_ctrl_c_is_quiet_and_status_130() -> None:
         os.set_blocking(main, True)
         process.send_signal(signal.SIGINT)
         seen += read_to_the_end(main)
-        assert process.stdout is not None
         out = process.stdout.read()
-    assert (process.returncode, out) == (130, b"")
+        assert (process.wait(PATIENCE), out) == (130, b"")
     assert b"Traceback" not in seen
 
 
@@ -190,7 +189,7 @@ def read_to_the_end(terminal: int) -> bytes:
 
 def test_on_a_terminal_there_is_a_table_that_fits_and_a_progress_bar() -> None:
     main, side = pty.openpty()
-    with subprocess.Popen(
+    with started(
         command("solve", "innocenti", "--l1", "14.98"),
         stdout=side,
         stderr=side,
@@ -198,7 +197,7 @@ def test_on_a_terminal_there_is_a_table_that_fits_and_a_progress_bar() -> None:
     ) as process:
         os.close(side)
         seen = read_to_the_end(main)
-    assert process.returncode == 0
+        assert process.wait(PATIENCE) == 0
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", seen.decode())
     assert "slices" in text
     rows = [line for line in text.splitlines() if line.startswith("│")]
@@ -220,20 +219,19 @@ def test_the_demonstration_shows_the_table_and_leaves_nothing_behind(tmp_path: P
 
 
 def test_the_demonstration_stops_everything_on_ctrl_c(tmp_path: Path) -> None:
-    with subprocess.Popen(
+    with started(
         command("demo", "--keep"),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         env={**ENVIRONMENT, "TMPDIR": str(tmp_path), "XDG_RUNTIME_DIR": str(tmp_path)},
     ) as process:
-        assert process.stderr is not None
         seen = process.stderr.readline() + process.stderr.readline()
         assert "Still serving" in seen
         address = seen.split(" runs at ")[1].split(";")[0]
         assert httpx.get(f"{address}/readyz").status_code == 200
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=30)
+        out, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 0
     assert "Traceback" not in err
     with pytest.raises(httpx.ConnectError):
