@@ -1,6 +1,7 @@
-"""Every code block of the tutorials gives what is printed below it, and the reference names all there is."""
+"""Examples in documents and docstrings give what is printed below them; the reference names all there is."""
 
 import doctest
+import importlib
 import re
 from pathlib import Path
 
@@ -11,13 +12,23 @@ import rpr_solver
 from docs import reference
 from service.api.problems import ProblemType
 
-DOCS = Path(__file__).parent.parent / "docs"
+ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
+TEXTS = {path.name: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"))}
+TUTORIALS = {name: text for name, text in TEXTS.items() if "```python" in text}
+MODULES = [
+    ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+    for package in ("rpr_solver", "worker", "service")
+    for path in sorted((ROOT / package).rglob("*.py"))
+    if ">>> " in path.read_text(encoding="utf-8")
+]
 
-@pytest.mark.parametrize("name", ["library.md"])
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TUTORIALS)
 def test_code_blocks(name: str) -> None:
-    text = (DOCS / name).read_text(encoding="utf-8")
+    text = TUTORIALS[name]
     blocks = BLOCK.findall(text)
     assert len(blocks) == text.count("```python")
     assert all(block.startswith(">>> ") for block in blocks)
@@ -26,13 +37,24 @@ def test_code_blocks(name: str) -> None:
     assert doctest.DocTestRunner().run(test).failed == 0
 
 
+@pytest.mark.parametrize("module", MODULES)
+def test_docstrings(module: str) -> None:
+    outcome = doctest.testmod(importlib.import_module(module))
+    assert outcome.attempted
+    assert outcome.failed == 0
+
+
+def test_there_is_something_to_run() -> None:
+    assert "library.md" in TUTORIALS
+    assert "rpr_solver" in MODULES
+
+
 def test_the_reference_is_what_the_code_says(capsys: pytest.CaptureFixture[str]) -> None:
     assert reference.main(["--check"]) == 0, f"run `python docs/reference.py`:\n{capsys.readouterr().out}"
 
 
 def test_every_setting_problem_option_and_public_name_is_in_the_reference() -> None:
-    text = (DOCS / "reference.md").read_text(encoding="utf-8")
-    rows = [line for line in text.splitlines() if line.startswith("|")]
+    rows = [line for line in TEXTS["reference.md"].splitlines() if line.startswith("|")]
     assert not [row for row in rows if "|  |" in row], "something is named without its meaning"
     documented = {code.split()[0] for row in rows for code in re.findall(r"`([^`]+)`", row)}
     groups = [g for g in BaseSettings.__subclasses__() if g.__module__.startswith(("worker", "service"))]

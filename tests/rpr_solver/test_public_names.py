@@ -1,0 +1,74 @@
+"""What `import rpr_solver` offers is what is listed here, and each part says what it is."""
+
+import inspect
+
+import pytest
+
+import rpr_solver
+
+CONSTANTS = {"DEFAULT_DIGITS", "EXAMPLES", "MAX_DIGITS", "MIN_DIGITS", "SOLVER_VERSION"}
+FUNCTIONS = {
+    "article_table",
+    "census",
+    "census_csv",
+    "check",
+    "curves_csv",
+    "cusp_curves",
+    "cusp_table",
+    "eliminate",
+    "exact_str",
+    "parse_exact",
+    "poses",
+    "poses_of_squares",
+    "restrict_census",
+    "shorten_slice",
+    "slice_error_json",
+    "solve_slice",
+    "table_csv",
+    "table_json",
+}
+CLASSES = {
+    "ArticleTable",
+    "Census",
+    "CheckReport",
+    "CheckedInterval",
+    "CurveEnd",
+    "CurvePoint",
+    "CuspCurve",
+    "CuspCurves",
+    "DirectPolynomial",
+    "Eliminant",
+    "FieldProblem",
+    "InputError",
+    "JointPoint",
+    "Manipulator",
+    "PlatformPose",
+    "PoseTable",
+    "Requirement",
+    "SliceTable",
+    "SolverError",
+    "Transition",
+    "TransitionPoint",
+    "Unproved",
+}
+
+
+def test_the_public_names_are_these() -> None:
+    assert sorted(rpr_solver.__all__) == sorted(CONSTANTS | FUNCTIONS | CLASSES)
+    public = {name: getattr(rpr_solver, name) for name in rpr_solver.__all__}
+    assert {name for name, value in public.items() if inspect.isfunction(value)} == FUNCTIONS
+    assert {name for name, value in public.items() if inspect.isclass(value)} == CLASSES
+
+
+@pytest.mark.parametrize("name", sorted(FUNCTIONS | CLASSES))
+def test_every_public_name_is_documented(name: str) -> None:
+    text = getattr(rpr_solver, name).__doc__ or ""
+    assert text.strip()
+    assert not text.startswith(f"{name}("), "a dataclass without a docstring gets its signature instead"
+
+
+@pytest.mark.parametrize("name", sorted(CLASSES))
+def test_every_public_method_is_documented(name: str) -> None:
+    members = vars(getattr(rpr_solver, name)).items()
+    own = [(key, value) for key, value in members if not key.startswith("_") and inspect.isroutine(value)]
+    assert all(inspect.getdoc(value) for key, value in own), [key for key, value in own if not value.__doc__]
