@@ -1,6 +1,6 @@
 """The long run: random slices against independent witnesses, and slices beside transitions.
 
-    python tests/rpr_solver/long_run.py [--cases 2000] [--transitions 200] [--censuses 20] [--lengths 1000]
+    python -m tests.rpr_solver.long_run [--cases 2000] [--transitions 200] [--censuses 20] [--lengths 1000]
 
 Every case is a random manipulator, fixed leg and length. Its table must agree with that of its mirror
 image at another scale, and every cusp that floating-point Newton finds must be in it (Newton may lose
