@@ -1,7 +1,4 @@
-"""Answers that many tests look at, computed once in each process.
-
-Tests that share one long answer belong to one `xdist_group`, so that one process runs them all.
-"""
+"""Answers that many tests look at, computed once in each process."""
 
 from __future__ import annotations
 

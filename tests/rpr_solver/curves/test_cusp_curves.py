@@ -29,8 +29,6 @@ from tests.support.families import FAMILIES, family
 from tests.support.shared import census_of, curves_of
 from tests.support.strategies import examples, manipulators, unless_refused
 
-pytestmark = pytest.mark.xdist_group("curves")  # of which most look at the same curves
-
 INNOCENTI = EXAMPLES["innocenti"]
 FAMILY_LEGS = [(name, i % 3 + 1) for i, name in enumerate(FAMILIES)]
 slow = partial(pytest.param, marks=pytest.mark.slow)

@@ -29,7 +29,6 @@ from tests.support.families import FAMILIES, family
 from tests.support.shared import census_of, eliminant_of
 from tests.support.strategies import examples, lengths, manipulators, unless_refused
 
-pytestmark = pytest.mark.xdist_group("censuses")  # of which many are looked at more than once
 slow = partial(pytest.param, marks=pytest.mark.slow)
 SLOW_FAMILIES = ("isosceles, irrational", "d1 = a2x", "congruent, mirrored")
 

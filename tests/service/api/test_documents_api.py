@@ -19,8 +19,6 @@ from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY, ended
 from worker import JobQueue
 
-pytestmark = pytest.mark.xdist_group("documents")  # one store, in which all is computed once
-
 POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
 
 

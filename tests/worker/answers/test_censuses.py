@@ -15,8 +15,6 @@ from worker import JobRequest, ResultStore, WorkerSettings
 from worker.answers import censuses
 from worker.answers.kinds import compute, known_document
 
-pytestmark = pytest.mark.xdist_group("worker censuses")  # of which one is kept for all
-
 MANIPULATOR = EXAMPLES["zein-flat"]
 
 
