@@ -114,6 +114,7 @@ def test_renaming_legs(m: Manipulator, p: int, q: int, length: Fraction, leg: in
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(400)
 @given(manipulators(), lengths())
 @examples(25)
 def test_the_three_choices_of_fixed_leg_agree(m: Manipulator, length: Fraction) -> None:

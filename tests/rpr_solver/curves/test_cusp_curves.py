@@ -271,6 +271,7 @@ def shape(curves: CuspCurves, factor: int = 1) -> Counter[tuple[object, ...]]:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(400)
 @pytest.mark.hypothesis
 def test_scale_and_mirror() -> None:
     answers = Counter[str]()
@@ -293,6 +294,7 @@ def test_scale_and_mirror() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(400)
 @pytest.mark.hypothesis
 def test_random_curves_agree_with_slices() -> None:
     answers = Counter[str]()

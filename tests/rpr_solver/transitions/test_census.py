@@ -172,6 +172,7 @@ def test_counts_agree_with_slices() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(400)
 @given(manipulators(size=12), st.sampled_from([1, 2, 3]))
 @examples(3)
 def test_scale_and_mirror(m: Manipulator, fixed_leg: int) -> None:
