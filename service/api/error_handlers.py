@@ -82,15 +82,15 @@ async def _http_error(request: Request, error: Exception) -> Response:
 
 async def _validation_error(request: Request, error: Exception) -> Response:
     assert isinstance(error, RequestValidationError)
-    found = [(".".join(str(part) for part in e["loc"]), str(e["msg"])) for e in error.errors()]
-    detail = "; ".join(f"{field}: {message}" for field, message in found)
-    return ProblemError(ProblemType.INVALID_REQUEST, detail, errors=found).response(request.url.path)
+    faults = [(".".join(str(part) for part in e["loc"]), str(e["msg"])) for e in error.errors()]
+    detail = "; ".join(f"{field}: {message}" for field, message in faults)
+    return ProblemError(ProblemType.INVALID_REQUEST, detail, errors=faults).response(request.url.path)
 
 
 def _methods(app: FastAPI, path: str) -> set[str]:
     """The methods of a path, from all operations that share it."""
-    found: set[str] = set()
+    methods: set[str] = set()
     for template, operations in app.openapi()["paths"].items():
         if re.fullmatch(re.sub(r"\{\w+\}", "[^/]+", template), path):
-            found |= {name.upper() for name in operations}
-    return found | {"HEAD"} if "GET" in found else found or _PAGE_METHODS
+            methods |= {name.upper() for name in operations}
+    return methods | {"HEAD"} if "GET" in methods else methods or _PAGE_METHODS

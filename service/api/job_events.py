@@ -84,10 +84,10 @@ class JobEvents:
 
     async def after(self, job_id: str, last_id: str) -> list[Event]:
         """The events after `last_id` that are there already."""
-        found: Any = await self.redis.xrange(
+        entries: Any = await self.redis.xrange(
             self._key(job_id), min=f"({last_id}" if last_id != "0" else "-", count=1
         )
-        return [Event(*entry) for entry in found]
+        return [Event(*entry) for entry in entries]
 
     async def follow(self, job_id: str, last_id: str) -> AsyncIterator[bytes]:
         """The stream as text/event-stream, from after `last_id` up to the end of the job.

@@ -80,7 +80,7 @@ class _QueueCollector(Collector):
         """Read the queue now. Without Redis only `rpr_cusps_up` is left, and it is 0."""
         yield _gauge("rpr_cusps_info", "version of this service", 1, version=__version__)
         try:
-            found = [
+            gauges = [
                 _gauge("rpr_cusps_queue_depth", "chunks of jobs that wait for a worker", self.queue.depth()),
                 _gauge("rpr_cusps_workers", "workers that are alive", self.queue.workers()),
                 _gauge("rpr_cusps_jobs_active", "jobs that are queued or running", self._active()),
@@ -90,7 +90,7 @@ class _QueueCollector(Collector):
             yield _gauge("rpr_cusps_up", "whether Redis can be reached", 0)
             return
         yield _gauge("rpr_cusps_up", "whether Redis can be reached", 1)
-        yield from found
+        yield from gauges
 
     def _active(self) -> int:
         count: Any = self.queue.redis.zcard(self.queue.records.keys.active)

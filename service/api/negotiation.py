@@ -82,17 +82,17 @@ def document_response(
     body = forms[form].encode(document)
     tag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
     has_errors = any("error" in part for part in document.get("slices", ()))
-    found = {
+    fields = {
         "ETag": tag,
         "Cache-Control": REVALIDATE if has_errors else IMMUTABLE,
         "Vary": "Accept",
         **(headers or {}),
     }
     if request.method == "GET" and _is_known(request.headers.getlist("if-none-match"), tag):
-        return Response(status_code=304, headers=found)
+        return Response(status_code=304, headers=fields)
     if form == CSV:
-        return Response(body, headers={**found, "Content-Type": "text/csv; charset=utf-8; header=present"})
-    return Response(body, headers=found, media_type=form)
+        return Response(body, headers={**fields, "Content-Type": "text/csv; charset=utf-8; header=present"})
+    return Response(body, headers=fields, media_type=form)
 
 
 def _is_known(headers: Sequence[str], tag: str) -> bool:

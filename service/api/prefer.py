@@ -35,15 +35,15 @@ def parse_prefer(headers: Iterable[str]) -> Preferences:
     >>> parse_prefer(['respond-async; x="1,2", Wait = 10', "wait=3"])
     Preferences(respond_async=True, wait=10)
     """
-    found: dict[str, str] = {}
+    preferences: dict[str, str] = {}
     for header in headers:
         for preference in _split(header, ","):
             first = _split(preference, ";")[0]
             if match := _PAIR.fullmatch(first):
-                found.setdefault(match[1].lower(), _unquoted(match[2] or ""))
-    wait = found.get("wait", "")
+                preferences.setdefault(match[1].lower(), _unquoted(match[2] or ""))
+    wait = preferences.get("wait", "")
     seconds = int(wait[:10]) if wait.isascii() and wait.isdigit() else None
-    return Preferences("respond-async" in found, seconds)
+    return Preferences("respond-async" in preferences, seconds)
 
 
 def _split(text: str, separator: str) -> list[str]:

@@ -13,7 +13,7 @@ from rpr_solver.errors import InputError
 from service.schemas.limits import LimitError
 
 MEDIA_TYPE = "application/problem+json"
-_TOLD = 3
+_IN_DETAIL = 3
 _LISTED = 50
 
 
@@ -173,13 +173,13 @@ class ProblemError(Exception):
     @classmethod
     def of_input(cls, error: InputError) -> ProblemError:
         """The verdict on bad input, of the solver or of what stands before it."""
-        found = [(p.field, p.message) for p in error.problems]
-        told = "; ".join(f"{field}: {message}" for field, message in found[:_TOLD])
-        more = f"; and {len(found) - _TOLD} more" if len(found) > _TOLD else ""
+        faults = [(p.field, p.message) for p in error.problems]
+        detail = "; ".join(f"{field}: {message}" for field, message in faults[:_IN_DETAIL])
+        more = f"; and {len(faults) - _IN_DETAIL} more" if len(faults) > _IN_DETAIL else ""
         kind, extra = ProblemType.INVALID_REQUEST, {}
         if isinstance(error, LimitError):
             kind, extra = ProblemType.LIMIT_EXCEEDED, {"limit": {"name": error.limit, "value": error.value}}
-        return cls(kind, told + more, errors=found[:_LISTED], extra=extra)
+        return cls(kind, detail + more, errors=faults[:_LISTED], extra=extra)
 
     @classmethod
     def of_job(cls, job_id: str, error: Mapping[str, str] | None) -> ProblemError:
@@ -203,7 +203,7 @@ class ProblemError(Exception):
     def document(self, instance: str | None = None) -> dict[str, object]:
         """The problem document."""
         info = self.kind.value
-        found: dict[str, object] = {
+        document: dict[str, object] = {
             "type": self.kind.uri,
             "title": info.title,
             "status": info.status,
@@ -211,8 +211,8 @@ class ProblemError(Exception):
             "errors": [{"field": field, "message": message} for field, message in self.errors],
         }
         if instance is not None:
-            found["instance"] = instance
-        return {**found, **self.extra}
+            document["instance"] = instance
+        return {**document, **self.extra}
 
     def response(self, instance: str | None = None) -> Response:
         """The problem as an HTTP response."""

@@ -41,16 +41,16 @@ class Outcome:
             return ""
         first = self.report["violations"][0]
         leg = f"l{self.report['requirement']['fixed_leg']}"
-        found = counted(first["count"], "cusp")
-        text = f"{found} at {leg.upper()} = {first['example'][leg]}, {_wanted(self.report['requirement'])}"
+        count = counted(first["count"], "cusp")
+        text = f"{count} at {leg.upper()} = {first['example'][leg]}, {_demand(self.report['requirement'])}"
         if cusps := first["example"]["cusps"]:
             text += "; the first: " + ", ".join(f"{key} = {value}" for key, value in cusps[0].items())
         return text
 
     def to_json(self) -> dict[str, object]:
         """The report with the name of its geometry, or the error."""
-        found = {"source": self.source, "passed": self.passed}
-        return {**found, "report": self.report} if self.error is None else {**found, "error": self.error}
+        verdict = {"source": self.source, "passed": self.passed}
+        return {**verdict, "report": self.report} if self.error is None else {**verdict, "error": self.error}
 
 
 def document(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> dict[str, object]:
@@ -67,7 +67,7 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> Page:
     sections = []
     for outcome in outcomes:
         if outcome.passed:
-            sections.append(Section(f"{outcome.source}: passed, {_found(outcome)}"))
+            sections.append(Section(f"{outcome.source}: passed, {_span(outcome)}"))
             continue
         verdict = "failed" if outcome.error is None else "no answer"
         sections.append(
@@ -118,7 +118,7 @@ def github_annotations(outcomes: Sequence[Outcome]) -> Iterator[str]:
         yield f"::error {where}::{_data(outcome.message)}"
 
 
-def _wanted(requirement: Mapping[str, Any]) -> str:
+def _demand(requirement: Mapping[str, Any]) -> str:
     parts = [
         f"{words} {requirement[name]}"
         for name, words in (("max_cusps", "at most"), ("min_cusps", "at least"))
@@ -138,10 +138,10 @@ def _about(requirement: Mapping[str, Any]) -> str:
         f", {key.upper()} within {bounds['min'] or 0}:{bounds['max'] or ''}"
         for key, bounds in requirement["limits"].items()
     )
-    return f"cusps for L{leg} from {ends['from']}{upper}{limits}: {_wanted(requirement)}"
+    return f"cusps for L{leg} from {ends['from']}{upper}{limits}: {_demand(requirement)}"
 
 
-def _found(outcome: Outcome) -> str:
+def _span(outcome: Outcome) -> str:
     assert outcome.report is not None
     low, high = (outcome.report[f"{end}_cusps_found"] for end in ("min", "max"))
     return counted(low, "cusp") if low == high else f"{low} to {high} cusps"

@@ -193,9 +193,9 @@ class _Signals:
 
 def _bind(host: str, port: int) -> socket.socket:
     try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
         # of the two addresses of "localhost" the one that most clients try first
-        family, kind, proto, _, address = min(found, key=lambda info: info[0] != socket.AF_INET)
+        family, kind, proto, _, address = min(addresses, key=lambda info: info[0] != socket.AF_INET)
         listener = socket.socket(family, kind, proto)
     except OSError as error:
         raise StackError(f"cannot listen on {host}: {error.strerror or error}") from error

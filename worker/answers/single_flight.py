@@ -18,12 +18,12 @@ def single_flight(
     """What is known, or is made here, or by another worker that holds the lock; `make` has to keep it."""
     pause = _FIRST_PAUSE
     while True:
-        found = known()
-        if found is not None:
-            return found
+        result = known()
+        if result is not None:
+            return result
         with lock() as held:
             if held:
-                found = known()  # it may have come between the look and the lock
-                return make() if found is None else found
+                result = known()  # it may have come between the look and the lock
+                return make() if result is None else result
         time.sleep(pause)
         pause = min(2 * pause, _LONGEST_PAUSE)

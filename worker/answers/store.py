@@ -37,24 +37,24 @@ class ResultStore:
         One round trip when all are known with just these digits. Slices known with more digits are
         shortened, where correct rounding can be told from what is stored.
         """
-        wanted = request.parts if l1 is None else l1
-        if not wanted:
+        slices = request.parts if l1 is None else l1
+        if not slices:
             return {}
         with self.redis.pipeline(transaction=False) as pipe:
-            pipe.mget(self.slice_keys(request, wanted))
+            pipe.mget(self.slice_keys(request, slices))
             pipe.smembers(self.keys.digits(request.geometry_hash, request.fixed_leg))
             values, digits = pipe.execute()
-        found = _parse(wanted, values)
+        known = _parse(slices, values)
         for more in sorted(d for d in map(int, digits) if d > request.digits):
-            missing = [x for x in wanted if x not in found]
+            missing = [x for x in slices if x not in known]
             if not missing:
                 break
             longer = _parse(missing, self._mget(self.slice_keys(request, missing, more)))
             for x, value in longer.items():
                 short = None if "error" in value else rpr_solver.shorten_slice(value, more, request.digits)
                 if short is not None:
-                    found[x] = short
-        return found
+                    known[x] = short
+        return known
 
     def renew_slices(self, request: JobRequest, slices: Mapping[str, SliceJson]) -> None:
         """Make known slices last as long as new ones, so that a job's table stays whole.
@@ -110,8 +110,8 @@ class ResultStore:
 
     def census_digits(self, family: JobRequest) -> list[int]:
         """The numbers of digits with which censuses of this family have been kept, ascending."""
-        found = cast("set[bytes]", self.redis.smembers(self.keys.census_digits(family.content_hash)))
-        return sorted(map(int, found))
+        members = cast("set[bytes]", self.redis.smembers(self.keys.census_digits(family.content_hash)))
+        return sorted(map(int, members))
 
     def eliminant_lock(self, request: JobRequest) -> AbstractContextManager[bool]:
         """Try to become the one who computes the eliminant; gives False when somebody else does."""

@@ -30,8 +30,8 @@ def limit_memory(megabytes: int | None) -> None:
     if megabytes is None:
         return
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    wanted = megabytes * 2**20
-    soft = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+    limit = megabytes * 2**20
+    soft = limit if hard == resource.RLIM_INFINITY else min(limit, hard)
     try:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
     except (OSError, ValueError):
