@@ -206,6 +206,17 @@ def test_a_part_of_the_range() -> None:
     assert all(40 < x < 80 for x in whole.spread(5, Fraction(40)))
 
 
+@pytest.mark.slow
+def test_a_part_has_the_points_that_are_asked_for() -> None:
+    whole = curves_of(EXAMPLES["zein-flat"], digits=15)
+    start, stop = Fraction(20), Fraction(21)
+    assert whole.part(start, stop) == whole.within(start, stop)
+    lengths = [Fraction("20.5"), *whole.spread(1, start, stop)]
+    part = whole.part(start, stop, lengths=[Fraction("20.5")], samples=1)
+    assert part == whole.sampled(lengths).within(start, stop)
+    assert {p.length for curve in part.curves for p in curve.points} == set(lengths)
+
+
 def test_documents_are_read_back() -> None:
     for leg in (1, 2):
         curves = curves_of(EXAMPLES["zein-flat"], leg)

@@ -88,13 +88,21 @@ def test_cusp_curves_of_another_leg() -> None:
     [
         (("poses", "innocenti", "--l1", "1"), "--l2, --l3"),
         (("poses", "innocenti", "--l1", "x", "--l2", "1", "--l3", "1"), "--l1: 'x' is not a finite number"),
-        (("poses", "innocenti", "--l1", "0", "--l2", "1", "--l3", "1"), "l1: is 0; a leg length must be > 0"),
+        (
+            ("poses", "innocenti", "--l1", "0", "--l2", "1", "--l3", "1"),
+            "--l1: is 0; a leg length must be > 0",
+        ),
+        (
+            ("poses", "innocenti", "--l1", "y", "--l2=-1", "--l3", "1"),
+            "--l2: is -1; a leg length must be",
+        ),
         (("solve", "innocenti", "--l2", "1", "--fixed-leg", "2", "--method", "article"), "fixes leg 1"),
         (("census", "innocenti", "--l1-range", "2:1"), "--l1-range.to: is 1; it must exceed 2"),
+        (("census", "innocenti", "--l1-range", "x:"), "--l1-range.from: 'x' is not a finite number"),
         (("census", "innocenti", "--l1-range", "1:2:3"), "is not A:B"),
         (("census", "innocenti", "--l1-range", "1:2", "--l1-range", "3:4"), "one range too many"),
         (("census", "innocenti", "--l2-range", "1:", "--fixed-leg", "1"), "the range is --l1-range"),
-        (("curves", "innocenti", "--l1", "0"), "--l1: is 0; a leg length must be > 0"),
+        (("curves", "innocenti", "--l1", "0"), "--l1: is 0; a leg length must be"),
         (("curves", "innocenti", "--l1", "5", "--l1-range", "6:8"), "outside the range from 6 to 8"),
         (("curves", "innocenti", "--l1", "5", "--l2", "5"), "--l2: with fixed leg 1 the lengths are --l1"),
         (("curves", "innocenti", "--samples", "0"), "samples: is 0; give 1 to 50"),
