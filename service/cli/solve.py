@@ -11,7 +11,6 @@ from rpr_solver.article.audit import article_document
 from rpr_solver.errors import InputError
 from service.cli import arguments
 from service.cli.pages import Progress, failures, write_table
-from service.client import ServiceClient
 from service.errors import ServiceError
 from service.schemas.tables import ARTICLE, METHODS, CuspTableRequest
 
@@ -57,8 +56,7 @@ def run(args: argparse.Namespace) -> int:
     slices = list(dict.fromkeys(question.slices))
     with Progress(len(slices)) as progress:
         if args.url is not None:
-            with _client(args.url) as client:
-                table = client.cusp_table(question.body(), progress.update)
+            table = _ask_service(args.url, question, progress)
         elif question.method == ARTICLE:
             table = article_document(question.geometry, slices, question.digits, progress.update)
         else:
@@ -85,11 +83,15 @@ def _question(args: argparse.Namespace) -> CuspTableRequest:
     return arguments.ask(CuspTableRequest, args, members, origin)
 
 
-def _client(url: str) -> ServiceClient:
+def _ask_service(url: str, question: CuspTableRequest, progress: Progress) -> dict[str, Any]:
+    from service.client import ServiceClient  # only here: it takes a while to import
+
     try:
-        return ServiceClient(url)
+        client = ServiceClient(url)
     except ServiceError as error:
         raise InputError.of("--url", str(error)) from None
+    with client:
+        return client.cusp_table(question.body(), progress.update)
 
 
 def report(table: dict[str, Any]) -> int:
