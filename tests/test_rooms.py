@@ -30,7 +30,7 @@ MAY_IMPORT = {
     "worker.answers": "rpr_solver worker.settings",
     "worker.process": "rpr_solver worker.settings worker.connection worker.jobs worker.answers",
     "worker.__main__": "worker.settings worker.process",
-    "worker": "worker.connection worker.settings worker.jobs worker.answers",
+    "worker": "",
     # service: faces people and programs
     "service.errors": "",
     "service.schemas": "rpr_solver worker.answers",

@@ -12,7 +12,8 @@ from service.api.operations import Operation
 from service.api.prefer import parse_prefer
 from service.api.problems import ProblemError
 from service.schemas.document import Source, read
-from worker import JobRequest, JobView
+from worker.answers.requests import JobRequest
+from worker.jobs.records import JobView
 
 
 async def answer_question(request: Request, context: Context, operation: Operation) -> Response:

@@ -13,7 +13,9 @@ from fastapi import Depends, Request
 from service.api.job_events import JobEvents
 from service.api.metrics import Metrics
 from service.api.settings import Settings
-from worker import JobQueue, WorkerSettings, connect
+from worker.connection import connect
+from worker.jobs.queue import JobQueue
+from worker.settings import WorkerSettings
 
 P = ParamSpec("P")
 T = TypeVar("T")

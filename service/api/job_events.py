@@ -16,7 +16,8 @@ from redis.exceptions import RedisError
 
 from service.api.job_view import job_json
 from service.api.settings import Settings
-from worker import JobQueue, JobView
+from worker.jobs.queue import JobQueue
+from worker.jobs.records import JobView
 
 log = logging.getLogger("rpr_cusps.service")
 

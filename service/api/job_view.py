@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from worker import JobView
 from worker.answers.kinds import kind_of_job
+from worker.jobs.records import JobView
 
 
 def job_json(view: JobView) -> dict[str, object]:

@@ -12,8 +12,8 @@ from prometheus_client.registry import Collector
 from redis.exceptions import RedisError
 
 from service import __version__
-from worker import JobQueue
 from worker.answers import tables
+from worker.jobs.queue import JobQueue
 
 log = logging.getLogger("rpr_cusps.service")
 

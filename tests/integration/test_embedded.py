@@ -12,7 +12,7 @@ import pytest
 from service.stack.embedded_valkey import EmbeddedValkey, default_data_dir
 from service.stack.errors import EmbeddedError
 from tests.support.processes import environment, is_running, started, until
-from worker import connect
+from worker.connection import connect
 
 HOLD = """
 import sys, time

@@ -22,8 +22,11 @@ from tests.support.processes import (
     is_running,
     until,
 )
-from worker import JobQueue, JobRequest, JobView, WorkerSettings
 from worker.answers import poses
+from worker.answers.requests import JobRequest
+from worker.jobs.queue import JobQueue
+from worker.jobs.records import JobView
+from worker.settings import WorkerSettings
 
 
 def a_document() -> JobRequest:

@@ -29,7 +29,9 @@ from tests.support.processes import (
     started,
     until,
 )
-from worker import JobQueue, WorkerSettings, connect
+from worker.connection import connect
+from worker.jobs.queue import JobQueue
+from worker.settings import WorkerSettings
 
 SLOW = "tests.support.hard_tasks.slow_once"
 SERVE = """

@@ -13,7 +13,8 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import serving
 from tests.support.valkey import valkey
-from worker import JobQueue, connect
+from worker.connection import connect
+from worker.jobs.queue import JobQueue
 from worker.process.pool import WorkerPool
 
 __all__ = ["valkey"]

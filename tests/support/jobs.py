@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from rpr_solver import EXAMPLES
 from tests.support.processes import until
-from worker import JobQueue, JobRequest, JobView
 from worker.answers import tables
+from worker.answers.requests import JobRequest
+from worker.jobs.queue import JobQueue
+from worker.jobs.records import JobView
 
 
 def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:

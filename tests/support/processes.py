@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from worker import connect
+from worker.connection import connect
 
 T = TypeVar("T")
 

@@ -12,7 +12,7 @@ import pytest
 from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
-from worker import connect
+from worker.connection import connect
 
 
 @pytest.fixture(scope="session")

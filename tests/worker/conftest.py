@@ -5,7 +5,9 @@ from redis import Redis
 
 from tests.support.jobs import a_request
 from tests.support.valkey import redis, valkey
-from worker import JobQueue, JobRequest, WorkerSettings
+from worker.answers.requests import JobRequest
+from worker.jobs.queue import JobQueue
+from worker.settings import WorkerSettings
 
 __all__ = ["redis", "valkey"]
 

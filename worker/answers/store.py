@@ -5,15 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
-from typing import Any, cast
-
-from redis import Redis
-from redis.exceptions import LockNotOwnedError
+from typing import TYPE_CHECKING, Any, cast
 
 import rpr_solver
 from worker.answers.keys import ResultKeys
 from worker.answers.requests import JobRequest
 from worker.settings import WorkerSettings
+
+if TYPE_CHECKING:  # the command line reads questions without a server, and this import takes 0.2 s
+    from redis import Redis
 
 SliceJson = dict[str, Any]
 
@@ -124,6 +124,8 @@ class ResultStore:
     @contextmanager
     def _lock(self, key: str) -> Iterator[bool]:
         """The lock expires by itself, so a worker that died with it does not stop the others for long."""
+        from redis.exceptions import LockNotOwnedError
+
         lock = self.redis.lock(key, timeout=self.settings.eliminant_lock, blocking=False)
         held = bool(lock.acquire())
         try:

@@ -15,8 +15,8 @@ from service.api.middleware import IS_HEAD
 from service.api.negotiation import JSON, document_response, json_bytes, negotiate
 from service.api.operations import forms_of
 from service.api.problems import ProblemError, ProblemType
-from worker import JobView
 from worker.answers.kinds import kind_of_job
+from worker.jobs.records import JobView
 
 router = APIRouter(tags=["jobs"])
 

@@ -21,7 +21,7 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import GEOMETRY, ended, serving_app
-from worker import JobQueue
+from worker.jobs.queue import JobQueue
 
 Fresh = Callable[[], str]
 

@@ -17,7 +17,7 @@ from service.api.app import create_app
 from service.api.operations import OPERATIONS
 from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY, ended
-from worker import JobQueue
+from worker.jobs.queue import JobQueue
 
 POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
 

@@ -11,9 +11,11 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, Manipulator
-from worker import JobRequest, ResultStore, WorkerSettings
 from worker.answers import censuses
 from worker.answers.kinds import compute, known_document
+from worker.answers.requests import JobRequest
+from worker.answers.store import ResultStore
+from worker.settings import WorkerSettings
 
 MANIPULATOR = EXAMPLES["zein-flat"]
 

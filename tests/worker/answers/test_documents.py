@@ -6,11 +6,13 @@ import pytest
 from redis import Redis
 
 from rpr_solver import EXAMPLES, SolverError, poses
-from worker import JobQueue, JobRequest, WorkerSettings
 from worker.answers import poses as poses_kind
+from worker.answers.requests import JobRequest
+from worker.jobs.queue import JobQueue
 from worker.jobs.records import ChunkRef
 from worker.jobs.sweeper import Sweeper
 from worker.process import tasks
+from worker.settings import WorkerSettings
 
 
 @pytest.fixture

@@ -9,9 +9,9 @@ import pytest
 
 import rpr_solver
 from rpr_solver import EXAMPLES
-from worker import JobRequest
 from worker.answers import article, censuses, checks, curves, poses, requests, tables
 from worker.answers.kinds import COMPUTATIONS, KINDS, kind_of_job, request_from_json
+from worker.answers.requests import JobRequest
 
 GEOMETRY = EXAMPLES["innocenti"].to_json()
 

@@ -9,8 +9,10 @@ from redis import Redis
 
 import rpr_solver
 from tests.support.jobs import a_request
-from worker import JobRequest, ResultStore, WorkerSettings
+from worker.answers.requests import JobRequest
+from worker.answers.store import ResultStore
 from worker.jobs.records import Chunk, ChunkRef, JobRecords
+from worker.settings import WorkerSettings
 
 
 def keep(store: ResultStore, request: JobRequest, l1: str, value: Mapping[str, object]) -> None:

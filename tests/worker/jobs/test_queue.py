@@ -10,9 +10,11 @@ import pytest
 from redis import Redis
 
 from tests.support.jobs import a_request
-from worker import JobQueue, JobRequest, WorkerSettings
+from worker.answers.requests import JobRequest
+from worker.jobs.queue import JobQueue
 from worker.jobs.records import ChunkEntry, ChunkRef
 from worker.jobs.sweeper import Sweeper
+from worker.settings import WorkerSettings
 
 
 def refs(queue: JobQueue) -> list[ChunkRef]:

@@ -4,8 +4,8 @@ import signal
 
 import pytest
 
-from worker import WorkerSettings
 from worker.process.horse_exit import Failed, RunAgain, judge_exit
+from worker.settings import WorkerSettings
 
 SETTINGS = WorkerSettings(deadline=5, memory_limit_mb=100)
 

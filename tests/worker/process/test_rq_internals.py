@@ -15,8 +15,8 @@ from redis import Redis
 from rq.job import Job
 from rq.worker_registration import REDIS_WORKER_KEYS
 
-from worker import WorkerSettings
 from worker.process.worker import CuspWorker
+from worker.settings import WorkerSettings
 
 TEXT = (Path(__file__).parents[3] / "docs" / "worker.md").read_text(encoding="utf-8")
 SECTION = TEXT[TEXT.index("## Which of RQ's internals are touched") :]
