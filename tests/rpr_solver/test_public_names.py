@@ -6,7 +6,15 @@ import pytest
 
 import rpr_solver
 
-CONSTANTS = {"DEFAULT_DIGITS", "EXAMPLES", "MAX_DIGITS", "MIN_DIGITS", "SOLVER_VERSION"}
+CONSTANTS = {
+    "CHECK_DIGITS",
+    "DEFAULT_DIGITS",
+    "EXAMPLES",
+    "MAX_DIGITS",
+    "MIN_DIGITS",
+    "SOLVER_VERSION",
+}
+TYPES = {"Progress"}
 FUNCTIONS = {
     "article_table",
     "census",
@@ -23,8 +31,10 @@ FUNCTIONS = {
     "restrict_census",
     "shorten_slice",
     "slice_error_json",
+    "slice_json",
     "solve_slice",
     "table_csv",
+    "table_document",
     "table_json",
 }
 CLASSES = {
@@ -41,8 +51,10 @@ CLASSES = {
     "FieldProblem",
     "InputError",
     "JointPoint",
+    "LengthKind",
     "Manipulator",
     "PlatformPose",
+    "PoseKind",
     "PoseTable",
     "Requirement",
     "SliceTable",
@@ -54,7 +66,7 @@ CLASSES = {
 
 
 def test_the_public_names_are_these() -> None:
-    assert sorted(rpr_solver.__all__) == sorted(CONSTANTS | FUNCTIONS | CLASSES)
+    assert sorted(rpr_solver.__all__) == sorted(CONSTANTS | TYPES | FUNCTIONS | CLASSES)
     public = {name: getattr(rpr_solver, name) for name in rpr_solver.__all__}
     assert {name for name, value in public.items() if inspect.isfunction(value)} == FUNCTIONS
     assert {name for name, value in public.items() if inspect.isclass(value)} == CLASSES
