@@ -115,6 +115,7 @@ def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
     assert not (tmp_path / "valkey.sock").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
 def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None:
     with (
@@ -134,6 +135,7 @@ def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None
         assert (done.run, done.status) == (view.run, "succeeded")
 
 
+@pytest.mark.slow
 def test_queued_jobs_are_there_again(tmp_path: Path) -> None:
     requests = [a_request(str(i)) for i in range(1, 4)]
     with running(tmp_path, workers=0) as stack, stack.redis() as redis:
@@ -147,6 +149,7 @@ def test_queued_jobs_are_there_again(tmp_path: Path) -> None:
             assert done.status == "succeeded"
 
 
+@pytest.mark.slow
 def test_a_second_signal_hurries(tmp_path: Path) -> None:
     settings = {"task": "tests.support.hard_tasks.endless", "shutdown_grace": 60}
     with running(tmp_path, **settings) as stack, stack.redis() as redis:
@@ -158,6 +161,7 @@ def test_a_second_signal_hurries(tmp_path: Path) -> None:
         assert not any(is_running(pid) for pid in parts)
 
 
+@pytest.mark.slow
 def test_a_dead_worker_is_replaced(tmp_path: Path) -> None:
     with running(tmp_path) as stack, stack.redis() as redis:
         (worker,) = stack.workers()
@@ -172,6 +176,7 @@ def test_a_dead_worker_is_replaced(tmp_path: Path) -> None:
         assert stack.process.stderr.read() == "rpr-cusps serve: a worker ended (SIGKILL); starting another\n"
 
 
+@pytest.mark.slow
 def test_a_dead_server_is_replaced(tmp_path: Path) -> None:
     with running(tmp_path) as stack, stack.redis() as redis:
         request = a_request("1")
@@ -186,6 +191,7 @@ def test_a_dead_server_is_replaced(tmp_path: Path) -> None:
         assert done.status == "succeeded"
 
 
+@pytest.mark.slow
 def test_with_a_server_of_ones_own(tmp_path: Path, valkey: EmbeddedValkey, redis: Redis) -> None:
     data = tmp_path / "unused"
     with running(data, url=valkey.url) as stack:
@@ -198,6 +204,7 @@ def test_with_a_server_of_ones_own(tmp_path: Path, valkey: EmbeddedValkey, redis
     assert not data.exists()
 
 
+@pytest.mark.slow
 def test_clients_that_wait_do_not_hold_the_end(tmp_path: Path) -> None:
     with running(tmp_path, workers=0) as stack, ThreadPoolExecutor(2) as pool:
         with stack.redis() as redis:

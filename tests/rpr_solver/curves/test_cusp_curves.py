@@ -65,7 +65,7 @@ def agrees_with(curves: CuspCurves, whole: Census) -> None:
 @pytest.mark.parametrize(
     ("name", "fixed_leg"),
     [
-        ("innocenti", 1),
+        slow("innocenti", 1),
         ("zein-flat", 3),
         slow("innocenti", 2),
         slow("twelve-cusps", 1),
