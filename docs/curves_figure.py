@@ -24,13 +24,13 @@ Point = tuple[float, float]
 
 def end_point(end: CurveEnd) -> Iterator[Point]:
     """Where a curve ends, if a pose is known there."""
-    if end.length is not None and len(end.points) == 1:
-        yield float(end.length), float(end.points[0].point.theta_deg)
+    if end.length is not None and len(end.events) == 1:
+        yield float(end.length), float(end.events[0].point.theta1_deg)
 
 
 def runs(curve: CuspCurve) -> Iterator[list[Point]]:
     """The curve in pieces: it is cut where the angle passes 180 degrees."""
-    inside = [(float(p.length), float(p.point.theta_deg)) for p in curve.points]
+    inside = [(float(p.length), float(p.point.theta1_deg)) for p in curve.points]
     points = [*end_point(curve.start), *inside, *end_point(curve.stop)]
     run = points[:1]
     for before, after in pairwise(points):
@@ -64,7 +64,7 @@ def svg(curves: CuspCurves, low: float, high: float) -> str:
         if visible and visible[-1].length - visible[0].length > (high - low) / 12:
             between = (visible[0].length + visible[-1].length) / 2
             middle = min(visible, key=lambda p: abs(p.length - between))
-            x, y = place((float(middle.length), float(middle.point.theta_deg)))
+            x, y = place((float(middle.length), float(middle.point.theta1_deg)))
             names.append(text((x, y - 7), curve.name, fill=colour))
         for end in (curve.start, curve.stop):
             for x, y in map(place, end_point(end)):

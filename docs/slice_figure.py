@@ -90,7 +90,7 @@ def svg(m: Manipulator, l1: str) -> str:
     joints, jacobian = slice_map(m, float(l1))
     curves = [[joints(*point) for point in line] for line in zero_curves(jacobian)]
     [table] = cusp_table(m, [l1], digits=15)
-    cusps = [(float(c.first), float(c.second)) for c in table.cusps]
+    cusps = [(float(c.l2), float(c.l3)) for c in table.cusps]
     right = max(x for line in curves for x, _ in line) * 1.04
     top = max(y for line in curves for _, y in line) * 1.04
 

@@ -1,10 +1,17 @@
 """Certified cusp points of planar 3-RPR parallel manipulators.
 
 >>> from rpr_solver import EXAMPLES, cusp_table
->>> [table] = cusp_table(EXAMPLES["innocenti"], ["14.98"], digits=15)
->>> table.count, table.cusps[0].theta_deg
-(6, '-69.1293760614883')
+>>> [table] = cusp_table(EXAMPLES["innocenti"], "14.98", digits=15)
+>>> table
+<SliceTable L1=14.98: 6 cusps, 15 digits>
+>>> table.cusps[0].theta1_deg, table.cusps[0].l2
+('-69.1293760614883', '0.845282018280357')
+
+Every number given is exact (:data:`Exact`): an integer, a ``Fraction``, a ``Decimal``, or a text such as
+``"14.98"`` or ``"749/50"``. Lengths are in the user's unit, angles in degrees.
 """
+
+from importlib.metadata import version
 
 from rpr_solver.article.audit import ArticleTable, article_table
 from rpr_solver.contract import (
@@ -15,10 +22,11 @@ from rpr_solver.contract import (
     SOLVER_VERSION,
     Progress,
 )
-from rpr_solver.curves.cusp_curves import CurveEnd, CurvePoint, CuspCurve, CuspCurves, cusp_curves
+from rpr_solver.curves.cusp_curve import CurveEnd, CurvePoint, CuspCurve
+from rpr_solver.curves.cusp_curves import CuspCurves, cusp_curves
 from rpr_solver.documents import census_csv, curves_csv, restrict_census, shorten_slice, table_csv
 from rpr_solver.errors import FieldProblem, InputError, SolverError, Unproved
-from rpr_solver.exact.rationals import exact_str, parse_exact
+from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
 from rpr_solver.kinematics.pose_table import (
     DirectPolynomial,
     PlatformPose,
@@ -29,11 +37,16 @@ from rpr_solver.kinematics.pose_table import (
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import EXAMPLES, Manipulator
 from rpr_solver.slices.answers import slice_error_json, slice_json, table_document, table_json
-from rpr_solver.slices.cusp_table import SliceTable, cusp_table, solve_slice
+from rpr_solver.slices.cusp_table import cusp_table, solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.joint_points import JointPoint
-from rpr_solver.transitions.census import Census, LengthKind, Transition, TransitionPoint, census
-from rpr_solver.transitions.requirement import CheckedInterval, CheckReport, Requirement, check
+from rpr_solver.slices.slice_table import SliceTable
+from rpr_solver.transitions.census import Census, LengthKind, Transition, TransitionEvent, census
+from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check
+from rpr_solver.transitions.length_range import LengthRange
+from rpr_solver.transitions.requirement import Requirement
+
+__version__ = version("rpr-cusps")
 
 __all__ = [
     "CHECK_DIGITS",
@@ -52,10 +65,12 @@ __all__ = [
     "CuspCurves",
     "DirectPolynomial",
     "Eliminant",
+    "Exact",
     "FieldProblem",
     "InputError",
     "JointPoint",
     "LengthKind",
+    "LengthRange",
     "Manipulator",
     "PlatformPose",
     "PoseKind",
@@ -65,8 +80,9 @@ __all__ = [
     "SliceTable",
     "SolverError",
     "Transition",
-    "TransitionPoint",
+    "TransitionEvent",
     "Unproved",
+    "__version__",
     "article_table",
     "census",
     "census_csv",

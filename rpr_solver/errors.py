@@ -16,17 +16,31 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+_SHOWN = 40
+
 
 @dataclass(frozen=True)
 class FieldProblem:
-    """One thing wrong with one input field: its dotted name, and what would be right."""
+    """One thing wrong with one input field: its dotted name, and what would be right.
+
+    >>> FieldProblem("digits", "is 3; give 15 to 10000")
+    FieldProblem(field='digits', message='is 3; give 15 to 10000')
+    """
 
     field: str
     message: str
 
 
 class InputError(ValueError):
-    """Bad input. ``problems`` names every field at fault; the text is one line."""
+    """Bad input, reported before anything is computed.
+
+    ``problems`` names every field at fault: an argument by its name (``digits``), the length of a leg by
+    the leg (``l2``), a part of a document by its path (``geometry.d3``). The text is one line.
+
+    >>> error = InputError([FieldProblem("l2", "is 0; a leg length must be > 0")])
+    >>> str(error), error.problems[0].field
+    ('l2: is 0; a leg length must be > 0', 'l2')
+    """
 
     def __init__(self, problems: Sequence[FieldProblem]) -> None:
         self.problems = tuple(problems)
@@ -39,8 +53,24 @@ class InputError(ValueError):
 
 
 class SolverError(Exception):
-    """An honest refusal: no answer could be proved for this slice. Nothing was guessed."""
+    """No answer could be proved, or this version does not support the case. The solver never guesses.
+
+    >>> from rpr_solver import Manipulator, article_table
+    >>> article_table(Manipulator(30, 0, 40, 30, 50, 40), 5)
+    Traceback (most recent call last):
+    rpr_solver.errors.SolverError: the article's eliminant vanishes identically in this slice: ...
+    """
 
 
 class Unproved(SolverError):  # noqa: N818 - a verdict, not a fault
-    """What the text names could not be proved at any precision up to the limit (exact/precision.py)."""
+    """What the text names could not be proved at any precision up to the limit (exact/precision.py).
+
+    >>> issubclass(Unproved, SolverError)
+    True
+    """
+
+
+def shown(value: object) -> str:
+    """A value as an error message quotes it: short, whatever was sent."""
+    text = repr(value)
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}… ({len(text)} characters)"

@@ -15,6 +15,6 @@ Exception
 └── WorkerError             (the worker's) worker.process.worker: no Redis, or no longer
 """
 
-__version__ = "0.1.0"
+from rpr_solver import __version__
 
 __all__ = ["__version__"]

@@ -25,21 +25,35 @@ MODULES = [
 ]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", TUTORIALS)
-def test_code_blocks(name: str) -> None:
+def session(name: str) -> doctest.DocTest:
+    """All code blocks of a tutorial, one session, as in a notebook."""
     text = TUTORIALS[name]
     blocks = BLOCK.findall(text)
     assert len(blocks) == text.count("```python")
     assert all(block.startswith(">>> ") for block in blocks)
-    # one session, as in a notebook
-    test = doctest.DocTestParser().get_doctest("\n".join(blocks), {}, name, name, 0)
-    assert doctest.DocTestRunner().run(test).failed == 0
+    return doctest.DocTestParser().get_doctest("\n".join(blocks), {}, name, name, 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TUTORIALS)
+def test_code_blocks(name: str) -> None:
+    assert doctest.DocTestRunner().run(session(name)).failed == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TUTORIALS)
+def test_code_blocks_are_strictly_typed(name: str, tmp_path: Path) -> None:
+    api = pytest.importorskip("mypy.api")
+    script = tmp_path / "tutorial.py"
+    script.write_text("".join(example.source for example in session(name).examples), encoding="utf-8")
+    options = ["--strict", "--config-file=", f"--cache-dir={tmp_path / 'cache'}", "--follow-imports=silent"]
+    report, errors, status = api.run([*options, str(script)])
+    assert (status, errors) == (0, ""), report
 
 
 @pytest.mark.parametrize("module", MODULES)
 def test_docstrings(module: str) -> None:
-    outcome = doctest.testmod(importlib.import_module(module))
+    outcome = doctest.testmod(importlib.import_module(module), optionflags=doctest.ELLIPSIS)
     assert outcome.attempted
     assert outcome.failed == 0
 

@@ -13,15 +13,16 @@ SOLVER = "rpr_solver"
 MAY_IMPORT = {
     # rpr_solver: pure mathematics
     "rpr_solver.errors": "",
+    "rpr_solver.notebook": "",
     "rpr_solver.contract": "errors",
     "rpr_solver.exact": "errors contract",
-    "rpr_solver.model": "errors contract exact",
-    "rpr_solver.kinematics": "errors contract exact model",
-    "rpr_solver.slices": "errors contract exact model",
-    "rpr_solver.documents": "errors contract exact model slices",
-    "rpr_solver.transitions": "errors contract exact model slices",
-    "rpr_solver.article": "errors contract exact model slices",
-    "rpr_solver.curves": "errors contract exact model slices transitions",
+    "rpr_solver.model": "errors contract notebook exact",
+    "rpr_solver.kinematics": "errors contract notebook exact model",
+    "rpr_solver.slices": "errors contract notebook exact model",
+    "rpr_solver.transitions": "errors contract notebook exact model slices",
+    "rpr_solver.documents": "errors contract exact model slices transitions",
+    "rpr_solver.article": "errors contract notebook exact model slices",
+    "rpr_solver.curves": "errors contract notebook exact model slices transitions",
     "rpr_solver": "errors contract exact model kinematics slices documents transitions article curves",
     # worker: jobs in Redis, and the processes that compute
     "worker.settings": "rpr_solver",
@@ -41,7 +42,7 @@ MAY_IMPORT = {
     "service.cli": "rpr_solver worker service service.errors service.schemas service.client service.stack "
     "service.api",
     "service.__main__": "service.cli",
-    "service": "",
+    "service": "rpr_solver",
 }
 """Room → the rooms it may import; inside ``rpr_solver`` without the prefix."""
 

@@ -22,7 +22,7 @@ A real root that two factors share is listed with Q, or else with the first of t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -38,21 +38,23 @@ from rpr_solver.article.couples import (
     rejected_by_balls,
 )
 from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, KnownFactor, article_forms
-from rpr_solver.contract import DEFAULT_DIGITS, Progress, silent
+from rpr_solver.article.report import AuditReport, FactorReport
+from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, silent
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import common_roots, squarefree_part, trimmed
 from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
-from rpr_solver.exact.rationals import parse_exact
+from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.half_tangent import HalfTangent, common_root
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.notebook import Row
 from rpr_solver.slices.answers import slices_json, table_json
 from rpr_solver.slices.by_balls import SlicePoses
-from rpr_solver.slices.cusp_table import SliceTable, check_slice
+from rpr_solver.slices.certificate import SliceCertificate
 from rpr_solver.slices.joint_points import (
     ClassifiedPoint,
     JointPoint,
@@ -60,6 +62,8 @@ from rpr_solver.slices.joint_points import (
     in_order,
     point_of_balls,
 )
+from rpr_solver.slices.lengths import slice_length
+from rpr_solver.slices.slice_table import SliceTable
 
 METHOD = "article"
 _Q = "Q"
@@ -68,10 +72,27 @@ _Q_REASON = "all that is left: degree 24 (13 and 14 hold, and the adjugate does 
 
 @dataclass(frozen=True)
 class ArticleTable:
-    """A slice's table by the article's algorithm, with the audit of its eliminant."""
+    """A slice's table by the article's algorithm, with the audit of its eliminant.
+
+    Proved: the same as of :class:`SliceTable`, and every verdict on a couple (α, θ1).
+
+    Attributes:
+        table: the cusps and degenerate points, with the certificate of this algorithm.
+        audit: the factors of the eliminant of degree 96, with what each of their real roots gave.
+
+    >>> from rpr_solver import EXAMPLES, article_table
+    >>> audit = article_table(EXAMPLES["innocenti"], "14.98", digits=15)
+    >>> audit
+    <ArticleTable L1=14.98: 6 cusps, 15 digits>
+    >>> audit.audit["conjecture"]["holds"]
+    True
+    """
 
     table: SliceTable
-    audit: Mapping[str, object] = field(repr=False)
+    audit: AuditReport
+
+    def __repr__(self) -> str:
+        return repr(self.table).replace("SliceTable", "ArticleTable")
 
     @property
     def count(self) -> int:
@@ -83,24 +104,37 @@ class ArticleTable:
         """The cusps, sorted by θ1."""
         return self.table.cusps
 
-    def to_json(self) -> dict[str, object]:
+    def to_json(self) -> dict[str, Any]:
         """The slice object with ``method`` and ``audit``."""
         return {**self.table.to_json(), "method": METHOD, "audit": dict(self.audit)}
 
+    def rows(self) -> list[Row]:
+        """The rows of the table (see :meth:`SliceTable.rows`)."""
+        return self.table.rows()
 
-def article_table(
-    manipulator: Manipulator, l1: int | str | Fraction, *, digits: int = DEFAULT_DIGITS
-) -> ArticleTable:
-    """All cusps of the slice L1 = ``l1`` by the article's algorithm.
+    def _repr_html_(self) -> str:
+        return self.table._repr_html_()
+
+
+def article_table(manipulator: Manipulator, l1: Exact, *, digits: int = DEFAULT_DIGITS) -> ArticleTable:
+    """All cusps of the slice L1 = ``l1`` by the article's own algorithm, steps 1 to 7 (equations 6, 9 to 14).
+
+    Args:
+        manipulator: the geometry.
+        l1: the length of leg 1, exact, > 0, in the user's unit; in the article leg 1 is the fixed one.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
 
     Raises:
-        InputError: ``l1`` is no exact number or not positive, or ``digits`` is out of range.
+        InputError: naming ``manipulator``, ``l1`` or ``digits``.
         SolverError: the article's eliminant vanishes identically (congruent triangles), or a root
             could not be decided.
+
+    >>> from rpr_solver import EXAMPLES, cusp_table
+    >>> innocenti = EXAMPLES["innocenti"]
+    >>> article_table(innocenti, 27, digits=15).cusps == cusp_table(innocenti, 27, digits=15)[0].cusps
+    True
     """
-    length = parse_exact(l1, "l1")
-    check_slice(1, length, digits)
-    return _Audit(manipulator, length, digits).table()
+    return _Audit(manipulator, slice_length(l1, 1), check_digits(digits)).table()
 
 
 @dataclass
@@ -125,7 +159,7 @@ class _Row:
         known = self.rejected_in_step_6
         self.rejected_in_step_6 = None if real is None or known is None else known + real - kept
 
-    def to_json(self) -> dict[str, object]:
+    def to_json(self) -> FactorReport:
         return {
             "origin": self.factor.origin,
             "degree": self.factor.form.degree,
@@ -152,8 +186,8 @@ class _Audit:
         last = self._row(q)  # first, so that a root shared with another factor is its own
         rows = [*map(self._row, self.eliminant.known), last]
         points = in_order(x for row in rows for x in row.points)
-        cusps, degenerate = cusps_and_degenerate(points, 1)
-        certificate = {
+        cusps, degenerate = cusps_and_degenerate(points)
+        certificate: SliceCertificate = {
             "eliminant_degree": DEGREE,
             "real_roots": sum(row.real_roots for row in rows),
             "factors": [
@@ -166,14 +200,14 @@ class _Audit:
             ],
             "method": METHOD,
             "working_bits": max((x.bits for x in points), default=0),
-            "proofs": [dict(x.proof) for x in cusps],
+            "proofs": [x.proof for x in cusps],
         }
         table = SliceTable(
             1, self.length, self.digits, tuple(x.point for x in cusps), tuple(degenerate), certificate
         )
         return ArticleTable(table, self._report(rows))
 
-    def _report(self, rows: Sequence[_Row]) -> dict[str, object]:
+    def _report(self, rows: Sequence[_Row]) -> AuditReport:
         slice_map = self.slice_map
         if self.eliminant.flat:
             h = "symbolic; its value 0 makes (14) follow from (13): step 6 keeps all, step 7 alone decides"
@@ -253,7 +287,7 @@ class _Audit:
         if not (self.eliminant.flat or adjugate_stands(local)):
             return False
         cusp = poses.cusp(u, t)
-        point = cusp and point_of_balls(cusp, self.digits, poses.bits)
+        point = cusp and point_of_balls(cusp, 1, self.digits, poses.bits)
         if not (cusp and point):
             return False
         row.add(couple_by_balls(cusp), point)

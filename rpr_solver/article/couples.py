@@ -10,6 +10,7 @@ from typing import Any
 from flint import acb_poly, arb, arb_poly
 
 from rpr_solver.article.equations import LEG_ALONG, Legs, Vector, adjugate
+from rpr_solver.article.report import CoupleReport
 from rpr_solver.exact.decimals import round_ball
 from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.model.classify import PoseKind, classify
@@ -34,7 +35,7 @@ class Couple:
     verdict: str
     reason: str
 
-    def to_json(self) -> dict[str, str]:
+    def to_json(self) -> CoupleReport:
         """The audit's object."""
         return {
             "alpha_deg": self.alpha_deg,
@@ -91,9 +92,9 @@ def exact_couple(
     shown = point_of_pose(exact, _SHOWN_DIGITS).point
     if kind is PoseKind.ORDINARY:
         reason = _why(_legs(local, omega.field(1)), exact.f, exact.g)
-        return Couple(shown.alpha_deg, shown.theta_deg, REJECTED, reason), None
+        return Couple(shown.alpha_deg, shown.theta1_deg, REJECTED, reason), None
     verdict, reason = (KEPT, _TRIPLE) if kind is PoseKind.CUSP else (DEGENERATE, kind.value)
-    return Couple(shown.alpha_deg, shown.theta_deg, verdict, reason), point_of_pose(exact, digits)
+    return Couple(shown.alpha_deg, shown.theta1_deg, verdict, reason), point_of_pose(exact, digits)
 
 
 def count_real(coefficients: Sequence[arb]) -> int | None:

@@ -7,111 +7,85 @@ names belong to the manipulator and its fixed leg, and do not depend on what ran
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 from math import cos, pi
 from typing import Any
 
-from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, document_head, silent
+from rpr_solver.contract import (
+    DEFAULT_DIGITS,
+    Progress,
+    check_digits,
+    check_integer,
+    check_leg,
+    check_type,
+    document_head,
+    silent,
+)
+from rpr_solver.curves.cusp_curve import CurveEnd, CurvePoint, CuspCurve
 from rpr_solver.curves.destinations import Tracker
 from rpr_solver.curves.naming import name_cusps, tracks
-from rpr_solver.exact.rationals import exact_str
-from rpr_solver.model.classify import PoseKind
+from rpr_solver.errors import InputError
+from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.slices.cusp_table import check_slice
+from rpr_solver.notebook import Row, counted, html_table, with_floats
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.joint_points import JointPoint
-from rpr_solver.transitions.census import LengthKind, TransitionPoint, length_text, transition_at
+from rpr_solver.slices.lengths import slice_lengths
+from rpr_solver.transitions.census import LengthKind, length_text, transition_at
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS
+from rpr_solver.transitions.length_range import LengthRange
 from rpr_solver.transitions.survey import Survey, survey
-
-_KINDS: dict[str, PoseKind | LengthKind] = {kind.value: kind for kind in (*PoseKind, *LengthKind)}
-
-
-@dataclass(frozen=True)
-class CurveEnd:
-    """Where a curve begins or ends.
-
-    ``length`` is a correctly rounded decimal in the user's unit, "0", or None for a curve that goes on for
-    ever. ``kind`` is that of the transition; ``OPEN`` at 0 and without end; ``UNDECIDED`` at a degenerate
-    length of which it is not proved which cusps pass it, so that curves are cut there. ``joins`` is the
-    name of the curve that meets this one there, where that is proved: both are parts of one smooth curve
-    in (α, θ, L), which turns back in L. ``points`` are the degenerate poses of the transition; a single
-    one is the end point of the curve.
-    """
-
-    length: str | None
-    kind: PoseKind | LengthKind
-    joins: str | None = None
-    points: tuple[TransitionPoint, ...] = ()
-
-    def to_json(self, fixed_leg: int) -> dict[str, object]:
-        """A plain object."""
-        events = [{"kind": p.kind.value, **p.point.to_json(fixed_leg)} for p in self.points]
-        return {f"l{fixed_leg}": self.length, "kind": self.kind.value, "joins": self.joins, "events": events}
-
-    @classmethod
-    def from_json(cls, obj: Mapping[str, Any], fixed_leg: int) -> CurveEnd:
-        """The inverse of :meth:`to_json`."""
-        points = (
-            TransitionPoint(PoseKind(p["kind"]), JointPoint.from_json(p, fixed_leg)) for p in obj["events"]
-        )
-        return cls(obj[f"l{fixed_leg}"], _KINDS[obj["kind"]], obj["joins"], tuple(points))
-
-
-@dataclass(frozen=True)
-class CurvePoint:
-    """A point of a curve: the cusp of this number, from 1, in the table of the slice ``length``."""
-
-    length: Fraction
-    cusp: int
-    point: JointPoint
-
-
-@dataclass(frozen=True)
-class CuspCurve:
-    """A curve of cusps over the lengths between its ends, and points of it, ascending in L."""
-
-    name: str
-    start: CurveEnd
-    stop: CurveEnd
-    points: tuple[CurvePoint, ...]
-
-    def meets(self, start: Fraction, stop: Fraction | None) -> bool:
-        """Whether the curve has points in a range, as far as its decimals tell."""
-        begins, ends = Fraction(self.start.length or 0), self.stop.length
-        return (stop is None or begins < stop) and (ends is None or Fraction(ends) > start)
 
 
 @dataclass(frozen=True)
 class CuspCurves:
-    """The curves of a manipulator that meet a range of lengths; None is a range without end."""
+    """The cusp curves of a manipulator that meet a range of lengths of the fixed leg.
+
+    Proved: that these are all curves, which cusp of a slice lies on which, and every printed digit.
+
+    Attributes:
+        manipulator: the geometry.
+        fixed_leg: the leg whose length changes along the curves.
+        digits: significant digits of every printed number.
+        curves: the curves, in the order of their names.
+        range: the lengths of the fixed leg, in the user's unit.
+
+    >>> from rpr_solver import EXAMPLES, cusp_curves
+    >>> curves = cusp_curves(EXAMPLES["zein-flat"], digits=15)
+    >>> curves
+    <CuspCurves L1 from 0: 14 curves, 80 points, 15 digits>
+    >>> near = curves.sampled(["30.5", 31]).within(30, 40)
+    >>> [(row["curve"], row["l1"], row["cusp"]) for row in near.rows()][:3]
+    [('C1', 30.5, 1), ('C1', 31.0, 1), ('C2', 30.5, 6)]
+    """
 
     manipulator: Manipulator
     fixed_leg: int
     digits: int
     curves: tuple[CuspCurve, ...]
-    start: Fraction = Fraction(0)
-    stop: Fraction | None = None
+    range: LengthRange
 
-    def to_json(self) -> dict[str, object]:
-        """A plain document; :meth:`from_json` reads it back."""
+    def __repr__(self) -> str:
+        points = counted(sum(len(curve.points) for curve in self.curves), "point")
+        curves = counted(len(self.curves), "curve")
+        return f"<CuspCurves L{self.fixed_leg} {self.range}: {curves}, {points}, {self.digits} digits>"
+
+    def to_json(self) -> dict[str, Any]:
+        """The document; :meth:`from_json` reads it."""
         leg = self.fixed_leg
         return {
             **document_head(self.manipulator, self.digits, leg),
-            "range": {
-                "from": exact_str(self.start),
-                "to": None if self.stop is None else exact_str(self.stop),
-            },
+            "range": self.range.to_json(),
             "curves": [
                 {
                     "name": curve.name,
                     "from": curve.start.to_json(leg),
                     "to": curve.stop.to_json(leg),
                     "points": [
-                        {f"l{leg}": exact_str(p.length), "cusp": p.cusp, **p.point.to_json(leg)}
+                        {f"l{leg}": exact_str(p.length), "cusp": p.cusp, **p.point.to_json()}
                         for p in curve.points
                     ],
                 }
@@ -140,31 +114,75 @@ class CuspCurves:
             leg,
             obj["digits"],
             curves,
-            Fraction(ends["from"]),
-            None if ends["to"] is None else Fraction(ends["to"]),
+            LengthRange(Fraction(ends["from"]), None if ends["to"] is None else Fraction(ends["to"])),
         )
 
-    def within(self, start: Fraction, stop: Fraction | None) -> CuspCurves:
-        """The curves and points of a smaller range. To sample curves is done before: it needs all points."""
-        curves = tuple(
-            replace(curve, points=tuple(p for p in curve.points if _in_range(p.length, start, stop)))
+    def rows(self) -> list[Row]:
+        """A row for each point, curve by curve, for ``pandas.DataFrame(curves.rows())``.
+
+        Lengths and angles are floats; ``l2_text`` has all digits of ``l2``, and so on.
+        """
+        return with_floats(
+            {"curve": curve["name"], **point}
+            for curve in self.to_json()["curves"]
+            for point in curve["points"]
+        )
+
+    def _repr_html_(self) -> str:
+        leg = f"l{self.fixed_leg}"
+        records = [
+            {
+                "curve": curve.name,
+                f"{leg} from": curve.start.length,
+                "begins": curve.start.kind,
+                f"{leg} to": curve.stop.length or "∞",
+                "ends": curve.stop.kind,
+                "joins": ", ".join(end.joins for end in (curve.start, curve.stop) if end.joins),
+                "points": len(curve.points),
+            }
             for curve in self.curves
-            if curve.meets(start, stop)
-        )
-        return replace(self, curves=curves, start=start, stop=stop)
+        ]
+        return html_table(repr(self)[1:-1], records)
 
-    def spread(
-        self, count: int, start: Fraction = Fraction(0), stop: Fraction | None = None
-    ) -> list[Fraction]:
+    def within(self, start: Exact = 0, stop: Exact | None = None) -> CuspCurves:
+        """The curves and points of a smaller range. Sample first: sampling needs the points of whole curves.
+
+        Args:
+            start: the lower end, exact, in the user's unit, included.
+            stop: the upper end, included; None is no end.
+
+        Raises:
+            InputError: naming ``start`` or ``stop``.
+        """
+        span = LengthRange.of(start, stop)
+        curves = tuple(
+            replace(curve, points=tuple(p for p in curve.points if p.length in span))
+            for curve in self.curves
+            if curve.meets(span)
+        )
+        return replace(self, curves=curves, range=span)
+
+    def spread(self, count: int, start: Exact = 0, stop: Exact | None = None) -> list[Fraction]:
         """``count`` lengths in each interval of a range between ends of curves, denser near these ends.
 
         They are short decimals. Beyond the last end of all curves a range without end is sampled up to twice
         that length. An interval too narrow for the digits of its ends gets the length of the points that the
         curves have there.
+
+        Args:
+            count: the number of lengths in an interval, > 0.
+            start: the lower end of the range, exact, in the user's unit.
+            stop: the upper end; None is no end.
+
+        Raises:
+            InputError: naming ``count``, ``start`` or ``stop``.
         """
+        count = check_integer(count, "count", "1 or more")
+        if count < 1:
+            raise InputError.of("count", f"is {count}; give 1 or more")
         found: set[Fraction] = set()
-        for low, high in pairwise(self._borders(start, stop)):
-            if not any(curve.meets(low, high) for curve in self.curves):
+        for low, high in pairwise(self._borders(LengthRange.of(start, stop))):
+            if not any(curve.meets(LengthRange(low, high)) for curve in self.curves):
                 continue
             width, doubt = high - low, high / 10 ** (self.digits - 1)
             step = Fraction(1)
@@ -180,7 +198,7 @@ class CuspCurves:
 
     def sampled(
         self,
-        lengths: Sequence[Fraction],
+        lengths: Exact | Iterable[Exact],
         *,
         eliminant: Eliminant | None = None,
         progress: Progress | None = None,
@@ -190,23 +208,30 @@ class CuspCurves:
         The cusps set out from the points that the curves have now; every curve must have one between any
         two neighbouring ends of curves, as :func:`cusp_curves` makes them.
 
+        Args:
+            lengths: one length or several, exact, > 0, in the user's unit.
+            eliminant: of the manipulator and the fixed leg, where it is known.
+            progress: called as ``progress(done, total)``.
+
         Raises:
-            InputError: a length is not positive.
+            InputError: naming each length at fault by the leg and its place (``l1[0]``).
             SolverError: a slice could not be decided, or a cusp not followed to it.
         """
-        for length in lengths:
-            check_slice(self.fixed_leg, length, self.digits)
-        tracker = Tracker(eliminant or eliminate(self.manipulator, self.fixed_leg), self.digits)
+        exact = slice_lengths(lengths, self.fixed_leg)
+        if eliminant is None:
+            eliminant = eliminate(self.manipulator, self.fixed_leg)
+        check_type(eliminant, Eliminant, "eliminant")
+        tracker = Tracker(eliminant, self.digits)
         starts: dict[Fraction, dict[int, int]] = {}
         for number, curve in enumerate(self.curves):
             for p in curve.points:
                 starts.setdefault(p.length, {})[number] = p.cusp - 1
         points: list[list[CurvePoint]] = [[] for _ in self.curves]
-        wanted = set(lengths)
-        for done, (length, names) in enumerate(name_cusps(tracker, starts, lengths), 1):
+        total = len(set(exact))
+        for done, (length, names) in enumerate(name_cusps(tracker, starts, exact), 1):
             for number, index in names.items():
                 points[number].append(_point(tracker, length, index))
-            (progress or silent)(done, len(wanted))
+            (progress or silent)(done, total)
         return replace(
             self,
             curves=tuple(
@@ -217,42 +242,40 @@ class CuspCurves:
 
     def part(
         self,
-        start: Fraction = Fraction(0),
-        stop: Fraction | None = None,
+        start: Exact = 0,
+        stop: Exact | None = None,
         *,
-        lengths: Sequence[Fraction] = (),
+        lengths: Exact | Iterable[Exact] = (),
         samples: int | None = None,
         progress: Progress | None = None,
     ) -> CuspCurves:
         """The curves that meet a range, with their points at other lengths.
 
-        Args:
-            start, stop: the range; None is no end.
-            lengths: where points are wanted.
-            samples: how many more points each curve has in every interval (see :meth:`spread`).
-            progress: callback ``progress(done, total)``.
-
         Without ``lengths`` and ``samples`` the points of the range stay as they are.
 
+        Args:
+            start: the lower end of the range, exact, in the user's unit.
+            stop: the upper end; None is no end.
+            lengths: one length or several, exact, > 0, in the user's unit.
+            samples: how many more points each curve has in every interval (see :meth:`spread`).
+            progress: called as ``progress(done, total)``.
+
         Raises:
-            InputError: a length is not positive.
+            InputError: naming ``start``, ``stop``, each length at fault, or the ``count`` of samples.
             SolverError: a slice could not be decided, or a cusp not followed to it.
         """
+        exact = slice_lengths(lengths, self.fixed_leg)
         if samples is not None:
-            lengths = [*lengths, *self.spread(samples, start, stop)]
-        whole = self.sampled(lengths, progress=progress) if lengths or samples is not None else self
+            exact += self.spread(samples, start, stop)
+        whole = self.sampled(exact, progress=progress) if exact or samples is not None else self
         return whole.within(start, stop)
 
-    def _borders(self, start: Fraction, stop: Fraction | None) -> list[Fraction]:
+    def _borders(self, span: LengthRange) -> list[Fraction]:
         """The ends of a range and of the curves inside it, ascending."""
         texts = {end.length for curve in self.curves for end in (curve.start, curve.stop)}
-        ends = {x for x in map(Fraction, filter(None, texts)) if _in_range(x, start, stop)}
-        last = stop or 2 * (max(ends, default=start) or Fraction(1))
-        return sorted({start, *ends, last})
-
-
-def _in_range(length: Fraction, start: Fraction, stop: Fraction | None) -> bool:
-    return start <= length and (stop is None or length <= stop)
+        ends = {x for x in map(Fraction, filter(None, texts)) if x in span}
+        last = span.stop or 2 * (max(ends, default=span.start) or Fraction(1))
+        return sorted({span.start, *ends, last})
 
 
 def cusp_curves(
@@ -264,17 +287,25 @@ def cusp_curves(
 ) -> CuspCurves:
     """Every cusp curve of the slices of one leg over all lengths > 0, with a point in each interval.
 
+    Between two transitions a cusp moves on a smooth curve; it is followed through tubes that hold one curve
+    alone, by Krawczyk's test, and matched with the whole tables of slices. Nothing is decided by nearness.
+
     Args:
         manipulator: the geometry.
-        fixed_leg: the leg that is held, 1, 2 or 3.
-        digits: significant digits of every printed number.
-        progress: told the steps done and their number.
+        fixed_leg: the leg whose length changes along the curves, 1, 2 or 3.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+        progress: called as ``progress(done, total)``; ``total`` may grow.
 
     Raises:
-        InputError: ``fixed_leg`` or ``digits`` is out of range.
-        SolverError: a transition could not be decided, or a cusp not followed; nothing was guessed.
+        InputError: naming ``manipulator``, ``fixed_leg`` or ``digits``.
+        SolverError: a transition could not be decided, or a cusp not followed.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> curves = cusp_curves(EXAMPLES["zein-flat"], digits=15)
+    >>> [(curve.name, curve.start.kind, curve.stop.kind) for curve in curves.curves[:2]]
+    [('C1', 'swallowtail', 'open'), ('C2', 'swallowtail', 'swallowtail')]
     """
-    check_digits(digits)
+    digits, fixed_leg = check_digits(digits), check_leg(fixed_leg)
     report = progress or silent
     found = survey(
         manipulator, fixed_leg, lambda done, of: report(done, 2 * of - ELIMINATION_STEPS), digits=digits
@@ -296,7 +327,7 @@ def cusp_curves(
         stop = end(max(track.cusps) + 1, track.dies_with)
         points = (_point(tracker, found.slices[k].length, index) for k, index in track.cusps.items())
         curves.append(CuspCurve(_name(number), start, stop, tuple(points)))
-    return CuspCurves(manipulator, fixed_leg, digits, tuple(curves))
+    return CuspCurves(manipulator, fixed_leg, digits, tuple(curves), LengthRange())
 
 
 def _name(number: int) -> str:
@@ -311,5 +342,5 @@ def _end(found: Survey, k: int, digits: int) -> CurveEnd:
     """The end of curves at the group of events k."""
     transition = transition_at(found, k, digits)
     if transition is not None:
-        return CurveEnd(transition.length, transition.kind, points=transition.points)
+        return CurveEnd(transition.length, transition.kind, events=transition.events)
     return CurveEnd(length_text(found.eliminant.slice_map, found.groups[k], digits), LengthKind.UNCLASSIFIED)

@@ -18,8 +18,9 @@ from rpr_solver.exact.precision import MATCH_BITS, decided
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.half_tangent import HalfTangent
-from rpr_solver.slices.cusp_table import SliceTable, solve_slice
+from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant
+from rpr_solver.slices.slice_table import SliceTable
 
 _TUBES_A_TURN = 16
 _PATIENCE, _GREAT_PATIENCE = 512, 1 << 13
@@ -104,7 +105,7 @@ class Tracker:
         table = self.table(length, bits // 6)
         with ctx.workprec(bits):
             return [
-                Place(*(_half_tangent(angle, table.digits) for angle in (cusp.alpha_deg, cusp.theta_deg)))
+                Place(*(_half_tangent(angle, table.digits) for angle in cusp.coordinates[:2]))
                 for cusp in table.cusps
             ]
 

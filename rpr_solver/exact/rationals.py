@@ -3,48 +3,51 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from fractions import Fraction
+from math import isfinite
+from numbers import Rational, Real
+from typing import TypeAlias
 
-from rpr_solver.errors import InputError
+from rpr_solver.errors import FieldProblem, InputError, shown
+
+Exact: TypeAlias = int | str | Decimal | Fraction
+"""An exact number: an integer, a fraction, or a text or decimal as written (``"17.04"``, ``"426/25"``)."""
 
 MAX_DIGITS = 400
 """Default limit on the decimal digits of an input's numerator and of its denominator."""
 
 _DECIMAL = re.compile(r"([+-]?)(\d*)(?:\.(\d*))?(?:[eE]([+-]?\d{1,9}))?", re.ASCII)
 _QUOTIENT = re.compile(r"([+-]?\d+)/(\d+)", re.ASCII)
-_SHOWN = 40
 
 
-def parse_exact(
-    value: int | str | Decimal | Fraction, field: str, *, max_digits: int = MAX_DIGITS
-) -> Fraction:
-    """Read a number exactly: an integer, a decimal as written, or a quotient ``"p/q"``.
+def parse_exact(value: Exact, field: str, *, max_digits: int = MAX_DIGITS) -> Fraction:
+    """Reads a number exactly: an integer, a decimal as written, or a quotient ``"p/q"``.
 
-    Binary floats are refused, since 17.04 would already have been changed to
-    17.03999…; decode JSON with ``parse_float=decimal.Decimal``.
+    A binary float is refused, since 17.04 would already have been changed to 17.03999…; decode JSON with
+    ``parse_float=decimal.Decimal``. Integers and rationals of other libraries are read like Python's.
 
     Args:
-        value: the number; strings may be ``"17.04"``, ``"1.704e1"`` or ``"426/25"``.
+        value: the number; a text may be ``"17.04"``, ``"1.704e1"`` or ``"426/25"``.
         field: the name that an error message uses.
-        max_digits: limit on the digits of numerator and denominator.
+        max_digits: limit on the digits of numerator and denominator; a ``Fraction`` is taken as it is.
 
     Raises:
-        InputError: not a number, not finite, or too long.
+        InputError: naming ``field``: not an exact number, not finite, or too long.
 
     >>> parse_exact("17.040", "d1") == parse_exact("426/25", "d1") == Fraction(426, 25)
     True
+    >>> parse_exact(15.91, "a2x")
+    Traceback (most recent call last):
+    rpr_solver.errors.InputError: a2x: 15.91 is a binary float, not an exact number; write "15.91"
     """
     if isinstance(value, Fraction):
-        return _bounded(value, field, max_digits)
-    if isinstance(value, bool) or not isinstance(value, int | str | Decimal):
-        kind = type(value).__name__
-        hint = ' (write it as a decimal string such as "17.04")' if isinstance(value, float) else ""
-        raise InputError.of(field, f"{shown(value)} is a {kind}, not an exact number{hint}")
-    if isinstance(value, int):
-        if value.bit_length() > 4 * max_digits:
-            raise _too_long(field, max_digits)
-        return _bounded(Fraction(value), field, max_digits)
+        return value
+    if isinstance(value, Rational) and not isinstance(value, bool):
+        return _bounded(Fraction(int(value.numerator), int(value.denominator)), field, max_digits)
+    if not isinstance(value, str | Decimal):
+        raise InputError.of(field, _not_exact(value))
     text = str(value).strip()
     if len(text) > 2 * max_digits + 16:
         raise _too_long(field, max_digits)
@@ -71,12 +74,61 @@ def parse_exact(
     return _bounded(-magnitude if sign == "-" else magnitude, field, max_digits)
 
 
-def exact_str(x: Fraction) -> str:
-    """The canonical text of a rational: plain digits when its decimal ends, else ``"p/q"``.
+def parse_positive(
+    value: Exact, field: str, expected: str = "a leg length must be > 0", *, max_digits: int = MAX_DIGITS
+) -> Fraction:
+    """Reads a number > 0 exactly.
 
-    >>> exact_str(Fraction(1498, 100)), exact_str(Fraction(-1, 3)), exact_str(Fraction(10))
+    Raises:
+        InputError: naming ``field``; what is not positive is told what is ``expected``.
+    """
+    number = parse_exact(value, field, max_digits=max_digits)
+    if number <= 0:
+        raise InputError.of(field, f"is {exact_str(number)}; {expected}")
+    return number
+
+
+def parse_all(
+    values: Mapping[str, Exact], parse: Callable[[Exact, str], Fraction] = parse_exact
+) -> dict[str, Fraction]:
+    """Reads numbers by the names of their fields.
+
+    Raises:
+        InputError: naming every field at fault.
+    """
+    numbers: dict[str, Fraction] = {}
+    problems: list[FieldProblem] = []
+    for field, value in values.items():
+        try:
+            numbers[field] = parse(value, field)
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    return numbers
+
+
+def one_or_more(values: Exact | Iterable[Exact], field: str) -> dict[str, Exact]:
+    """The numbers of a sequence by name, ``l1[0]``, ``l1[1]``, …; a single number, or a text, is one.
+
+    >>> one_or_more(["3", 4], "l1"), one_or_more("27", "l1")
+    ({'l1[0]': '3', 'l1[1]': 4}, {'l1': '27'})
+    """
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        return {field: values}  # type: ignore[dict-item]
+    return {f"{field}[{k}]": value for k, value in enumerate(values)}
+
+
+def exact_str(x: Exact) -> str:
+    """The canonical text of an exact number: plain digits where its decimal ends, else ``"p/q"``.
+
+    Raises:
+        InputError: naming ``x``: not an exact number.
+
+    >>> exact_str("1498/100"), exact_str(Fraction(-1, 3)), exact_str(10)
     ('14.98', '-1/3', '10')
     """
+    x = parse_exact(x, "x")
     denominator, places = x.denominator, 0
     twos = (denominator & -denominator).bit_length() - 1
     odd, fives = denominator >> twos, 0
@@ -91,10 +143,11 @@ def exact_str(x: Fraction) -> str:
     return f"{sign}{digits[:-places]}.{digits[-places:]}" if places else sign + digits
 
 
-def shown(value: object) -> str:
-    """A value as an error message quotes it: short, whatever was sent."""
-    text = repr(value)
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}… ({len(text)} characters)"
+def _not_exact(value: object) -> str:
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return f"{shown(value)} is a {type(value).__name__}, not an exact number"
+    hint = f'; write "{value}"' if isfinite(value) else ""
+    return f"{value} is a binary float, not an exact number{hint}"
 
 
 def _bounded(x: Fraction, field: str, max_digits: int) -> Fraction:

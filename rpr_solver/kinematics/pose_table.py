@@ -1,10 +1,5 @@
 """Direct kinematics: all real poses of a joint vector (L1, L2, L3), with their multiplicities.
 
->>> from rpr_solver import EXAMPLES, poses
->>> table = poses(EXAMPLES["innocenti"], "14.98", "15", "30", digits=15)
->>> [(p.alpha_deg, p.theta1_deg, p.multiplicity) for p in table.poses]
-[('-130.806761043048', '23.6128999669840', 1), ('-5.27975966480067', '37.0140956869959', 1)]
-
 The document of :meth:`PoseTable.to_json`::
 
     {"geometry": {…}, "geometry_hash": "sha256:…", "digits": 90, "solver_version": "…",
@@ -25,27 +20,54 @@ with equal legs; ``count`` is then the number of isolated poses.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from decimal import Decimal
+from dataclasses import asdict, dataclass
 from fractions import Fraction
 from math import isqrt
+from typing import Any, TypedDict
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
-from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.exact.rationals import exact_str, parse_exact
+from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
 from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.kinematics.fibre import DecimalPose, Fibre, fibre
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
 
-Exact = int | str | Decimal | Fraction
+
+class PoseFactor(TypedDict):
+    """A factor of the sextic over ℚ(ω)."""
+
+    degree: int
+    multiplicity: int
+
+
+class PoseCertificate(TypedDict):
+    """The proof of a table of poses: the sextic's factors, and the precision that told its roots apart.
+
+    ``method`` is ``"balls"`` where all roots are simple, else ``"exact"``.
+    """
+
+    method: str
+    factors: list[PoseFactor]
+    working_bits: int
 
 
 @dataclass(frozen=True)
 class PlatformPose:
-    """A pose in correctly rounded decimals: angles in degrees in (−180, 180], B1 in the user's unit."""
+    """A pose, as correctly rounded decimals.
+
+    Attributes:
+        alpha_deg: the orientation of the platform, the angle of B1B2; angles are in degrees in (−180, 180].
+        theta1_deg, theta2_deg, theta3_deg: the angles of the legs.
+        b1_x, b1_y: the point B1, in the user's unit.
+        multiplicity: how many poses coalesce in it: 1 regular, 2 on a singular curve, 3 at a cusp.
+
+    >>> from rpr_solver import EXAMPLES, poses
+    >>> poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15).poses[0]
+    <PlatformPose alpha_deg=-121.85755… theta1_deg=32.522491… multiplicity=1>
+    """
 
     alpha_deg: str
     theta1_deg: str
@@ -55,7 +77,11 @@ class PlatformPose:
     b1_y: str
     multiplicity: int
 
-    def to_json(self) -> dict[str, object]:
+    def __repr__(self) -> str:
+        angles = f"alpha_deg={shortened(self.alpha_deg)} theta1_deg={shortened(self.theta1_deg)}"
+        return f"<PlatformPose {angles} multiplicity={self.multiplicity}>"
+
+    def to_json(self) -> dict[str, Any]:
         """The document's pose object."""
         return asdict(self)
 
@@ -64,8 +90,16 @@ class PlatformPose:
 class DirectPolynomial:
     """A(t) + ω B(t) = 0, t = tan(α/2): the sixth-degree polynomial of direct kinematics, exact.
 
-    A form of degree 6: where the leading coefficients are 0, α = 180° is a root. ω² = ``radicand``;
-    ``b`` is zero where the platform's height is rational.
+    A form of degree 6: where the leading coefficients are 0, α = 180° is a root.
+
+    Attributes:
+        a, b: the seven integer coefficients of A and of B, from the constant term; B is zero where the
+            height of the platform is rational.
+        radicand: ω².
+
+    >>> from rpr_solver import EXAMPLES, poses
+    >>> poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15).polynomial
+    <DirectPolynomial of degree 6 in tan(alpha/2) over ℤ>
     """
 
     a: tuple[int, ...]
@@ -78,9 +112,13 @@ class DirectPolynomial:
         a, b = (tuple(int(part[i]) for i in range(DEGREE + 1)) for part in (sextic.a, sextic.b))
         return cls(a, b, sextic.radicand)
 
-    def to_json(self) -> dict[str, object]:
+    def __repr__(self) -> str:
+        field = f"ℤ[sqrt({shortened(str(self.radicand))})]" if any(self.b) else "ℤ"
+        return f"<DirectPolynomial of degree {DEGREE} in tan(alpha/2) over {field}>"
+
+    def to_json(self) -> dict[str, Any]:
         """Coefficients as decimal strings, ascending from the constant term."""
-        result: dict[str, object] = {
+        result: dict[str, Any] = {
             "variable": "t = tan(alpha/2)",
             "degree": DEGREE,
             "coefficients": [str(x) for x in self.a],
@@ -93,15 +131,43 @@ class DirectPolynomial:
 
 @dataclass(frozen=True)
 class PoseTable:
-    """All real poses of one joint vector. ``squares`` are L1², L2², L3²."""
+    """All real poses of one joint vector.
+
+    Proved: that these are all real poses, their multiplicities, and every printed digit.
+
+    Attributes:
+        manipulator: the geometry.
+        squares: L1², L2², L3², exact, in the user's unit.
+        digits: significant digits of every printed number.
+        poses: the poses by α, then by θ1.
+        curves: empty, but for congruent triangles with equal legs, which can move with all legs locked: the
+            curves of such poses. ``count`` is then the number of isolated poses.
+        polynomial: the sextic in tan(α/2).
+        certificate: how it is proved.
+
+    >>> from rpr_solver import EXAMPLES, poses
+    >>> poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15)
+    <PoseTable L1=20 L2=20 L3=20: 2 poses, 15 digits>
+    """
 
     manipulator: Manipulator
     squares: tuple[Fraction, Fraction, Fraction]
     digits: int
     poses: tuple[PlatformPose, ...]
     curves: tuple[Mapping[str, str], ...]
-    polynomial: DirectPolynomial = field(repr=False)
-    certificate: Mapping[str, object] = field(repr=False)
+    polynomial: DirectPolynomial
+    certificate: PoseCertificate
+
+    def __repr__(self) -> str:
+        legs = " ".join(f"{name.upper()}={shortened(text)}" for name, text in self.lengths.items())
+        repeated = self.count_with_multiplicity
+        several = f" ({repeated} with multiplicity)" if repeated != self.count else ""
+        return f"<PoseTable {legs}: {counted(self.count, 'pose')}{several}, {self.digits} digits>"
+
+    @property
+    def lengths(self) -> dict[str, str]:
+        """The leg lengths by name, exact: ``"14.98"``, ``"46/3"`` or ``"sqrt(2)"``, in the user's unit."""
+        return {f"l{leg}": _length_text(square) for leg, square in enumerate(self.squares, 1)}
 
     @property
     def count(self) -> int:
@@ -113,12 +179,11 @@ class PoseTable:
         """The number of real poses, each counted as often as poses coalesce in it."""
         return sum(pose.multiplicity for pose in self.poses)
 
-    def to_json(self) -> dict[str, object]:
+    def to_json(self) -> dict[str, Any]:
         """The document described at the top of this module."""
-        lengths = {f"l{leg}": _length_text(square) for leg, square in enumerate(self.squares, 1)}
         return {
             **document_head(self.manipulator, self.digits),
-            **lengths,
+            **self.lengths,
             "count": self.count,
             "count_with_multiplicity": self.count_with_multiplicity,
             "poses": [pose.to_json() for pose in self.poses],
@@ -127,25 +192,41 @@ class PoseTable:
             "certificate": dict(self.certificate),
         }
 
+    def rows(self) -> list[Row]:
+        """A row for each pose, for ``pandas.DataFrame(table.rows())``.
+
+        Lengths and angles are floats; ``alpha_deg_text`` has all digits of ``alpha_deg``, and so on.
+        """
+        return with_floats({**self.lengths, **pose.to_json()} for pose in self.poses)
+
+    def _repr_html_(self) -> str:
+        notes = [f"α = {curve['alpha_deg']}: {curve['description']}" for curve in self.curves]
+        return html_table(repr(self)[1:-1], [pose.to_json() for pose in self.poses], notes)
+
 
 def poses(
     manipulator: Manipulator, l1: Exact, l2: Exact, l3: Exact, *, digits: int = DEFAULT_DIGITS
 ) -> PoseTable:
-    """All real poses with the given leg lengths, exactly counted.
+    """All real poses with the given leg lengths, counted by proof: the direct kinematics.
 
     Args:
         manipulator: the geometry.
-        l1: the length of leg 1, exact (see :func:`parse_exact`), > 0; likewise ``l2`` and ``l3``.
+        l1: the length of leg 1, exact (see :data:`Exact`), > 0, in the user's unit.
         l2: the length of leg 2.
         l3: the length of leg 3.
-        digits: significant digits of every printed number, 15 to 10000.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
 
     Raises:
-        InputError: a length is no exact number or not positive, or ``digits`` is out of range.
-        SolverError: the joint vector could not be decided; nothing was guessed.
+        InputError: naming ``manipulator``, each length, or ``digits``.
+        SolverError: the joint vector could not be decided.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> table = poses(EXAMPLES["innocenti"], "14.98", 15, 30, digits=15)
+    >>> [(p.alpha_deg, p.theta1_deg, p.multiplicity) for p in table.poses]
+    [('-130.806761043048', '23.6128999669840', 1), ('-5.27975966480067', '37.0140956869959', 1)]
     """
-    lengths = _positive({"l1": l1, "l2": l2, "l3": l3})
-    return _table(manipulator, [length**2 for length in lengths], digits)
+    lengths = parse_all({"l1": l1, "l2": l2, "l3": l3}, parse_positive)
+    return _table(manipulator, [length**2 for length in lengths.values()], digits)
 
 
 def poses_of_squares(
@@ -158,33 +239,27 @@ def poses_of_squares(
 ) -> PoseTable:
     """As :func:`poses`, for exact squares of the leg lengths: the legs may then be irrational.
 
+    Args:
+        manipulator: the geometry.
+        l1_squared: L1², exact, > 0, in the user's unit squared; likewise ``l2_squared``, ``l3_squared``.
+        l2_squared: L2².
+        l3_squared: L3².
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+
     Raises:
-        InputError: a square is no exact number or not positive, or ``digits`` is out of range.
+        InputError: naming ``manipulator``, each square, or ``digits``.
         SolverError: the joint vector could not be decided.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> poses_of_squares(EXAMPLES["innocenti"], 225, 200, 900, digits=15)
+    <PoseTable L1=15 L2=sqrt(200) L3=30: 2 poses, 15 digits>
     """
     squares = {"l1_squared": l1_squared, "l2_squared": l2_squared, "l3_squared": l3_squared}
-    return _table(manipulator, _positive(squares), digits)
-
-
-def _positive(values: Mapping[str, Exact]) -> list[Fraction]:
-    problems: list[FieldProblem] = []
-    result = []
-    for name, value in values.items():
-        try:
-            number = parse_exact(value, name)
-        except InputError as error:
-            problems.extend(error.problems)
-            continue
-        if number <= 0:
-            problems.append(FieldProblem(name, f"is {exact_str(number)}; a leg length must be > 0"))
-        result.append(number)
-    if problems:
-        raise InputError(problems)
-    return result
+    return _table(manipulator, list(parse_all(squares, parse_positive).values()), digits)
 
 
 def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -> PoseTable:
-    check_digits(digits)
+    digits = check_digits(digits)
     s1, s2, s3 = squares
     closure = Closure.of(SliceMap.of(manipulator), squares)
     found = fibre(closure, digits)
@@ -213,8 +288,7 @@ def _curves(found: Fibre, s1: Fraction) -> tuple[Mapping[str, str], ...]:
     return ({"kind": PoseKind.CURVE.value, "alpha_deg": str(found.circle_at), "description": description},)
 
 
-def _certificate(found: Fibre) -> dict[str, object]:
-    """How the count is proved: the form's factors over ℚ(ω), and the precision that told them apart."""
+def _certificate(found: Fibre) -> PoseCertificate:
     return {
         "method": found.method,
         "factors": [{"degree": degree, "multiplicity": times} for degree, times in found.factors],

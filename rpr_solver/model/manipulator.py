@@ -3,31 +3,62 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from os import PathLike, fspath
+from pathlib import Path
 from types import MappingProxyType
+from typing import Any, TypedDict
 
-from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.exact.rationals import MAX_DIGITS, exact_str, parse_exact, shown
+from rpr_solver.errors import FieldProblem, InputError, shown
+from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_all, parse_exact
+from rpr_solver.notebook import Point, html_table, svg_triangles
 
 CCW, CW = "ccw", "cw"
 _LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
+class Geometry(TypedDict):
+    """The arguments of :class:`Manipulator`."""
+
+    a2x: Fraction
+    a3x: Fraction
+    a3y: Fraction
+    d1: Fraction
+    d2: Fraction
+    d3: Fraction
+    orientation: str
+
+
 @dataclass(frozen=True)
 class Manipulator:
-    """A planar 3-RPR manipulator (method.md section 1; the article's Fig. 1).
+    """A planar 3-RPR manipulator, exact (the article's Fig. 1).
 
-    Base points A1=(0,0), A2=(a2x,0), A3=(a3x,a3y); platform sides d1=|B1B2|, d2=|B2B3|,
-    d3=|B3B1|, all exact rationals in the user's unit of length. ``orientation`` is
-    ``"ccw"`` when B1B2B3 runs counter-clockwise, ``"cw"`` when clockwise; for a flat
-    platform both are the same manipulator.
+    Base points A1 = (0, 0), A2 = (a2x, 0), A3 = (a3x, a3y); platform B1B2B3.
+
+    Args:
+        a2x: the x coordinate of A2, in the user's unit of length like all lengths, ≠ 0.
+        a3x: the x coordinate of A3.
+        a3y: the y coordinate of A3.
+        d1: the side |B1B2| of the platform, > 0.
+        d2: the side |B2B3|.
+        d3: the side |B3B1|.
+        orientation: ``"ccw"`` where B1B2B3 runs counter-clockwise, ``"cw"`` where clockwise; for a flat
+            platform both are the same manipulator.
 
     Raises:
-        InputError: two base points coincide, a side is not positive, the sides break the
-            triangle inequality, or the orientation is unknown; every field at fault is named.
+        InputError: a length is no exact number, two base points coincide, a side is not positive, the
+            sides break the triangle inequality, or the orientation is unknown; every field is named.
+
+    >>> manipulator = Manipulator("15.91", 0, 10, "17.04", "16.54", "20.84")
+    >>> manipulator.d1, manipulator == EXAMPLES["innocenti"]
+    (Fraction(426, 25), True)
+    >>> Manipulator(15.91, 0, 10, 17, 16, 40)
+    Traceback (most recent call last):
+    rpr_solver.errors.InputError: geometry.a2x: 15.91 is a binary float, not an exact number; write "15.91"
     """
 
     a2x: Fraction
@@ -38,18 +69,60 @@ class Manipulator:
     d3: Fraction
     orientation: str = CCW
 
-    def __post_init__(self) -> None:
+    def __init__(
+        self, a2x: Exact, a3x: Exact, a3y: Exact, d1: Exact, d2: Exact, d3: Exact, orientation: str = CCW
+    ) -> None:
+        values = zip(_LENGTHS, (a2x, a3x, a3y, d1, d2, d3), strict=True)
+        lengths = parse_all({f"geometry.{name}": value for name, value in values})
+        for name, length in zip(_LENGTHS, lengths.values(), strict=True):
+            object.__setattr__(self, name, length)
+        object.__setattr__(self, "orientation", orientation)
         if problems := self._problems():
             raise InputError(problems)
-        if self.area16 == 0 and self.orientation == CW:
+        if self.area16 == 0:
             object.__setattr__(self, "orientation", CCW)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={shown(text)}" for name, text in self.to_json().items())
+        return f"Manipulator({values})"
+
+    @classmethod
+    def from_file(cls, path: str | PathLike[str]) -> Manipulator:
+        """Reads a JSON file with the contract's geometry object; every number is taken as it is written.
+
+        Raises:
+            InputError: naming the file: it cannot be read, or does not describe a manipulator.
+
+        >>> Manipulator.from_file("no-such-robot.json")
+        Traceback (most recent call last):
+        rpr_solver.errors.InputError: path: 'no-such-robot.json' cannot be read: No such file or directory
+        """
+        try:
+            name = fspath(path)
+            text = Path(name).read_text(encoding="utf-8")
+            obj = json.loads(text, parse_float=str, parse_int=str, parse_constant=str)
+        except TypeError:
+            raise InputError.of("path", f"{shown(path)} is a {type(path).__name__}; give a path") from None
+        except OSError as error:
+            raise InputError.of("path", f"{name!r} cannot be read: {error.strerror}") from None
+        except (ValueError, RecursionError) as error:
+            raise InputError.of("path", f"{name!r} is not JSON: {error}") from None
+        try:
+            return cls.from_json(obj)
+        except InputError as error:
+            problems = [FieldProblem(p.field, f"{p.message} (in {name!r})") for p in error.problems]
+            raise InputError(problems) from None
 
     @classmethod
     def from_json(cls, obj: Mapping[str, object], *, max_digits: int = MAX_DIGITS) -> Manipulator:
-        """Read the contract's geometry object; numbers are exact (see :func:`parse_exact`).
+        """Reads the contract's geometry object; numbers are exact (see :func:`parse_exact`).
 
         Raises:
             InputError: naming every field that is missing, unknown or wrong.
+
+        >>> Manipulator.from_json({"a2x": 20, "a3x": 6, "a3y": 0, "d1": 7, "d2": 9, "d3": 17})
+        Traceback (most recent call last):
+        rpr_solver.errors.InputError: geometry.d3: d3 = 17 breaks the triangle inequality: ...
         """
         if not isinstance(obj, Mapping):
             raise InputError.of(
@@ -74,16 +147,53 @@ class Manipulator:
         return cls(**lengths, orientation=obj.get("orientation", CCW))  # type: ignore[arg-type]
 
     def to_json(self) -> dict[str, str]:
-        """The contract's geometry object, each number in its canonical text."""
+        """The contract's geometry object, each number in its canonical text; :meth:`from_json` reads it.
+
+        >>> EXAMPLES["innocenti"].to_json()["d1"]
+        '17.04'
+        """
         lengths = {name: exact_str(getattr(self, name)) for name in _LENGTHS}
         return {**lengths, "orientation": self.orientation}
 
+    def to_dict(self) -> Geometry:
+        """The constructor's arguments, exact: ``Manipulator(**m.to_dict()) == m``.
+
+        >>> Manipulator(**{**EXAMPLES["innocenti"].to_dict(), "d1": "17.05"}).d1
+        Fraction(341, 20)
+        """
+        return {
+            "a2x": self.a2x,
+            "a3x": self.a3x,
+            "a3y": self.a3y,
+            "d1": self.d1,
+            "d2": self.d2,
+            "d3": self.d3,
+            "orientation": self.orientation,
+        }
+
+    def _repr_html_(self) -> str:
+        return html_table("3-RPR manipulator", [self.to_json()])
+
+    def _repr_svg_(self) -> str:
+        """The base and the platform at α = 0, with one centre, for the eye."""
+        lengths = [getattr(self, name) for name in _LENGTHS]
+        a2x, a3x, a3y, d1, d2, d3 = (float(x / max(map(abs, lengths))) for x in lengths)
+        p = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1)
+        h = max(d3 * d3 - p * p, 0.0) ** 0.5 * (1 if self.orientation == CCW else -1)
+        x, y = (a2x + a3x - d1 - p) / 3, (a3y - h) / 3
+        platform: list[Point] = [(x, y), (x + d1, y), (x + p, y + h)]
+        return svg_triangles([(0, 0), (a2x, 0), (a3x, a3y)], platform)
+
     @cached_property
     def geometry_hash(self) -> str:
-        """``sha256:`` and 64 hex digits over the canonical text; equal geometries share it."""
+        """``sha256:`` and 64 hex digits over the canonical text; equal geometries share it, in every version.
+
+        >>> EXAMPLES["innocenti"].geometry_hash[:20]
+        'sha256:4a1f436b75ff0'
+        """
         return hash_of_canonical(self.to_json())
 
-    def identity_json(self) -> dict[str, object]:
+    def identity_json(self) -> dict[str, Any]:
         """The geometry and its hash, with which every document begins."""
         return {"geometry": self.to_json(), "geometry_hash": self.geometry_hash}
 
@@ -137,17 +247,16 @@ def _short(x: Fraction) -> str:
     return text if len(text) <= 40 else f"{text[:40]}…"
 
 
-def _example(*values: str) -> Manipulator:
-    names = [field.name for field in fields(Manipulator)]
-    return Manipulator.from_json(dict(zip(names, values, strict=True)))
-
-
 EXAMPLES: Mapping[str, Manipulator] = MappingProxyType(
     {
-        "innocenti": _example("15.91", "0", "10", "17.04", "16.54", "20.84", CCW),
-        "zein-flat": _example("30", "11", "27", "13", "9", "4", CCW),
-        "twelve-cusps": _example("10", "16.5", "12.5", "22.5", "38", "25.5", CW),
-        "fourteen-cusps": _example("10", "16.212", "9.019", "20.433", "32.895", "22.502", CW),
+        "innocenti": Manipulator("15.91", "0", "10", "17.04", "16.54", "20.84", CCW),
+        "zein-flat": Manipulator("30", "11", "27", "13", "9", "4", CCW),
+        "twelve-cusps": Manipulator("10", "16.5", "12.5", "22.5", "38", "25.5", CW),
+        "fourteen-cusps": Manipulator("10", "16.212", "9.019", "20.433", "32.895", "22.502", CW),
     }
 )
-"""Manipulators by name: the article's first and second, and two with many cusps."""
+"""Manipulators by name: the article's first and second, and two with many cusps.
+
+>>> sorted(EXAMPLES)
+['fourteen-cusps', 'innocenti', 'twelve-cusps', 'zein-flat']
+"""

@@ -23,7 +23,7 @@ from math import gcd, isqrt, lcm
 
 from flint import arb, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
-from rpr_solver.errors import InputError
+from rpr_solver.contract import check_leg, check_type
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, L, T, U
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import CW, Manipulator
@@ -84,10 +84,10 @@ class SliceMap:
         """Build the model.
 
         Raises:
-            InputError: ``fixed_leg`` is not 1, 2 or 3.
+            InputError: ``manipulator`` is none, or ``fixed_leg`` is not 1, 2 or 3.
         """
-        if fixed_leg not in (1, 2, 3):
-            raise InputError.of("fixed_leg", f"{fixed_leg!r} is not a leg; give 1, 2 or 3")
+        check_type(manipulator, Manipulator, "manipulator")
+        fixed_leg = check_leg(fixed_leg)
         lengths = [getattr(manipulator, name) for name in ("a2x", "a3x", "a3y", "d1", "d2", "d3")]
         unit = lcm(*(x.denominator for x in lengths))
         a2x, a3x, a3y, d1, d2, d3 = (int(x * unit) for x in lengths)

@@ -5,13 +5,21 @@ A slice without an answer says why in its own place and does not spoil its neigh
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import Protocol
+from typing import Any, Protocol
 
-from rpr_solver.contract import DEFAULT_DIGITS, Progress, document_head, silent
+from rpr_solver.contract import (
+    DEFAULT_DIGITS,
+    Progress,
+    check_digits,
+    check_leg,
+    check_type,
+    document_head,
+    silent,
+)
 from rpr_solver.errors import InputError, SolverError
-from rpr_solver.exact.rationals import exact_str
+from rpr_solver.exact.rationals import Exact, exact_str, one_or_more, parse_all, parse_exact
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
@@ -20,38 +28,68 @@ from rpr_solver.slices.eliminant import Eliminant, eliminate
 class Answer(Protocol):
     """The table of one slice."""
 
-    def to_json(self) -> dict[str, object]:
+    def to_json(self) -> dict[str, Any]:
         """The contract's slice object."""
         ...
 
 
 def table_document(
     manipulator: Manipulator,
-    lengths: Sequence[Fraction],
+    lengths: Exact | Iterable[Exact],
     *,
     fixed_leg: int = 1,
     digits: int = DEFAULT_DIGITS,
     progress: Progress = silent,
-) -> dict[str, object]:
+) -> dict[str, Any]:
     """Solves slices of one manipulator and returns the contract's cusp table document.
 
+    A slice that has no answer, or a length that is not positive, has an ``error`` in its place.
+
+    Args:
+        manipulator: the geometry.
+        lengths: one length of the fixed leg or several, exact, in the user's unit.
+        fixed_leg: the leg that is held, 1, 2 or 3.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+        progress: called as ``progress(done, total)``.
+
     Raises:
-        InputError: ``fixed_leg`` is not 1, 2 or 3.
+        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, or each length that is no exact number.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> document = table_document(EXAMPLES["zein-flat"], [10, "34.5", 0], digits=15)
+    >>> [part["count"] if "count" in part else part["error"]["type"] for part in document["slices"]]
+    [4, 8, 'input-error']
     """
-    eliminant = eliminate(manipulator, fixed_leg)
-    slices = slices_json(lambda x: solve_slice(eliminant, x, digits), lengths, fixed_leg, progress)
-    return table_json(manipulator, fixed_leg, digits, slices)
+    digits, leg = check_digits(digits), check_leg(fixed_leg)
+    exact = list(parse_all(one_or_more(lengths, f"l{leg}")).values())
+    eliminant = eliminate(manipulator, leg)
+    slices = slices_json(lambda x: solve_slice(eliminant, x, digits), exact, leg, progress)
+    return table_json(manipulator, leg, digits, slices)
 
 
-def slice_json(eliminant: Eliminant, length: Fraction, digits: int = DEFAULT_DIGITS) -> dict[str, object]:
-    """Solves one slice and returns the contract's slice object, with an ``error`` if there is no answer."""
-    fixed_leg = eliminant.slice_map.fixed_leg
-    return answer_json(lambda x: solve_slice(eliminant, x, digits), length, fixed_leg)
+def slice_json(eliminant: Eliminant, length: Exact, digits: int = DEFAULT_DIGITS) -> dict[str, Any]:
+    """Solves one slice and returns the contract's slice object, with an ``error`` if there is no answer.
+
+    Args:
+        eliminant: of the manipulator and its fixed leg (see :func:`eliminate`).
+        length: of the fixed leg, exact, in the user's unit.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+
+    Raises:
+        InputError: naming ``eliminant``, or the leg whose length is no exact number.
+
+    >>> from rpr_solver import EXAMPLES, eliminate
+    >>> slice_json(eliminate(EXAMPLES["zein-flat"]), "10.0", 15)["count"]
+    4
+    """
+    check_type(eliminant, Eliminant, "eliminant")
+    leg = eliminant.slice_map.fixed_leg
+    return answer_json(lambda x: solve_slice(eliminant, x, digits), parse_exact(length, f"l{leg}"), leg)
 
 
 def slices_json(
     solve: Callable[[Fraction], Answer], lengths: Sequence[Fraction], fixed_leg: int, progress: Progress
-) -> list[dict[str, object]]:
+) -> list[dict[str, Any]]:
     """The slice objects of several lengths, solved in turn."""
     slices = []
     for done, length in enumerate(lengths):
@@ -61,7 +99,7 @@ def slices_json(
     return slices
 
 
-def answer_json(solve: Callable[[Fraction], Answer], length: Fraction, fixed_leg: int) -> dict[str, object]:
+def answer_json(solve: Callable[[Fraction], Answer], length: Fraction, fixed_leg: int) -> dict[str, Any]:
     """The slice object of one length, with an ``error`` if ``solve`` refuses."""
     try:
         return solve(length).to_json()
@@ -71,13 +109,45 @@ def answer_json(solve: Callable[[Fraction], Answer], length: Fraction, fixed_leg
         return slice_error_json(length, fixed_leg, "solver-error", str(error))
 
 
-def slice_error_json(length: Fraction, fixed_leg: int, kind: str, detail: str) -> dict[str, object]:
-    """The slice object of a slice that has no answer."""
-    return {f"l{fixed_leg}": exact_str(length), "error": {"type": kind, "detail": detail}}
+def slice_error_json(length: Exact, fixed_leg: int, kind: str, detail: str) -> dict[str, Any]:
+    """The slice object of a slice that has no answer.
+
+    Args:
+        length: of the fixed leg, exact, in the user's unit.
+        fixed_leg: the leg that is held, 1, 2 or 3.
+        kind: what kind of error it is, such as ``"solver-error"``.
+        detail: what is wrong.
+
+    Raises:
+        InputError: naming ``fixed_leg``, or the leg whose length is no exact number.
+
+    >>> slice_error_json("5.0", 1, "solver-error", "not decided")
+    {'l1': '5', 'error': {'type': 'solver-error', 'detail': 'not decided'}}
+    """
+    name = f"l{check_leg(fixed_leg)}"
+    return {name: exact_str(parse_exact(length, name)), "error": {"type": kind, "detail": detail}}
 
 
 def table_json(
     manipulator: Manipulator, fixed_leg: int, digits: int, slices: Sequence[Mapping[str, object]]
-) -> dict[str, object]:
-    """The contract's cusp table document."""
-    return {**document_head(manipulator, digits, fixed_leg), "slices": [dict(s) for s in slices]}
+) -> dict[str, Any]:
+    """The contract's cusp table document.
+
+    Args:
+        manipulator: the geometry.
+        fixed_leg: the leg that is held, 1, 2 or 3.
+        digits: the significant digits of every printed number.
+        slices: slice objects: :meth:`SliceTable.to_json`, :func:`slice_json` or :func:`slice_error_json`.
+
+    Raises:
+        InputError: naming ``manipulator``, ``fixed_leg`` or ``digits``.
+
+    >>> from rpr_solver import EXAMPLES, cusp_table
+    >>> manipulator = EXAMPLES["zein-flat"]
+    >>> tables = cusp_table(manipulator, [10, "34.5"], digits=15)
+    >>> list(table_json(manipulator, 1, 15, [table.to_json() for table in tables]))
+    ['geometry', 'geometry_hash', 'fixed_leg', 'digits', 'solver_version', 'slices']
+    """
+    check_type(manipulator, Manipulator, "manipulator")
+    head = document_head(manipulator, check_digits(digits), check_leg(fixed_leg))
+    return {**head, "slices": [dict(s) for s in slices]}

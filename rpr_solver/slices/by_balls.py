@@ -43,7 +43,7 @@ class CuspProof:
 
 
 class SlicePoses:
-    """The slice L at one working precision, ready to turn roots into poses."""
+    """The slice of one *scaled* L at one working precision, ready to turn roots into poses."""
 
     def __init__(self, slice_map: SliceMap, length: Fraction, bits: int) -> None:
         self.slice_map = slice_map

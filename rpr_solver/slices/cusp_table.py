@@ -7,112 +7,95 @@ are taken apart exactly (by_fields.py) and each special pose is classified over 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 
 from flint import ctx, fmpz_poly
 
-from rpr_solver.contract import DEFAULT_DIGITS, check_digits
-from rpr_solver.errors import InputError
+from rpr_solver.contract import DEFAULT_DIGITS, check_digits, check_leg, check_type
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.exact.rationals import exact_str, parse_exact
+from rpr_solver.exact.rationals import Exact
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.by_balls import SlicePoses
 from rpr_solver.slices.by_fields import ExactPose, poses_above, poses_at_half_turn
+from rpr_solver.slices.certificate import Factor, SliceCertificate
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant, eliminate
 from rpr_solver.slices.joint_points import (
     ClassifiedPoint,
-    JointPoint,
     cusps_and_degenerate,
     free_legs,
     in_order,
     point_of_balls,
     point_of_pose,
 )
+from rpr_solver.slices.lengths import slice_length, slice_lengths
 from rpr_solver.slices.shared_curves import SliceForms, without_shared_curves
-
-
-@dataclass(frozen=True)
-class SliceTable:
-    """All cusps of one slice, sorted by the fixed leg's angle, and the degenerate points beside them."""
-
-    fixed_leg: int
-    length: Fraction
-    digits: int
-    cusps: tuple[JointPoint, ...]
-    degenerate_points: tuple[Mapping[str, str], ...]
-    certificate: Mapping[str, object] = field(repr=False)
-
-    @property
-    def count(self) -> int:
-        """The number of cusps."""
-        return len(self.cusps)
-
-    def to_json(self) -> dict[str, object]:
-        """The contract's slice object."""
-        return {
-            f"l{self.fixed_leg}": exact_str(self.length),
-            "count": self.count,
-            "cusps": [cusp.to_json(self.fixed_leg) for cusp in self.cusps],
-            "degenerate_points": [dict(point) for point in self.degenerate_points],
-            "certificate": dict(self.certificate),
-        }
+from rpr_solver.slices.slice_table import SliceTable
 
 
 def cusp_table(
     manipulator: Manipulator,
-    lengths: Sequence[int | str | Fraction],
+    lengths: Exact | Iterable[Exact],
     *,
     digits: int = DEFAULT_DIGITS,
     fixed_leg: int = 1,
 ) -> list[SliceTable]:
-    """The cusps of several slices of one manipulator.
+    """The cusps of the slices of a manipulator, counted by proof.
+
+    A slice holds one leg at a length. Its cusps are the joint vectors at which exactly three poses coalesce:
+    J = 0 (the article's equation 6) and E = 0 (there its equation 10), with proof that no more coalesce.
 
     Args:
         manipulator: the geometry.
-        lengths: the lengths of the fixed leg, exact (see :func:`parse_exact`), all > 0.
-        digits: significant digits of every printed number, 15 to 10000.
-        fixed_leg: which leg is held, 1, 2 or 3.
+        lengths: one length of the fixed leg or several, exact (see :data:`Exact`), > 0, in the user's unit.
+            A text is one number, never a sequence.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+        fixed_leg: the leg that is held, 1, 2 or 3.
+
+    Returns:
+        A table for each length, in their order.
 
     Raises:
-        InputError: a length, ``digits`` or ``fixed_leg`` is out of range.
+        InputError: naming each length at fault by the leg and its place (``l1[0]``), or ``digits``,
+            ``fixed_leg`` or ``manipulator``.
         SolverError: a slice could not be decided.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> cusp_table(EXAMPLES["zein-flat"], [10, "34.5"], digits=15)
+    [<SliceTable L1=10: 4 cusps, 15 digits>, <SliceTable L1=34.5: 8 cusps, 15 digits>]
     """
-    eliminant = eliminate(manipulator, fixed_leg)
-    name = f"l{fixed_leg}"
-    return [solve_slice(eliminant, parse_exact(x, name), digits) for x in lengths]
+    digits, leg = check_digits(digits), check_leg(fixed_leg)
+    exact = slice_lengths(lengths, leg)
+    eliminant = eliminate(manipulator, leg)
+    return [solve_slice(eliminant, length, digits) for length in exact]
 
 
-def solve_slice(eliminant: Eliminant, length: Fraction, digits: int = DEFAULT_DIGITS) -> SliceTable:
-    """All cusps of the slice in which the eliminant's fixed leg has this length (user's unit).
+def solve_slice(eliminant: Eliminant, length: Exact, digits: int = DEFAULT_DIGITS) -> SliceTable:
+    """All cusps of one slice; several slices of one manipulator share its eliminant.
+
+    Args:
+        eliminant: of the manipulator and its fixed leg (see :func:`eliminate`).
+        length: of the fixed leg, exact, > 0, in the user's unit.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
 
     Raises:
-        InputError: ``length`` is not positive, or ``digits`` is out of range.
-        SolverError: the slice could not be decided; nothing was guessed.
+        InputError: ``length`` (named by the leg, such as ``l1``), ``digits`` or ``eliminant`` is wrong.
+        SolverError: the slice could not be decided.
+
+    >>> from rpr_solver import EXAMPLES, eliminate
+    >>> eliminant = eliminate(EXAMPLES["zein-flat"])
+    >>> [solve_slice(eliminant, length, 15).count for length in ("10", "34.5", 100)]
+    [4, 8, 4]
     """
-    check_slice(eliminant.slice_map.fixed_leg, length, digits)
-    return _Slice(eliminant, length, digits).solve()
-
-
-def check_slice(fixed_leg: int, length: Fraction, digits: int) -> None:
-    """Refuse what is no slice.
-
-    Raises:
-        InputError: ``length`` is not positive, or ``digits`` is out of range.
-    """
-    if length <= 0:
-        raise InputError.of(
-            f"l{fixed_leg}",
-            f"is {exact_str(length)}; a slice needs a leg length > 0 (at 0 its angle is undefined)",
-        )
-    check_digits(digits)
+    check_type(eliminant, Eliminant, "eliminant")
+    exact = slice_length(length, eliminant.slice_map.fixed_leg)
+    return _Slice(eliminant, exact, check_digits(digits)).solve()
 
 
 class _Slice:
@@ -174,7 +157,7 @@ class _Slice:
             cusp = t and poses.cusp(u, t)
             if not cusp:
                 return None
-            return point_of_balls(cusp, self.digits, poses.bits)
+            return point_of_balls(cusp, self.slice_map.fixed_leg, self.digits, poses.bits)
 
     def _exactly(self, q: QuadraticPoly) -> SliceTable:
         """Take every root apart over ℚ(ω); simple ones still go the way of balls where they can."""
@@ -226,25 +209,23 @@ class _Slice:
     ) -> SliceTable:
         leg = self.slice_map.fixed_leg
         points = in_order(points)
-        cusps, degenerate = cusps_and_degenerate(points, leg)
-        certificate = {
+        cusps, degenerate = cusps_and_degenerate(points)
+        certificate: SliceCertificate = {
             "eliminant_degree": sum(degree * multiplicity for degree, multiplicity in cusp_factors),
             "real_roots": real_roots,
             "factors": _factor_table(self.eliminant, cusp_factors, shared=bool(curves)),
             "method": method,
             "working_bits": max((x.bits for x in points), default=0),
-            "proofs": [dict(x.proof) for x in cusps],
+            "proofs": [x.proof for x in cusps],
         }
         return SliceTable(
             leg, self.length, self.digits, tuple(x.point for x in cusps), (*curves, *degenerate), certificate
         )
 
 
-def _factor_table(
-    eliminant: Eliminant, cusp_factors: list[tuple[int, int]], *, shared: bool
-) -> list[dict[str, object]]:
+def _factor_table(eliminant: Eliminant, cusp_factors: list[tuple[int, int]], *, shared: bool) -> list[Factor]:
     """The factors of Res_t(J, E), a form of degree 48 in u, each with where it comes from."""
-    cusps: list[dict[str, object]] = [
+    cusps: list[Factor] = [
         {"degree": degree, "multiplicity": multiplicity, "origin": "cusps"}
         for degree, multiplicity in cusp_factors
     ]

@@ -22,6 +22,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import count, islice
+from typing import Any
 
 from flint import fmpz, fmpz_mat, fmpz_poly, nmod_poly
 
@@ -39,10 +40,21 @@ DEGREE_L = 10
 
 @dataclass(frozen=True)
 class Eliminant:
-    """Q(u, L) of one manipulator and one fixed leg, as A + ω B with integer coefficients.
+    """Q(u, L) of one manipulator and one fixed leg: every cusp of every slice is above a root of it.
 
-    ``a`` and ``b`` are matrices of 25 rows (powers of u) and 11 columns (powers of the scaled
-    L, see :class:`SliceMap`). The common content is removed.
+    u = tan(θ/2), θ the fixed leg's angle, L its length times ``slice_map.scale``: a *scaled* length, not the
+    user's. Q = A + ω B has integer coefficients, degree 24 in u and 10 in L; it is the factor that the
+    article keeps (step 5), with L kept symbolic.
+
+    Attributes:
+        manipulator: the geometry.
+        slice_map: the integer model of its slices; has the fixed leg, the scale and ω² (``radicand``).
+        a, b: A and B, matrices of 25 rows (powers of u) and 11 columns (powers of the scaled L). Their
+            common content is removed.
+
+    >>> from rpr_solver import EXAMPLES, eliminate
+    >>> eliminate(EXAMPLES["zein-flat"])
+    <Eliminant of leg 1: degree 24 in u, 10 in L1>
     """
 
     manipulator: Manipulator
@@ -50,14 +62,18 @@ class Eliminant:
     a: fmpz_mat
     b: fmpz_mat
 
+    def __repr__(self) -> str:
+        leg = self.slice_map.fixed_leg
+        return f"<Eliminant of leg {leg}: degree {DEGREE_U} in u, {DEGREE_L} in L{leg}>"
+
     def at(self, length: Fraction) -> QuadraticPoly:
-        """Q at one scaled L, primitive: A(u) + ω B(u); zero if J and E share a curve there."""
+        """Q at one *scaled* L, primitive: A(u) + ω B(u); zero if J and E share a curve there."""
         n, d = fmpz(length.numerator), fmpz(length.denominator)
         powers = fmpz_mat(DEGREE_L + 1, 1, [n**k * d ** (DEGREE_L - k) for k in range(DEGREE_L + 1)])
         a, b = (fmpz_poly((part * powers).entries()) for part in (self.a, self.b))
         return QuadraticPoly(a, b, self.slice_map.radicand).primitive()
 
-    def to_json(self) -> dict[str, object]:
+    def to_json(self) -> dict[str, Any]:
         """A plain form to keep in a cache (about 100 kB); :meth:`from_json` reads it back."""
         return {
             "solver_version": SOLVER_VERSION,
@@ -87,10 +103,20 @@ class Eliminant:
 
 
 def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
-    """Compute Q(u, L), once per manipulator and fixed leg.
+    """Computes Q(u, L) of a manipulator and one fixed leg, once for all slices (0.1 s).
+
+    Args:
+        manipulator: the geometry.
+        fixed_leg: the leg that is held, 1, 2 or 3.
 
     Raises:
-        InputError: ``fixed_leg`` is not 1, 2 or 3.
+        InputError: naming ``manipulator`` or ``fixed_leg``.
+        SolverError: the resultant lacks one of its known factors.
+
+    >>> from rpr_solver import EXAMPLES, solve_slice
+    >>> eliminant = eliminate(EXAMPLES["zein-flat"], fixed_leg=3)
+    >>> solve_slice(eliminant, 10, 15)
+    <SliceTable L3=10: 4 cusps, 15 digits>
     """
     slice_map = SliceMap.of(manipulator, fixed_leg)
     grid = _Grid.of(slice_map)

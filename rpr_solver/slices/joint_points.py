@@ -5,44 +5,101 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import overload
 
 from flint import arb, ctx
 
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_ball, round_fraction, sorted_by_balls
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.notebook import shortened
 from rpr_solver.slices.by_balls import CuspBalls, CuspProof
 from rpr_solver.slices.by_fields import ExactPose
 
 
+class _Coordinate:
+    """A coordinate under its name in documents, which depends on the fixed leg."""
+
+    def __init__(self, meaning: str) -> None:
+        self.__doc__ = meaning
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    @overload
+    def __get__(self, point: None, owner: type) -> _Coordinate: ...
+    @overload
+    def __get__(self, point: JointPoint, owner: type) -> str: ...
+    def __get__(self, point: JointPoint | None, owner: type) -> str | _Coordinate:
+        if point is None:
+            return self
+        if self._name not in point.names:
+            known = ", ".join(point.names)
+            raise AttributeError(
+                f"a point of a slice of leg {point.fixed_leg} has {known}, and no {self._name}",
+                name=self._name,
+                obj=point,
+            )
+        return point.coordinates[point.names.index(self._name)]
+
+
 @dataclass(frozen=True)
 class JointPoint:
-    """A point of a slice as correctly rounded decimals: angles in degrees, lengths in the user's unit.
+    """A cusp or another point of a slice, as correctly rounded decimals.
 
-    ``theta_deg`` is the angle of the fixed leg; ``first`` and ``second`` are the lengths of the
-    other two legs in the order of their numbers.
+    Its attributes have the names of documents: for leg 1 fixed ``alpha_deg``, ``theta1_deg``, ``l2`` and
+    ``l3``; for leg 2 ``alpha_deg``, ``theta2_deg``, ``l1`` and ``l3``; likewise for leg 3. Angles are in
+    degrees in (−180, 180], lengths in the user's unit. ``coordinates`` has the four texts in this order,
+    whatever leg is fixed, and ``names`` their names.
+
+    >>> from rpr_solver import EXAMPLES, cusp_table
+    >>> [table] = cusp_table(EXAMPLES["zein-flat"], 10, digits=15, fixed_leg=2)
+    >>> table.cusps[0].theta2_deg, table.cusps[0].l1
+    ('-111.064294980643', '34.9192654883771')
+    >>> table.cusps[0].l2
+    Traceback (most recent call last):
+    AttributeError: a point of a slice of leg 2 has alpha_deg, theta2_deg, l1, l3, and no l2
     """
 
-    alpha_deg: str
-    theta_deg: str
-    first: str
-    second: str
+    fixed_leg: int
+    coordinates: tuple[str, str, str, str]
 
-    def to_json(self, fixed_leg: int) -> dict[str, str]:
+    alpha_deg = _Coordinate("The orientation of the platform, the angle of B1B2.")
+    theta1_deg = _Coordinate("The angle of leg 1, where it is fixed.")
+    theta2_deg = _Coordinate("The angle of leg 2, where it is fixed.")
+    theta3_deg = _Coordinate("The angle of leg 3, where it is fixed.")
+    l1 = _Coordinate("The length of leg 1, where another leg is fixed.")
+    l2 = _Coordinate("The length of leg 2, where another leg is fixed.")
+    l3 = _Coordinate("The length of leg 3, where another leg is fixed.")
+
+    def __repr__(self) -> str:
+        values = " ".join(f"{name}={shortened(text)}" for name, text in self.to_json().items())
+        return f"<JointPoint {values}>"
+
+    @property
+    def names(self) -> tuple[str, str, str, str]:
+        """The names of the coordinates, in their order."""
+        return coordinate_names(self.fixed_leg)
+
+    def to_json(self) -> dict[str, str]:
         """The contract's object: ``alpha_deg``, ``theta1_deg``, ``l2``, ``l3`` for leg 1."""
-        first, second = free_legs(fixed_leg)
-        return {
-            "alpha_deg": self.alpha_deg,
-            f"theta{fixed_leg}_deg": self.theta_deg,
-            f"l{first}": self.first,
-            f"l{second}": self.second,
-        }
+        return dict(zip(self.names, self.coordinates, strict=True))
 
     @classmethod
     def from_json(cls, obj: Mapping[str, str], fixed_leg: int) -> JointPoint:
         """The inverse of :meth:`to_json`; other members are passed over."""
-        first, second = free_legs(fixed_leg)
-        return cls(obj["alpha_deg"], obj[f"theta{fixed_leg}_deg"], obj[f"l{first}"], obj[f"l{second}"])
+        alpha, theta, first, second = (obj[name] for name in coordinate_names(fixed_leg))
+        return cls(fixed_leg, (alpha, theta, first, second))
+
+
+def coordinate_names(fixed_leg: int) -> tuple[str, str, str, str]:
+    """How documents call a point's coordinates.
+
+    >>> coordinate_names(2)
+    ('alpha_deg', 'theta2_deg', 'l1', 'l3')
+    """
+    first, second = free_legs(fixed_leg)
+    return "alpha_deg", f"theta{fixed_leg}_deg", f"l{first}", f"l{second}"
 
 
 def free_legs(fixed_leg: int) -> tuple[int, int]:
@@ -59,19 +116,18 @@ class ClassifiedPoint:
     theta: arb
     alpha: arb
     point: JointPoint
-    proof: Mapping[str, str]
+    proof: dict[str, str]
     bits: int
 
 
-def point_of_balls(cusp: CuspBalls, digits: int, bits: int) -> ClassifiedPoint | None:
+def point_of_balls(cusp: CuspBalls, fixed_leg: int, digits: int, bits: int) -> ClassifiedPoint | None:
     """A proved cusp in decimals; None where the balls, of working precision ``bits``, are too wide."""
     balls = (cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second)
     texts = [round_ball(x, digits) for x in balls]
     if None in texts:
         return None
-    return ClassifiedPoint(
-        PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, joint_point(texts), _proof_json(cusp.proof), bits
-    )
+    point, proof = joint_point(texts, fixed_leg), _proof_json(cusp.proof)
+    return ClassifiedPoint(PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, point, proof, bits)
 
 
 def point_of_pose(pose: ExactPose, digits: int) -> ClassifiedPoint:
@@ -92,7 +148,8 @@ def point_of_pose(pose: ExactPose, digits: int) -> ClassifiedPoint:
         if None in texts:
             return None
         proof = {"field_degree": str(pose.u.field.degree)}
-        return ClassifiedPoint(pose.kind, balls[1], balls[0], joint_point(texts), proof, bits)
+        point = joint_point(texts, pose.slice_map.fixed_leg)
+        return ClassifiedPoint(pose.kind, balls[1], balls[0], point, proof, bits)
 
     message = f"the digits of a {pose.kind or 'pose'} could not be decided"
     return decided(decimals, digit_bits(digits) + 128, GREATEST_BITS, message)
@@ -104,7 +161,7 @@ def in_order(points: Iterable[ClassifiedPoint]) -> list[ClassifiedPoint]:
 
 
 def cusps_and_degenerate(
-    points: Iterable[ClassifiedPoint], fixed_leg: int
+    points: Iterable[ClassifiedPoint],
 ) -> tuple[list[ClassifiedPoint], list[dict[str, str]]]:
     """The cusps among classified points, and the others as the contract's objects."""
     cusps, degenerate = [], []
@@ -112,14 +169,14 @@ def cusps_and_degenerate(
         if x.kind is PoseKind.CUSP:
             cusps.append(x)
         else:
-            degenerate.append({"kind": x.kind.value, **x.point.to_json(fixed_leg)})
+            degenerate.append({"kind": x.kind.value, **x.point.to_json()})
     return cusps, degenerate
 
 
-def joint_point(texts: Sequence[str | None]) -> JointPoint:
+def joint_point(texts: Sequence[str | None], fixed_leg: int) -> JointPoint:
     """The point with these rounded angles and lengths."""
     alpha, theta, first, second = (text or "" for text in texts)
-    return JointPoint(angle_text(alpha), angle_text(theta), first, second)
+    return JointPoint(fixed_leg, (angle_text(alpha), angle_text(theta), first, second))
 
 
 def _proof_json(proof: CuspProof) -> dict[str, str]:

@@ -53,12 +53,12 @@ class SliceForms:
 
     @classmethod
     def of(cls, slice_map: SliceMap, length: Fraction) -> SliceForms:
-        """The slice as it is."""
+        """The slice of one *scaled* length, as it is."""
         return cls(slice_map, length, slice_map.singular.at(length), slice_map.coalescence.at(length))
 
 
 def without_shared_curves(slice_map: SliceMap, length: Fraction) -> tuple[SliceForms, QuadraticPoly]:
-    """Divide J and E by the curves they share in this slice; the rest, and its eliminant in u.
+    """Divide J and E by the curves they share in the slice of a *scaled* length; the rest, and its eliminant.
 
     Raises:
         SolverError: they share a curve that is not rational.

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from fractions import Fraction
+from dataclasses import dataclass
+from typing import Any, TypedDict
 
 from flint import arb, ctx
 
-from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, document_head, silent
+from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, check_leg, document_head, silent
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
-from rpr_solver.exact.rationals import exact_str
+from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.classify import Kind, PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.notebook import Row, counted, html_table, shortened, svg_steps, with_floats
 from rpr_solver.slices.joint_points import JointPoint, joint_point
 from rpr_solver.transitions.event_types import Event, EventPose
-from rpr_solver.transitions.length_range import check_range
+from rpr_solver.transitions.length_range import LengthRange
 from rpr_solver.transitions.survey import Survey, survey
 
 
@@ -35,35 +36,86 @@ class LengthKind(Kind):
     """No transition: the length 0, or no end at all."""
 
 
+class CensusCertificate(TypedDict):
+    """How a census is proved.
+
+    ``method`` is ``"events"`` where the degenerate poses of all slices are isolated, else
+    ``"discriminant"``: of the eliminant in u, as for similar triangles. ``lengths_examined`` counts the
+    lengths that were found so; the cusps are counted in exact slices between neighbours.
+    """
+
+    method: str
+    lengths_examined: int
+    counts_by: str
+
+
 @dataclass(frozen=True)
-class TransitionPoint:
-    """One degenerate pose of a transition."""
+class TransitionEvent:
+    """A degenerate pose of a transition: its ``kind``, and its ``point`` in the slice of that length.
+
+    >>> point = JointPoint(1, ("-164.31635", "1.9900466", "5.6731201", "34.945249"))
+    >>> TransitionEvent(PoseKind.SWALLOWTAIL, point)
+    <TransitionEvent swallowtail at alpha_deg=-164.31635 theta1_deg=1.9900466 l2=5.6731201 l3=34.945249>
+    """
 
     kind: PoseKind
     point: JointPoint
+
+    def __repr__(self) -> str:
+        return f"<TransitionEvent {self.kind} at {repr(self.point)[12:-1]}>"
+
+    def to_json(self) -> dict[str, str]:
+        """The contract's object: the kind and the coordinates of the point."""
+        return {"kind": self.kind.value, **self.point.to_json()}
 
 
 @dataclass(frozen=True)
 class Transition:
     """A length of the fixed leg at which cusps are born or die, or a degenerate pose is passed.
 
-    ``length`` is a correctly rounded decimal in the user's unit. ``kind`` is that of its points, where they
-    have one.
+    Attributes:
+        length: a correctly rounded decimal, in the user's unit.
+        kind: that of its events, where they have one.
+        count_before: the number of cusps of the slices just below.
+        count_after: the number of cusps of the slices just above.
+        events: the degenerate poses.
+
+    >>> Transition("37.3170907382", PoseKind.SWALLOWTAIL, count_before=6, count_after=4, events=())
+    <Transition at 37.317090…: swallowtail, 6 to 4 cusps>
     """
 
     length: str
     kind: PoseKind | LengthKind
     count_before: int
     count_after: int
-    points: tuple[TransitionPoint, ...]
+    events: tuple[TransitionEvent, ...]
+
+    def __repr__(self) -> str:
+        counts = f"{self.count_before} to {counted(self.count_after, 'cusp')}"
+        return f"<Transition at {shortened(self.length)}: {self.kind}, {counts}>"
 
 
 @dataclass(frozen=True)
 class Census:
-    """All transitions strictly within a range, ascending, and the number of cusps in each interval between.
+    """Every transition of the slices of one leg, and the number of cusps between.
 
-    ``counts`` has one entry more than ``transitions``. ``start`` and ``stop`` are in the user's unit; None
-    is a range without end.
+    Proved: that these are all transitions in the range, every count, and every printed digit.
+
+    Attributes:
+        manipulator: the geometry.
+        fixed_leg: the leg whose length changes from slice to slice.
+        digits: significant digits of every printed number.
+        transitions: all transitions strictly within the range, ascending.
+        counts: the number of cusps in each interval between, one entry more than ``transitions``.
+        certificate: how it is proved.
+        range: the lengths of the fixed leg, in the user's unit.
+
+    >>> from rpr_solver import EXAMPLES, census
+    >>> table = census(EXAMPLES["zein-flat"], start=30, stop=40, digits=15)
+    >>> table
+    <Census L1 from 30 to 40: 5 transitions, 4 to 8 cusps, 15 digits>
+    >>> [(row["from"], row["count"], row["transition_at_end"]) for row in table.rows()][:2]
+    [(30.0, 6, 'beak-to-beak'), (31.8632047694475, 8, 'swallowtail')]
     """
 
     manipulator: Manipulator
@@ -71,34 +123,67 @@ class Census:
     digits: int
     transitions: tuple[Transition, ...]
     counts: tuple[int, ...]
-    certificate: dict[str, object] = field(repr=False)
-    start: Fraction = Fraction(0)
-    stop: Fraction | None = None
+    certificate: CensusCertificate
+    range: LengthRange
 
-    def to_json(self) -> dict[str, object]:
+    def __repr__(self) -> str:
+        low, high = min(self.counts), max(self.counts)
+        cusps = counted(high, "cusp") if low == high else f"{low} to {high} cusps"
+        transitions = counted(len(self.transitions), "transition")
+        return f"<Census L{self.fixed_leg} {self.range}: {transitions}, {cusps}, {self.digits} digits>"
+
+    def to_json(self) -> dict[str, Any]:
         """The contract's census document."""
         leg = self.fixed_leg
-        stop = None if self.stop is None else exact_str(self.stop)
-        ends = [exact_str(self.start), *(t.length for t in self.transitions), stop]
         return {
             **document_head(self.manipulator, self.digits, leg),
-            "range": {"from": ends[0], "to": ends[-1]},
+            "range": self.range.to_json(),
             "transitions": [
                 {
                     f"l{leg}": t.length,
                     "kind": t.kind.value,
                     "count_before": t.count_before,
                     "count_after": t.count_after,
-                    "events": [{"kind": p.kind.value, **p.point.to_json(leg)} for p in t.points],
+                    "events": [event.to_json() for event in t.events],
                 }
                 for t in self.transitions
             ],
-            "intervals": [
-                {"from": start, "to": stop, "count": count}
-                for start, stop, count in zip(ends, ends[1:], self.counts, strict=False)
-            ],
-            "certificate": self.certificate,
+            "intervals": self._intervals(),
+            "certificate": dict(self.certificate),
         }
+
+    def rows(self) -> list[Row]:
+        """A row for each interval, for ``pandas.DataFrame(table.rows())``.
+
+        ``from`` and ``to`` are floats, infinite where there is no end; ``from_text`` and ``to_text`` have all
+        digits. ``transition_at_end`` is the kind of the transition at which it ends, None at the range's end.
+        """
+        return with_floats(self._records())
+
+    def _intervals(self) -> list[dict[str, Any]]:
+        ends = [*self.range.to_json().values()]
+        ends[1:1] = [t.length for t in self.transitions]
+        return [
+            {"from": start, "to": stop, "count": count}
+            for start, stop, count in zip(ends, ends[1:], self.counts, strict=False)
+        ]
+
+    def _records(self) -> list[dict[str, object]]:
+        kinds = [*(t.kind.value for t in self.transitions), None]
+        return [
+            {**interval, "transition_at_end": kind}
+            for interval, kind in zip(self._intervals(), kinds, strict=True)
+        ]
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self)[1:-1], self._records())
+
+    def _repr_svg_(self) -> str:
+        """The number of cusps against the length of the fixed leg, for the eye."""
+        rows = self.rows()
+        ends = [row["from"] for row in rows]
+        ends.append(rows[-1]["to"] if self.range.stop is not None else 1.1 * ends[-1] or 1.0)
+        return svg_steps(ends, self.counts, f"cusps against L{self.fixed_leg}")
 
 
 def census(
@@ -106,30 +191,39 @@ def census(
     *,
     fixed_leg: int = 1,
     digits: int = DEFAULT_DIGITS,
-    start: Fraction = Fraction(0),
-    stop: Fraction | None = None,
+    start: Exact = 0,
+    stop: Exact | None = None,
     progress: Progress | None = None,
 ) -> Census:
-    """Every transition of the slices of one leg, over all lengths > 0 or a range (method.md section 5).
+    """Every transition of the slices of one leg, over all lengths > 0 or a range, and the counts between.
+
+    Cusps are born and die only at poses where four poses coalesce (swallowtails) or the singular curve is
+    not smooth (lips, beak-to-beak). Their lengths are real algebraic numbers, found by elimination: there is
+    no step, and no window too narrow.
 
     Args:
         manipulator: the geometry.
-        fixed_leg: the leg that is held, 1, 2 or 3.
-        digits: significant digits of every printed number.
-        start, stop: the range in the user's unit, without its ends; None is no end.
-        progress: told the steps done and their number.
+        fixed_leg: the leg whose length changes from slice to slice, 1, 2 or 3.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+        start: the lower end of the range, exact, in the user's unit, itself left out; 0 is no end.
+        stop: its upper end, itself left out; None is no end.
+        progress: called as ``progress(done, total)``; ``total`` may grow.
 
     Raises:
-        InputError: ``fixed_leg`` or ``digits`` is out of range, or the range is empty.
-        SolverError: a transition could not be decided; nothing was guessed.
+        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, ``start`` or ``stop``.
+        SolverError: a transition could not be decided.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> census(EXAMPLES["zein-flat"], digits=15).counts
+    (0, 2, 4, 6, 8, 6, 8, 6, 8, 6, 8, 6, 4)
     """
-    check_digits(digits)
-    check_range(start, stop)
-    found = survey(manipulator, fixed_leg, progress or silent, start=start, stop=stop)
+    digits, fixed_leg = check_digits(digits), check_leg(fixed_leg)
+    span = LengthRange.of(start, stop)
+    found = survey(manipulator, fixed_leg, progress or silent, start=span.start, stop=span.stop)
     kept = {
         k: transition for k in range(len(found.groups)) if (transition := transition_at(found, k, digits))
     }
-    certificate: dict[str, object] = {
+    certificate: CensusCertificate = {
         "method": found.method,
         "lengths_examined": len(found.groups),
         "counts_by": "exact slices between neighbours",
@@ -141,8 +235,7 @@ def census(
         tuple(kept.values()),
         (found.slices[0].count, *(found.slices[k + 1].count for k in kept)),
         certificate,
-        start,
-        stop,
+        span,
     )
 
 
@@ -153,11 +246,12 @@ def transition_at(found: Survey, k: int, digits: int) -> Transition | None:
     poses = [event.pose for event in group if event.pose]
     if before == after and not poses:
         return None
-    points = tuple(TransitionPoint(pose.kind, _point(pose, digits)) for pose in poses)
+    leg = found.eliminant.slice_map.fixed_leg
+    events = tuple(TransitionEvent(pose.kind, _point(pose, leg, digits)) for pose in poses)
     kinds = {pose.kind for pose in poses}
     kind = LengthKind.UNCLASSIFIED if not kinds else kinds.pop() if len(kinds) == 1 else LengthKind.SEVERAL
     length = length_text(found.eliminant.slice_map, group, digits)
-    return Transition(length, kind, before, after, points)
+    return Transition(length, kind, before, after, events)
 
 
 def length_text(slice_map: SliceMap, group: Sequence[Event], digits: int) -> str:
@@ -174,15 +268,15 @@ def length_text(slice_map: SliceMap, group: Sequence[Event], digits: int) -> str
     return _rounded(length, digits, GREATEST_BITS)[0]
 
 
-def _point(pose: EventPose, digits: int) -> JointPoint:
+def _point(pose: EventPose, fixed_leg: int, digits: int) -> JointPoint:
     limit = TIMES_BEFORE_EXACT * digit_bits(digits) if pose.exact else GREATEST_BITS
     try:
-        return joint_point(_rounded(pose.coordinates, digits, limit))
+        return joint_point(_rounded(pose.coordinates, digits, limit), fixed_leg)
     except Unproved:
         exact = pose.exact and pose.exact()
         if exact is None:
             raise
-        return _point(exact, digits)
+        return _point(exact, fixed_leg, digits)
 
 
 def _rounded(balls: Callable[[int], Sequence[arb]], digits: int, limit: int) -> list[str]:

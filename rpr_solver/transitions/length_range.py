@@ -2,26 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.exact.rationals import exact_str
+from rpr_solver.exact.rationals import Exact, exact_str, parse_all
 
 
-def range_problems(start: Fraction, stop: Fraction | None, field: str) -> Iterator[FieldProblem]:
-    """What is wrong with a range of lengths; ``stop`` None is no end."""
-    if start < 0:
-        yield FieldProblem(f"{field}.from", f"is {exact_str(start)}; a length is at least 0")
-    if stop is not None and stop <= start:
-        yield FieldProblem(f"{field}.to", f"is {exact_str(stop)}; it must exceed {exact_str(start)}")
+@dataclass(frozen=True)
+class LengthRange:
+    """The lengths of the fixed leg from ``start`` to ``stop``, in the user's unit; 0 and None are no ends.
+
+    >>> LengthRange.of(20, "61/2")
+    LengthRange(start=Fraction(20, 1), stop=Fraction(61, 2))
+    """
+
+    start: Fraction = Fraction(0)
+    stop: Fraction | None = None
+
+    @classmethod
+    def of(
+        cls, start: Exact | None, stop: Exact | None, names: tuple[str, str] = ("start", "stop")
+    ) -> LengthRange:
+        """Reads the ends of a range; None is no end.
+
+        Raises:
+            InputError: an end is no exact number or negative, or there is nothing between, by these names.
+        """
+        given = {name: end for name, end in zip(names, (start, stop), strict=True) if end is not None}
+        ends = parse_all(given)
+        low, high = ends.get(names[0], Fraction(0)), ends.get(names[1])
+        problems = []
+        if low < 0:
+            problems.append(FieldProblem(names[0], f"is {exact_str(low)}; a length is at least 0"))
+        if high is not None and high <= low:
+            problems.append(FieldProblem(names[1], f"is {exact_str(high)}; it must exceed {exact_str(low)}"))
+        if problems:
+            raise InputError(problems)
+        return cls(low, high)
+
+    def __contains__(self, length: Fraction) -> bool:
+        return self.start <= length and (self.stop is None or length <= self.stop)
+
+    def __str__(self) -> str:
+        return f"from {exact_str(self.start)}{'' if self.stop is None else f' to {exact_str(self.stop)}'}"
+
+    def to_json(self) -> dict[str, str | None]:
+        """The contract's object: ``{"from": "0", "to": null}`` has no ends."""
+        return {
+            "from": exact_str(self.start),
+            "to": None if self.stop is None else exact_str(self.stop),
+        }
 
 
 def check_range(start: Fraction, stop: Fraction | None, field: str = "range") -> None:
-    """Refuse what is no range of lengths.
+    """Refuse what is no range in a document.
 
     Raises:
-        InputError: an end is negative, or there is nothing between.
+        InputError: naming the members ``from`` and ``to`` of ``field``.
     """
-    for problem in range_problems(start, stop, field):
-        raise InputError([problem])
+    LengthRange.of(start, stop, (f"{field}.from", f"{field}.to"))

@@ -1,54 +1,47 @@
-"""Requirements on the number of cusps over a range of lengths, passed or failed by proof.
-
-A range of slices is cut at every transition, at its own ends, and, where the other legs have joint
-limits, at every length at which a cusp stands on a limit (event_systems.limit_system). Between two
-neighbouring cuts the number of cusps within the limits is constant, and one exact slice tells it.
-"""
+"""Requirements on the number of cusps over a range of lengths, within joint limits."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from fractions import Fraction
-from functools import partial
-from itertools import groupby
-from typing import Any
+from typing import Any, TypeAlias, TypeVar
 
-from rpr_solver.contract import CHECK_DIGITS, Progress, about_answer, silent
-from rpr_solver.contract import MAX_DIGITS as MOST_DIGITS
-from rpr_solver.errors import FieldProblem, InputError, SolverError
-from rpr_solver.exact.precision import decided
-from rpr_solver.exact.rationals import MAX_DIGITS, exact_str, parse_exact, shown
-from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.cusp_table import SliceTable, solve_slice
-from rpr_solver.slices.eliminant import Eliminant
-from rpr_solver.slices.joint_points import JointPoint, free_legs
-from rpr_solver.transitions.census import length_text
-from rpr_solver.transitions.event_systems import EventSystems, NotGeneric
-from rpr_solver.transitions.event_types import Event
-from rpr_solver.transitions.events import limit_events
-from rpr_solver.transitions.length_range import range_problems
-from rpr_solver.transitions.survey import survey
+from rpr_solver.contract import check_integer, check_leg
+from rpr_solver.errors import FieldProblem, InputError, shown
+from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_exact
+from rpr_solver.transitions.length_range import LengthRange
 
+Bounds: TypeAlias = tuple[Fraction | None, Fraction | None]
+ExactBounds: TypeAlias = tuple[Exact | None, Exact | None]
+
+_T = TypeVar("_T")
 _FIELDS = ("fixed_leg", "range", "max_cusps", "min_cusps", "limits")
-
-Bounds = tuple[Fraction | None, Fraction | None]
+_LEGS = {"l1": 1, "l2": 2, "l3": 3}
+_IN_DOCUMENTS = {"requirement.start": "requirement.range.from", "requirement.stop": "requirement.range.to"}
 
 
 @dataclass(frozen=True)
 class Requirement:
     """How many cusps the slices of a range may have, or must have, strictly within joint limits.
 
-    Attributes:
-        fixed_leg: the leg whose length runs over the range.
-        start, stop: the range in the user's unit; 0 and None are its open ends.
-        max_cusps: at most so many in every slice (0: cusp-free), or None.
-        min_cusps: at least so many, or None. A single length at which cusps merge is no violation.
-        limits: for each other leg its least and its greatest length, None where it has none.
+    Args:
+        fixed_leg: the leg whose length runs over the range, 1, 2 or 3.
+        start: the lower end of the range, exact, in the user's unit like all lengths; 0 is no end.
+        stop: its upper end; None is no end.
+        max_cusps: the greatest number of cusps in any slice (0: cusp-free), or None.
+        min_cusps: the least number, or None. A single length at which cusps merge is no violation.
+        limits: for the other legs their least and greatest lengths, exact, None where there is none:
+            ``{"l2": (5, "20.5"), "l3": (None, 30)}``, or with the legs' numbers as keys.
 
     Raises:
-        InputError: naming every field at fault.
+        InputError: naming every field at fault, such as ``requirement.max_cusps``.
+
+    >>> Requirement(start=28, stop="31", max_cusps=8, limits={"l2": (5, None)})
+    Requirement(fixed_leg=1, start='28', stop='31', max_cusps=8, limits={'l2': ('5', None)})
+    >>> Requirement(max_cusps=8, min_cusps=9)
+    Traceback (most recent call last):
+    rpr_solver.errors.InputError: requirement.max_cusps: is 8, less than min_cusps = 9; ...
     """
 
     fixed_leg: int = 1
@@ -58,14 +51,63 @@ class Requirement:
     min_cusps: int | None = None
     limits: Mapping[int, Bounds] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        problems = list(self._problems())
-        if problems:
+    def __init__(
+        self,
+        fixed_leg: int = 1,
+        start: Exact = Fraction(0),
+        stop: Exact | None = None,
+        max_cusps: int | None = None,
+        min_cusps: int | None = None,
+        limits: Mapping[int, ExactBounds] | Mapping[str, ExactBounds] | None = None,
+    ) -> None:
+        leg = check_leg(fixed_leg, "requirement.fixed_leg")
+        problems: list[FieldProblem] = []
+
+        def read(read_one: Callable[[], _T]) -> _T | None:
+            try:
+                return read_one()
+            except InputError as error:
+                problems.extend(error.problems)
+                return None
+
+        span = read(lambda: LengthRange.of(start, stop, ("requirement.start", "requirement.stop")))
+        most = read(lambda: _count(max_cusps, "requirement.max_cusps"))
+        least = read(lambda: _count(min_cusps, "requirement.min_cusps"))
+        bounds = read(lambda: _limits({} if limits is None else limits, leg))
+        if max_cusps is None and min_cusps is None:
+            problems.append(FieldProblem("requirement.max_cusps", "is missing; give max_cusps or min_cusps"))
+        if most is not None and least is not None and most < least:
+            problems += [
+                FieldProblem("requirement.max_cusps", f"is {most}, less than min_cusps = {least}"),
+                FieldProblem("requirement.min_cusps", f"is {least}, more than max_cusps = {most}"),
+            ]
+        if problems or span is None or bounds is None:
             raise InputError(problems)
+        values = (leg, span.start, span.stop, most, least, bounds)
+        for own, value in zip(fields(self), values, strict=True):
+            object.__setattr__(self, own.name, value)
+
+    def __repr__(self) -> str:
+        document = self.to_json()
+        ends, limits = document.pop("range"), document.pop("limits")
+        given = {
+            "fixed_leg": self.fixed_leg,
+            "start": ends["from"],
+            "stop": ends["to"],
+            **document,
+            "limits": {leg: (bounds["min"], bounds["max"]) for leg, bounds in limits.items()},
+        }
+        values = (f"{name}={value!r}" for name, value in given.items() if value not in (None, {}))
+        return f"Requirement({', '.join(values)})"
+
+    @property
+    def range(self) -> LengthRange:
+        """The range of lengths of the fixed leg."""
+        return LengthRange(self.start, self.stop)
 
     @classmethod
     def from_json(cls, obj: Mapping[str, Any], *, max_digits: int = MAX_DIGITS) -> Requirement:
-        """Read ``{"fixed_leg", "range": {"from", "to"}, "max_cusps", "min_cusps", "limits"}``.
+        """Reads ``{"fixed_leg", "range": {"from", "to"}, "max_cusps", "min_cusps", "limits"}``.
 
         ``limits`` is ``{"l2": {"min", "max"}, "l3": …}``; every number is exact, every part optional.
 
@@ -100,15 +142,19 @@ class Requirement:
 
         start, stop = part(obj.get("range") or {}, "range", ("from", "to"))
         raw = obj.get("limits") or {}
-        if not isinstance(raw, Mapping) or any(key not in ("l1", "l2", "l3") for key in raw):
+        if not isinstance(raw, Mapping) or any(key not in _LEGS for key in raw):
             raise InputError.of(
                 "requirement.limits", f"is {shown(raw)}; its keys are the free legs, such as l2 and l3"
             )
-        limits = {int(key[1]): part(value, f"limits.{key}", ("min", "max")) for key, value in raw.items()}
+        limits = {key: part(value, f"limits.{key}", ("min", "max")) for key, value in raw.items()}
         leg = obj.get("fixed_leg", 1)
-        return cls(leg, start or Fraction(0), stop, count("max_cusps"), count("min_cusps"), limits)
+        try:
+            return cls(leg, start or Fraction(0), stop, count("max_cusps"), count("min_cusps"), limits)
+        except InputError as error:
+            named = [FieldProblem(_IN_DOCUMENTS.get(p.field, p.field), p.message) for p in error.problems]
+            raise InputError(named) from None
 
-    def to_json(self) -> dict[str, object]:
+    def to_json(self) -> dict[str, Any]:
         """The inverse of :meth:`from_json`, numbers in canonical text."""
 
         def text(x: Fraction | None) -> str | None:
@@ -116,7 +162,7 @@ class Requirement:
 
         return {
             "fixed_leg": self.fixed_leg,
-            "range": {"from": exact_str(self.start), "to": text(self.stop)},
+            "range": self.range.to_json(),
             "max_cusps": self.max_cusps,
             "min_cusps": self.min_cusps,
             "limits": {
@@ -131,171 +177,40 @@ class Requirement:
             self.min_cusps is None or count >= self.min_cusps
         )
 
-    def _problems(self) -> Iterator[FieldProblem]:
-        if isinstance(self.fixed_leg, bool) or self.fixed_leg not in (1, 2, 3):
-            yield FieldProblem(
-                "requirement.fixed_leg", f"{shown(self.fixed_leg)} is not a leg; give 1, 2 or 3"
-            )
-            return
-        yield from range_problems(self.start, self.stop, "requirement.range")
-        if self.max_cusps is None and self.min_cusps is None:
-            yield FieldProblem("requirement.max_cusps", "is missing; give max_cusps or min_cusps")
-        for name, value in (("max_cusps", self.max_cusps), ("min_cusps", self.min_cusps)):
-            if value is not None and value < 0:
-                yield FieldProblem(f"requirement.{name}", f"is {value}; a number of cusps is at least 0")
-        for leg, (low, high) in self.limits.items():
-            if leg == self.fixed_leg:
-                yield FieldProblem(f"requirement.limits.l{leg}", "is the fixed leg; its limits are the range")
-            for end, bound in (("min", low), ("max", high)):
-                if bound is not None and bound < 0:
-                    yield FieldProblem(
-                        f"requirement.limits.l{leg}.{end}", f"is {exact_str(bound)}; a length is at least 0"
-                    )
-            if low is not None and high is not None and high <= low:
-                yield FieldProblem(
-                    f"requirement.limits.l{leg}.max", f"is {exact_str(high)}; it must exceed {exact_str(low)}"
-                )
 
-
-@dataclass(frozen=True)
-class CheckedInterval:
-    """Lengths between two cuts, all with one number of cusps within the limits, and a slice among them."""
-
-    start: str
-    stop: str | None
-    count: int
-    example: Fraction
-    cusps: tuple[JointPoint, ...]
-
-
-@dataclass(frozen=True)
-class CheckReport:
-    """The proof that a requirement holds, or where it does not."""
-
-    manipulator: Manipulator
-    requirement: Requirement
-    digits: int
-    intervals: tuple[CheckedInterval, ...]
-
-    @property
-    def violations(self) -> tuple[CheckedInterval, ...]:
-        """The intervals that the requirement does not admit, ascending."""
-        return tuple(x for x in self.intervals if not self.requirement.admits(x.count))
-
-    @property
-    def passed(self) -> bool:
-        """Whether every slice of the range is admitted."""
-        return not self.violations
-
-    def to_json(self) -> dict[str, object]:
-        """A plain document; lengths are decimals of ``digits`` digits."""
-        leg = self.requirement.fixed_leg
-        counts = [x.count for x in self.intervals]
-        return {
-            **self.manipulator.identity_json(),
-            "requirement": self.requirement.to_json(),
-            "passed": self.passed,
-            "max_cusps_found": max(counts),
-            "min_cusps_found": min(counts),
-            "intervals": [_span(x) for x in self.intervals],
-            "violations": [
-                {
-                    **_span(x),
-                    "example": {f"l{leg}": exact_str(x.example), "cusps": [c.to_json(leg) for c in x.cusps]},
-                }
-                for x in self.violations
-            ],
-            **about_answer(self.digits),
-        }
-
-
-def check(
-    manipulator: Manipulator,
-    requirement: Requirement,
-    *,
-    digits: int = CHECK_DIGITS,
-    progress: Progress | None = None,
-) -> CheckReport:
-    """Prove or refute a requirement.
-
-    Raises:
-        InputError: ``digits`` is out of range.
-        SolverError: a cut could not be decided, or joint limits are asked of a degenerate geometry
-            whose cusps this version cannot follow.
-    """
-    low, high = requirement.start, requirement.stop
-    found = survey(
-        manipulator,
-        requirement.fixed_leg,
-        progress or silent,
-        start=low,
-        stop=high,
-        digits=digits,
-        more=partial(_limit_cuts, requirement),
-    )
-    limited = any(bound for bounds in requirement.limits.values() for bound in bounds)
-    if limited and found.method == "discriminant" and any(table.count for table in found.slices):
-        raise SolverError("joint limits are not supported for this degenerate geometry")
-    slice_map = found.eliminant.slice_map
-    cuts = [length_text(slice_map, group, digits) for group in found.groups]
-    ends = [exact_str(low), *cuts, None if high is None else exact_str(high)]
-    intervals = []
-    for start, stop, table in zip(ends, ends[1:], found.slices, strict=False):
-        cusps = _within(found.eliminant, table, requirement)
-        intervals.append(CheckedInterval(str(start), stop, len(cusps), table.length, cusps))
-    return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)))
-
-
-def _limit_cuts(
-    requirement: Requirement, slice_map: SliceMap, systems: EventSystems | None
-) -> Iterator[Event]:
-    if systems is None:
-        return
-    for leg, bounds in requirement.limits.items():
-        for bound in filter(None, bounds):
-            seen = (slice_map.f, slice_map.g)[free_legs(requirement.fixed_leg).index(leg)]
-            try:
-                yield from limit_events(systems, seen, (bound * slice_map.scale) ** 2)
-            except NotGeneric:
-                raise SolverError(
-                    f"l{leg} = {exact_str(bound)} is no isolated limit: cusps keep that length over a range"
-                ) from None
-
-
-def _within(eliminant: Eliminant, table: SliceTable, requirement: Requirement) -> tuple[JointPoint, ...]:
-    """The cusps of a slice strictly within the limits; none of them stands on one."""
-    first, second = free_legs(requirement.fixed_leg)
-
-    def within(digits: int) -> tuple[JointPoint, ...] | None:
-        cusps = (table if digits == table.digits else solve_slice(eliminant, table.length, digits)).cusps
-        sides = [
-            [_side(text, requirement.limits.get(leg, (None, None)), digits) for leg, text in legs]
-            for legs in ([(first, c.first), (second, c.second)] for c in cusps)
-        ]
-        if any(None in side for side in sides):
-            return None
-        return tuple(c for c, side in zip(table.cusps, sides, strict=True) if all(side))
-
-    message = f"the cusps of the slice {exact_str(table.length)} could not be told from the joint limits"
-    return decided(within, table.digits, MOST_DIGITS, message)
-
-
-def _side(text: str, bounds: Bounds, digits: int) -> bool | None:
-    """Whether a rounded length lies within, or None if its digits do not tell."""
-    x = Fraction(text)
-    doubt = x / 10 ** (digits - 1)
-    low, high = bounds
-    if any(b is not None and abs(x - b) <= doubt for b in bounds):
+def _count(value: int | None, field: str) -> int | None:
+    if value is None:
         return None
-    return (low is None or x > low) and (high is None or x < high)
+    count = check_integer(value, field, "a number of cusps")
+    if count < 0:
+        raise InputError.of(field, f"is {count}; a number of cusps is at least 0")
+    return count
 
 
-def _merged(intervals: list[CheckedInterval]) -> Iterator[CheckedInterval]:
-    """Neighbours of equal count joined: a cut that changes nothing is not shown."""
-    for _, same in groupby(intervals, key=lambda x: x.count):
-        run = list(same)
-        yield CheckedInterval(run[0].start, run[-1].stop, run[0].count, run[0].example, run[0].cusps)
+def _limits(
+    limits: Mapping[int, ExactBounds] | Mapping[str, ExactBounds], fixed_leg: int
+) -> dict[int, Bounds]:
+    field = "requirement.limits"
+    if not isinstance(limits, Mapping):
+        raise InputError.of(field, f"is {shown(limits)}; its keys are the free legs, such as l2 and l3")
+    problems: list[FieldProblem] = []
+    result: dict[int, Bounds] = {}
+    for key, bounds in limits.items():
+        try:
+            leg = _LEGS[key] if isinstance(key, str) and key in _LEGS else check_leg(key, field)  # type: ignore[arg-type]
+            result[leg] = _bounds(bounds, leg, fixed_leg)
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    return result
 
 
-def _span(x: CheckedInterval) -> dict[str, object]:
-    return {"from": x.start, "to": x.stop, "count": x.count}
+def _bounds(bounds: ExactBounds, leg: int, fixed_leg: int) -> Bounds:
+    field = f"requirement.limits.l{leg}"
+    if leg == fixed_leg:
+        raise InputError.of(field, "is the fixed leg; its limits are the range")
+    if isinstance(bounds, str | bytes) or not isinstance(bounds, Sequence) or len(bounds) != 2:
+        raise InputError.of(field, f"is {shown(bounds)}; give (min, max)")
+    span = LengthRange.of(*bounds, (f"{field}.min", f"{field}.max"))
+    return None if bounds[0] is None else span.start, span.stop

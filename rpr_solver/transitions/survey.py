@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from math import floor
-from typing import Any
 
 from flint import arb, ctx
 
@@ -22,8 +21,9 @@ from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.cusp_table import SliceTable, solve_slice
+from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.discriminant import candidate_lengths
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS, EventSystems, NotGeneric
 from rpr_solver.transitions.event_types import Event, Landmark
@@ -104,7 +104,7 @@ def _events(eliminant: Eliminant, progress: Progress) -> tuple[list[Event], Even
 
 def _cusps_at_multiple_roots(table: SliceTable) -> bool:
     """Whether some cusp may lie above a multiple root: one was settled exactly, and there is such a root."""
-    certificate: Any = table.certificate
+    certificate = table.certificate
     multiple = any(x["origin"] == "cusps" and x["multiplicity"] > 1 for x in certificate["factors"])
     return multiple and any("field_degree" in proof for proof in certificate["proofs"])
 

@@ -71,7 +71,7 @@ def random_case(rng: random.Random) -> str | None:
     if (table.count, kinds(table)) != (image.count, kinds(image)):
         return f"{m} leg {leg} at {length}: {table.count} cusps, its image has {image.count}"
     if leg == 1 and rng.random() < 0.3:
-        ours = [(math.radians(float(c.alpha_deg)), math.radians(float(c.theta_deg))) for c in table.cusps]
+        ours = [(math.radians(float(c.alpha_deg)), math.radians(float(c.theta1_deg))) for c in table.cusps]
         for point in count_cusps(m, float(length), starts=8):
             if not any(distance(point, x) < 1e-4 for x in ours):
                 return f"{m} at {length}: Newton finds a cusp at {point}, which is not in the table"

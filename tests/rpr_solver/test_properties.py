@@ -59,12 +59,10 @@ def swapped_legs_2_and_3(m: Manipulator, side: Fraction) -> Manipulator:
 @examples(40)
 def test_scale(m: Manipulator, length: Fraction, leg: int, factor: Fraction) -> None:
     table, other = solve(m, length, leg), solve(scaled(m, factor), length * factor, leg)
-    assert [(c.alpha_deg, c.theta_deg) for c in other.cusps] == [
-        (c.alpha_deg, c.theta_deg) for c in table.cusps
-    ]
+    assert [c.coordinates[:2] for c in other.cusps] == [c.coordinates[:2] for c in table.cusps]
     assert kinds(other) == kinds(table)
     for a, b in zip(table.cusps, other.cusps, strict=True):
-        ratio = Fraction(Decimal(b.first)) / Fraction(Decimal(a.first)) / factor
+        ratio = Fraction(Decimal(b.coordinates[2])) / Fraction(Decimal(a.coordinates[2])) / factor
         assert abs(ratio - 1) < Fraction(1, 10**28)
 
 
@@ -82,9 +80,9 @@ def test_mirror(m: Manipulator, length: Fraction, leg: int) -> None:
         )
 
     table, other = solve(m, length, leg), solve(mirrored(m), length, leg)
-    assert sorted(
-        (turned(c.alpha_deg), turned(c.theta_deg), c.first, c.second) for c in table.cusps
-    ) == sorted((c.alpha_deg, c.theta_deg, c.first, c.second) for c in other.cusps)
+    assert sorted((*map(turned, c.coordinates[:2]), *c.coordinates[2:]) for c in table.cusps) == sorted(
+        c.coordinates for c in other.cusps
+    )
     assert kinds(other) == kinds(table)
 
 
@@ -100,15 +98,16 @@ def test_renaming_legs(m: Manipulator, p: int, q: int, length: Fraction, leg: in
     other_leg = {1: 1, 2: 3, 3: 2}[leg]
     table, other = solve(m, length, leg), solve(swapped_legs_2_and_3(m, side), length, other_leg)
     assert kinds(other) == kinds(table)
-    theirs = [(c.theta_deg, *((c.second, c.first) if leg == 1 else (c.first, c.second))) for c in other.cusps]
-    assert sorted(pair for _, *pair in theirs) == sorted([c.first, c.second] for c in table.cusps)
+    swap = slice(None, None, -1 if leg == 1 else 1)
+    theirs = [(c.coordinates[1], *c.coordinates[2:][swap]) for c in other.cusps]
+    assert sorted(pair for _, *pair in theirs) == sorted([*c.coordinates[2:]] for c in table.cusps)
     with mp.workdps(40):
         turn = mp.degrees(mp.atan2(number(a3y), number(a3x)))
         for c in table.cusps:
             angles = [
-                mp.mpf(theta) + turn - mp.mpf(c.theta_deg)
+                mp.mpf(theta) + turn - mp.mpf(c.coordinates[1])
                 for theta, *pair in theirs
-                if pair == [c.first, c.second]
+                if pair == [*c.coordinates[2:]]
             ]
             assert min(abs(mp.expjpi(angle / 180) - 1) for angle in angles) < mp.mpf(10) ** -25
 
@@ -120,11 +119,11 @@ def test_renaming_legs(m: Manipulator, p: int, q: int, length: Fraction, leg: in
 def test_the_three_choices_of_fixed_leg_agree(m: Manipulator, length: Fraction) -> None:
     """A cusp of the slice L1 = c at (L2, L3) is one of the slice L2 = that, within the digits of that."""
     for cusp in solve(m, length, 1, 60).cusps[:2]:
-        for leg, own, other in ((2, cusp.first, cusp.second), (3, cusp.second, cusp.first)):
+        for leg, own, other in ((2, cusp.l2, cusp.l3), (3, cusp.l3, cusp.l2)):
             nearby = solve(m, parse_exact(own, f"l{leg}"), leg).cusps
             assert any(
-                abs(float(Fraction(c.first) / length) - 1) < 1e-15
-                and abs(float(Fraction(c.second) / Fraction(other)) - 1) < 1e-15
+                abs(float(Fraction(c.l1) / length) - 1) < 1e-15
+                and abs(float(Fraction(c.coordinates[3]) / Fraction(other)) - 1) < 1e-15
                 for c in nearby
             )
 
@@ -134,7 +133,7 @@ def test_the_three_choices_of_fixed_leg_agree(m: Manipulator, length: Fraction) 
 def test_every_cusp_satisfies_the_articles_equations(m: Manipulator, length: Fraction) -> None:
     with mp.workdps(60):
         for cusp in solve(m, length, 1, 50).cusps:
-            at = pose(m, exact_str(length), cusp.alpha_deg, cusp.theta_deg)
+            at = pose(m, exact_str(length), cusp.alpha_deg, cusp.theta1_deg)
             assert abs(singularity(m, at)) < mp.mpf(10) ** -35 * max(map(abs, at.lengths)) * 100
             assert abs(coalescence(m, at)) < mp.mpf(10) ** -25
 
@@ -145,7 +144,7 @@ def test_every_cusp_satisfies_the_articles_equations(m: Manipulator, length: Fra
 def test_nothing_that_floating_point_newton_finds_is_missing(m: Manipulator, length: Fraction) -> None:
     """Newton may lose cusps; whatever it finds must be in the table, and no more than that is asked of it."""
     table = solve(m, length)
-    ours = [(math.radians(float(c.alpha_deg)), math.radians(float(c.theta_deg))) for c in table.cusps]
+    ours = [(math.radians(float(c.alpha_deg)), math.radians(float(c.theta1_deg))) for c in table.cusps]
     for point in count_cusps(m, float(length), starts=10):
         assert any(distance(point, x) < 1e-4 for x in ours), (point, ours)
 

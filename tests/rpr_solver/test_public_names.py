@@ -1,6 +1,9 @@
 """What `import rpr_solver` offers is what is listed here, and each part says what it is."""
 
+import doctest
 import inspect
+import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -13,8 +16,9 @@ CONSTANTS = {
     "MAX_DIGITS",
     "MIN_DIGITS",
     "SOLVER_VERSION",
+    "__version__",
 }
-TYPES = {"Progress"}
+TYPES = {"Exact", "Progress"}
 FUNCTIONS = {
     "article_table",
     "census",
@@ -52,6 +56,7 @@ CLASSES = {
     "InputError",
     "JointPoint",
     "LengthKind",
+    "LengthRange",
     "Manipulator",
     "PlatformPose",
     "PoseKind",
@@ -60,9 +65,11 @@ CLASSES = {
     "SliceTable",
     "SolverError",
     "Transition",
-    "TransitionPoint",
+    "TransitionEvent",
     "Unproved",
 }
+
+KINDS = {"LengthKind", "PoseKind"}
 
 
 def test_the_public_names_are_these() -> None:
@@ -77,6 +84,27 @@ def test_every_public_name_is_documented(name: str) -> None:
     text = getattr(rpr_solver, name).__doc__ or ""
     assert text.strip()
     assert not text.startswith(f"{name}("), "a dataclass without a docstring gets its signature instead"
+
+
+@pytest.mark.parametrize("name", sorted((FUNCTIONS | CLASSES) - KINDS))
+def test_every_public_name_has_an_example(name: str) -> None:
+    assert doctest.DocTestParser().get_examples(inspect.getdoc(getattr(rpr_solver, name)) or "")
+
+
+@pytest.mark.parametrize("name", sorted(FUNCTIONS))
+def test_every_public_function_explains_its_arguments(name: str) -> None:
+    function = getattr(rpr_solver, name)
+    text, arguments = inspect.getdoc(function) or "", inspect.signature(function).parameters
+    if len(arguments) > 1:
+        assert [argument for argument in arguments if f"    {argument}: " not in text] == []
+        assert "Raises:" in text
+
+
+def test_there_is_one_version() -> None:
+    import service
+
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
+    assert rpr_solver.__version__ == service.__version__ == project["project"]["version"]
 
 
 @pytest.mark.parametrize("name", sorted(CLASSES))

@@ -212,7 +212,7 @@ CUSPS = [
 @pytest.mark.parametrize(("m", "l1", "cusp"), CUSPS)
 def test_a_cusp_is_a_triple_root_of_the_sextic(m: Manipulator, l1: str, cusp: JointPoint) -> None:
     """Its coordinates are irrational: at their 90 digits, three roots lie within about 1e-30."""
-    table = poses(m, l1, Fraction(cusp.first), Fraction(cusp.second))
+    table = poses(m, l1, Fraction(cusp.l2), Fraction(cusp.l3))
     polynomial = table.polynomial
     with mp.workdps(90):
         omega, t = mp.sqrt(polynomial.radicand), mp.tan(mp.radians(mp.mpf(cusp.alpha_deg)) / 2)
@@ -232,7 +232,7 @@ def test_a_cusp_is_a_triple_root_of_the_sextic(m: Manipulator, l1: str, cusp: Jo
 def test_beside_a_cusp_one_pose_and_three(m: Manipulator, l1: str, cusp: JointPoint) -> None:
     """Step off the cusp across the kernel: on one side three poses are near, on the other one."""
     local = Slice(m, float(l1))
-    at_cusp = math.radians(float(cusp.alpha_deg)), math.radians(float(cusp.theta_deg))
+    at_cusp = math.radians(float(cusp.alpha_deg)), math.radians(float(cusp.theta1_deg))
     slopes = local.derivatives(0, at_cusp)
     size = math.hypot(slopes[1][0], slopes[0][1])
     counts = set()
@@ -241,7 +241,7 @@ def test_beside_a_cusp_one_pose_and_three(m: Manipulator, l1: str, cusp: JointPo
             alpha, theta = (
                 mp.mpf(text) + mp.degrees(step * slope / size)
                 for text, slope in zip(
-                    (cusp.alpha_deg, cusp.theta_deg), (slopes[1][0], slopes[0][1]), strict=True
+                    (cusp.alpha_deg, cusp.theta1_deg), (slopes[1][0], slopes[0][1]), strict=True
                 )
             )
             lengths = [Fraction(mp.nstr(x, 45)) for x in article_pose(m, l1, str(alpha), str(theta)).lengths]
@@ -259,7 +259,7 @@ def test_euler_savary(m: Manipulator, l1: str, cusp: JointPoint) -> None:
         p = (d1**2 + d3**2 - d2**2) / (2 * d1)
         h = mp.sqrt(d3**2 - p**2) * (1 if m.orientation == "ccw" else -1)
         turn = mp.expjpi(mp.mpf(cusp.alpha_deg) / 180)
-        b1 = number(l1) * mp.expjpi(mp.mpf(cusp.theta_deg) / 180)
+        b1 = number(l1) * mp.expjpi(mp.mpf(cusp.theta1_deg) / 180)
         side, arm = d1 * turn, mp.mpc(p, h) * turn
         leg2 = b1 + side - a2
 

@@ -64,7 +64,7 @@ def test_the_articles_tables_to_their_printed_truncated_digits(name: str, l1: st
     table = solve_slice(eliminate(EXAMPLES[name]), parse_exact(l1, "l1"), 30)
     truncate = Context(prec=30, rounding=ROUND_DOWN)
     ours = {
-        tuple(Decimal(x).quantize(Decimal("0.01"), context=truncate) for x in cusp.to_json(1).values())
+        tuple(Decimal(x).quantize(Decimal("0.01"), context=truncate) for x in cusp.to_json().values())
         for cusp in table.cusps
     }
     printed = {tuple(map(Decimal, line.split())) for line in ARTICLE_TABLES[name, l1].split(";")}

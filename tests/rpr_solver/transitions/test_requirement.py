@@ -36,7 +36,7 @@ def count_within(m: Manipulator, requirement: Requirement, length: Fraction) -> 
         low, high = requirement.limits.get(leg, (None, None))
         return (low is None or Fraction(text) > low) and (high is None or Fraction(text) < high)
 
-    return sum(inside(free[0], c.first) and inside(free[1], c.second) for c in table.cusps)
+    return sum(all(inside(leg, getattr(c, f"l{leg}")) for leg in free) for c in table.cusps)
 
 
 def reported(report: CheckReport, length: Fraction) -> int:

@@ -172,7 +172,7 @@ def test_cusp_curves_are_followed_once_and_sampled_at_will(api: httpx.Client) ->
     as_csv = api.post("/v1/cusp-curves", json=body, headers={"Accept": "text/csv"})
     rows = list(csv.DictReader(io.StringIO(as_csv.text)))
     assert [row["curve"] for row in rows] == [c.name for c in expected.curves for _ in c.points]
-    assert rows[0]["theta2_deg"] == expected.curves[0].points[0].point.theta_deg
+    assert rows[0]["theta2_deg"] == expected.curves[0].points[0].point.theta2_deg
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,112 @@
+"""One cusp curve: its ends, and points of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from rpr_solver.exact.rationals import exact_str
+from rpr_solver.model.classify import PoseKind
+from rpr_solver.notebook import counted, shortened
+from rpr_solver.slices.joint_points import JointPoint
+from rpr_solver.transitions.census import LengthKind, TransitionEvent
+from rpr_solver.transitions.length_range import LengthRange
+
+_KINDS: dict[str, PoseKind | LengthKind] = {kind.value: kind for kind in (*PoseKind, *LengthKind)}
+
+
+@dataclass(frozen=True)
+class CurveEnd:
+    """Where a cusp curve begins or ends.
+
+    Attributes:
+        length: of the fixed leg, a correctly rounded decimal in the user's unit; ``"0"``, or None for a curve
+            without end.
+        kind: that of the transition; ``OPEN`` at 0 and without end; ``UNDECIDED`` at a degenerate length
+            where it is not proved which cusps pass, so that curves are cut there.
+        joins: the name of the curve that meets this one there, where that is proved: both are parts of one
+            smooth curve in (α, θ, L), which turns back in L.
+        events: the degenerate poses of the transition; a single one is the end point of the curve.
+
+    >>> CurveEnd("26.7863808708888", PoseKind.BEAK_TO_BEAK, joins="C19")
+    <CurveEnd at 26.786380…: beak-to-beak, joins C19>
+    """
+
+    length: str | None
+    kind: PoseKind | LengthKind
+    joins: str | None = None
+    events: tuple[TransitionEvent, ...] = ()
+
+    def __repr__(self) -> str:
+        where = "without end" if self.length is None else f"at {shortened(self.length)}"
+        joins = f", joins {self.joins}" if self.joins else ""
+        return f"<CurveEnd {where}: {self.kind}{joins}>"
+
+    def to_json(self, fixed_leg: int) -> dict[str, Any]:
+        """The document's object."""
+        events = [event.to_json() for event in self.events]
+        return {f"l{fixed_leg}": self.length, "kind": self.kind.value, "joins": self.joins, "events": events}
+
+    @classmethod
+    def from_json(cls, obj: Mapping[str, Any], fixed_leg: int) -> CurveEnd:
+        """The inverse of :meth:`to_json`."""
+        events = (
+            TransitionEvent(PoseKind(e["kind"]), JointPoint.from_json(e, fixed_leg)) for e in obj["events"]
+        )
+        return cls(obj[f"l{fixed_leg}"], _KINDS[obj["kind"]], obj["joins"], tuple(events))
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """A point of a cusp curve.
+
+    Attributes:
+        length: of the fixed leg, exact, in the user's unit.
+        cusp: the number of the cusp, from 1, in the table of that slice.
+        point: the cusp.
+
+    >>> from rpr_solver import EXAMPLES, cusp_table
+    >>> [table] = cusp_table(EXAMPLES["zein-flat"], 10, digits=15)
+    >>> CurvePoint(table.length, 1, table.cusps[0])
+    <CurvePoint L1=10 cusp 1: alpha_deg=31.450940… theta1_deg=-129.00691… l2=25.223354… l3=35.509486…>
+    """
+
+    length: Fraction
+    cusp: int
+    point: JointPoint
+
+    def __repr__(self) -> str:
+        length = shortened(exact_str(self.length))
+        return f"<CurvePoint L{self.point.fixed_leg}={length} cusp {self.cusp}: {repr(self.point)[12:-1]}>"
+
+
+@dataclass(frozen=True)
+class CuspCurve:
+    """A curve of cusps over the lengths of the fixed leg between its ends.
+
+    Attributes:
+        name: ``"C1"``, ``"C2"``, …; it belongs to the manipulator and its fixed leg, whatever is sampled.
+        start: where it begins, at the smaller length.
+        stop: where it ends.
+        points: points of it, ascending in length.
+
+    >>> born = CurveEnd("0.829977410", PoseKind.SWALLOWTAIL)
+    >>> CuspCurve("C1", born, CurveEnd(None, LengthKind.OPEN), points=())
+    <CuspCurve C1 from 0.82997741… (swallowtail) to ∞ (open): 0 points>
+    """
+
+    name: str
+    start: CurveEnd
+    stop: CurveEnd
+    points: tuple[CurvePoint, ...]
+
+    def __repr__(self) -> str:
+        ends = " to ".join(f"{shortened(end.length or '∞')} ({end.kind})" for end in (self.start, self.stop))
+        return f"<CuspCurve {self.name} from {ends}: {counted(len(self.points), 'point')}>"
+
+    def meets(self, span: LengthRange) -> bool:
+        """Whether the curve has points in a range, as far as its decimals tell."""
+        begins, ends = Fraction(self.start.length or 0), self.stop.length
+        return (span.stop is None or begins < span.stop) and (ends is None or Fraction(ends) > span.start)

@@ -1,0 +1,85 @@
+"""The table of a slice."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from rpr_solver.exact.rationals import exact_str
+from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
+from rpr_solver.slices.certificate import SliceCertificate
+from rpr_solver.slices.joint_points import JointPoint
+
+
+@dataclass(frozen=True)
+class SliceTable:
+    """All cusps of one slice, and its degenerate points.
+
+    Proved: that these are all cusps and each is one, and every printed digit.
+
+    Attributes:
+        fixed_leg: the leg that is held, 1, 2 or 3.
+        length: its length, exact, in the user's unit.
+        digits: the significant digits of every printed number.
+        cusps: the cusps, sorted by the fixed leg's angle, then by α.
+        degenerate_points: poses that are no cusps, though more than two coalesce or the singular curve is
+            not smooth: each has its ``kind`` and the coordinates of a cusp. A whole curve of such poses has
+            the kind ``"curve"`` and an ``equation`` instead.
+        certificate: how it is proved.
+
+    >>> from rpr_solver import EXAMPLES, cusp_table
+    >>> [table] = cusp_table(EXAMPLES["zein-flat"], 10, digits=15)
+    >>> table
+    <SliceTable L1=10: 4 cusps, 15 digits>
+    >>> table.cusps[0]
+    <JointPoint alpha_deg=...>
+    >>> {name: table.rows()[0][name] for name in ("l1", "kind", "cusp", "l2", "l2_text")}
+    {'l1': 10.0, 'kind': 'cusp', 'cusp': 1, 'l2': 25.2233542007524, 'l2_text': '25.2233542007524'}
+    """
+
+    fixed_leg: int
+    length: Fraction
+    digits: int
+    cusps: tuple[JointPoint, ...]
+    degenerate_points: tuple[Mapping[str, str], ...]
+    certificate: SliceCertificate
+
+    def __repr__(self) -> str:
+        beside = f" and {len(self.degenerate_points)} degenerate" if self.degenerate_points else ""
+        leg = f"L{self.fixed_leg}={shortened(exact_str(self.length))}"
+        return f"<SliceTable {leg}: {counted(self.count, 'cusp')}{beside}, {self.digits} digits>"
+
+    @property
+    def count(self) -> int:
+        """The number of cusps."""
+        return len(self.cusps)
+
+    def to_json(self) -> dict[str, Any]:
+        """The contract's slice object."""
+        return {
+            f"l{self.fixed_leg}": exact_str(self.length),
+            "count": self.count,
+            "cusps": [cusp.to_json() for cusp in self.cusps],
+            "degenerate_points": [dict(point) for point in self.degenerate_points],
+            "certificate": dict(self.certificate),
+        }
+
+    def rows(self) -> list[Row]:
+        """A row for each cusp, then for each degenerate point, as for ``pandas.DataFrame(table.rows())``.
+
+        Lengths and angles are floats; ``l2_text`` has all digits of ``l2``, and so on. ``cusp`` is the
+        number of the cusp from 1, None for a degenerate point; ``kind`` is ``"cusp"``, or that of the point.
+        """
+        return with_floats(self._records())
+
+    def _records(self) -> list[dict[str, object]]:
+        head: dict[str, object] = {f"l{self.fixed_leg}": exact_str(self.length)}
+        return [
+            *({**head, "kind": "cusp", "cusp": n, **cusp.to_json()} for n, cusp in enumerate(self.cusps, 1)),
+            *({**head, "kind": point["kind"], "cusp": None, **point} for point in self.degenerate_points),
+        ]
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self)[1:-1], self._records())

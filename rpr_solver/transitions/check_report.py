@@ -1,0 +1,250 @@
+"""Requirements checked: passed or failed by proof.
+
+A range of slices is cut at every transition, at its own ends, and, where the other legs have joint
+limits, at every length at which a cusp stands on a limit (event_systems.limit_system). Between two
+neighbouring cuts the number of cusps within the limits is constant, and one exact slice tells it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from itertools import groupby
+from typing import Any
+
+from rpr_solver.contract import (
+    CHECK_DIGITS,
+    MAX_DIGITS,
+    Progress,
+    about_answer,
+    check_digits,
+    check_type,
+    silent,
+)
+from rpr_solver.errors import SolverError
+from rpr_solver.exact.precision import decided
+from rpr_solver.exact.rationals import exact_str
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
+from rpr_solver.slices.cusp_table import solve_slice
+from rpr_solver.slices.eliminant import Eliminant
+from rpr_solver.slices.joint_points import JointPoint, free_legs
+from rpr_solver.slices.slice_table import SliceTable
+from rpr_solver.transitions.census import length_text
+from rpr_solver.transitions.event_systems import EventSystems, NotGeneric
+from rpr_solver.transitions.event_types import Event
+from rpr_solver.transitions.events import limit_events
+from rpr_solver.transitions.requirement import Bounds, Requirement
+from rpr_solver.transitions.survey import survey
+
+
+@dataclass(frozen=True)
+class CheckedInterval:
+    """An interval of lengths whose slices all have one number of cusps within the limits.
+
+    Attributes:
+        start, stop: its ends in the user's unit: exact texts of the range's own, correctly rounded decimals
+            else; None is no end.
+        count: the number of cusps within the limits in each of its slices.
+        example: the length of one slice inside, exact, in the user's unit.
+        cusps: its cusps within the limits.
+
+    >>> CheckedInterval("31.8632047694475", "31.8635738939382", 8, Fraction("31.8633"), cusps=())
+    <CheckedInterval 31.863204… to 31.863573…: 8 cusps>
+    """
+
+    start: str
+    stop: str | None
+    count: int
+    example: Fraction
+    cusps: tuple[JointPoint, ...]
+
+    def __repr__(self) -> str:
+        ends = f"{shortened(self.start)} to {'∞' if self.stop is None else shortened(self.stop)}"
+        return f"<CheckedInterval {ends}: {counted(self.count, 'cusp')}>"
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """Whether a requirement holds, and where it does not.
+
+    Proved: the number of cusps in every interval, and so whether the requirement holds.
+
+    Attributes:
+        manipulator: the geometry.
+        requirement: what is required.
+        digits: significant digits of lengths and cusps.
+        intervals: the whole range in intervals of one number of cusps within the limits, ascending.
+
+    >>> from rpr_solver import EXAMPLES, Requirement, check
+    >>> check(EXAMPLES["zein-flat"], Requirement(start=30, stop=40, max_cusps=6), digits=15)
+    <CheckReport L1 from 30 to 40: failed in 2 intervals of 6>
+    """
+
+    manipulator: Manipulator
+    requirement: Requirement
+    digits: int
+    intervals: tuple[CheckedInterval, ...]
+
+    def __repr__(self) -> str:
+        verdict = "passed" if self.passed else f"failed in {counted(len(self.violations), 'interval')}"
+        leg, span = self.requirement.fixed_leg, self.requirement.range
+        return f"<CheckReport L{leg} {span}: {verdict} of {len(self.intervals)}>"
+
+    @property
+    def violations(self) -> tuple[CheckedInterval, ...]:
+        """The intervals that the requirement does not admit, ascending."""
+        return tuple(x for x in self.intervals if not self.requirement.admits(x.count))
+
+    @property
+    def passed(self) -> bool:
+        """Whether every slice of the range is admitted."""
+        return not self.violations
+
+    def to_json(self) -> dict[str, Any]:
+        """A plain document; lengths are decimals of ``digits`` digits."""
+        leg = self.requirement.fixed_leg
+        counts = [x.count for x in self.intervals]
+        return {
+            **self.manipulator.identity_json(),
+            "requirement": self.requirement.to_json(),
+            "passed": self.passed,
+            "max_cusps_found": max(counts),
+            "min_cusps_found": min(counts),
+            "intervals": [_span(x) for x in self.intervals],
+            "violations": [
+                {
+                    **_span(x),
+                    "example": {f"l{leg}": exact_str(x.example), "cusps": [c.to_json() for c in x.cusps]},
+                }
+                for x in self.violations
+            ],
+            **about_answer(self.digits),
+        }
+
+    def rows(self) -> list[Row]:
+        """A row for each interval, with ``admitted``, for ``pandas.DataFrame(report.rows())``.
+
+        Ends are floats, infinite where there is none; ``from_text`` and ``to_text`` have all digits.
+        """
+        return with_floats(self._records())
+
+    def _records(self) -> list[dict[str, object]]:
+        return [{**_span(x), "admitted": self.requirement.admits(x.count)} for x in self.intervals]
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self)[1:-1], self._records(), [repr(self.requirement)])
+
+
+def check(
+    manipulator: Manipulator,
+    requirement: Requirement,
+    *,
+    digits: int = CHECK_DIGITS,
+    progress: Progress | None = None,
+) -> CheckReport:
+    """Proves or refutes a requirement on the number of cusps over a range of lengths.
+
+    The range is cut at every transition, and at every length at which a cusp stands on a joint limit; one
+    exact slice between two neighbouring cuts gives the number of cusps of all.
+
+    Args:
+        manipulator: the geometry.
+        requirement: the fixed leg, the range, the numbers of cusps and the joint limits.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+        progress: called as ``progress(done, total)``; ``total`` may grow.
+
+    Raises:
+        InputError: naming ``manipulator``, ``requirement`` or ``digits``.
+        SolverError: a cut could not be decided, or joint limits are asked of a degenerate geometry
+            whose cusps this version cannot follow.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> report = check(EXAMPLES["zein-flat"], Requirement(start=30, stop=40, max_cusps=6), digits=15)
+    >>> report.passed, [(v.start, v.stop, v.count) for v in report.violations]
+    (False, [('31.8632047694475', '31.8635738939382', 8), ('34.0716802345821', '35.2127837717642', 8)])
+    """
+    check_type(requirement, Requirement, "requirement")
+    digits = check_digits(digits)
+    low, high = requirement.start, requirement.stop
+    found = survey(
+        manipulator,
+        requirement.fixed_leg,
+        progress or silent,
+        start=low,
+        stop=high,
+        digits=digits,
+        more=partial(_limit_cuts, requirement),
+    )
+    limited = any(bound for bounds in requirement.limits.values() for bound in bounds)
+    if limited and found.method == "discriminant" and any(table.count for table in found.slices):
+        raise SolverError("joint limits are not supported for this degenerate geometry")
+    slice_map = found.eliminant.slice_map
+    cuts = [length_text(slice_map, group, digits) for group in found.groups]
+    ends = [exact_str(low), *cuts, None if high is None else exact_str(high)]
+    intervals = []
+    for start, stop, table in zip(ends, ends[1:], found.slices, strict=False):
+        cusps = _within(found.eliminant, table, requirement)
+        intervals.append(CheckedInterval(str(start), stop, len(cusps), table.length, cusps))
+    return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)))
+
+
+def _limit_cuts(
+    requirement: Requirement, slice_map: SliceMap, systems: EventSystems | None
+) -> Iterator[Event]:
+    if systems is None:
+        return
+    for leg, bounds in requirement.limits.items():
+        for bound in filter(None, bounds):
+            seen = (slice_map.f, slice_map.g)[free_legs(requirement.fixed_leg).index(leg)]
+            try:
+                yield from limit_events(systems, seen, (bound * slice_map.scale) ** 2)
+            except NotGeneric:
+                raise SolverError(
+                    f"l{leg} = {exact_str(bound)} is no isolated limit: cusps keep that length over a range"
+                ) from None
+
+
+def _within(eliminant: Eliminant, table: SliceTable, requirement: Requirement) -> tuple[JointPoint, ...]:
+    """The cusps of a slice strictly within the limits; none of them stands on one."""
+    legs = free_legs(requirement.fixed_leg)
+
+    def within(digits: int) -> tuple[JointPoint, ...] | None:
+        cusps = (table if digits == table.digits else solve_slice(eliminant, table.length, digits)).cusps
+        sides = [
+            [
+                _side(text, requirement.limits.get(leg, (None, None)), digits)
+                for leg, text in zip(legs, cusp.coordinates[2:], strict=True)
+            ]
+            for cusp in cusps
+        ]
+        if any(None in side for side in sides):
+            return None
+        return tuple(c for c, side in zip(table.cusps, sides, strict=True) if all(side))
+
+    message = f"the cusps of the slice {exact_str(table.length)} could not be told from the joint limits"
+    return decided(within, table.digits, MAX_DIGITS, message)
+
+
+def _side(text: str, bounds: Bounds, digits: int) -> bool | None:
+    """Whether a rounded length lies within, or None if its digits do not tell."""
+    x = Fraction(text)
+    doubt = x / 10 ** (digits - 1)
+    low, high = bounds
+    if any(b is not None and abs(x - b) <= doubt for b in bounds):
+        return None
+    return (low is None or x > low) and (high is None or x < high)
+
+
+def _merged(intervals: list[CheckedInterval]) -> Iterator[CheckedInterval]:
+    """Neighbours of equal count joined: a cut that changes nothing is not shown."""
+    for _, same in groupby(intervals, key=lambda x: x.count):
+        run = list(same)
+        yield CheckedInterval(run[0].start, run[-1].stop, run[0].count, run[0].example, run[0].cusps)
+
+
+def _span(x: CheckedInterval) -> dict[str, object]:
+    return {"from": x.start, "to": x.stop, "count": x.count}

@@ -1,0 +1,166 @@
+"""What a notebook and a data frame see of answers: short reprs, HTML, pictures, rows, typed certificates."""
+
+import inspect
+import json
+from fractions import Fraction
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+from rpr_solver import (
+    EXAMPLES,
+    Manipulator,
+    Requirement,
+    article_table,
+    census,
+    check,
+    cusp_curves,
+    cusp_table,
+    poses,
+    poses_of_squares,
+)
+from rpr_solver.notebook import html_table
+
+FLAT = EXAMPLES["zein-flat"]
+CURVES = cusp_curves(FLAT, digits=15)
+CENSUS = census(FLAT, digits=15)
+REPORT = check(FLAT, Requirement(start=30, stop=40, max_cusps=6), digits=15)
+[TABLE] = cusp_table(FLAT, 10, digits=15)
+[DEGENERATE] = cusp_table(Manipulator(20, 6, 0, 7, 9, 16), 3, digits=15)
+[CONGRUENT] = cusp_table(Manipulator(30, 0, 40, 30, 50, 40), 5, digits=15)
+POSES = poses(FLAT, 20, "20.5", "61/3", digits=15)
+IRRATIONAL = poses_of_squares(EXAMPLES["innocenti"], 225, 200, 900, digits=15)
+AUDIT = article_table(EXAMPLES["innocenti"], 27, digits=15)
+ANSWERS = [TABLE, DEGENERATE, CONGRUENT, CENSUS, CURVES, POSES, IRRATIONAL, REPORT, AUDIT, FLAT]
+LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+
+
+def parts(answer: object) -> list[object]:
+    """An answer and what it is made of."""
+    inside = (
+        "cusps",
+        "transitions",
+        "curves",
+        "poses",
+        "intervals",
+        "polynomial",
+        "requirement",
+        "manipulator",
+    )
+    found = [answer]
+    for name in inside:
+        part = getattr(answer, name, ())
+        found += part if isinstance(part, tuple) else [part]
+    found += [event for transition in getattr(answer, "transitions", ()) for event in transition.events]
+    for curve in getattr(answer, "curves", ()):
+        found += [curve.start, curve.stop, *curve.points] if hasattr(curve, "start") else []
+    return [part for part in found if not isinstance(part, dict)]
+
+
+@pytest.mark.parametrize("answer", ANSWERS, ids=repr)
+def test_reprs_are_one_short_line(answer: object) -> None:
+    for part in parts(answer):
+        assert "\n" not in repr(part)
+        assert len(repr(part)) <= 160, repr(part)
+
+
+def test_the_repr_of_a_requirement_reads_back() -> None:
+    requirement = Requirement(2, "1/3", max_cusps=8, min_cusps=0, limits={1: (0, 5), "l3": (None, "2.5")})  # type: ignore[dict-item]
+    assert eval(repr(requirement), {"Requirement": Requirement}) == requirement
+
+
+def test_reprs_do_not_grow_with_the_digits() -> None:
+    [table] = cusp_table(FLAT, "10/3", digits=1000)
+    assert repr(table) == f"<SliceTable L1=10/3: {table.count} cusps, 1000 digits>"
+    assert all(len(repr(cusp)) < 120 for cusp in table.cusps)
+    assert len(table._repr_html_()) < 3000
+
+
+@pytest.mark.parametrize("answer", ANSWERS, ids=repr)
+def test_html_is_one_well_formed_element_without_scripts(answer: Any) -> None:
+    html = answer._repr_html_()
+    root = ElementTree.fromstring(html)
+    assert root.tag == "div"
+    assert not {element.tag for element in root.iter()} & {"script", "style", "a", "img"}
+    assert "color" not in html
+
+
+def test_html_is_escaped() -> None:
+    html = html_table("<b>", [{"<i>": "</td>"}], ["a & b"])
+    assert [e.text for e in ElementTree.fromstring(html).iter() if e.text] == ["<b>", "<i>", "</td>", "a & b"]
+
+
+def test_a_long_table_says_what_it_leaves_out() -> None:
+    html = html_table("many", [{"n": n} for n in range(60)])
+    assert html.count("<tr>") == 51
+    assert "and 10 more rows" in html
+
+
+@pytest.mark.parametrize("answer", [*EXAMPLES.values(), CENSUS, census(FLAT, start=38, digits=15)], ids=repr)
+def test_pictures_are_well_formed_and_inside_their_frame(answer: Any) -> None:
+    root = ElementTree.fromstring(answer._repr_svg_())
+    assert root.tag == "{http://www.w3.org/2000/svg}svg"
+    _, _, width, height = map(float, root.attrib["viewBox"].split())
+    for path in root.iter("{http://www.w3.org/2000/svg}path"):
+        numbers = [float(x) for x in path.attrib["d"].translate(str.maketrans("MLZ", "   ")).split()]
+        assert all(0 <= x <= width for x in numbers[::2])
+        assert all(0 <= y <= height for y in numbers[1::2])
+
+
+def test_a_picture_of_enormous_lengths_is_the_same() -> None:
+    huge = Manipulator(*(FLAT.to_dict()[name] * 10**350 for name in LENGTHS))  # type: ignore[literal-required]
+    assert huge._repr_svg_() == FLAT._repr_svg_()
+
+
+# Rows for data frames
+
+
+@pytest.mark.parametrize("answer", [x for x in ANSWERS if x is not FLAT], ids=repr)
+def test_rows_have_floats_beside_their_texts(answer: Any) -> None:
+    rows = answer.rows()
+    assert rows
+    for row in rows:
+        for name in [name for name in row if name.endswith("_text")]:
+            value, text = row[name.removesuffix("_text")], row[name]
+            assert isinstance(value, float)
+            if text is None:
+                assert value == float("inf")
+            elif text.startswith("sqrt"):
+                assert value > 0
+            else:
+                assert value == pytest.approx(float(Fraction(text)), rel=1e-15, abs=0)
+
+
+def test_rows_tell_cusps_from_degenerate_points() -> None:
+    assert [(row["kind"], row["cusp"]) for row in TABLE.rows()] == [("cusp", n) for n in (1, 2, 3, 4)]
+    assert [(row["kind"], row["cusp"]) for row in DEGENERATE.rows()] == [("quadruple", None)] * 4
+    assert CONGRUENT.rows()[0]["equation"] == "alpha = 0 deg"
+
+
+def test_rows_say_what_the_documents_say() -> None:
+    assert [row["count"] for row in CENSUS.rows()] == list(CENSUS.counts)
+    assert [row["transition_at_end"] for row in CENSUS.rows()] == [
+        *(t.kind for t in CENSUS.transitions),
+        None,
+    ]
+    assert [row["admitted"] for row in REPORT.rows()].count(False) == len(REPORT.violations)
+    assert len(CURVES.rows()) == sum(len(curve.points) for curve in CURVES.curves)
+    assert [row["alpha_deg_text"] for row in POSES.rows()] == [pose.alpha_deg for pose in POSES.poses]
+
+
+# Certificates
+
+
+@pytest.mark.parametrize("answer", [TABLE, DEGENERATE, CONGRUENT, CENSUS, POSES, AUDIT.table], ids=repr)
+def test_a_certificate_has_exactly_the_members_of_its_type(answer: Any) -> None:
+    kind = inspect.get_annotations(type(answer), eval_str=True)["certificate"]
+    assert answer.certificate.keys() == kind.__required_keys__
+    assert answer.to_json()["certificate"] == answer.certificate
+    json.dumps(answer.certificate)
+
+
+def test_an_audit_has_exactly_the_members_of_its_type() -> None:
+    kind = inspect.get_annotations(type(AUDIT), eval_str=True)["audit"]
+    assert AUDIT.audit.keys() == kind.__required_keys__
+    assert AUDIT.to_json()["audit"] == AUDIT.audit
