@@ -103,7 +103,7 @@ POSES = [
 @pytest.mark.parametrize(("kind", "m", "length"), POSES)
 def test_a_pose_of_a_manipulator(kind: PoseKind, m: Manipulator, length: str) -> None:
     [table] = cusp_table(m, [length], digits=100)
-    points = [c.to_json(1) for c in table.cusps] if kind is PoseKind.CUSP else table.degenerate_points
+    points = [c.to_json() for c in table.cusps] if kind is PoseKind.CUSP else table.degenerate_points
     angles = [(p["alpha_deg"], p["theta1_deg"]) for p in points if p.get("kind", "cusp") == kind]
     assert angles
     with mp.workdps(60):
