@@ -149,3 +149,16 @@ def test_every_error_of_the_service_is_in_its_tree() -> None:
         for name in re.findall(r"^class (\w+Error)\((?!BaseModel)", path.read_text(), re.MULTILINE):
             if not module.startswith(SOLVER):
                 assert module.removeprefix("service.") in tree[name]
+
+
+def test_the_map_of_the_house_shows_every_room_and_no_module_that_is_gone() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    sections = re.split(r"^## ", text, flags=re.MULTILINE)
+    for package in ("rpr_solver", "worker", "service"):
+        [section] = [part for part in sections if part.startswith(f"`{package}`")]
+        rows = dict(re.findall(r"^\| `(\w+)` \|[^|]*\|([^|]*)\|$", section, flags=re.MULTILINE))
+        folders = {path.parent.name for path in (ROOT / package).glob("*/__init__.py")}
+        assert folders <= rows.keys() <= folders | {path.stem for path in (ROOT / package).glob("*.py")}
+        for room, modules in rows.items():
+            named = set(re.findall(r"\b[a-z]+_[a-z_]+\b", modules))
+            assert named <= {path.stem for path in (ROOT / package / room).glob("*.py")}, room
