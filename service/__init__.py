@@ -15,6 +15,8 @@ Exception
 └── WorkerError             (the worker's) worker.process.worker: no Redis, or no longer
 """
 
-from rpr_solver import __version__
+from importlib.metadata import version
+
+__version__ = version("rpr-cusps")
 
 __all__ = ["__version__"]

@@ -42,7 +42,7 @@ MAY_IMPORT = {
     "service.cli": "rpr_solver worker service service.errors service.schemas service.client service.stack "
     "service.api",
     "service.__main__": "service.cli",
-    "service": "rpr_solver",
+    "service": "",
 }
 """Room → the rooms it may import; inside ``rpr_solver`` without the prefix."""
 

@@ -21,6 +21,9 @@ class PoseKind(Kind):
     f and g are the squares of the free legs as functions of α and θ, the fixed leg having the length L. A
     pose is singular where J = f_α g_θ − f_θ g_α = 0. There v = (−f_θ, f_α) or (−g_θ, g_α), whichever is not
     zero, spans the kernel of the map's Jacobian; E = v·∇J. All kinds but the first have J = E = 0.
+
+    >>> PoseKind.BEAK_TO_BEAK == "beak-to-beak"
+    True
     """
 
     ORDINARY = ""

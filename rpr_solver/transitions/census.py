@@ -24,7 +24,11 @@ from rpr_solver.transitions.survey import Survey, survey
 
 
 class LengthKind(Kind):
-    """What a transition or the end of a curve of cusps is, where no kind of pose names it."""
+    """What a transition or the end of a curve of cusps is, where no kind of pose names it.
+
+    >>> LengthKind.OPEN == "open"
+    True
+    """
 
     SEVERAL = "several"
     """Degenerate poses of different kinds have this one length."""
