@@ -1,4 +1,4 @@
-"""The models of the audit that a slice carries by the article's method."""
+"""The audit of a slice by the article's method."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 
 class Couple(BaseModel):
-    """A real solution above a root of the article's eliminant."""
+    """A couple (α, θ1): a real solution above a root of the article's eliminant."""
 
     alpha_deg: str
     theta1_deg: str
@@ -17,7 +17,7 @@ class Couple(BaseModel):
 
 
 class ArticleFactor(BaseModel):
-    """A factor of the article's eliminant, what its real roots gave, and why."""
+    """A factor of the article's eliminant, the couples (α, θ1) above its real roots, and their origin."""
 
     origin: str
     degree: int
@@ -30,10 +30,10 @@ class ArticleFactor(BaseModel):
 
 
 class Audit(BaseModel):
-    """The article's algorithm, followed step by step."""
+    """The article's algorithm, audited step by step."""
 
     equations: str
     eliminant_degree: int
     h: str
     factors: list[ArticleFactor]
-    conjecture: dict[str, Any] = Field(description="Whether the factor Q alone gives all cusps, and why.")
+    conjecture: dict[str, Any] = Field(description="Whether the factor Q alone yields all cusps, with the reason.")

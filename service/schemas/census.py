@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from service.schemas.lengths import Range, range_field
 from service.schemas.numbers import Digits, FixedLeg, digits_field
-from service.schemas.points import ClosedRange, Decimal, GeometryText, Interval, TransitionEvent, optional
+from service.schemas.points import ClosedRange, DocumentHead, FixedLength, Interval, TransitionEvent
 from service.schemas.questions import Examples, Question
 from worker.answers import censuses
 from worker.answers.requests import Kind
 
 
 class CensusRequest(Question):
-    """One manipulator, the leg whose length is fixed in a slice, and the lengths of interest."""
+    """A manipulator, the fixed leg, and the range of its lengths."""
 
     expected: ClassVar[str] = "send an object with geometry"
     kinds: ClassVar[Sequence[Kind]] = (censuses.KIND,)
     examples: ClassVar[Examples] = {
-        "whole": ("All of the article's first manipulator", {"digits": 30}),
+        "whole": ("The article's first manipulator, all lengths", {"digits": 30}),
         "range": (
-            "A range of leg 1",
+            "A range of lengths of leg 1",
             {"digits": 30, "range": {"from": 28, "to": "31"}},
         ),
     }
@@ -37,27 +37,19 @@ class CensusRequest(Question):
         return self.model_dump()
 
 
-class Transition(BaseModel):
-    """A length at which the number of cusps changes, or a degenerate pose is passed."""
+class Transition(FixedLength):
+    """A length of the fixed leg at which the number of cusps changes, or a degenerate pose occurs."""
 
-    l1: Decimal | None = optional("The length of the fixed leg.")
-    l2: Decimal | None = optional("The length, when `fixed_leg` is 2.")
-    l3: Decimal | None = optional("The length, when `fixed_leg` is 3.")
-    kind: str = Field(description="The kind of its events, or several.")
-    count_before: int = Field(description="Cusps in the slices just below.")
-    count_after: int = Field(description="Cusps in the slices just above.")
+    kind: str = Field(description="The kind of its events; `several` if they differ.")
+    count_before: int = Field(description="Number of cusps just below this length.")
+    count_after: int = Field(description="Number of cusps just above this length.")
     events: list[TransitionEvent]
 
 
-class Census(BaseModel):
+class Census(DocumentHead):
     """All transitions in a range, ascending, and the proved numbers of cusps between them."""
 
-    geometry: GeometryText
-    geometry_hash: str
-    fixed_leg: Literal[1, 2, 3]
-    digits: int
-    solver_version: str
     range: ClosedRange
     transitions: list[Transition]
     intervals: list[Interval]
-    certificate: dict[str, Any] = Field(description="How the census was proved to be complete.")
+    certificate: dict[str, Any] = Field(description="The proof that the census is complete.")

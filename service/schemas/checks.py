@@ -11,14 +11,14 @@ from rpr_solver import CHECK_DIGITS, Requirement
 from service.schemas.document import Document, unnamed
 from service.schemas.lengths import Range, range_field
 from service.schemas.numbers import Count, Digits, Exact, FixedLeg, digits_field
-from service.schemas.points import Cusp, GeometryText, Interval, optional
+from service.schemas.points import Cusp, FixedLength, GeometryText, Interval
 from service.schemas.questions import Examples, Question
 from worker.answers import checks
 from worker.answers.requests import Kind
 
 
 class JointLimit(Document):
-    """The lengths that a leg can have; an end that is missing or null is open."""
+    """The joint limits of one leg; an end that is missing or null is open."""
 
     expected: ClassVar[str] = 'give an object with "min" and "max"'
 
@@ -27,7 +27,7 @@ class JointLimit(Document):
 
 
 class JointLimits(Document):
-    """Limits of the legs that are not fixed."""
+    """Joint limits of the legs that are not fixed."""
 
     expected: ClassVar[str] = "give an object with the free legs, such as l2 and l3"
 
@@ -37,22 +37,22 @@ class JointLimits(Document):
 
 
 class RequirementDocument(Document):
-    """How many cusps every slice of a range may have, or must have; give one of the two, or both."""
+    """Bounds on the number of cusps in every slice of a range; give max_cusps, min_cusps or both."""
 
     model_config = ConfigDict(title="Requirement")
 
     expected: ClassVar[str] = "give an object with range and max_cusps or min_cusps"
 
-    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length runs over the range.")
+    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length varies over the range.")
     range: Range = range_field()
-    max_cusps: Count = Field(default=None, description="At most so many; 0: free of cusps.")
-    min_cusps: Count = Field(default=None, description="At least so many.")
+    max_cusps: Count = Field(default=None, description="Maximum number of cusps in any slice; 0 requires a cusp-free range.")
+    min_cusps: Count = Field(default=None, description="Minimum number of cusps in any slice.")
     limits: JointLimits | None = Field(
         default=None, description="Only cusps strictly within these limits are counted."
     )
 
     def to_requirement(self) -> Requirement:
-        """The requirement as the solver takes it."""
+        """Returns the requirement as the solver takes it."""
         limits = {
             int(leg[1]): (limit.min, limit.max) for leg, limit in self.limits or () if limit is not None
         }
@@ -66,7 +66,7 @@ class RequirementDocument(Document):
 
 
 class CheckRequest(Question):
-    """One manipulator, and what is required of it."""
+    """A manipulator and the requirement to check."""
 
     expected: ClassVar[str] = "send an object with geometry and requirement"
     kinds: ClassVar[Sequence[Kind]] = (checks.KIND,)
@@ -87,23 +87,20 @@ class CheckRequest(Question):
         return {**self.model_dump(), "requirement": self.requirement.to_requirement().to_json()}
 
 
-class Example(BaseModel):
-    """A slice of an interval."""
+class Example(FixedLength):
+    """A slice of an interval; the fixed length is exact."""
 
-    l1: str | None = optional("Its length, exactly.")
-    l2: str | None = optional("Its length, when `fixed_leg` is 2.")
-    l3: str | None = optional("Its length, when `fixed_leg` is 3.")
     cusps: list[Cusp]
 
 
 class Violation(Interval):
-    """An interval whose slices do not satisfy the requirement, and one of them."""
+    """An interval whose slices violate the requirement, and one of these slices."""
 
     example: Example
 
 
 class CheckReport(BaseModel):
-    """The proof that a requirement is satisfied, or where it is not."""
+    """Whether a requirement is satisfied, by proof, and where it is violated."""
 
     geometry: GeometryText
     geometry_hash: str
@@ -112,6 +109,6 @@ class CheckReport(BaseModel):
     max_cusps_found: int
     min_cusps_found: int
     intervals: list[Interval]
-    violations: list[Violation] = Field(description="Ascending; empty when passed.")
+    violations: list[Violation] = Field(description="Ascending; empty if the requirement is satisfied.")
     solver_version: str
     digits: int

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
@@ -19,14 +19,14 @@ from service.schemas.lengths import (
     slices_field,
 )
 from service.schemas.numbers import Digits, FixedLeg, Samples, digits_field
-from service.schemas.points import ClosedRange, Decimal, GeometryText, Point, TransitionEvent
+from service.schemas.points import ClosedRange, Decimal, DocumentHead, Point, TransitionEvent
 from service.schemas.questions import Examples, Question
 from worker.answers import curves
 from worker.answers.requests import Kind
 
 
 class CuspCurvesRequest(SlicesOfOneLeg, Question):
-    """One manipulator, the leg whose length is the parameter, and the points that are wanted."""
+    """A manipulator, the leg whose length is the parameter, and the requested points."""
 
     model_config = ConfigDict(json_schema_extra=own_slices_only(required=False))
 
@@ -35,7 +35,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     needs_slices: ClassVar[bool] = False
     examples: ClassVar[Examples] = {
         "scan": (
-            "Points of all curves with L1 between 27 and 29, a tenth apart",
+            "Points of all curves for L1 from 27 to 29 in steps of 0.1",
             {
                 "digits": 15,
                 "range": {"from": 27, "to": 29},
@@ -43,7 +43,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
             },
         ),
         "samples": (
-            "Four points of every curve between any two transitions",
+            "Four points of each curve in every interval between transitions",
             {"digits": 15, "samples": 4},
         ),
     }
@@ -54,15 +54,15 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     digits: Digits = digits_field()
     range: Range = range_field()
     l1: Slices = slices_field(
-        "Lengths of leg 1 at which points are wanted, within the range: a number, a list or a range. With "
-        "`fixed_leg` 2 or 3 it is called `l2` or `l3`."
+        "Lengths of leg 1 at which points are requested, within the range: a number, a list or a range. With "
+        "`fixed_leg` 2 or 3 use `l2` or `l3`."
     )
-    l2: Slices = slices_field("The lengths when `fixed_leg` is 2.")
-    l3: Slices = slices_field("The lengths when `fixed_leg` is 3.")
+    l2: Slices = slices_field("The lengths, with `fixed_leg` 2.")
+    l3: Slices = slices_field("The lengths, with `fixed_leg` 3.")
     samples: Samples = Field(
         default=None,
-        description="So many points of each curve in every interval between transitions, however narrow. "
-        "The limit is max_samples of /v1/limits.",
+        description="Number of sample points of each curve in every interval between transitions, however "
+        "narrow; at most max_samples of /v1/limits.",
     )
 
     @field_validator("l1", "l2", "l3")
@@ -82,30 +82,30 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
 class CurveEnd(BaseModel):
     """Where a curve begins or ends."""
 
-    l1: Decimal | None = Field(default=None, description="The length; 0, or null for a curve without end.")
-    l2: Decimal | None = Field(default=None, description="The length, when `fixed_leg` is 2.")
-    l3: Decimal | None = Field(default=None, description="The length, when `fixed_leg` is 3.")
+    l1: Decimal | None = Field(default=None, description="The length, with `fixed_leg` 1; 0 or null at an open end.")
+    l2: Decimal | None = Field(default=None, description="The length, with `fixed_leg` 2.")
+    l3: Decimal | None = Field(default=None, description="The length, with `fixed_leg` 3.")
     kind: str = Field(
-        description="That of the transition; open at 0 and without end; undecided where curves are cut at a "
-        "degenerate pose, since it is not proved which cusps pass it."
+        description="The kind of the transition; `open` at length 0 and at infinity; `undecided` where curves "
+        "are cut at a degenerate pose, since it is not proved which cusps pass through it."
     )
     joins: str | None = Field(
-        description="The curve that meets this one here, where that is proved: both are parts of one smooth "
-        "curve, which turns back in the fixed length."
+        description="The curve that is proved to meet this one here; both are parts of one smooth curve that "
+        "turns back in the fixed length."
     )
     events: list[TransitionEvent] = Field(
-        description="The degenerate poses; a single one is the end point of the curve."
+        description="The degenerate poses; if there is only one, it is the end point of the curve."
     )
 
 
 class CurvePoint(Point):
-    """A cusp of one slice. The fixed length is exact, all others have `digits` significant digits."""
+    """A cusp of one slice. The fixed length is exact; all other numbers have `digits` significant digits."""
 
-    cusp: int = Field(description="Its number, from 1, in the cusp table of the slice.")
+    cusp: int = Field(description="The number of the cusp, from 1, in the cusp table of the slice.")
 
 
 class CuspCurve(BaseModel):
-    """A cusp followed over the lengths between two transitions."""
+    """A cusp followed through the lengths between two transitions."""
 
     name: str = Field(description="C1, C2, … in the order in which the curves begin.")
     start: CurveEnd = Field(alias="from")
@@ -113,13 +113,8 @@ class CuspCurve(BaseModel):
     points: list[CurvePoint] = Field(description="Ascending in the fixed length.")
 
 
-class CuspCurves(BaseModel):
+class CuspCurves(DocumentHead):
     """All cusp curves that meet the range."""
 
-    geometry: GeometryText
-    geometry_hash: str
-    fixed_leg: Literal[1, 2, 3]
-    digits: int
-    solver_version: str
     range: ClosedRange
     curves: list[CuspCurve]

@@ -1,4 +1,4 @@
-"""Jobs as they are shown."""
+"""Jobs as the contract shows them."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from worker.answers.kinds import KINDS
 
 
 class Progress(BaseModel):
-    """How far a job is."""
+    """The progress of a job."""
 
-    done: int = Field(description="Slices, or steps, that are done.")
-    total: int = Field(description="Slices of the job, or its steps as far as they are known.")
+    done: int = Field(description="Completed slices or steps.")
+    total: int = Field(description="All slices of the job, or the steps known so far; may grow.")
 
 
 class JobError(BaseModel):
@@ -24,7 +24,7 @@ class JobError(BaseModel):
 
 
 class JobLinks(BaseModel):
-    """Where the parts of a job are."""
+    """The addresses of a job's resources."""
 
     self: str
     result: str
@@ -32,16 +32,16 @@ class JobLinks(BaseModel):
 
 
 class Job(BaseModel):
-    """An answer that is being computed, or was."""
+    """The computation of an answer."""
 
     id: str
     kind: str = Field(
-        description="What it computes.", json_schema_extra={"enum": [kind.name for kind in KINDS]}
+        description="The kind of the document that it computes.", json_schema_extra={"enum": [kind.name for kind in KINDS]}
     )
     status: Literal["queued", "running", "succeeded", "failed", "canceled"]
     progress: Progress
     created_at: str = Field(description="ISO 8601, UTC.", json_schema_extra={"format": "date-time"})
-    started_at: str | None = Field(description="ISO 8601, UTC; null before.")
-    finished_at: str | None = Field(description="ISO 8601, UTC; null before.")
-    error: JobError | None = Field(description="Only when the job failed.")
+    started_at: str | None = Field(description="ISO 8601, UTC; null until the job starts.")
+    finished_at: str | None = Field(description="ISO 8601, UTC; null until the job ends.")
+    error: JobError | None = Field(description="null unless the job failed.")
     links: JobLinks

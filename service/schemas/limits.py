@@ -1,4 +1,4 @@
-"""What one request may ask for."""
+"""The limits on one request."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MAX_DIGITS = 1000
 
 
 class Limits(BaseSettings):
-    """What one request may ask for. Exceeding a limit is a 4xx that names it; `/v1/limits` shows them."""
+    """Limits on one request. Exceeding one is a 4xx that names it; `/v1/limits` lists them."""
 
     model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
 
@@ -41,7 +41,7 @@ class Limits(BaseSettings):
         default=90,
         ge=MIN_DIGITS,
         le=MAX_DIGITS,
-        description="number of significant digits when a request gives none",
+        description="number of significant digits if a request does not specify it",
     )
     max_number_digits: int = Field(
         default=400,
@@ -56,7 +56,7 @@ class Limits(BaseSettings):
 
 
 class LimitError(InputError):
-    """The input is right, but larger than a limit allows."""
+    """The input is valid but exceeds a limit."""
 
     def __init__(self, problems: Sequence[FieldProblem], limit: str, value: int) -> None:
         self.limit, self.value = limit, value
@@ -64,6 +64,6 @@ class LimitError(InputError):
 
     @classmethod
     def exceeded(cls, limits: Limits, name: str, sent: str, field: str = "") -> LimitError:
-        """That `sent` is beyond the limit of this name."""
+        """Returns the error that `sent` exceeds the limit `name`."""
         value: int = getattr(limits, name)
         return cls([FieldProblem(field, f"{sent}; the limit {name} is {value}")], name, value)

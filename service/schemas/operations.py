@@ -1,4 +1,4 @@
-"""What the service tells of itself."""
+"""The state of the service itself."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 
 class Health(BaseModel):
-    """The process runs."""
+    """The process is running."""
 
     status: Literal["ok"]
 
@@ -17,11 +17,11 @@ class Readiness(BaseModel):
     """Requests can be served."""
 
     status: Literal["ready"]
-    workers: int = Field(description="Workers that are alive.")
+    workers: int = Field(description="Number of live workers.")
 
 
 class Version(BaseModel):
-    """What computes the answers."""
+    """The versions of the software that computes the answers."""
 
     service: str
     solver_version: str
@@ -30,14 +30,14 @@ class Version(BaseModel):
 
 
 class Limit(BaseModel):
-    """One limit."""
+    """A limit and its meaning."""
 
     value: int
     description: str
 
 
 class LimitsDocument(BaseModel):
-    """All limits of requests."""
+    """All limits on requests."""
 
     model_config = ConfigDict(title="Limits")
 

@@ -15,7 +15,7 @@ from worker.answers.requests import Kind
 
 
 class PosesRequest(Question):
-    """One manipulator and the lengths of its legs."""
+    """A manipulator and the lengths of its legs."""
 
     expected: ClassVar[str] = "send an object with geometry, l1, l2 and l3"
     kinds: ClassVar[Sequence[Kind]] = (poses.KIND,)
@@ -46,7 +46,7 @@ class Pose(BaseModel):
     b1_x: Decimal = Field(description="x of the platform's point B1.")
     b1_y: Decimal = Field(description="y of the platform's point B1.")
     multiplicity: int = Field(
-        description="How many poses coalesce here: 1 regular, 2 on a singular curve, 3 at a cusp."
+        description="Number of poses that coalesce here: 1 regular, 2 on a singular curve, 3 at a cusp."
     )
 
 
@@ -64,12 +64,12 @@ class PosePolynomial(BaseModel):
     variable: str
     degree: int
     coefficients: list[str]
-    omega: str | None = optional("The square root; missing where it is rational.")
-    omega_coefficients: list[str] | None = optional("The multiples of the square root.")
+    omega: str | None = optional("The square root; missing if it is rational.")
+    omega_coefficients: list[str] | None = optional("The coefficients of the square root; missing if it is rational.")
 
 
 class PoseCertificate(BaseModel):
-    """How the count was proved."""
+    """The proof of the count."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -88,7 +88,7 @@ class PoseTable(BaseModel):
     l1: str
     l2: str
     l3: str
-    count: int = Field(description="The number of different isolated poses.")
+    count: int = Field(description="Number of distinct isolated poses.")
     count_with_multiplicity: int
     poses: list[Pose]
     curves: list[PoseCurve]

@@ -1,4 +1,4 @@
-"""Errors as they are shown (RFC 9457)."""
+"""Errors as the contract shows them (RFC 9457)."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from service.schemas.points import optional
 
 
 class FieldError(BaseModel):
-    """One field at fault."""
+    """A faulty field."""
 
-    field: str = Field(description="Its dotted name, for example geometry.d1.")
-    message: str = Field(description="What is wrong with it and what would be right.")
+    field: str = Field(description="The dotted name of the field, for example geometry.d1.")
+    message: str = Field(description="The fault, and a valid alternative.")
 
 
 class LimitInfo(BaseModel):
@@ -26,11 +26,11 @@ class ProblemDocument(BaseModel):
 
     model_config = ConfigDict(extra="allow", title="Problem")
 
-    type: str = Field(description="Names the kind of problem; its page documents it.")
+    type: str = Field(description="Identifies the type of problem; the address documents it.")
     title: str
     status: int
     detail: str
     errors: list[FieldError]
-    instance: str | None = optional("The path that was asked for.")
-    limit: LimitInfo | None = optional("Only when a limit was exceeded.")
-    job: str | None = optional("The job that this is about.")
+    instance: str | None = optional("The path of the request.")
+    limit: LimitInfo | None = optional("Present if a limit was exceeded.")
+    job: str | None = optional("The job concerned.")

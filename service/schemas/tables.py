@@ -14,7 +14,7 @@ from service.schemas.document import Source
 from service.schemas.lengths import Slices, SlicesOfOneLeg, own_slices_only, slices_field
 from service.schemas.limits import LimitError
 from service.schemas.numbers import Digits, FixedLeg, digits_field
-from service.schemas.points import Cusp, GeometryText, Point, optional
+from service.schemas.points import Cusp, DocumentHead, FixedLength, Point, optional
 from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
 from worker.answers import article, tables
 from worker.answers.requests import Kind
@@ -27,7 +27,7 @@ _TURNED = {**EXAMPLE_GEOMETRY, "d1": "426/25", "orientation": "ccw"}
 
 
 class CuspTableRequest(SlicesOfOneLeg, Question):
-    """One manipulator, and the slices of its joint space in which the cusps are wanted."""
+    """A manipulator and the slices of its joint space whose cusps are requested."""
 
     model_config = ConfigDict(json_schema_extra=own_slices_only(required=True))
 
@@ -37,7 +37,7 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     examples: ClassVar[Examples] = {
         "slice": ("The article's first manipulator, one slice", {"l1": 14.98}),
         "scan": ("The same manipulator, 501 slices", {"l1": _SCAN, "digits": 30}),
-        "exact": ("Quotients and many digits", {"geometry": _TURNED, "l1": ["14.98", 27], "digits": 200}),
+        "exact": ("Fractions and many digits", {"geometry": _TURNED, "l1": ["14.98", 27], "digits": 200}),
         "article": (
             "By the article's own algorithm, with its audit",
             {"l1": 14.98, "digits": 30, "method": "article"},
@@ -45,18 +45,18 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     }
 
     l1: Slices = slices_field(
-        "The slices: the fixed length L1 as one number, as a list, or as a range. With `fixed_leg` 2 or 3 it "
-        "is called `l2` or `l3`. A value that is given twice counts once.",
+        "The slices: the fixed length L1 as a number, a list or a range. With `fixed_leg` 2 or 3 use `l2` or "
+        "`l3`. Duplicate values are removed.",
         examples=["14.98", ["14.98", 27], _SCAN],
     )
-    l2: Slices = slices_field("The slices when `fixed_leg` is 2.")
-    l3: Slices = slices_field("The slices when `fixed_leg` is 3.")
+    l2: Slices = slices_field("The slices, with `fixed_leg` 2.")
+    l3: Slices = slices_field("The slices, with `fixed_leg` 3.")
     digits: Digits = digits_field()
     fixed_leg: FixedLeg = Field(default=1, description="The leg whose length is fixed in a slice.")
     method: Literal["fast", "article"] = Field(
         default="fast",
-        description="`article` follows the article's own algorithm with its eliminant of degree 96, which "
-        "takes a second or more for a slice, and audits it; only with `fixed_leg` 1.",
+        description="`article` uses and audits the article's own algorithm, with its eliminant of degree 96; "
+        "it takes a second or more per slice and requires `fixed_leg` 1.",
     )
 
     @field_validator("method")
@@ -77,11 +77,11 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
 
     @property
     def kind(self) -> Kind:
-        """By the article's algorithm it is a document of its own kind."""
+        """The kind of the document; tables by the article's algorithm have a separate one."""
         return article.KIND if self.method == ARTICLE else tables.KIND
 
     def body(self) -> dict[str, Any]:
-        """The question as it is posted."""
+        """Returns the question as the body of a request."""
         content = self.content()
         return {f"l{self.fixed_leg}": content.pop("l1"), **content, "method": self.method}
 
@@ -93,10 +93,10 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
 
 
 class DegeneratePoint(Point):
-    """A point, or a curve, at which the cusp equations hold but which is no ordinary cusp."""
+    """A point or curve that satisfies the cusp equations without being an ordinary cusp."""
 
     kind: str = Field(description="For example swallowtail, beak-to-beak, lips, node, quadruple.")
-    equation: str | None = optional("Of a whole curve of such points.")
+    equation: str | None = optional("The equation of a whole curve of such points.")
 
 
 class SliceErrorDetail(BaseModel):
@@ -111,11 +111,11 @@ class Factor(BaseModel):
 
     degree: int
     multiplicity: int
-    origin: str = Field(description="cusps, or the reason why its roots are none.")
+    origin: str = Field(description="`cusps`, or the reason why its roots are not cusps.")
 
 
 class Certificate(BaseModel):
-    """How the answer was proved."""
+    """The proof of the answer."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -123,35 +123,29 @@ class Certificate(BaseModel):
     real_roots: int
     factors: list[Factor]
     method: str
-    working_bits: int = Field(description="Precision at which everything could be decided.")
-    proofs: list[dict[str, str]] = Field(description="For each cusp the balls, none of which holds zero.")
+    working_bits: int = Field(description="Working precision, in bits, at which every decision was proved.")
+    proofs: list[dict[str, str]] = Field(description="For each cusp the enclosing balls, none of which contains zero.")
 
 
-class Slice(BaseModel):
-    """The cusps of one slice, sorted by the angle of the fixed leg; or the error of this slice, which does
-    not spoil the others."""
+class Slice(FixedLength):
+    """The cusps of one slice, sorted by the angle of the fixed leg, or an error that leaves the other slices
+    unaffected. The fixed length is exact."""
 
-    l1: str | None = optional("The fixed length, exactly.")
-    l2: str | None = optional("The fixed length, when `fixed_leg` is 2.")
-    l3: str | None = optional("The fixed length, when `fixed_leg` is 3.")
     count: int | None = optional("Number of cusps.")
     cusps: list[Cusp] | None = optional("The cusps.")
-    degenerate_points: list[DegeneratePoint] | None = optional("What is no ordinary cusp.")
-    certificate: Certificate | None = optional("How the answer was proved.")
-    method: Literal["article"] | None = optional("Only by the article's method.")
-    audit: Audit | None = optional("Only by the article's method.")
-    error: SliceErrorDetail | None = optional("Only when the slice has no answer.")
+    degenerate_points: list[DegeneratePoint] | None = optional("Points and curves that are not ordinary cusps.")
+    certificate: Certificate | None = optional("The proof of the answer.")
+    method: Literal["article"] | None = optional("Present with method `article`.")
+    audit: Audit | None = optional("Present with method `article`.")
+    error: SliceErrorDetail | None = optional("Present if the slice has no answer.")
 
 
-class CuspTable(BaseModel):
-    """The answer. Every decimal has `digits` significant digits and an error under one unit in the last."""
+class CuspTable(DocumentHead):
+    """The cusps of all requested slices. Every decimal is correctly rounded to `digits` significant digits."""
 
-    geometry: GeometryText
     geometry_hash: str = Field(
-        pattern="^sha256:[0-9a-f]{64}$", description="Names the geometry, in any spelling."
+        pattern="^sha256:[0-9a-f]{64}$", description="Identifies the geometry, however its numbers are written."
     )
-    fixed_leg: Literal[1, 2, 3]
-    digits: int
-    solver_version: str = Field(description="Changes whenever an answer could.")
-    method: Literal["article"] | None = optional("Only by the article's method.")
-    slices: list[Slice] = Field(description="In the order in which they were asked for.")
+    solver_version: str = Field(description="Changes whenever an answer may change.")
+    method: Literal["article"] | None = optional("Present with method `article`.")
+    slices: list[Slice] = Field(description="In the order of the request.")
