@@ -1,7 +1,7 @@
-"""Writes the tables of docs/reference.md from the code they describe.
+"""Writes the tables of docs/reference.md from the code that they describe.
 
-python docs/reference.py            rewrite what stands between the markers
-python docs/reference.py --check    write nothing; exit 1 with a diff when it differs
+python docs/reference.py            rewrite the text between the markers
+python docs/reference.py --check    write nothing; exit 1 with a diff if the file is out of date
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ GROUPS: dict[str, type[BaseSettings]] = {
 
 
 def settings() -> Iterator[str]:
-    """Every setting, group by group."""
+    """Yields every setting, group by group."""
     for group, model in GROUPS.items():
         rows = [
             (f"`RPR_CUSPS_{name.upper()}`", f"`{field.default}`", field.description or "")
@@ -44,20 +44,20 @@ def settings() -> Iterator[str]:
 
 
 def problems() -> Iterator[str]:
-    """Every type of problem, by status."""
-    infos = sorted((kind.value for kind in ProblemType), key=lambda info: (info.status, info.slug))
-    rows = [(f"`{info.slug}`", str(info.status), info.meaning) for info in infos]
+    """Yields every type of problem, by status."""
+    kinds = sorted(ProblemType, key=lambda kind: (kind.status, kind.slug))
+    rows = [(f"`{kind.slug}`", str(kind.status), kind.meaning) for kind in kinds]
     return table(("type, at `/problems/…`", "status", "meaning"), rows)
 
 
 def options() -> Iterator[str]:
-    """Every option of every command."""
+    """Yields every option of every command."""
     for name, command in commands():
         yield from table((f"`rpr-cusps {name}`", "meaning"), map(option_row, visible(command)))
 
 
 def names() -> Iterator[str]:
-    """Every public name of the solver."""
+    """Yields every public name of the solver."""
     rows = []
     for name in rpr_solver.__all__:
         value = getattr(rpr_solver, name)
@@ -71,7 +71,7 @@ def names() -> Iterator[str]:
 
 
 def commands() -> list[tuple[str, argparse.ArgumentParser]]:
-    """The commands of `rpr-cusps` and their parsers."""
+    """Returns the commands of `rpr-cusps` and their parsers."""
     parsers = {name: argparse.ArgumentParser() for name in COMMANDS}
     for name, parser in parsers.items():
         importlib.import_module(f"service.cli.{name}").configure(parser)
@@ -79,31 +79,31 @@ def commands() -> list[tuple[str, argparse.ArgumentParser]]:
 
 
 def visible(parser: argparse.ArgumentParser) -> list[argparse.Action]:
-    """The arguments of a parser that its help shows, but for the help itself."""
+    """Returns the arguments that a parser's help shows, except `--help`."""
     return [a for a in parser._actions if a.help != argparse.SUPPRESS and a.dest != "help"]
 
 
 def option_row(action: argparse.Action) -> tuple[str, str]:
-    """An argument as it is written, and its help."""
+    """Returns an argument as it is written, and its help."""
     value = action.metavar or (f"{{{','.join(action.choices)}}}" if action.choices else action.dest.upper())
     shown = [f"{name} {value}" if action.nargs != 0 else name for name in action.option_strings] or [value]
     return ", ".join(f"`{text}`" for text in shown), action.help or ""
 
 
 def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
-    """A table in Markdown, and the empty line behind it."""
+    """Yields a table in Markdown and an empty line."""
     for row in (head, ("---",) * len(head), *rows):
         yield f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |"
     yield ""
 
 
 def rewritten(text: str) -> str:
-    """The document with all tables made afresh."""
+    """Returns the document with new tables."""
     for part in (settings, problems, options, names):
         begin, end = f"<!-- {part.__name__} -->\n", f"<!-- end of {part.__name__} -->\n"
         before, _, rest = text.partition(begin)
-        _, found, after = rest.partition(end)
-        assert found, f"{FILE.name} has no markers for {part.__name__}"
+        _, marker, after = rest.partition(end)
+        assert marker, f"{FILE.name} has no markers for {part.__name__}"
         text = before + begin + "\n" + "\n".join(part()) + "\n" + end + after
     return text
 

@@ -73,7 +73,7 @@ def test_every_setting_problem_option_and_public_name_is_in_the_reference() -> N
     documented = {code.split()[0] for row in rows for code in re.findall(r"`([^`]+)`", row)}
     groups = [g for g in BaseSettings.__subclasses__() if g.__module__.startswith(("worker", "service"))]
     settings = {f"RPR_CUSPS_{name.upper()}" for group in groups for name in group.model_fields}
-    problems = {kind.value.slug for kind in ProblemType}
+    problems = {kind.slug for kind in ProblemType}
     options = {
         name
         for _, parser in reference.commands()

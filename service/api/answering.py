@@ -1,4 +1,4 @@
-"""One way for every question: known answers at once, all others by a job, with or without waiting for it."""
+"""The answer to any question: a known document at once, otherwise a job, with or without waiting for it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from worker.jobs.records import JobView
 
 
 async def answer_question(request: Request, context: Context, operation: Operation) -> Response:
-    """Answer a question that was posted: 200 with the document, or 202 with the job that computes it."""
+    """Answer a question: 200 with the document, or 202 with the job that computes it."""
     settings = context.settings
     body = await read_body(request, settings.limits.max_body_bytes)
     job_request = await in_thread(
@@ -26,20 +26,19 @@ async def answer_question(request: Request, context: Context, operation: Operati
     negotiate(request.headers.getlist("accept"), tuple(dict.fromkeys((*operation.forms, JSON))))
     prefer = parse_prefer(request.headers.getlist("prefer"))
     outcome = await in_thread(_begin, context, job_request)
-    by_job = isinstance(outcome, JobView)
-    waited: int | None = None
-    if isinstance(outcome, JobView) and prefer.wait is not None:
-        waited = min(prefer.wait, settings.limits.max_wait_seconds)
-    seconds = waited
-    if seconds is None and operation.implied_wait is not None and not prefer.respond_async:
-        seconds = min(operation.implied_wait, settings.limits.max_wait_seconds)
-    if isinstance(outcome, JobView) and seconds is not None:
-        view = await context.events.wait(outcome.id, seconds) or outcome
-        outcome = await in_thread(_finished, context, view)
-    context.metrics.count_answer(job_request.kind.name, "job" if by_job else "cached")
-    applied = prefer.applied(waited, isinstance(outcome, JobView))
-    headers = {"Preference-Applied": applied} if applied else {}
-    headers["Cache-Control"] = "no-store"
+    way, waited = "cached", None
+    if isinstance(outcome, JobView):
+        way, longest = "job", settings.limits.max_wait_seconds
+        implied = None if prefer.respond_async else operation.implied_wait
+        waited = None if prefer.wait is None else min(prefer.wait, longest)
+        seconds = waited if waited is not None or implied is None else min(implied, longest)
+        if seconds is not None:
+            view = await context.events.wait(outcome.id, seconds) or outcome
+            outcome = await in_thread(_finished, context, view)
+    context.metrics.count_answer(job_request.kind.name, way)
+    headers = {"Cache-Control": "no-store"}
+    if applied := prefer.applied(waited, isinstance(outcome, JobView)):
+        headers["Preference-Applied"] = applied
     if isinstance(outcome, JobView):
         headers |= {"Location": f"/v1/jobs/{outcome.id}", "Retry-After": str(settings.poll_seconds)}
         return Response(json_bytes(job_json(outcome)), 202, headers, media_type=JSON)
@@ -52,10 +51,12 @@ def _begin(context: Context, job_request: JobRequest) -> Document | JobView:
 
 
 def _finished(context: Context, view: JobView) -> Document | JobView:
-    """The answer of a job that has succeeded, the problem of one that will have none, else the job."""
-    if view.status == "failed":
-        raise ProblemError.of_job(view.id, view.error)
-    if view.status == "canceled":
-        raise ProblemError.of_cancel(view.id)
+    """Returns the document of a job that has succeeded, else the job.
+
+    Raises:
+        ProblemError: the job failed or was canceled.
+    """
+    if view.status in ("failed", "canceled"):
+        raise ProblemError.of_job(view)
     document = context.queue.result(view.id) if view.status == "succeeded" else None
     return view if document is None else document

@@ -1,4 +1,4 @@
-"""The one place where exceptions become problem documents."""
+"""The conversion of exceptions to problem documents."""
 
 from __future__ import annotations
 
@@ -39,56 +39,48 @@ _PAGE_METHODS = {"GET", "HEAD"}
 
 def add_error_handlers(app: FastAPI) -> None:
     """Answer every error of the application as application/problem+json."""
-    app.add_exception_handler(ProblemError, _problem)
-    app.add_exception_handler(InputError, _input_error)
-    app.add_exception_handler(RedisError, _redis_error)
-    app.add_exception_handler(HTTPException, _http_error)
-    app.add_exception_handler(RequestValidationError, _validation_error)
+    for kind in (ProblemError, InputError, RedisError, HTTPException, RequestValidationError):
+        app.add_exception_handler(kind, _answer)
 
 
-async def _problem(request: Request, error: Exception) -> Response:
-    assert isinstance(error, ProblemError)
-    return error.response(request.url.path)
+async def _answer(request: Request, error: Exception) -> Response:
+    return _problem(request, error).response(request.url.path)
 
 
-async def _input_error(request: Request, error: Exception) -> Response:
-    assert isinstance(error, InputError)
-    return ProblemError.of_input(error).response(request.url.path)
-
-
-async def _redis_error(request: Request, error: Exception) -> Response:
+def _problem(request: Request, error: Exception) -> ProblemError:
+    if isinstance(error, ProblemError):
+        return error
+    if isinstance(error, InputError):
+        return ProblemError.of_input(error)
+    if isinstance(error, HTTPException):
+        return _http_problem(request, error)
+    if isinstance(error, RequestValidationError):
+        faults = [(".".join(str(part) for part in e["loc"]), str(e["msg"])) for e in error.errors()]
+        detail = "; ".join(f"{field}: {message}" for field, message in faults)
+        return ProblemError(ProblemType.INVALID_REQUEST, detail, errors=faults)
     if not isinstance(error, _PASSING):
         raise error
     log.warning("Redis: %s", error)
     context: Context = request.app.state.context
-    problem = ProblemError(
+    return ProblemError(
         ProblemType.UNAVAILABLE,
-        "The queue cannot be reached or takes no more data at the moment; nothing was lost. Try again.",
+        "The queue cannot be reached or accepts no more data at the moment; nothing was lost. Try again.",
         headers={"Retry-After": str(context.settings.retry_seconds)},
     )
-    return problem.response(request.url.path)
 
 
-async def _http_error(request: Request, error: Exception) -> Response:
-    assert isinstance(error, HTTPException)
-    path, headers, detail = request.url.path, dict(error.headers or {}), str(error.detail)
+def _http_problem(request: Request, error: HTTPException) -> ProblemError:
+    path, headers, detail = request.url.path[:200], dict(error.headers or {}), str(error.detail)
     if error.status_code == 404:
-        detail = f"There is nothing at {path[:200]}; /docs lists what there is."
+        detail = f"There is nothing at {path}; /docs lists all addresses."
     elif error.status_code == 405:
-        headers["Allow"] = ", ".join(sorted(_methods(request.app, path)))
-        detail = f"{request.method} is not allowed at {path[:200]}; allowed are {headers['Allow']}."
-    return ProblemError.of_status(error.status_code, detail, headers).response(path)
-
-
-async def _validation_error(request: Request, error: Exception) -> Response:
-    assert isinstance(error, RequestValidationError)
-    faults = [(".".join(str(part) for part in e["loc"]), str(e["msg"])) for e in error.errors()]
-    detail = "; ".join(f"{field}: {message}" for field, message in faults)
-    return ProblemError(ProblemType.INVALID_REQUEST, detail, errors=faults).response(request.url.path)
+        headers["Allow"] = ", ".join(sorted(_methods(request.app, request.url.path)))
+        detail = f"{request.method} is not allowed at {path}; allowed are {headers['Allow']}."
+    return ProblemError.of_status(error.status_code, detail, headers)
 
 
 def _methods(app: FastAPI, path: str) -> set[str]:
-    """The methods of a path, from all operations that share it."""
+    """Returns the methods of a path, from all operations that share it."""
     methods: set[str] = set()
     for template, operations in app.openapi()["paths"].items():
         if re.fullmatch(re.sub(r"\{\w+\}", "[^/]+", template), path):

@@ -67,7 +67,7 @@ class RequestEnvelope:
             if started:
                 raise
             detail = f"An unforeseen error; the log has the details under the request id {request_id}."
-            response = ProblemError(ProblemType.INTERNAL, detail).response(scope["path"])
+            response = ProblemError(ProblemType.INTERNAL_ERROR, detail).response(scope["path"])
             await response(scope, receive, send_on)
         finally:
             self.metrics.observe(

@@ -1,4 +1,4 @@
-"""The published contract: OpenAPI 3.1 as the application describes itself."""
+"""The published contract: the OpenAPI 3.1 document of the application."""
 
 from __future__ import annotations
 
@@ -21,19 +21,18 @@ from service.schemas.problems import ProblemDocument
 DESCRIPTION = """\
 Certified cusp points in the joint space of planar 3-RPR parallel manipulators.
 
-Post a manipulator and the slices L1 that you want to `/v1/cusp-tables`. `/v1/censuses` tells every length at
-which their number changes, `/v1/cusp-curves` follows each cusp from one such length to another,
-`/v1/checks` proves or refutes a requirement on their number, and `/v1/poses` gives all poses of three leg
-lengths. What is known already is answered at once; the rest is computed by a job. Every
-number in an answer is a decimal string whose every digit is proved, and every number in a request is taken
-exactly as it was written.
+Post a manipulator and its slices L1 to `/v1/cusp-tables`. `/v1/censuses` finds every length at which the
+number of cusps changes, `/v1/cusp-curves` follows each cusp from one such length to another, `/v1/checks`
+proves or refutes a requirement on the number of cusps, and `/v1/poses` computes all poses for three leg
+lengths. Known answers are returned immediately; all others are computed by a job. Every number in an answer
+is a decimal string with proved digits, and every number in a request is taken exactly as written.
 
-Errors are `application/problem+json` (RFC 9457); the `type` of a problem is an address that explains it.
+Errors are `application/problem+json` (RFC 9457); the `type` of a problem is an address that documents it.
 """
 TAGS = [
     *(operation.tag for operation in OPERATIONS),
-    ("jobs", "Follow, fetch and cancel what is being computed."),
-    ("operations", "Run the service."),
+    ("jobs", "Follow, fetch and cancel computations."),
+    ("operations", "Health, versions, limits and metrics."),
 ]
 MODELS: tuple[type[BaseModel], ...] = (
     *(model for operation in OPERATIONS for model in (operation.question, operation.answer)),
@@ -43,7 +42,7 @@ MODELS: tuple[type[BaseModel], ...] = (
 
 
 def describe(app: FastAPI) -> None:
-    """Give the application its OpenAPI document, made at first use."""
+    """Give the application its OpenAPI document, which is made at first use."""
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
@@ -54,7 +53,7 @@ def describe(app: FastAPI) -> None:
 
 
 def document(app: FastAPI) -> dict[str, Any]:
-    """The OpenAPI document of the application."""
+    """Returns the OpenAPI document of the application."""
     contract: dict[str, Any] = get_openapi(
         title=app.title,
         version=app.version,
@@ -72,12 +71,12 @@ def document(app: FastAPI) -> dict[str, Any]:
         for operation in operations.values():
             responses = operation["responses"]
             if responses.get("422", {}).get("description") == "Validation Error":
-                del responses["422"]  # the framework's own, which no request can meet
+                del responses["422"]  # the framework's own, which never occurs
     return contract
 
 
 def operation_id(route: APIRoute) -> str:
-    """The name of the route's function."""
+    """Returns the name of the route's function."""
     return route.name
 
 
@@ -94,7 +93,7 @@ def _schemas() -> dict[str, Any]:
 
 
 def _tidy(value: Any, titles: Mapping[str, str]) -> Any:
-    """Call every schema by its title, refer to what is used often, and leave out what says nothing."""
+    """Name every schema by its title, refer to shared ones, and drop derived titles."""
     if isinstance(value, list):
         return [_tidy(item, titles) for item in value]
     if not isinstance(value, dict):
@@ -105,7 +104,7 @@ def _tidy(value: Any, titles: Mapping[str, str]) -> Any:
         described = {key: own[key] for key in ("description",) if key in own}
         return {"$ref": "#/components/schemas/ExactNumber", **described}
     if isinstance(schema.get("title"), str) and "properties" not in schema:
-        del schema["title"]  # made from the name of the field
+        del schema["title"]  # derived from the name of the field
     if isinstance(ref := schema.get("$ref"), str):
         prefix, _, name = ref.rpartition("/")
         schema["$ref"] = f"{prefix}/{titles.get(name, name)}"

@@ -1,4 +1,4 @@
-"""What OpenAPI says about each operation beyond its code: bodies, answers, headers, examples, links."""
+"""OpenAPI descriptions of the operations: bodies, responses, headers, examples, links."""
 
 from __future__ import annotations
 
@@ -30,26 +30,26 @@ _JOB = {
     },
 }
 _RETRY_AFTER = {
-    "Retry-After": {"description": "Seconds after which to ask again.", "schema": {"type": "integer"}}
+    "Retry-After": {"description": "Seconds to wait before asking again.", "schema": {"type": "integer"}}
 }
 _ETAG = {
     "ETag": {"description": "Strong validator of this representation.", "schema": {"type": "string"}},
     "Cache-Control": {
-        "description": "Immutable, when every slice has an answer.",
+        "description": "Immutable if every slice has an answer.",
         "schema": {"type": "string"},
     },
 }
 
 
 def ref(model: str) -> dict[str, str]:
-    """A reference to a model's schema."""
+    """Returns a reference to a model's schema."""
     return {"$ref": f"#/components/schemas/{model}"}
 
 
 def json_response(
     description: str, model: str, *, example: object = None, headers: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
-    """A JSON answer."""
+    """Returns the description of a JSON response."""
     content: dict[str, Any] = {"schema": ref(model)}
     if example is not None:
         content["example"] = example
@@ -58,7 +58,7 @@ def json_response(
 
 
 def document_in_all_forms(operation: Operation, description: str) -> dict[str, Any]:
-    """The document that answers a question, which never changes."""
+    """Returns the response with the document that answers a question."""
     response = json_response(description, operation.answer.__name__, example=operation.example, headers=_ETAG)
     for media_type, form in operation.forms.items():
         if media_type != JSON:
@@ -67,43 +67,41 @@ def document_in_all_forms(operation: Operation, description: str) -> dict[str, A
 
 
 def problems(*kinds: ProblemType) -> Docs:
-    """The problems that an operation can answer with, by status. 500 belongs to all."""
+    """Returns an operation's problems by status; 500 belongs to all."""
     responses: Docs = {}
-    for kind in (*kinds, ProblemType.INTERNAL):
-        info = kind.value
+    for kind in (*kinds, ProblemType.INTERNAL_ERROR):
         response = responses.setdefault(
-            info.status, {"description": "", "content": {MEDIA_TYPE: {"schema": ref("Problem")}}}
+            kind.status, {"description": "", "content": {MEDIA_TYPE: {"schema": ref("Problem")}}}
         )
-        response["description"] = f"{response['description']}; {info.title}".removeprefix("; ")
-        if info.status in (429, 503) or kind is ProblemType.NOT_FINISHED:
+        response["description"] = f"{response['description']}; {kind.title}".removeprefix("; ")
+        if kind.status in (429, 503) or kind is ProblemType.JOB_NOT_FINISHED:
             response["headers"] = _RETRY_AFTER
     return dict(sorted(responses.items(), key=lambda item: int(item[0])))
 
 
-def _link(operation: str, description: str, job_id: str) -> dict[str, Any]:
-    return {"operationId": operation, "parameters": {"job_id": job_id}, "description": description}
-
-
 _JOB_LINKS = {
-    "job": _link("get_job", "The state of the job.", "$response.body#/id"),
-    "result": _link("get_result", "The result, when the job has succeeded.", "$response.body#/id"),
-    "events": _link("get_events", "The job's events.", "$response.body#/id"),
-    "cancel": _link("cancel_job", "Cancels the job.", "$response.body#/id"),
+    name: {"operationId": operation, "parameters": {"job_id": "$response.body#/id"}, "description": text}
+    for name, operation, text in (
+        ("job", "get_job", "The state of the job."),
+        ("result", "get_result", "The result, once the job has succeeded."),
+        ("events", "get_events", "The job's events."),
+        ("cancel", "cancel_job", "Cancels the job."),
+    )
 }
 
 _UNAVAILABLE = ProblemType.UNAVAILABLE
 _FAILED = (
-    ProblemType.JOB_FAILED_INPUT,
-    ProblemType.JOB_FAILED_SOLVER,
+    ProblemType.JOB_INPUT_ERROR,
+    ProblemType.JOB_SOLVER_ERROR,
     ProblemType.JOB_FAILED,
-    ProblemType.JOB_LOST,
-    ProblemType.JOB_EXHAUSTED,
+    ProblemType.JOB_WORKER_LOST,
+    ProblemType.JOB_RESOURCE_EXHAUSTED,
     ProblemType.JOB_TIMEOUT,
 )
 
 
 def question_responses(operation: Operation) -> Docs:
-    """The answers to a question: known, or computed by a job."""
+    """Returns the responses to a question: the document, a job, or a problem."""
     accepted = json_response(
         "The answer is being computed.",
         "Job",
@@ -111,7 +109,10 @@ def question_responses(operation: Operation) -> Docs:
         headers={
             "Location": {"description": "The job.", "schema": {"type": "string"}},
             **_RETRY_AFTER,
-            "Preference-Applied": {"description": "What was done of Prefer.", "schema": {"type": "string"}},
+            "Preference-Applied": {
+                "description": "The preferences that were honoured (RFC 7240).",
+                "schema": {"type": "string"},
+            },
         },
     )
     return {
@@ -132,7 +133,7 @@ def question_responses(operation: Operation) -> Docs:
 
 
 def request_body(operation: Operation) -> dict[str, Any]:
-    """What is sent with a question."""
+    """Returns the parameters and the body of a question."""
     examples = {
         name: {"summary": summary, "value": {"geometry": EXAMPLE_GEOMETRY, **value}}
         for name, (summary, value) in operation.question.examples.items()
@@ -143,8 +144,8 @@ def request_body(operation: Operation) -> dict[str, Any]:
                 "name": "Prefer",
                 "in": "header",
                 "required": False,
-                "description": "RFC 7240. `wait=N` waits up to N seconds (see max_wait_seconds in "
-                "/v1/limits) for the answer; `respond-async` asks for a job at once.",
+                "description": "RFC 7240. `wait=N` waits up to N seconds for the answer (see "
+                "max_wait_seconds in /v1/limits); `respond-async` requests a job without waiting.",
                 "schema": {"type": "string"},
                 "examples": {"wait": {"value": "wait=10"}, "async": {"value": "respond-async"}},
             }
@@ -157,8 +158,8 @@ def request_body(operation: Operation) -> dict[str, Any]:
 
 
 def any_result() -> dict[str, Any]:
-    """The result of a job: a cusp table, or one of the other documents, the quickest first."""
-    response = document_in_all_forms(CUSP_TABLES, "What the job was asked for.")
+    """Returns the response with a job's result: a cusp table, or another document, the quickest first."""
+    response = document_in_all_forms(CUSP_TABLES, "The document that the job computed.")
     others = sorted(
         (operation for operation in OPERATIONS if operation is not CUSP_TABLES),
         key=lambda operation: operation.implied_wait is None,
@@ -174,17 +175,17 @@ JOB_RESPONSES: Docs = {
 }
 CANCEL_RESPONSES: Docs = {
     200: json_response(
-        "The job, canceled or as it had ended.", "Job", example={**_JOB, "status": "canceled"}
+        "The job: canceled, or unchanged if it had ended.", "Job", example={**_JOB, "status": "canceled"}
     ),
     **problems(ProblemType.NOT_FOUND, _UNAVAILABLE),
 }
 RESULT_RESPONSES: Docs = {
     200: any_result(),
-    304: {"description": "The client has this representation already (If-None-Match)."},
+    304: {"description": "Not modified: the client has this representation (If-None-Match)."},
     **problems(
         ProblemType.NOT_FOUND,
         ProblemType.NOT_ACCEPTABLE,
-        ProblemType.NOT_FINISHED,
+        ProblemType.JOB_NOT_FINISHED,
         ProblemType.JOB_CANCELED,
         ProblemType.RESULT_EXPIRED,
         _UNAVAILABLE,
@@ -202,10 +203,10 @@ EVENTS_RESPONSES: Docs = {
             }
         },
     },
-    204: {"description": "The job has ended, and nothing came after Last-Event-ID."},
+    204: {"description": "The job has ended, and no event follows Last-Event-ID."},
     **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, _UNAVAILABLE),
 }
-HEALTH_RESPONSES: Docs = {200: json_response("The process runs.", "Health"), **problems()}
+HEALTH_RESPONSES: Docs = {200: json_response("The process is running.", "Health"), **problems()}
 READY_RESPONSES: Docs = {200: json_response("Requests can be served.", "Readiness"), **problems(_UNAVAILABLE)}
 VERSION_RESPONSES: Docs = {200: json_response("The versions.", "Version"), **problems()}
 LIMITS_RESPONSES: Docs = {200: json_response("The limits.", "Limits"), **problems()}

@@ -1,4 +1,4 @@
-"""The questions that can be posted: one entry for each, from which its route and its documentation follow."""
+"""The operations that answer questions; routes and documentation are made from these entries."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ from worker.answers.kinds import kind_of_job
 WEB = Path(__file__).parent / "web"
 
 EXAMPLE_TABLE: dict[str, Any] = json.loads((WEB / "example-table.json").read_text(encoding="utf-8"))
-"""The answer for the article's first manipulator at L1 = 0.2 and 15 digits."""
+"""The table of the article's first manipulator at L1 = 0.2 with 15 digits."""
 
 
 @dataclass(frozen=True)
 class Operation:
-    """A question, and all that HTTP adds to it.
+    """A question as an HTTP operation; its method is POST.
 
     Attributes:
-        path, name, summary, description: of the operation in OpenAPI; its method is POST.
-        tag: the name of its group, and what is said of the group.
-        question: reads the body.
-        answer: describes the document.
-        known: says when the document is answered at once.
-        example: of an answer.
-        forms: in which the document can be had, by media type.
-        implied_wait: seconds to wait for a job when the client does not say; None for not at all.
+        path, name, summary, description: of the operation in OpenAPI.
+        tag: the name and the description of its group.
+        question: the model of the body.
+        answer: the model of the document.
+        known: the description of the response 200.
+        example: an answer, for the documentation.
+        forms: media type → form of the document.
+        implied_wait: seconds to wait for a job if the client states no preference; None: do not wait.
     """
 
     path: str
@@ -55,30 +55,30 @@ class Operation:
 
 
 def _csv(text: Any, line: str) -> Form:
-    return Form(lambda document: text(document).encode(), f"A header line, then one line for each {line}.")
+    return Form(lambda document: text(document).encode(), f"A header line, then one line per {line}.")
 
 
 CUSP_TABLES = Operation(
     path="/v1/cusp-tables",
     name="post_cusp_table",
     tag=("cusp tables", "Ask for the cusps of a manipulator."),
-    summary="The cusps of one manipulator in one or many slices",
+    summary="The cusps of a manipulator in one or more slices",
     description="""\
-Answers 200 with the table when every slice is known already. Otherwise answers 202 with a job that
-computes the missing slices; follow its `Location`. With `Prefer: wait=N` the answer waits up to N seconds
-for the job and is 200 when it ends in that time.
+Answers 200 with the table if every slice is already known. Otherwise answers 202 with a job that computes
+the missing slices; follow its `Location`. With `Prefer: wait=N` the response waits up to N seconds for the
+job and is 200 if the job succeeds in that time.
 
-The same request twice is one job, at the same time or later, and slices that other requests have in
-common with this one are computed once. Numbers are exact: `17.04` is 426/25, never a binary float.
+Equal requests share one job, and slices that requests have in common are computed once. Numbers are exact:
+`17.04` is 426/25, never a binary float.
 """,
     question=CuspTableRequest,
     answer=CuspTable,
-    known="Every slice is known: the table.",
+    known="The table, with every slice known.",
     example=EXAMPLE_TABLE,
     forms={
         JSON: JSON_FORM,
         CSV: _csv(rpr_solver.table_csv, "cusp"),
-        NDJSON: Form(ndjson_bytes, "One slice a line."),
+        NDJSON: Form(ndjson_bytes, "One slice per line."),
     },
 )
 CENSUSES = Operation(
@@ -87,34 +87,34 @@ CENSUSES = Operation(
     tag=("censuses", "Where the number of cusps changes."),
     summary="Every length at which the number of cusps changes",
     description="""\
-The census of a manipulator: all transitions of its slices, by proof and not by scan, each with its
-kind and its degenerate poses, and the number of cusps in every interval between.
+The census of a manipulator: all transitions of its slices, proved complete rather than sampled, each with
+its kind and its degenerate poses, and the number of cusps in every interval between them.
 
-The whole census is computed once, by a job of some seconds, and kept; a range of it, or fewer digits, are
-answered at once from then on. `Prefer: wait=N` waits for the job.
+The whole census is computed once, by a job of a few seconds, and kept; ranges of it, or fewer digits, are
+then answered immediately. `Prefer: wait=N` waits for the job.
 """,
     question=CensusRequest,
     answer=Census,
-    known="The census is known.",
+    known="The census.",
     forms={JSON: JSON_FORM, CSV: _csv(rpr_solver.census_csv, "interval")},
 )
 CUSP_CURVES = Operation(
     path="/v1/cusp-curves",
     name="post_cusp_curves",
-    tag=("cusp curves", "How cusps move while the fixed leg changes its length."),
-    summary="Each cusp from the transition where it is born to the one where it dies",
+    tag=("cusp curves", "How cusps move as the length of the fixed leg varies."),
+    summary="Each cusp followed from the transition where it appears to the one where it vanishes",
     description="""\
-The curves that cusps run along while the fixed leg changes its length, each followed by proof and
-named: α, the fixed leg's angle and the other two legs as functions of the fixed length.
+The curves of cusps over the length of the fixed leg, each named and followed by proof: α, the fixed leg's
+angle and the lengths of the other two legs as functions of the fixed length.
 
-A name belongs to the manipulator and its fixed leg, whatever range or points are asked for. Points are
-given at the lengths `l1`, and with `samples` at so many lengths in every interval between transitions,
-however narrow it is; without either, in one slice of each interval. The whole curves are computed once,
-by a job of some seconds, and kept.
+A name depends on the manipulator and the fixed leg alone, not on the requested range or points. Points are
+given at the lengths `l1`, and with `samples` at that many lengths in every interval between transitions,
+however narrow; without either, in one slice of each interval. The whole curves are computed once, by a job
+of a few seconds, and kept.
 """,
     question=CuspCurvesRequest,
     answer=CuspCurves,
-    known="The curves are known.",
+    known="The curves.",
     forms={JSON: JSON_FORM, CSV: _csv(rpr_solver.curves_csv, "point")},
 )
 CHECKS = Operation(
@@ -123,27 +123,27 @@ CHECKS = Operation(
     tag=("checks", "Requirements on the number of cusps."),
     summary="Whether a manipulator satisfies a requirement on its cusps",
     description="""\
-Proves or refutes a requirement: at most, or at least, so many cusps in every slice of a range, counted
+Proves or refutes a requirement: a maximum or minimum number of cusps in every slice of a range, counted
 strictly within the joint limits of the other legs.
 
-The report lists the intervals of the range with their numbers of cusps, and for each that violates the
-requirement a slice with its cusps. A requirement that is not met is an answer too: 200, `passed` false.
+The report lists the intervals of the range with their numbers of cusps and, for each interval that violates
+the requirement, a slice with its cusps. A violated requirement is an answer too: 200 with `passed` false.
 """,
     question=CheckRequest,
     answer=CheckReport,
-    known="The report is known.",
+    known="The report.",
 )
 POSES = Operation(
     path="/v1/poses",
     name="post_poses",
     tag=("poses", "Direct kinematics."),
-    summary="All poses of one manipulator with given leg lengths",
+    summary="All poses of a manipulator with given leg lengths",
     description="""\
-Direct kinematics: every real pose of the joint vector (L1, L2, L3), proved to be all of them, each
-with its multiplicity: 1 regular, 2 on a singular curve, 3 at a cusp.
+Direct kinematics: every real pose of the joint vector (L1, L2, L3), proved complete, each with its
+multiplicity: 1 regular, 2 on a singular curve, 3 at a cusp.
 
-A worker computes this in some milliseconds, so the answer waits for it, up to 10 seconds unless `Prefer`
-says otherwise; then it is 202 with a job.
+A worker computes the poses in milliseconds, so the response waits for them, up to 10 seconds unless
+`Prefer` says otherwise; after that it is 202 with a job.
 """,
     question=PosesRequest,
     answer=PoseTable,
@@ -159,6 +159,6 @@ _BY_KIND: Mapping[str, Operation] = {
 
 
 def forms_of(job_id: str) -> Forms:
-    """The forms in which the result of a job can be had; all that there are if it is no id of a job."""
+    """Returns the forms of a job's result, or all forms if the id is not a job's."""
     kind = kind_of_job(job_id)
     return (CUSP_TABLES if kind is None else _BY_KIND[kind.name]).forms

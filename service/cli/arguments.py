@@ -1,4 +1,4 @@
-"""Options that several commands have, and how they become a question."""
+"""Options that several commands share, and their conversion to a question."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ GEOMETRY = textwrap.fill(
 
 
 class Options(argparse.Action):
-    """Collects options of several names, each with its name."""
+    """Collects the values of several options, each with the name of its option."""
 
     def __call__(
         self,
@@ -47,19 +47,19 @@ class Options(argparse.Action):
         values: object,
         option_string: str | None = None,
     ) -> None:
-        """Keep one option."""
+        """Append one option."""
         del parser
         setattr(namespace, self.dest, [*getattr(namespace, self.dest), (option_string, str(values))])
 
 
 def add_options(parser: argparse.ArgumentParser, form: str, dest: str, metavar: str, text: str) -> None:
-    """Add an option for each leg, such as `--l{}-range`; all are collected in their order."""
+    """Add an option for each leg, such as `--l{}-range`; their values are collected in order."""
     names = (form.format(leg) for leg in LEGS)
     parser.add_argument(*names, dest=dest, action=Options, default=[], metavar=metavar, help=text)
 
 
 def add_geometry(parser: argparse.ArgumentParser) -> None:
-    """Add the manipulator, of which there is one."""
+    """Add the single manipulator."""
     parser.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
 
 
@@ -78,32 +78,34 @@ def add_ranges(parser: argparse.ArgumentParser, text: str, form: str = "A:B") ->
     """Add the range of lengths, and `--fixed-leg`."""
     add_options(parser, "--l{}-range", "ranges", form, text)
     parser.add_argument(
-        "--fixed-leg", metavar="LEG", help="the leg with the fixed length (default: that of the range, or 1)"
+        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the range, or 1)"
     )
 
 
 def source(names: Mapping[str, str] | None = None) -> Source:
-    """The command line as a source: every value is text, members are called by their options, and slices are
-    bounded only by the time that they take here."""
+    """Returns the command line as a source: values are text, and `names` maps members to options.
+
+    The number of slices is practically unlimited, since they are computed locally.
+    """
     limits = Limits(max_slices=MAX_LOCAL_SLICES, max_article_slices=MAX_LOCAL_SLICES)
     return Source(limits, names or {}, is_text=True)
 
 
 def ask(model: type[Q], args: argparse.Namespace, members: Mapping[str, object], origin: Source) -> Q:
-    """The question that the options make; what is None was not given.
+    """Returns the question that the options make; None stands for an option that is not given.
 
     Raises:
-        InputError: naming the options, and the members of the geometry, at fault.
+        InputError: naming the faulty options and members of the geometry.
     """
     members = {"geometry": geometry_of(args.geometry), "digits": args.digits, **members}
     return read(model, {name: value for name, value in members.items() if value is not None}, origin)
 
 
 def geometry_of(name: str) -> object:
-    """A built-in manipulator, or the JSON in a file or on standard input.
+    """Returns a built-in manipulator, or the JSON of a file or of standard input.
 
     Raises:
-        InputError: there is no such file, or no JSON in it.
+        InputError: the file cannot be read or is not JSON.
     """
     if name in EXAMPLES:
         return EXAMPLES[name]
@@ -117,15 +119,15 @@ def geometry_of(name: str) -> object:
 
 
 def fixed_leg_of(text: str) -> int:
-    """The leg that `--fixed-leg` names."""
+    """Returns the leg that `--fixed-leg` names."""
     with named("fixed_leg"):
         return part(_FIXED_LEG.validate_python, text, source())
 
 
 def leg_and_range(args: argparse.Namespace) -> tuple[int, dict[str, str | None], str]:
-    """`--fixed-leg` and the one range, whose option implies the leg; and the name of that option."""
+    """Returns the fixed leg, the range (whose option implies the leg), and the name of that option."""
     if len(args.ranges) > 1:
-        raise InputError.of(args.ranges[1][0], "is one range too many; give one")
+        raise InputError.of(args.ranges[1][0], "is a second range; give one")
     leg = None if args.fixed_leg is None else fixed_leg_of(args.fixed_leg)
     if not args.ranges:
         return leg or 1, {}, "range"
@@ -137,13 +139,17 @@ def leg_and_range(args: argparse.Namespace) -> tuple[int, dict[str, str | None],
 
 
 def range_values(text: str, option: str, origin: Source) -> tuple[Fraction, ...]:
-    """The lengths of `START:STOP:STEP`."""
+    """Returns the lengths of `START:STOP:STEP`."""
     with named(option):
         return part(SliceRange.model_validate, split_range(text), origin).values(origin.limits)
 
 
 def manipulator_of(name: str) -> Manipulator:
-    """A manipulator by itself, built in or read."""
+    """Returns a manipulator by its built-in name or from a file.
+
+    Raises:
+        InputError: the file cannot be read, or is not a manipulator.
+    """
     geometry = geometry_of(name)
     with named("geometry"):
         return part(_MANIPULATOR.validate_python, geometry, source())

@@ -1,5 +1,5 @@
-"""Every length at which the number of cusps changes, with its kind and pose, and the number of cusps between:
-all of them, by proof."""
+"""Find every length at which the number of cusps changes, with its kind and poses, and the number of cusps in
+between. The list is proved complete."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 import rpr_solver
 from service.cli import arguments
-from service.cli.pages import Page, Progress, Section, about, counted, rows_of, write_document
+from service.cli.pages import Page, Section, about, counted, progress_bar, rows_of, write_document
 from service.schemas.census import CensusRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -17,14 +17,14 @@ EXAMPLES = """\
 examples:
   rpr-cusps census innocenti --digits 20
   rpr-cusps census innocenti --l1-range 28:31 --format json
-  rpr-cusps census robot.json --l2-range :40 --format csv    slices of leg 2
+  rpr-cusps census robot.json --l2-range :40 --format csv    with leg 2 fixed
 """
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
-    arguments.add_ranges(parser, "the lengths of interest; either end may be left out (default: all)")
+    arguments.add_ranges(parser, "the range of lengths; either end may be omitted (default: all)")
     arguments.add_digits(parser, 90)
     arguments.add_format(parser, csv=True)
 
@@ -35,14 +35,14 @@ def run(args: argparse.Namespace) -> int:
     origin = arguments.source({"range": option})
     question = arguments.ask(CensusRequest, args, {"fixed_leg": leg, "range": ends}, origin)
     start, stop = question.range.ends
-    with Progress(1, "steps") as progress:
+    with progress_bar(1, "steps") as progress:
         document = rpr_solver.census(
             question.geometry,
             fixed_leg=leg,
             digits=question.digits,
             start=start,
             stop=stop,
-            progress=progress.update,
+            progress=progress,
         ).to_json()
     write_document(document, _page(document), args.format, csv=rpr_solver.census_csv)
     return 0

@@ -1,7 +1,7 @@
-"""Prove or refute a requirement: at most, or at least, so many cusps in every slice of a range of lengths.
+"""Prove or refute a requirement: a maximum or minimum number of cusps in every slice of a range of lengths.
 
-Many geometries may be given and are checked in parallel; a folder stands for all *.json in it. With limits of
-the other legs, only cusps strictly within them are counted."""
+Several geometries are checked in parallel; a folder stands for its *.json files. With limits on the other
+legs, only cusps strictly within them are counted."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -25,59 +25,55 @@ from rpr_solver import EXAMPLES as MANIPULATORS
 from rpr_solver.errors import InputError, SolverError
 from service.cli import arguments
 from service.cli.check_reports import Outcome, document, github_annotations, junit_xml, page
-from service.cli.pages import Progress, write_document
+from service.cli.pages import progress_bar, write_document
 from service.schemas.checks import RequirementDocument
 from service.schemas.document import named, part, read
 from service.schemas.lengths import split_ends
 from service.schemas.numbers import Digits, whole_number
+from worker.process.os_limits import usable_cores
 
 DESCRIPTION = f"""{__doc__}
 
 {arguments.GEOMETRY}
 
-Exit status: 0 all pass, 1 some requirement is violated or could not be decided, 2 bad input."""
+Exit status: 0 all pass, 1 a requirement is violated or could not be decided, 2 bad input."""
 EXAMPLES = """\
 examples:
   rpr-cusps check innocenti --l1-range 28:31 --max-cusps 8
   rpr-cusps check designs/ --l1-range 10:20 --max-cusps 0 --junit report.xml
   rpr-cusps check a.json b.json --l1-range 10: --min-cusps 1 --l2-limits 5:40 --format json
 
-On GitHub Actions each geometry that does not pass is annotated.
+On GitHub Actions, each geometry that does not pass is annotated.
 """
 
 PASSED, FAILED, BAD_INPUT = 0, 1, 2
 _MAX_JOBS = 1024
 
-OnProgress = Callable[[int, int], None]
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
+    text = "a JSON file, a folder, -, or a built-in name"
+    parser.add_argument("geometry", metavar="GEOMETRY", nargs="+", help=text)
+    arguments.add_ranges(parser, "the range of lengths to check; either end may be omitted")
     parser.add_argument(
-        "geometry",
-        metavar="GEOMETRY",
-        nargs="+",
-        help="a JSON file, a folder, -, or a built-in name",
+        "--max-cusps", metavar="N", help="maximum number of cusps in any slice; 0 requires a cusp-free range"
     )
-    arguments.add_ranges(parser, "the lengths to check; either end may be left out")
-    parser.add_argument("--max-cusps", metavar="N", help="at most so many in every slice; 0: free of cusps")
-    parser.add_argument("--min-cusps", metavar="N", help="at least so many in every slice")
-    arguments.add_options(parser, "--l{}-limits", "limits", "A:B", "lengths that another leg can have")
+    parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice")
+    arguments.add_options(parser, "--l{}-limits", "limits", "A:B", "joint limits of another leg")
     arguments.add_digits(parser, CHECK_DIGITS)
     arguments.add_format(parser)
-    parser.add_argument("--junit", metavar="FILE", help="write JUnit XML, a test case for each geometry")
+    parser.add_argument("--junit", metavar="FILE", help="write JUnit XML, with a test case per geometry")
     parser.add_argument(
-        "--github", action="store_true", help="print GitHub annotations (always done on GitHub Actions)"
+        "--github", action="store_true", help="print GitHub annotations (default on GitHub Actions)"
     )
-    parser.add_argument("--jobs", metavar="N", help="processes (default: one for each core)")
+    parser.add_argument("--jobs", metavar="N", help="number of processes (default: one per core)")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status. A geometry at fault is told among the outcomes."""
-    digits = CHECK_DIGITS
-    if args.digits is not None:
-        with named("digits"):
-            digits = part(TypeAdapter(Digits).validate_python, args.digits, arguments.source())
+    """Run the command; returns the exit status. A faulty geometry is reported among the outcomes."""
+    digits = CHECK_DIGITS if args.digits is None else args.digits
+    with named("digits"):
+        digits = part(TypeAdapter(Digits).validate_python, digits, arguments.source())
     requirement = _requirement(args)
     jobs = _jobs(args.jobs)
     sources = list(expand(args.geometry))
@@ -107,19 +103,14 @@ def _requirement(args: argparse.Namespace) -> Requirement:
         names[f"limits.{limited}"] = option
         with named(option):
             limits[limited] = split_ends(text, ("min", "max"))
-    members = {
-        "fixed_leg": leg,
-        "range": ends,
-        "max_cusps": args.max_cusps,
-        "min_cusps": args.min_cusps,
-        "limits": limits,
-    }
+    bounds = {"max_cusps": args.max_cusps, "min_cusps": args.min_cusps}
+    members = {"fixed_leg": leg, "range": ends, "limits": limits, **bounds}
     return read(RequirementDocument, members, arguments.source(names)).to_requirement()
 
 
 def _jobs(text: str | None) -> int:
     if text is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        return usable_cores()
     expected = f"1 to {_MAX_JOBS}"
     with named("--jobs"):
         jobs = whole_number(text, expected, is_text=True)
@@ -129,13 +120,13 @@ def _jobs(text: str | None) -> int:
 
 
 def expand(sources: Sequence[str]) -> Iterator[str]:
-    """The geometries that are named: a folder stands for its JSON files, in the order of their names.
+    """Yields the geometries; a folder stands for its JSON files, sorted by name.
 
     Raises:
-        InputError: a folder without any, or standard input given twice.
+        InputError: a folder without JSON files, or a second `-`.
     """
     if sources.count("-") > 1:
-        raise InputError.of("arguments.GEOMETRY", "is - twice; standard input can be read once")
+        raise InputError.of("arguments.GEOMETRY", "is - twice; standard input can be read only once")
     for source in sources:
         folder = Path(source)
         if source in MANIPULATORS or source == "-" or not folder.is_dir():
@@ -143,28 +134,30 @@ def expand(sources: Sequence[str]) -> Iterator[str]:
             continue
         files = sorted(path for path in folder.iterdir() if path.suffix == ".json" and path.is_file())
         if not files:
-            raise InputError.of("arguments.GEOMETRY", f"the folder {source!r} has no *.json")
+            raise InputError.of("arguments.GEOMETRY", f"the folder {source!r} has no *.json files")
         yield from map(str, files)
 
 
 def _check_all(sources: Sequence[str], requirement: Requirement, digits: int, jobs: int) -> list[Outcome]:
     outcomes: dict[int, Outcome] = {}
     manipulators: dict[int, Manipulator] = {}
-    names = [os.fsencode(source).decode("utf-8", "replace") for source in sources]  # a file's may be anything
+    names = [
+        os.fsencode(source).decode("utf-8", "replace") for source in sources
+    ]  # file names are arbitrary bytes
     for i, source in enumerate(sources):
         try:
             manipulators[i] = arguments.manipulator_of(source)
         except InputError as error:
             outcomes[i] = Outcome(names[i], error={"type": "input-error", "detail": str(error)})
     single = len(sources) == 1
-    with Progress(1 if single else len(sources), "steps" if single else "geometries") as progress:
+    with progress_bar(1 if single else len(sources), "steps" if single else "geometries") as progress:
 
         def done(i: int, outcome: Outcome) -> None:
             outcomes[i] = outcome
-            progress.update(len(outcomes), len(sources))
+            progress(len(outcomes), len(sources))
 
         if min(jobs, len(manipulators)) <= 1:
-            inside = progress.update if single else None
+            inside = progress if single else None
             for i, manipulator in manipulators.items():
                 done(i, run_check(names[i], manipulator, requirement, digits, inside))
         else:
@@ -178,19 +171,16 @@ def run_check(
     manipulator: Manipulator,
     requirement: Requirement,
     digits: int,
-    progress: OnProgress | None = None,
+    progress: rpr_solver.Progress | None = None,
 ) -> Outcome:
     """Check one geometry."""
     begin = time.monotonic()
+    report = error = None
     try:
-        report: dict[str, Any] | None = rpr_solver.check(
-            manipulator, requirement, digits=digits, progress=progress
-        ).to_json()
-        error = None
-    except InputError as failure:
-        report, error = None, {"type": "input-error", "detail": str(failure)}
-    except SolverError as failure:
-        report, error = None, {"type": "solver-error", "detail": str(failure)}
+        report = rpr_solver.check(manipulator, requirement, digits=digits, progress=progress).to_json()
+    except (InputError, SolverError) as failure:
+        kind = "input-error" if isinstance(failure, InputError) else "solver-error"
+        error = {"type": kind, "detail": str(failure)}
     return Outcome(source, report, error, time.monotonic() - begin)
 
 
@@ -201,12 +191,12 @@ def _in_processes(
     digits: int,
     jobs: int,
 ) -> Iterator[tuple[int, Outcome]]:
-    """The outcomes as they come."""
+    """Yields the outcomes in the order of completion."""
     executor = ProcessPoolExecutor(min(jobs, len(manipulators)), multiprocessing.get_context("spawn"))
     futures: dict[Future[Outcome], int] = {}
     try:
-        # A Ctrl-C is for the command, which ends its processes: they inherit the blocked signal. It must not
-        # come while one is half started either.
+        # Only this process handles Ctrl-C and ends the others, which inherit the blocked signal. Blocking
+        # also keeps it from arriving while a process is half started.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             for i, manipulator in manipulators.items():
@@ -218,7 +208,7 @@ def _in_processes(
             try:
                 yield i, future.result()
             except BrokenProcessPool:
-                detail = "a process ended unexpectedly; with fewer --jobs there is more memory for each"
+                detail = "a process ended unexpectedly; fewer --jobs leave more memory for each"
                 yield i, Outcome(sources[i], error={"type": "process-lost", "detail": detail})
     except BaseException:
         for child in multiprocessing.active_children():
@@ -232,12 +222,10 @@ def _report(outcomes: Sequence[Outcome], requirement: dict[str, Any], args: argp
     write_document(document(outcomes, requirement), page(outcomes, requirement), args.format)
     for outcome in outcomes:
         if outcome.error is not None:
-            print(
-                f"rpr-cusps check: {outcome.source}: no answer ({outcome.error['type']}): {outcome.message}",
-                file=sys.stderr,
-            )
+            where = f"rpr-cusps check: {outcome.source}"
+            print(f"{where}: no answer ({outcome.error['type']}): {outcome.message}", file=sys.stderr)
     if args.github or os.environ.get("GITHUB_ACTIONS") == "true":
-        # GitHub reads both streams; a JSON document must stay one
+        # GitHub reads both streams, and stdout must stay a single JSON document
         out = sys.stderr if args.format == "json" else sys.stdout
         out.writelines(line + "\n" for line in github_annotations(outcomes))
     if args.junit is not None:

@@ -1,4 +1,4 @@
-"""The outcome of checks for people and for machines: text, JUnit XML, GitHub annotations."""
+"""The outcomes of checks as text, JUnit XML and GitHub annotations."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one geometry: a report, or why there is none.
+    """The report on one geometry, or the error in its place.
 
-    `error` holds a type ("input-error", "solver-error", …) and a detail.
+    `error` has a type ("input-error", "solver-error", …) and a detail.
     """
 
     source: str
@@ -34,7 +34,7 @@ class Outcome:
 
     @property
     def message(self) -> str:
-        """Why it is not passed, in one line: the first offending slice and its first cusp, or the error."""
+        """One line on the failure: the first offending slice and its first cusp, or the error."""
         if self.error is not None:
             return " ".join(self.error["detail"].split())
         if self.report is None or self.passed:
@@ -48,13 +48,13 @@ class Outcome:
         return text
 
     def to_json(self) -> dict[str, object]:
-        """The report with the name of its geometry, or the error."""
+        """Returns the report, or the error, with the name of the geometry."""
         verdict = {"source": self.source, "passed": self.passed}
         return {**verdict, "report": self.report} if self.error is None else {**verdict, "error": self.error}
 
 
 def document(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> dict[str, object]:
-    """All outcomes as one JSON document."""
+    """Returns all outcomes as one JSON document."""
     return {
         "passed": all(outcome.passed for outcome in outcomes),
         "requirement": requirement,
@@ -63,7 +63,7 @@ def document(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> dic
 
 
 def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> Page:
-    """All outcomes for a person."""
+    """Returns all outcomes as a page."""
     sections = []
     for outcome in outcomes:
         if outcome.passed:
@@ -77,7 +77,7 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> Page:
 
 
 def junit_xml(outcomes: Sequence[Outcome]) -> str:
-    """JUnit XML, a test case for each geometry."""
+    """Returns JUnit XML with a test case per geometry."""
     suite = ElementTree.Element(
         "testsuite",
         name=SUITE,
@@ -97,8 +97,8 @@ def junit_xml(outcomes: Sequence[Outcome]) -> str:
             kind, name = "requirement", "failure"
         else:
             continue
-        said = ElementTree.SubElement(case, name, message=_xml(outcome.message), type=kind)
-        said.text = "\n".join(" ".join(row) for row in _rows(outcome))
+        element = ElementTree.SubElement(case, name, message=_xml(outcome.message), type=kind)
+        element.text = "\n".join(" ".join(row) for row in _rows(outcome))
     suites = ElementTree.Element("testsuites")
     suites.append(suite)
     ElementTree.indent(suites)
@@ -106,7 +106,7 @@ def junit_xml(outcomes: Sequence[Outcome]) -> str:
 
 
 def github_annotations(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    """A GitHub workflow command for each geometry that is not passed."""
+    """Yields a GitHub workflow command for each geometry that does not pass."""
     for outcome in outcomes:
         if outcome.passed:
             continue
@@ -119,16 +119,9 @@ def github_annotations(outcomes: Sequence[Outcome]) -> Iterator[str]:
 
 
 def _demand(requirement: Mapping[str, Any]) -> str:
-    parts = [
-        f"{words} {requirement[name]}"
-        for name, words in (("max_cusps", "at most"), ("min_cusps", "at least"))
-        if requirement[name] is not None
-    ]
-    return (
-        f"{' and '.join(parts)} allowed"
-        if requirement["min_cusps"] is None
-        else f"{' and '.join(parts)} wanted"
-    )
+    bounds = {"at most": requirement["max_cusps"], "at least": requirement["min_cusps"]}
+    demand = " and ".join(f"{words} {bound}" for words, bound in bounds.items() if bound is not None)
+    return f"{demand} {'allowed' if requirement['min_cusps'] is None else 'required'}"
 
 
 def _about(requirement: Mapping[str, Any]) -> str:
@@ -156,7 +149,7 @@ def _rows(outcome: Outcome) -> Iterator[list[str]]:
 
 
 def _xml(text: str) -> str:
-    """Without what XML 1.0 cannot hold."""
+    """Replace the characters that XML 1.0 excludes."""
     return _NOT_XML.sub("\ufffd", text)
 
 

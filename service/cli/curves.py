@@ -1,6 +1,6 @@
-"""The curves that cusps run along while one leg changes its length: each cusp followed, by proof, from the
-transition where it is born to the one where it dies, and named. The names belong to the manipulator,
-whatever range or points are asked for."""
+"""Follow each cusp, by proof, as the length of one leg varies, from the transition where it appears to the
+one where it vanishes. The names of the curves depend on the manipulator and the leg alone, not on the
+requested range or points."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver.errors import InputError
 from service.cli import arguments
-from service.cli.pages import Page, Progress, Section, about, counted, rows_of, write_document
+from service.cli.pages import Page, Section, about, counted, progress_bar, rows_of, write_document
 from service.schemas.curves import CuspCurvesRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -27,11 +27,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
     arguments.add_ranges(
-        parser, "the lengths of interest (default: all); with a step, also those of points", "A:B[:STEP]"
+        parser, "the range of lengths (default: all); with STEP, also the lengths of points", "A:B[:STEP]"
     )
-    arguments.add_options(parser, "--l{}", "lengths", "X", "a length of points; may be given often")
+    arguments.add_options(parser, "--l{}", "lengths", "X", "a length at which to compute points; repeatable")
     parser.add_argument(
-        "--samples", metavar="N", help="N points of each curve in every interval between transitions"
+        "--samples", metavar="N", help="number of points of each curve in every interval between transitions"
     )
     arguments.add_digits(parser, 90)
     arguments.add_format(parser, csv=True)
@@ -40,19 +40,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
-    with Progress(1, "steps") as progress:
+    lengths, samples = question.slices, question.samples
+    with progress_bar(1, "steps") as progress:
         whole = rpr_solver.cusp_curves(
-            question.geometry,
-            fixed_leg=question.fixed_leg,
-            digits=question.digits,
-            progress=progress.update,
+            question.geometry, fixed_leg=question.fixed_leg, digits=question.digits, progress=progress
         )
-        start, stop = question.range.ends
-        lengths, samples = question.slices, question.samples
-        part = whole.part(start, stop, lengths=lengths, samples=samples, progress=progress.update)
+        part = whole.part(*question.range.ends, lengths=lengths, samples=samples, progress=progress)
     document = part.to_json()
-    has_points = bool(question.slices or question.samples)
-    write_document(document, _page(document, has_points), args.format, csv=rpr_solver.curves_csv)
+    write_document(
+        document, _page(document, bool(lengths or samples)), args.format, csv=rpr_solver.curves_csv
+    )
     return 0
 
 

@@ -1,5 +1,5 @@
-"""Start the whole service on a free port, post the article's first manipulator at L1 = 14.98 over HTTP, print
-the cusp table that a worker computed, and stop everything."""
+"""Start the whole service on a free port, post the article's first manipulator at L1 = 14.98, print the cusp
+table that a worker computes, and stop everything."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rpr_solver import EXAMPLES as MANIPULATORS
-from service.cli.pages import Progress, write_table
+from service.cli.pages import progress_bar, write_table
 from service.cli.solve import report
 from service.client import ServiceClient
 from service.errors import ServiceError
@@ -24,30 +24,30 @@ DESCRIPTION, EXAMPLES = __doc__, None
 
 EXAMPLE, L1 = "innocenti", "14.98"
 
-# `-P` and this instead of `-m`: a directory called "service" where the user happens to be must not be taken.
+# Unlike `-m`, this does not import a directory named "service" in the current directory.
 _PROGRAM = "import sys; sys.path.append(sys.argv.pop(1)); from service.cli.main import main; sys.exit(main())"
 _STOP_PATIENCE = 15.0
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("--keep", action="store_true", help="leave the service running until Ctrl-C")
+    parser.add_argument("--keep", action="store_true", help="keep the service running until Ctrl-C")
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status.
 
     Raises:
-        ServiceError: the service did not start or did not answer.
+        ServiceError: the service did not start or answer.
     """
     with (
         tempfile.TemporaryDirectory(prefix="rpr-cusps-") as directory,
         _service(Path(directory)) as (process, url),
     ):
         _say(f"The service runs at {url}; posting the manipulator {EXAMPLE!r} at L1 = {L1}.")
-        with ServiceClient(url) as client, Progress(1) as progress:
+        with ServiceClient(url) as client, progress_bar(1) as progress:
             request = {"geometry": MANIPULATORS[EXAMPLE].to_json(), "l1": L1}
-            table = client.cusp_table(request, progress.update)
+            table = client.cusp_table(request, progress)
         write_table(table, "table")
         sys.stdout.flush()
         if args.keep:
@@ -61,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
 
 @contextmanager
 def _service(data_dir: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """`rpr-cusps serve` on a free port, with data of its own, and its address."""
+    """Run `rpr-cusps serve` on a free port with its data in `data_dir`; gives the process and its address."""
     root = str(Path(__file__).parents[2])
     environment = {key: value for key, value in os.environ.items() if key != "RPR_CUSPS_REDIS_URL"}
     process = subprocess.Popen(
@@ -73,14 +73,14 @@ def _service(data_dir: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         text=True,
-        start_new_session=True,  # a terminal's Ctrl-C reaches this process only, which stops the other
+        start_new_session=True,  # Ctrl-C on a terminal reaches this process alone, which stops the other
     )
     try:
         assert process.stdout is not None
         line = process.stdout.readline()
         match = re.search(r"https?://\S+", line)
         if match is None:
-            raise ServiceError(f"the service did not start: {line.strip() or 'it said nothing'}")
+            raise ServiceError(f"the service did not start: {line.strip() or 'it printed nothing'}")
         yield process, match[0]
     finally:
         process.terminate()

@@ -1,7 +1,7 @@
 """The command line `rpr-cusps`.
 
-Exit status: 0 done, 1 some question has no answer or a check is not passed, 2 bad input, 3 the service cannot
-be reached or failed, 130 interrupted.
+Exit status: 0 success, 1 a question without an answer or a check that failed, 2 bad input, 3 the service
+failed or cannot be reached, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -23,30 +23,30 @@ NO_ANSWER, BAD_INPUT, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 1, 2, 3, 130, 141
 
 COMMANDS = {
     "solve": "compute cusp tables and print them",
-    "census": "every length at which the number of cusps changes",
-    "curves": "each cusp followed from its birth to its death",
+    "census": "find every length at which the number of cusps changes",
+    "curves": "follow each cusp from where it appears to where it vanishes",
     "check": "prove or refute a requirement on the number of cusps",
-    "poses": "all poses of given leg lengths",
+    "poses": "compute all poses for given leg lengths",
     "serve": "run the whole service",
     "worker": "run one worker",
-    "demo": "see the whole service at work, once",
+    "demo": "run the whole service on one example",
 }
-"""Every command, which is a module of this package, with its summary."""
+"""Command → summary; each command is a module of this package."""
 
 _FORMATTER = argparse.RawDescriptionHelpFormatter
 _DESCRIPTION = "Certified cusp points in the joint space of planar 3-RPR parallel manipulators."
 _EXAMPLES = """\
 examples:
-  rpr-cusps demo                                   see the whole service at work, once
-  rpr-cusps solve innocenti --l1 14.98             solve here, without a service
-  rpr-cusps serve                                  the service, on http://127.0.0.1:8000
+  rpr-cusps demo                                   run the whole service on one example
+  rpr-cusps solve innocenti --l1 14.98             solve locally, without a service
+  rpr-cusps serve                                  run the service on http://127.0.0.1:8000
   rpr-cusps solve robot.json --l1 27 --url http://127.0.0.1:8000
 """
 
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
-        """One line instead of the whole usage."""
+        """Print one line instead of the whole usage."""
         self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
@@ -63,7 +63,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except InputError as error:
         return _fail(name, str(error), BAD_INPUT)
     except ValidationError as error:
-        from worker.settings import settings_problem  # only here: each command starts quickly
+        from worker.settings import settings_problem  # imported here to keep the start quick
 
         return _fail(name, settings_problem(error), BAD_INPUT)
     except SolverError as error:
@@ -73,13 +73,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        # so that the interpreter's own flush at the end does not complain either
+        # keeps the interpreter's final flush from failing too
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
 
 
 def _parser(argv: Sequence[str]) -> tuple[_Parser, Any]:
-    """The parser, and the module of the command; no other is imported, so that each starts quickly."""
+    """Returns the parser and the module of the command; to start quickly, no other module is imported."""
     parser = _Parser("rpr-cusps", description=_DESCRIPTION, epilog=_EXAMPLES, formatter_class=_FORMATTER)
     parser.add_argument("--version", action="version", version=f"rpr-cusps {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)

@@ -1,18 +1,17 @@
-"""What a person sees on a terminal: tables and progress. What a program reads: JSON, CSV, aligned text."""
+"""Documents on stdout, as tables for a terminal or as JSON, CSV and aligned text; progress on stderr."""
 
 from __future__ import annotations
 
 import json
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from types import TracebackType
-from typing import Any, Self, TextIO
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
 
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
-from rich.progress import Progress as Bar
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
@@ -29,38 +28,19 @@ _COLUMN_PADDING = 3
 _LEAST_WIDTH = 8
 
 
-class Progress:
-    """A progress bar on stderr; nothing at all when that is no terminal."""
-
-    def __init__(self, total: int, what: str = "slices") -> None:
-        self._bar = Bar(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            console=Console(stderr=True),
-            transient=True,
-            disable=not sys.stderr.isatty(),
-        )
-        self._task = self._bar.add_task(what, total=total)
-
-    def __enter__(self) -> Self:
-        self._bar.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._bar.stop()
-
-    def update(self, done: int, total: int) -> None:
-        """Show how many of all are done."""
-        self._bar.update(self._task, completed=done, total=total)
+@contextmanager
+def progress_bar(total: int, what: str = "slices") -> Iterator[rpr_solver.Progress]:
+    """A progress bar on stderr, if that is a terminal; gives the callback that moves it."""
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, disable=not sys.stderr.isatty()) as progress:
+        task = progress.add_task(what, total=total)
+        yield lambda done, total: progress.update(task, completed=done, total=total)
 
 
 @dataclass(frozen=True)
 class Section:
-    """A title, a table under it (the first row are the headings), and lines of text."""
+    """A title, a table (its first row is the headings), and lines of text."""
 
     title: str
     rows: Sequence[Sequence[str]] = ()
@@ -70,32 +50,26 @@ class Section:
 
 @dataclass(frozen=True)
 class Page:
-    """What a person sees of one document."""
+    """A document as a person reads it."""
 
     about: str
-    sections: Sequence[Section] = field(default_factory=list)
+    sections: Sequence[Section]
     digits: int | None = None
 
 
-def write_table(table: dict[str, Any], form: str, out: TextIO | None = None) -> None:
+def write_table(table: dict[str, Any], form: str) -> None:
     """Print a cusp table as `table`, `json` or `csv`."""
     sections = []
     for part in table["slices"]:
         sections += [_slice(part), *([_audit(part["audit"])] if "audit" in part else [])]
     page = Page(about(table), sections, table["digits"])
-    write_document(table, page, form, out, csv=rpr_solver.table_csv)
+    write_document(table, page, form, csv=rpr_solver.table_csv)
 
 
-def write_document(
-    document: Any,
-    page: Page,
-    form: str,
-    out: TextIO | None = None,
-    csv: Callable[[Any], str] | None = None,
-) -> None:
-    """Print a document as `json`, as `csv`, or its page: fitted to a terminal, or as aligned text with all
+def write_document(document: Any, page: Page, form: str, csv: Callable[[Any], str] | None = None) -> None:
+    """Print a document as `json` or `csv`, or its page: fitted to a terminal, else aligned text with all
     digits."""
-    out = out or sys.stdout
+    out = sys.stdout
     if form == "json":
         out.write(json.dumps(document, indent=2, ensure_ascii=False) + "\n")
     elif form == "csv" and csv is not None:
@@ -107,31 +81,28 @@ def write_document(
 
 
 def rows_of(points: Sequence[Mapping[str, Any]], keys: Sequence[str] | None = None) -> list[list[str]]:
-    """Points under their headings; a sign's place is kept free, so that digits align."""
+    """Returns points as a table with headings; unsigned numbers leave room for a sign and stay aligned."""
     if not points:
         return []
-    keys = list(points[0]) if keys is None else list(keys)
-    body = [[str(point[key]) for key in keys] for point in points]
-    signed = [any(row[i].startswith("-") for row in body) for i in range(len(keys))]
-    body = [
-        [
-            f" {cell}" if sign and not cell.startswith("-") else cell
-            for cell, sign in zip(row, signed, strict=True)
-        ]
-        for row in body
-    ]
-    return [[_HEADINGS.get(key, key) for key in keys], *body]
+    return list(map(list, zip(*(_column(key, points) for key in keys or points[0]), strict=True)))
+
+
+def _column(key: str, points: Sequence[Mapping[str, Any]]) -> list[str]:
+    cells = [str(point[key]) for point in points]
+    if any(cell.startswith("-") for cell in cells):
+        cells = [cell if cell.startswith("-") else f" {cell}" for cell in cells]
+    return [_HEADINGS.get(key, key), *cells]
 
 
 def about(document: Mapping[str, Any]) -> str:
-    """Which manipulator a document belongs to."""
+    """Returns the line that describes the manipulator of a document."""
     geometry = document["geometry"]
     lengths = "  ".join(f"{key} = {value}" for key, value in geometry.items() if key != "orientation")
     return f"3-RPR manipulator  {lengths}  ({geometry['orientation']})"
 
 
 def counted(count: int, what: str) -> str:
-    """A number of things.
+    """Returns a count with its noun.
 
     >>> counted(1, "cusp"), counted(2, "cusp")
     ('1 cusp', '2 cusps')
@@ -140,12 +111,12 @@ def counted(count: int, what: str) -> str:
 
 
 def failures(table: dict[str, Any]) -> list[tuple[str, dict[str, str]]]:
-    """The slices without an answer, each with the error that it carries."""
+    """Returns the slices without an answer, each with its error."""
     return [(_where(part), part["error"]) for part in table["slices"] if "error" in part]
 
 
 def describe_point(point: Mapping[str, Any]) -> str:
-    """A point that is no ordinary cusp, in one line."""
+    """Returns one line on a point that is not an ordinary cusp."""
     values = ", ".join(
         f"{_HEADINGS.get(k, k)} {v}" for k, v in point.items() if k != "kind" and isinstance(v, str)
     )
@@ -162,7 +133,7 @@ def _slice(part: dict[str, Any]) -> Section:
 
 
 def _audit(audit: Mapping[str, Any]) -> Section:
-    """The factors of the article's eliminant, and what became of their real solutions."""
+    """The factors of the article's eliminant, and the verdicts on their real solutions."""
     rows = [["factor", "degree", "mult.", "real roots", "kept", "degenerate", "rejected", "why"]]
     for factor in audit["factors"]:
         verdicts = [couple["verdict"] for couple in factor["couples"]]
@@ -171,12 +142,11 @@ def _audit(audit: Mapping[str, Any]) -> Section:
         rows.append([factor["origin"], *map(str, numbers), factor["reason"]])
     title = f"The article's eliminant of degree {audit['eliminant_degree']}, factor by factor"
     notes = [f"h: {audit['h']}", audit["conjecture"]["answer"]]
-    rejected = [
-        (f["origin"], c) for f in audit["factors"] for c in f["couples"] if c["verdict"] == "rejected"
-    ]
     notes += [
-        f"rejected ({origin}): α {c['alpha_deg']}, θ1 {c['theta1_deg']}: {c['reason']}"
-        for origin, c in rejected
+        f"rejected ({factor['origin']}): α {c['alpha_deg']}, θ1 {c['theta1_deg']}: {c['reason']}"
+        for factor in audit["factors"]
+        for c in factor["couples"]
+        if c["verdict"] == "rejected"
     ]
     return Section(title, rows, notes)
 
@@ -205,32 +175,28 @@ def _write_rich(page: Page, console: Console) -> None:
             headings, *rows = section.rows
             # border and padding on both sides of every column
             widths = _fitting([*section.rows], console.width - 2)
-            shown = Table(box=box.ROUNDED)
+            table = Table(box=box.ROUNDED)
             for key in headings:
-                shown.add_column(Text(key), no_wrap=True)
+                table.add_column(Text(key), no_wrap=True)
             for row in rows:
-                shown.add_row(*(Text(_fit(cell, width)) for cell, width in zip(row, widths, strict=True)))
-            shortened = shortened or any(
-                len(cell) > width for row in rows for cell, width in zip(row, widths, strict=True)
-            )
-            console.print(shown)
+                cells = [_fit(cell, width) for cell, width in zip(row, widths, strict=True)]
+                shortened = shortened or cells != row
+                table.add_row(*map(Text, cells))
+            console.print(table)
         for note in section.notes:
             console.print(Text(f"  {note}"), no_wrap=True, overflow="ellipsis")
     if shortened:
-        everywhere = "Cut to fit; all digits are in --format json or csv, and in a pipe or file."
-        if page.digits is not None:
-            everywhere = everywhere.replace("all digits", f"all {page.digits} digits")
-        console.print(Text(everywhere, style="dim"))
+        digits = "all digits" if page.digits is None else f"all {page.digits} digits"
+        hint = f"Cut to fit; {digits} are in --format json or csv, and in a pipe or file."
+        console.print(Text(hint, style="dim"))
 
 
 def _fitting(rows: Sequence[Sequence[str]], width: int) -> list[int]:
-    """Widths of columns that fit; short columns leave their room to long ones."""
+    """Returns column widths that fit; short columns leave their room to long ones."""
     needed = [max(map(len, column)) for column in zip(*rows, strict=True)]
     left, widths = width - _COLUMN_PADDING * len(needed), [0] * len(needed)
-    for rest, i in zip(
-        range(len(needed), 0, -1), sorted(range(len(needed)), key=needed.__getitem__), strict=True
-    ):
-        widths[i] = max(min(needed[i], left // rest), _LEAST_WIDTH)
+    for n, i in enumerate(sorted(range(len(needed)), key=needed.__getitem__)):
+        widths[i] = max(min(needed[i], left // (len(needed) - n)), _LEAST_WIDTH)
         left -= widths[i]
     return widths
 

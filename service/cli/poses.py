@@ -1,5 +1,5 @@
-"""Direct kinematics: all poses of the platform with given leg lengths, proved to be all, with
-multiplicity."""
+"""Compute all poses of the platform for given leg lengths (direct kinematics), with multiplicities. The list
+is proved complete."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 """Run the whole service: the HTTP API, worker processes and, unless a Redis URL is given, an embedded Valkey.
-Ctrl-C stops all of it; queued jobs are there again at the next start."""
+Ctrl-C stops everything; queued jobs are resumed at the next start."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ examples:
   rpr-cusps serve --port 8080 --workers 8 --data-dir /var/lib/rpr-cusps
   rpr-cusps serve --host 0.0.0.0 --workers 0 --redis-url redis://queue:6379/0    only the API; see worker
 
-Settings come from the environment: RPR_CUSPS_MAX_SLICES and the other limits that /v1/limits shows,
-RPR_CUSPS_DEADLINE (seconds that a part of a job may take) and more.
+Settings come from the environment: RPR_CUSPS_MAX_SLICES and the other limits of /v1/limits,
+RPR_CUSPS_DEADLINE (maximum run time of a chunk of a job, in seconds) and more.
 """
 
 
@@ -33,27 +33,27 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=_whole("a port", 65535),
         default=8000,
         metavar="N",
-        help="default: 8000; 0 takes a free one",
+        help="port to listen on (default: 8000); 0 chooses a free one",
     )
     parser.add_argument(
         "--workers",
         type=_whole("a number of workers", 1024),
         metavar="N",
-        help="worker processes (default: one for each core)",
+        help="number of worker processes (default: one per core)",
     )
-    add_redis_url(parser, "a Redis or Valkey server to use (default: an embedded one)")
+    add_redis_url(parser, "the Redis or Valkey server to use (default: an embedded one)")
     parser.add_argument(
         "--data-dir",
         type=Path,
         metavar="DIR",
-        help="where the embedded Valkey keeps its data (default: your own)",
+        help="data directory of the embedded Valkey (default: the user's data directory)",
     )
     parser.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    Settings()  # complains of the environment now rather than behind the first request
+    Settings()  # reports a bad environment before anything starts
     if args.parent_pid is not None:
         die_with_parent(args.parent_pid, signal.SIGTERM)
     return serve(

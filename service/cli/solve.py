@@ -10,7 +10,7 @@ import rpr_solver
 from rpr_solver.article.audit import article_document
 from rpr_solver.errors import InputError
 from service.cli import arguments
-from service.cli.pages import Progress, failures, write_table
+from service.cli.pages import failures, progress_bar, write_table
 from service.errors import ServiceError
 from service.schemas.tables import ARTICLE, METHODS, CuspTableRequest
 
@@ -23,30 +23,28 @@ examples:
   rpr-cusps solve robot.json --l1-range 0.1:50.1:0.1 --digits 30 --format csv > cusps.csv
   echo '{"a2x":15.91,"a3x":0,"a3y":10,"d1":17.04,"d2":16.54,"d3":20.84}' | rpr-cusps solve - --l1 14.98
 
-On a terminal a table shows as many digits as fit; all of them are in every other output.
+A terminal shows as many digits as fit; every other output has all of them.
 """
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
-    text = "a slice; may be given often (--l2 with fixed leg 2, …)"
+    text = "the fixed length of a slice; repeatable (--l2 with fixed leg 2, …)"
     arguments.add_options(parser, "--l{}", "slices", "X", text)
-    text = "slices from START up to STOP, which is included when it is hit"
+    text = "slices from START to STOP in steps of STEP; STOP is included if a step meets it"
     arguments.add_options(parser, "--l{}-range", "slices", "START:STOP:STEP", text)
     arguments.add_digits(parser, 90)
-    parser.add_argument(
-        "--fixed-leg", default="1", metavar="LEG", help="the leg with the fixed length (default: 1)"
-    )
+    parser.add_argument("--fixed-leg", default="1", metavar="LEG", help="the fixed leg (default: 1)")
     arguments.add_format(parser, csv=True)
     parser.add_argument(
         "--method",
         choices=METHODS,
         default=METHODS[0],
-        help="article: the article's own algorithm, audited; slower, for leg 1 only (default: fast)",
+        help="article: the article's own algorithm with an audit; slower, leg 1 only (default: fast)",
     )
     parser.add_argument(
-        "--url", help="have the service at this address compute, for example http://127.0.0.1:8000"
+        "--url", help="compute by the service at this address, for example http://127.0.0.1:8000"
     )
 
 
@@ -54,15 +52,15 @@ def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
     slices = list(dict.fromkeys(question.slices))
-    with Progress(len(slices)) as progress:
+    with progress_bar(len(slices)) as progress:
         if args.url is not None:
             table = _ask_service(args.url, question, progress)
         elif question.method == ARTICLE:
-            table = article_document(question.geometry, slices, question.digits, progress.update)
+            table = article_document(question.geometry, slices, question.digits, progress)
         else:
             leg, digits = question.fixed_leg, question.digits
             table = rpr_solver.table_document(
-                question.geometry, slices, fixed_leg=leg, digits=digits, progress=progress.update
+                question.geometry, slices, fixed_leg=leg, digits=digits, progress=progress
             )
     write_table(table, args.format)
     return report(table)
@@ -83,19 +81,19 @@ def _question(args: argparse.Namespace) -> CuspTableRequest:
     return arguments.ask(CuspTableRequest, args, members, origin)
 
 
-def _ask_service(url: str, question: CuspTableRequest, progress: Progress) -> dict[str, Any]:
-    from service.client import ServiceClient  # only here: it takes a while to import
+def _ask_service(url: str, question: CuspTableRequest, progress: rpr_solver.Progress) -> dict[str, Any]:
+    from service.client import ServiceClient  # imported here: httpx is slow to load
 
     try:
         client = ServiceClient(url)
     except ServiceError as error:
         raise InputError.of("--url", str(error)) from None
     with client:
-        return client.cusp_table(question.body(), progress.update)
+        return client.cusp_table(question.body(), progress)
 
 
 def report(table: dict[str, Any]) -> int:
-    """Say on stderr which slices have no answer; returns the exit status."""
+    """Report the slices without an answer on stderr; returns the exit status."""
     failed = failures(table)
     for where, error in failed:
         print(f"rpr-cusps solve: {where}: no answer ({error['type']}): {error['detail']}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""Run one worker that takes jobs from a Redis or Valkey server, on this or another machine."""
+"""Run one worker that takes jobs from a Redis or Valkey server, on this machine or another."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ import argparse
 import os
 import sys
 
+from rpr_solver.errors import InputError
 from worker.process.worker import WorkerError, run_worker
 
 DESCRIPTION, EXAMPLES = __doc__, None
 
-FAILED, BAD_INPUT = 1, 2
+FAILED = 1
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -21,19 +22,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     if args.redis_url is None:
-        return _fail(
-            "--redis-url is missing; give the address of the queue, for example redis://127.0.0.1:6379/0",
-            BAD_INPUT,
-        )
+        hint = "give the address of the queue, for example redis://127.0.0.1:6379/0"
+        raise InputError.of("--redis-url", f"is missing; {hint}")
     try:
-        return run_worker(str(args.redis_url))
+        return run_worker(args.redis_url)
     except WorkerError as error:
-        return _fail(str(error), FAILED)
+        print(f"rpr-cusps worker: {error}", file=sys.stderr)
+        return FAILED
 
 
 def add_redis_url(parser: argparse.ArgumentParser, text: str) -> None:
     """Add `--redis-url`."""
-    # argparse also checks a default that is a string, so the environment is held to the same
+    # argparse also converts a default that is a string, so the environment is checked too
     default = os.environ.get("RPR_CUSPS_REDIS_URL") or None
     parser.add_argument(
         "--redis-url",
@@ -42,11 +42,6 @@ def add_redis_url(parser: argparse.ArgumentParser, text: str) -> None:
         metavar="URL",
         help=f"{text}; also RPR_CUSPS_REDIS_URL",
     )
-
-
-def _fail(message: str, status: int) -> int:
-    print(f"rpr-cusps worker: {message}", file=sys.stderr)
-    return status
 
 
 def _redis_url(text: str) -> str:

@@ -36,4 +36,6 @@ class Audit(BaseModel):
     eliminant_degree: int
     h: str
     factors: list[ArticleFactor]
-    conjecture: dict[str, Any] = Field(description="Whether the factor Q alone yields all cusps, with the reason.")
+    conjecture: dict[str, Any] = Field(
+        description="Whether the factor Q alone yields all cusps, with the reason."
+    )

@@ -33,7 +33,7 @@ class CensusRequest(Question):
     range: Range = range_field()
 
     def content(self) -> dict[str, Any]:
-        """The question in canonical form."""
+        """Returns the canonical form of the question."""
         return self.model_dump()
 
 

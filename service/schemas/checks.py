@@ -45,7 +45,9 @@ class RequirementDocument(Document):
 
     fixed_leg: FixedLeg = Field(default=1, description="The leg whose length varies over the range.")
     range: Range = range_field()
-    max_cusps: Count = Field(default=None, description="Maximum number of cusps in any slice; 0 requires a cusp-free range.")
+    max_cusps: Count = Field(
+        default=None, description="Maximum number of cusps in any slice; 0 requires a cusp-free range."
+    )
     min_cusps: Count = Field(default=None, description="Minimum number of cusps in any slice.")
     limits: JointLimits | None = Field(
         default=None, description="Only cusps strictly within these limits are counted."
@@ -83,7 +85,7 @@ class CheckRequest(Question):
     digits: Digits = digits_field(CHECK_DIGITS)
 
     def content(self) -> dict[str, Any]:
-        """The question in canonical form."""
+        """Returns the canonical form of the question."""
         return {**self.model_dump(), "requirement": self.requirement.to_requirement().to_json()}
 
 

@@ -74,7 +74,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
         return lengths
 
     def content(self) -> dict[str, Any]:
-        """The question in canonical form."""
+        """Returns the canonical form of the question."""
         lengths = [exact_str(x) for x in sorted(set(self.slices))]
         return {**self.model_dump(exclude={"l1", "l2", "l3"}), "lengths": lengths}
 
@@ -82,12 +82,14 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
 class CurveEnd(BaseModel):
     """Where a curve begins or ends."""
 
-    l1: Decimal | None = Field(default=None, description="The length, with `fixed_leg` 1; 0 or null at an open end.")
+    l1: Decimal | None = Field(
+        default=None, description="The length, with `fixed_leg` 1; 0 or null at an open end."
+    )
     l2: Decimal | None = Field(default=None, description="The length, with `fixed_leg` 2.")
     l3: Decimal | None = Field(default=None, description="The length, with `fixed_leg` 3.")
     kind: str = Field(
-        description="The kind of the transition; `open` at length 0 and at infinity; `undecided` where curves "
-        "are cut at a degenerate pose, since it is not proved which cusps pass through it."
+        description="The kind of the transition; `open` at length 0 and at infinity; `undecided` where "
+        "curves are cut at a degenerate pose, since it is not proved which cusps pass through it."
     )
     joins: str | None = Field(
         description="The curve that is proved to meet this one here; both are parts of one smooth curve that "

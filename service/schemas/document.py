@@ -1,6 +1,6 @@
-"""What is sent, as pydantic models: strict, and with every fault told in words under its dotted name.
+"""Strict pydantic models for input; every fault is a sentence under the field's dotted name.
 
-A validator raises :class:`InputError`, which names its fault relative to the value that is read: "" for the
+A validator raises :class:`InputError`, which names the fault relative to the validated value: "" for the
 value itself, "step" or "range.from" for a part of it. The :class:`Source` is the validation's context.
 """
 
@@ -30,17 +30,17 @@ from service.schemas.limits import LimitError, Limits
 
 T = TypeVar("T")
 
-_LISTED = 20
+_LISTED, _LISTED_IN_PART = 20, 50
 
 
 @dataclass(frozen=True)
 class Source:
-    """Where values come from, and what may be asked for there.
+    """Where values come from: a request, a command line, or code.
 
     Attributes:
-        limits: what may be asked for.
-        names: how messages call members such as "l1" or "limits.l2": by the options that gave them.
-        is_text: whether every value is text, as on a command line; JSON tells numbers from strings.
+        limits: the limits that apply.
+        names: the options behind members such as "l1" or "limits.l2", for messages.
+        is_text: whether every value is text, as on a command line; JSON distinguishes numbers and strings.
     """
 
     limits: Limits
@@ -49,12 +49,12 @@ class Source:
 
     @classmethod
     def of(cls, info: ValidationInfo) -> Source:
-        """The source of a validation."""
+        """Returns the source of a validation."""
         source: Source = info.context or cls(Limits())
         return source
 
     def called(self, place: str) -> str:
-        """How messages call a member."""
+        """Returns the name of a member in messages."""
         for member, name in self.names.items():
             if place == member or place.startswith((f"{member}.", f"{member}[")):
                 return name + re.sub(r"^\[\d+\]", "", place.removeprefix(member))
@@ -63,13 +63,13 @@ class Source:
 
 @dataclass(frozen=True)
 class Expected:
-    """Beside the type of a field: what to give, as a message says it."""
+    """Metadata of a field: the advice in the message that it is missing."""
 
     text: str
 
 
 class Document(BaseModel):
-    """An object that is sent. Unknown members are refused."""
+    """An object in the input. Unknown members are refused."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -94,7 +94,7 @@ class Document(BaseModel):
 
     @classmethod
     def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
-        """The members that this object may have."""
+        """Returns the members that this object may have."""
         del value
         return cls._names()
 
@@ -124,30 +124,30 @@ class Document(BaseModel):
 
     @classmethod
     def _sentence(cls, fault: Any) -> str:
-        """What pydantic complains of by itself, in words."""
+        """Returns the sentence for a fault that pydantic detects by itself."""
         [info] = [f for name, f in cls.model_fields.items() if fault["loc"][-1] in (name, f.alias)]
         if fault["type"] == "missing":
             texts = [hint.text for hint in info.metadata if isinstance(hint, Expected)]
             return f"is missing; {texts[0] if texts else getattr(info.annotation, 'expected', 'give it')}"
         value = fault["input"]
-        said = repr(value[:40]) if type(value) is str else json_kind(value)
-        return f"is {said}; it must be one of {', '.join(get_args(info.annotation))}"
+        shown = repr(value[:40]) if type(value) is str else json_kind(value)
+        return f"is {shown}; it must be one of {', '.join(get_args(info.annotation))}"
 
 
 M = TypeVar("M", bound=Document)
 
 
 def read(model: type[M], value: object, source: Source) -> M:
-    """Read what was sent.
+    """Read input as a model.
 
     Args:
-        model: what it should be.
-        value: JSON as :func:`service.schemas.exact_json.parse_json` gives it, options, or exact values.
-        source: where it comes from, and what may be asked for there.
+        model: the expected model.
+        value: JSON as :func:`service.schemas.exact_json.parse_json` returns it, options, or exact values.
+        source: where the input comes from.
 
     Raises:
-        LimitError: it is right but too large.
-        InputError: naming every field at fault.
+        LimitError: the input is valid but exceeds a limit.
+        InputError: naming every faulty field.
     """
     try:
         return part(model.model_validate, value, source)
@@ -157,7 +157,7 @@ def read(model: type[M], value: object, source: Source) -> M:
 
 @contextmanager
 def named(option: str) -> Iterator[None]:
-    """Errors of what is read here are those of this option."""
+    """Attribute the input errors of a block to an option."""
     try:
         yield
     except InputError as error:
@@ -166,7 +166,7 @@ def named(option: str) -> Iterator[None]:
 
 @contextmanager
 def unnamed(member: str) -> Iterator[None]:
-    """Errors of the solver, which calls a member by its usual name, are told relative to it."""
+    """Name the solver's input errors relative to a member, rather than by the member's usual name."""
     try:
         yield
     except InputError as error:
@@ -174,20 +174,21 @@ def unnamed(member: str) -> Iterator[None]:
 
 
 def part(validate: Callable[..., T], value: object, source: Source) -> T:
-    """Read a part of what was sent by a method of pydantic's; faults are named relative to it."""
+    """Read a part of the input by a method of pydantic's; faults are named relative to the part."""
     try:
         return validate(value, context=source)
     except ValidationError as error:
-        raise together([at(f["ctx"]["error"], dotted(f["loc"])) for f in error.errors()]) from None
+        faults = error.errors()[:_LISTED_IN_PART]
+        raise together([at(fault["ctx"]["error"], dotted(fault["loc"])) for fault in faults]) from None
 
 
 def at(error: InputError, place: str) -> InputError:
-    """The same error of a part, named from the whole."""
+    """Returns the error of a part as an error of the whole."""
     return renamed(error, lambda field: _joined(place, field))
 
 
 def renamed(error: InputError, name: Callable[[str], str]) -> InputError:
-    """The same error with other names of the fields."""
+    """Returns the error with renamed fields."""
     problems = [FieldProblem(name(p.field), p.message) for p in error.problems]
     if isinstance(error, LimitError):
         return LimitError(problems, error.limit, error.value)
@@ -195,7 +196,7 @@ def renamed(error: InputError, name: Callable[[str], str]) -> InputError:
 
 
 def together(errors: Iterable[InputError]) -> InputError:
-    """One error for all; that of a limit only if all are."""
+    """Returns one error for all; a LimitError only if all are."""
     errors = list(errors)
     problems = [problem for error in errors for problem in error.problems]
     first = errors[0]
@@ -205,7 +206,7 @@ def together(errors: Iterable[InputError]) -> InputError:
 
 
 def dotted(place: Iterable[int | str]) -> str:
-    """Where something is, as messages call it: ``geometry.d1``, ``l1[3]``."""
+    """Returns a place as messages name it: ``geometry.d1``, ``l1[3]``."""
     return "".join(f"[{x}]" if isinstance(x, int) else f".{x}" for x in place).removeprefix(".")
 
 

@@ -1,4 +1,4 @@
-"""Request bodies: bounded, strict JSON in which every number is kept as it was written."""
+"""Strict JSON of bounded depth, in which every number is kept as it was written."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from typing import NoReturn
 
 MAX_DEPTH = 32
-"""No document of the contract is nested as deeply as this."""
+"""Maximum depth; no document of the contract comes near it."""
 
 
 class JsonError(ValueError):
-    """The text is not strict JSON; ``field`` is the key at fault, or "body"."""
+    """The text is not strict JSON; ``field`` is the repeated key, or "body"."""
 
     def __init__(self, detail: str, field: str = "body") -> None:
         self.detail, self.field = detail, field[:100]
@@ -25,7 +25,7 @@ class JsonNumber(str):
 
 
 def parse_json(body: bytes) -> object:
-    """Parse strict JSON (RFC 8259). Numbers become :class:`JsonNumber`, with every digit that was sent.
+    """Parse strict JSON (RFC 8259). Numbers become :class:`JsonNumber`, with every digit.
 
     Raises:
         JsonError: not UTF-8, not JSON, a key given twice, or nested too deeply.
@@ -56,7 +56,7 @@ def parse_json(body: bytes) -> object:
 
 
 def json_kind(value: object) -> str:
-    """What kind of JSON value this is, as a message says it."""
+    """Returns the kind of a JSON value as a message names it."""
     if value is None or isinstance(value, bool):
         return json.dumps(value)
     kinds: dict[type, str] = {JsonNumber: "a number", str: "a string", list: "a list", dict: "an object"}
@@ -88,10 +88,8 @@ def _check_depth(value: object) -> None:
 
 
 def _children(value: object) -> Iterator[object]:
-    if isinstance(value, dict):
-        yield from (child for child in value.values() if isinstance(child, dict | list))
-    elif isinstance(value, list):
-        yield from (child for child in value if isinstance(child, dict | list))
+    members = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return (child for child in members if isinstance(child, dict | list))
 
 
 def _too_deep() -> JsonError:

@@ -36,7 +36,8 @@ class Job(BaseModel):
 
     id: str
     kind: str = Field(
-        description="The kind of the document that it computes.", json_schema_extra={"enum": [kind.name for kind in KINDS]}
+        description="The kind of the document that it computes.",
+        json_schema_extra={"enum": [kind.name for kind in KINDS]},
     )
     status: Literal["queued", "running", "succeeded", "failed", "canceled"]
     progress: Progress

@@ -1,4 +1,4 @@
-"""Lengths of the fixed leg: slices as one value, a list or a range; and ranges with open ends."""
+"""Lengths of the fixed leg: slices as a number, a list or a range; and ranges with open ends."""
 
 from __future__ import annotations
 
@@ -6,22 +6,30 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
-from pydantic import BeforeValidator, Field, PlainValidator, ValidationInfo, model_serializer, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PlainValidator,
+    TypeAdapter,
+    ValidationInfo,
+    model_serializer,
+    model_validator,
+)
 
 from rpr_solver import exact_str, parse_exact
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.transitions.length_range import check_range
-from service.schemas.document import Document, Source, at, part, together, unnamed
+from service.schemas.document import Document, Source, part, unnamed
 from service.schemas.limits import LimitError, Limits
 from service.schemas.numbers import FIXED_LEGS, Exact, exact_number
 
 LEGS = ("l1", "l2", "l3")
 
-_LISTED = 50
+_NUMBERS: TypeAdapter[tuple[Fraction, ...]] = TypeAdapter(tuple[Exact, ...])
 
 
 class SliceRange(Document):
-    """The values start, start + step, …, up to stop, which is included when it is hit exactly."""
+    """The values start, start + step, …, up to stop, which is included if it is one of them."""
 
     start: Exact
     stop: Exact
@@ -39,7 +47,7 @@ class SliceRange(Document):
         return self
 
     def values(self, limits: Limits) -> tuple[Fraction, ...]:
-        """All values of the range.
+        """Returns all values of the range.
 
         Raises:
             LimitError: there are too many.
@@ -54,8 +62,8 @@ class OpenRange(Document):
 
     expected: ClassVar[str] = 'give an object with "from" and "to"'
 
-    start: Exact | None = Field(default=None, alias="from", description="Lower end; 0 when missing.")
-    stop: Exact | None = Field(default=None, alias="to", description="Upper end; all lengths when missing.")
+    start: Exact | None = Field(default=None, alias="from", description="Lower end; 0 if missing.")
+    stop: Exact | None = Field(default=None, alias="to", description="Upper end; unbounded if missing.")
 
     @model_validator(mode="after")
     def _is_not_empty(self) -> Self:
@@ -70,14 +78,14 @@ class OpenRange(Document):
 
     @property
     def ends(self) -> tuple[Fraction, Fraction | None]:
-        """Both ends; None is no end."""
+        """Both ends; None is no upper end."""
         return self.start or Fraction(0), self.stop
 
     def check_inside(self, lengths: Iterable[Fraction]) -> None:
-        """Refuse lengths that are no leg lengths, or outside.
+        """Refuse lengths that are not positive or lie outside the range.
 
         Raises:
-            InputError: with the first one at fault.
+            InputError: naming the first such length.
         """
         start, stop = self.ends
         for x in lengths:
@@ -92,14 +100,14 @@ Range = Annotated[
     OpenRange,
     BeforeValidator(lambda value: {} if value is None else value, json_schema_input_type=OpenRange | None),
 ]
-"""A range of lengths; null is all."""
+"""A range of lengths; null stands for all."""
 
 
 def range_field() -> Any:
-    """The field of a range, which may be missing or null."""
+    """Returns the field of a range, which may be missing or null."""
     return Field(
         default_factory=OpenRange,
-        description="All lengths when missing.",
+        description="All lengths if missing.",
         json_schema_extra={"default": None},
     )
 
@@ -116,7 +124,7 @@ def check_count(count: int, limits: Limits) -> None:
 
 
 def split_range(text: str) -> dict[str, str]:
-    """The parts of `START:STOP:STEP`.
+    """Returns the parts of `START:STOP:STEP`.
 
     >>> split_range("14:15:0.5")
     {'start': '14', 'stop': '15', 'step': '0.5'}
@@ -128,7 +136,7 @@ def split_range(text: str) -> dict[str, str]:
 
 
 def split_ends(text: str, names: tuple[str, str] = ("from", "to")) -> dict[str, str | None]:
-    """The parts of `A:B`, either of which may be missing.
+    """Returns the parts of `A:B`, either of which may be missing.
 
     >>> split_ends("10:61/2"), split_ends(":")
     ({'from': '10', 'to': '61/2'}, {'from': None, 'to': None})
@@ -148,18 +156,7 @@ def _slices(value: object, info: ValidationInfo) -> tuple[Fraction, ...]:
     if not value:
         raise InputError.of("", "is an empty list; give at least one number")
     check_count(len(value), source.limits)
-    numbers: list[Fraction] = []
-    errors: list[InputError] = []
-    for i, item in enumerate(value):
-        try:
-            numbers.append(exact_number(item, info))
-        except InputError as error:
-            errors.append(at(error, f"[{i}]"))
-            if len(errors) == _LISTED:
-                break
-    if errors:
-        raise together(errors)
-    return tuple(numbers)
+    return part(_NUMBERS.validate_python, value, source)
 
 
 Slices = Annotated[
@@ -172,12 +169,12 @@ Slices = Annotated[
 
 
 def slices_field(description: str, **more: Any) -> Any:
-    """The field of the lengths of one leg."""
+    """Returns the field of the lengths of one leg."""
     return Field(default_factory=tuple, description=description, **more)
 
 
 class SlicesOfOneLeg(Document):
-    """Base of questions that give lengths of their fixed leg, as l1, l2 or l3, and of no other."""
+    """Base of questions that give lengths of their fixed leg alone, as l1, l2 or l3."""
 
     needs_slices: ClassVar[bool]
 
@@ -212,7 +209,7 @@ class SlicesOfOneLeg(Document):
 
 
 def _leg_of(value: Mapping[str, Any]) -> int | None:
-    """The fixed leg; None where it cannot be read."""
+    """Returns the fixed leg, or None if it cannot be read."""
     try:
         leg = parse_exact(value.get("fixed_leg", 1), "fixed_leg")
     except InputError:
@@ -221,7 +218,7 @@ def _leg_of(value: Mapping[str, Any]) -> int | None:
 
 
 def own_slices_only(*, required: bool) -> dict[str, Any]:
-    """The schema of questions that give lengths of the fixed leg, and of no other."""
+    """Returns the schema of questions that give lengths of the fixed leg alone."""
 
     def one_leg(leg: int) -> dict[str, Any]:
         own = [f"l{leg}"] if required else []

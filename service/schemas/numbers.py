@@ -1,4 +1,4 @@
-"""Numbers that are sent: exact, bounded, and read once."""
+"""Numbers in the input: exact, bounded, and read once."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NUMBER_PATTERN = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?\s*$|^\s*[+-]?\d
 
 EXACT_NUMBER: dict[str, Any] = {
     "oneOf": [{"type": "number"}, {"type": "string", "pattern": NUMBER_PATTERN}],
-    "description": "An exact number: a JSON number, or a string with a decimal or a quotient. Every "
+    "description": "An exact number: a JSON number, or a string with a decimal or a fraction. Every "
     "digit counts; nothing is rounded to a binary float.",
     "examples": [17.04, "17.04", "426/25", "1.704e1"],
 }
@@ -27,7 +27,7 @@ EXACT_NUMBER: dict[str, Any] = {
 FIXED_LEGS = (1, 2, 3)
 
 _DECIMAL = re.compile(r"[+-]?0*(\d*)(?:\.(\d*?)0*)?(?:[eE]([+-]?\d+))?", re.ASCII)
-_UNSAID: Any = object()
+_DEFAULT: Any = object()
 
 
 def exact_number(value: object, info: ValidationInfo) -> Fraction:
@@ -48,7 +48,7 @@ def exact_number(value: object, info: ValidationInfo) -> Fraction:
 
 
 def digits_of(text: str) -> int:
-    """How many digits the numerator or the denominator of a written number has, at most; 0 if it is none."""
+    """Returns the larger digit count of a number's numerator and denominator; 0 if it is malformed."""
     if "/" in text:
         return max(len(part.strip().lstrip("+-0")) for part in text.split("/"))
     match = _DECIMAL.fullmatch(text.strip())
@@ -62,7 +62,7 @@ def digits_of(text: str) -> int:
 
 
 def whole_number(value: object, expected: str, *, is_text: bool) -> int:
-    """Read a whole number: a JSON number, or text where there is nothing else.
+    """Read an integer: a JSON number, or text on a command line.
 
     >>> whole_number("3.00e1", "15 to 1000", is_text=True)
     30
@@ -101,7 +101,7 @@ def _fixed_leg(value: object, info: ValidationInfo) -> int:
 
 def _digits(value: object, info: ValidationInfo) -> int:
     limits = Source.of(info).limits
-    if value is _UNSAID:
+    if value is _DEFAULT:
         value = limits.default_digits
     digits = _whole(value, info, f"{limits.min_digits} to {limits.max_digits}")
     if limits.min_digits <= digits <= limits.max_digits:
@@ -124,7 +124,7 @@ def _samples(value: object, info: ValidationInfo) -> int | None:
 
 
 def _count(value: object) -> int | None:
-    # text has always been taken here
+    # text is accepted here even in JSON, as it was in the first version
     return None if value is None else whole_number(value, "0 or more", is_text=isinstance(value, str))
 
 
@@ -145,24 +145,24 @@ FixedLeg = Annotated[int, PlainValidator(_fixed_leg, json_schema_input_type=Lite
 """The leg whose length is fixed in a slice."""
 
 Digits = Annotated[int, PlainValidator(_digits, json_schema_input_type=Annotated[int, Field(ge=15, le=1000)])]
-"""How many significant digits are asked for."""
+"""The requested number of significant digits."""
 
 Samples = Annotated[
     int | None, PlainValidator(_samples, json_schema_input_type=Annotated[int, Field(ge=1)] | None)
 ]
-"""How many points each interval of a cusp curve shall have."""
+"""The requested number of points per cusp curve in each interval."""
 
 Count = Annotated[
     int | None, PlainValidator(_count, json_schema_input_type=Annotated[int, Field(ge=0)] | None)
 ]
-"""A number of cusps; None where none is said."""
+"""A number of cusps, or None."""
 
 
 def digits_field(default: int | None = None) -> Any:
-    """The field of the digits; without a default it is that of the limits."""
-    said: dict[str, Any] = {"default": default}
+    """Returns the field of the digits; without a default, the limits give it."""
+    defaults: dict[str, Any] = {"default": default}
     if default is None:
-        said = {"default_factory": lambda: _UNSAID, "json_schema_extra": {"default": DEFAULT_DIGITS}}
+        defaults = {"default_factory": lambda: _DEFAULT, "json_schema_extra": {"default": DEFAULT_DIGITS}}
     return Field(
-        validate_default=True, description="Significant digits of every number in the answer.", **said
+        validate_default=True, description="Significant digits of every number in the answer.", **defaults
     )

@@ -32,7 +32,7 @@ class PosesRequest(Question):
     digits: Digits = digits_field()
 
     def content(self) -> dict[str, Any]:
-        """The question in canonical form."""
+        """Returns the canonical form of the question."""
         return self.model_dump()
 
 
@@ -65,7 +65,9 @@ class PosePolynomial(BaseModel):
     degree: int
     coefficients: list[str]
     omega: str | None = optional("The square root; missing if it is rational.")
-    omega_coefficients: list[str] | None = optional("The coefficients of the square root; missing if it is rational.")
+    omega_coefficients: list[str] | None = optional(
+        "The coefficients of the square root; missing if it is rational."
+    )
 
 
 class PoseCertificate(BaseModel):

@@ -1,4 +1,4 @@
-"""What every question has: a manipulator; and the request that it makes.
+"""The base of all questions: a manipulator, and the request for a job.
 
 A new kind of document is a module here (its question and its answer), one in `worker.answers` with an entry
 in its `kinds`, an entry in `service.api.operations`, and a command in `service.cli` with its line in `main`.
@@ -20,7 +20,7 @@ from worker.answers.requests import JobRequest, Kind
 EXAMPLE_GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
 
 Examples = Mapping[str, tuple[str, Mapping[str, Any]]]
-"""Bodies by name, each with a summary; without a geometry it is that of the article's first manipulator."""
+"""Name → summary and body; the geometry defaults to the article's first manipulator."""
 
 
 class Geometry(Document):
@@ -54,15 +54,15 @@ GeometryField = Annotated[
     PlainSerializer(Manipulator.to_json),
     Expected(Geometry.expected),
 ]
-"""The manipulator, read from its geometry."""
+"""A manipulator, read from its geometry."""
 
 
 class Question(Document):
-    """One kind of question: reads a body or the options of a command, and describes itself.
+    """A kind of question: the model that reads a body or a command's options, and describes both.
 
     Attributes:
-        expected: what to send, as messages say it.
-        kinds: the kinds of documents that answer it.
+        expected: what to send, for messages.
+        kinds: the kinds of documents that answer the question.
         examples: bodies for the documentation.
     """
 
@@ -73,13 +73,13 @@ class Question(Document):
 
     @property
     def kind(self) -> Kind:
-        """The kind of the document that answers it."""
+        """The kind of the document that answers the question."""
         return self.kinds[0]
 
     @abstractmethod
     def content(self) -> dict[str, Any]:
-        """The question in canonical form: plain JSON, the same for every spelling."""
+        """Returns the canonical form: plain JSON, the same for every spelling of the question."""
 
     def job_request(self) -> JobRequest:
-        """What the job that answers it is asked for."""
+        """Returns the request for the job that answers the question."""
         return JobRequest(self.kind, self.content())

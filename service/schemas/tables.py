@@ -86,7 +86,7 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
         return {f"l{self.fixed_leg}": content.pop("l1"), **content, "method": self.method}
 
     def content(self) -> dict[str, Any]:
-        """The question in canonical form; duplicate slices are removed."""
+        """Returns the canonical form of the question; duplicate slices are removed."""
         leg = {} if self.method == ARTICLE else {"fixed_leg": self.fixed_leg}
         slices = list(dict.fromkeys(map(exact_str, self.slices)))
         return {"geometry": self.geometry.to_json(), **leg, "digits": self.digits, "l1": slices}
@@ -124,7 +124,9 @@ class Certificate(BaseModel):
     factors: list[Factor]
     method: str
     working_bits: int = Field(description="Working precision, in bits, at which every decision was proved.")
-    proofs: list[dict[str, str]] = Field(description="For each cusp the enclosing balls, none of which contains zero.")
+    proofs: list[dict[str, str]] = Field(
+        description="For each cusp the enclosing balls, none of which contains zero."
+    )
 
 
 class Slice(FixedLength):
@@ -133,7 +135,9 @@ class Slice(FixedLength):
 
     count: int | None = optional("Number of cusps.")
     cusps: list[Cusp] | None = optional("The cusps.")
-    degenerate_points: list[DegeneratePoint] | None = optional("Points and curves that are not ordinary cusps.")
+    degenerate_points: list[DegeneratePoint] | None = optional(
+        "Points and curves that are not ordinary cusps."
+    )
     certificate: Certificate | None = optional("The proof of the answer.")
     method: Literal["article"] | None = optional("Present with method `article`.")
     audit: Audit | None = optional("Present with method `article`.")
@@ -141,10 +145,11 @@ class Slice(FixedLength):
 
 
 class CuspTable(DocumentHead):
-    """The cusps of all requested slices. Every decimal is correctly rounded to `digits` significant digits."""
+    """The cusps of all requested slices; every decimal is correctly rounded to `digits` digits."""
 
     geometry_hash: str = Field(
-        pattern="^sha256:[0-9a-f]{64}$", description="Identifies the geometry, however its numbers are written."
+        pattern="^sha256:[0-9a-f]{64}$",
+        description="Identifies the geometry, however its numbers are written.",
     )
     solver_version: str = Field(description="Changes whenever an answer may change.")
     method: Literal["article"] | None = optional("Present with method `article`.")

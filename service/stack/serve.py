@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import os
 import signal
 import socket
 import sys
@@ -24,6 +23,7 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from service.stack.errors import EmbeddedError, StackError
 from worker.connection import connect
 from worker.jobs.sweeper import Sweeper
+from worker.process.os_limits import usable_cores
 from worker.process.pool import WorkerPool
 from worker.settings import WorkerSettings, settings_problem
 
@@ -48,11 +48,7 @@ class ServeSettings:
     @property
     def worker_count(self) -> int:
         """The number of worker processes."""
-        if self.workers is not None:
-            return self.workers
-        if hasattr(os, "sched_getaffinity"):
-            return len(os.sched_getaffinity(0))
-        return os.cpu_count() or 1
+        return usable_cores() if self.workers is None else self.workers
 
 
 def serve(settings: ServeSettings, app_factory: AppFactory | None = None) -> int:

@@ -1,4 +1,4 @@
-"""What the operating system is told about a process, and what an exit status says."""
+"""Limits that the operating system puts on a process, and the meaning of its wait status."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _libc = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
 
 
 def die_with_parent(parent_pid: int, signum: int = signal.SIGKILL) -> None:
-    """Have this process end when the thread that started it ends (Linux; elsewhere nothing).
+    """Have the kernel end this process with the thread that started it (Linux; no effect elsewhere).
 
-    `parent_pid` closes the gap between the start of this process and this call.
+    If `parent_pid` is gone already, the process ends at once.
     """
     if _libc is None:
         return
@@ -25,7 +25,7 @@ def die_with_parent(parent_pid: int, signum: int = signal.SIGKILL) -> None:
 
 
 def limit_memory(megabytes: int | None) -> None:
-    """Limit the address space of this process; without core files when it breaks the limit."""
+    """Limit the address space of this process, and disable core files."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
     if megabytes is None:
         return
@@ -35,22 +35,27 @@ def limit_memory(megabytes: int | None) -> None:
     try:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
     except (OSError, ValueError):
-        return  # not every system has this limit
+        return  # not supported by every system
 
 
 def lift_memory_limit() -> None:
-    """Undo `limit_memory`, so that a process which ran out of memory can still report it."""
+    """Undo `limit_memory`, so that a process that ran out of memory can still report it."""
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
 
 
+def usable_cores() -> int:
+    """Returns the number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def signal_of(status: int) -> int | None:
-    """The signal that ended a process, from its wait status."""
+    """Returns the signal that ended a process, given its wait status."""
     return os.WTERMSIG(status) if os.WIFSIGNALED(status) else None
 
 
 def signal_name(number: int) -> str:
-    """SIGSEGV and the like."""
+    """Returns the name of a signal, such as SIGSEGV."""
     try:
         return signal.Signals(number).name
     except ValueError:

@@ -20,22 +20,23 @@ from worker.jobs.records import JobView
 
 router = APIRouter(tags=["jobs"])
 
-JobId = Annotated[str, Path(description="the id of a job", examples=[doc.EXAMPLE_JOB_ID])]
+JobId = Annotated[str, Path(description="The id of the job.", examples=[doc.EXAMPLE_JOB_ID])]
 _JOB_ID = re.compile(r"[A-Za-z0-9_\-]{1,80}", re.ASCII)
 _EVENT_ID = re.compile(r"\d{1,20}(-\d{1,20})?", re.ASCII)
 
 
 @router.get("/v1/jobs/{job_id}", summary="The state of a job", responses=doc.JOB_RESPONSES)
 def get_job(job_id: JobId, context: ContextDep) -> Response:
-    """The job as it is now. While it is not finished, `Retry-After` says when to look again."""
+    """Returns the job's current state. Until it has ended, `Retry-After` says when to ask again."""
     return _job_response(context, _job(context, job_id))
 
 
 @router.delete("/v1/jobs/{job_id}", summary="Cancel a job", responses=doc.CANCEL_RESPONSES)
 def cancel_job(job_id: JobId, context: ContextDep) -> Response:
-    """Cancels a job that is queued or running, and answers with the job. A job that has ended stays as it is.
+    """Cancels a queued or running job and returns it. A job that has ended is unchanged.
 
-    A job may be shared: whoever posts the same request has the same job. Slices that were done stay known.
+    Equal requests share a job, so canceling it affects every client that waits for it. Computed slices are
+    kept.
     """
     _job(context, job_id)
     view = context.queue.cancel(job_id)
@@ -46,10 +47,11 @@ def cancel_job(job_id: JobId, context: ContextDep) -> Response:
 
 @router.get("/v1/jobs/{job_id}/result", summary="The result of a job", responses=doc.RESULT_RESPONSES)
 def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response:
-    """What the job was asked for. A cusp table comes as JSON, as CSV (a cusp a line) or as NDJSON (a slice a
-    line), as `Accept` says; other documents as JSON.
+    """Returns the document that the job computed, in the form that `Accept` prefers: cusp tables as JSON, CSV
+    (one cusp per line) or NDJSON (one slice per line); censuses and cusp curves as JSON or CSV; other
+    documents as JSON.
 
-    A result never changes, so it carries a strong `ETag` and may be cached for ever.
+    A result never changes, so it has a strong `ETag` and may be cached indefinitely.
     """
     forms = forms_of(job_id)
     negotiate(request.headers.getlist("accept"), tuple(forms))
@@ -57,38 +59,36 @@ def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response
     if not view.is_terminal:
         wait = str(context.settings.poll_seconds)
         raise ProblemError(
-            ProblemType.NOT_FINISHED,
-            f"The job is {view.status}: {view.done} of {view.total} {_unit(job_id)} are done.",
+            ProblemType.JOB_NOT_FINISHED,
+            f"The job is {view.status}: {view.done} of {view.total} {_unit(job_id)} completed.",
             headers={"Retry-After": wait},
             extra={"job": f"/v1/jobs/{job_id}"},
         )
-    if view.status == "failed":
-        raise ProblemError.of_job(job_id, view.error)
-    if view.status == "canceled":
-        raise ProblemError.of_cancel(job_id)
+    if view.status != "succeeded":
+        raise ProblemError.of_job(view)
     document = context.queue.result(job_id)
     if document is None:
         raise ProblemError(
-            ProblemType.RESULT_EXPIRED, "The result of this job is no longer kept; post the request again."
+            ProblemType.RESULT_EXPIRED, "The result of this job has expired; post the request again."
         )
     return document_response(request, document, forms)
 
 
 @router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)
 async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Response:
-    """Server-sent events: `status` (the job), `slice` (progress, and a slice as soon as it is computed) and
-    `progress` (of a job that computes no slices).
+    """Server-sent events: `status` (the job), `slice` (a new slice, and progress) and `progress` (of a job
+    that does not compute slices).
 
-    The stream ends with the job. `Last-Event-ID` resumes it; 204 says that nothing more will come. Slices
-    that were known when the job was made are in its result only.
+    The stream ends with the job. `Last-Event-ID` resumes it; 204 means that no events follow. Slices that
+    were known before the job started appear only in its result.
     """
     view = await in_thread(_job, context, job_id)
     last = request.headers.get("last-event-id", "0").strip() or "0"
     if not _EVENT_ID.fullmatch(last):
         raise ProblemError(
             ProblemType.INVALID_HEADER,
-            f"Last-Event-ID {last[:60]!r} is not the id of an event of this stream.",
-            errors=[("Last-Event-ID", "send the id of the last event that arrived, or leave it out")],
+            f"Last-Event-ID {last[:60]!r} is not an event id of this stream.",
+            errors=[("Last-Event-ID", "send the id of the last event received, or omit it")],
         )
     if view.is_terminal and last != "0" and not await context.events.after(job_id, last):
         return Response(status_code=204)
@@ -110,7 +110,7 @@ def _job(context: Context, job_id: str) -> JobView:
 def _not_found(job_id: str) -> ProblemError:
     return ProblemError(
         ProblemType.NOT_FOUND,
-        f"There is no job {job_id[:80]!r}, or it is no longer kept; post the request again to have it made.",
+        f"There is no job {job_id[:80]!r}, or it has expired; post the request again to start it.",
     )
 
 

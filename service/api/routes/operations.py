@@ -22,15 +22,15 @@ router = APIRouter(tags=["operations"])
 _LIBRARIES = ("python-flint", "fastapi", "rq", "redis")
 
 
-@router.get("/healthz", summary="Whether this process runs", responses=doc.HEALTH_RESPONSES)
+@router.get("/healthz", summary="Whether this process is running", responses=doc.HEALTH_RESPONSES)
 async def healthz() -> Response:
-    """Answers as long as the process can answer; says nothing about Redis or the workers."""
+    """Answers while the process runs; independent of Redis and the workers."""
     return _json({"status": "ok"}, "no-store")
 
 
 @router.get("/readyz", summary="Whether requests can be served", responses=doc.READY_RESPONSES)
 def readyz(context: ContextDep) -> Response:
-    """Ready when Redis answers and at least one worker is alive."""
+    """Ready if Redis answers and at least one worker is alive."""
     retry = {"Retry-After": str(context.settings.retry_seconds)}
     try:
         context.queue.redis.ping()
@@ -41,7 +41,7 @@ def readyz(context: ContextDep) -> Response:
         ) from error
     if workers < 1:
         raise ProblemError(
-            ProblemType.UNAVAILABLE, "No worker is alive; jobs would only be queued.", headers=retry
+            ProblemType.UNAVAILABLE, "No workers are running; jobs would stay queued.", headers=retry
         )
     return _json({"status": "ready", "workers": workers}, "no-store")
 
@@ -52,7 +52,7 @@ def readyz(context: ContextDep) -> Response:
     responses=doc.VERSION_RESPONSES,
 )
 async def get_version() -> Response:
-    """What computed the answers: `solver_version` changes whenever an answer could."""
+    """The software that computes the answers; `solver_version` changes whenever an answer may change."""
     return _json(
         {
             "service": __version__,
@@ -63,9 +63,9 @@ async def get_version() -> Response:
     )
 
 
-@router.get("/v1/limits", summary="The limits of requests", responses=doc.LIMITS_RESPONSES)
+@router.get("/v1/limits", summary="The limits on requests", responses=doc.LIMITS_RESPONSES)
 async def get_limits(context: ContextDep) -> Response:
-    """Every limit by its name, with its value and what it bounds."""
+    """Returns every limit by name, with its value and meaning."""
     limits = context.settings.limits
     return _json(
         {
@@ -77,7 +77,7 @@ async def get_limits(context: ContextDep) -> Response:
 
 @router.get("/metrics", summary="Metrics in the Prometheus text format", responses=doc.METRICS_RESPONSES)
 def get_metrics(context: ContextDep) -> Response:
-    """Requests of this process as counted, queue and workers as they are now."""
+    """Counts the requests of this process, and reads the queue and the workers at each scrape."""
     return Response(
         context.metrics.text(), headers={"Cache-Control": "no-store", "Content-Type": CONTENT_TYPE}
     )

@@ -1,4 +1,4 @@
-"""Pages for people: the landing page, the interactive documentation, and what each problem type means."""
+"""HTML pages: the landing page, the interactive documentation, and the types of problems."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from fastapi import APIRouter, Request, Response
 from service import __version__
 from service.api.negotiation import JSON, json_bytes
 from service.api.operations import WEB
-from service.api.problems import ProblemError, ProblemType, TypeInfo
+from service.api.problems import ProblemError, ProblemType
 from service.schemas.questions import EXAMPLE_GEOMETRY
 
 router = APIRouter(include_in_schema=False)
 
-# The documentation's style is partly inline; nothing may come from, or go to, any other place.
+# The documentation's style is partly inline; everything else comes from, and goes to, this origin.
 _POLICY = (
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; object-src 'none'; "
     "base-uri 'none'; form-action 'self'; frame-ancestors 'none'"
@@ -27,14 +27,14 @@ _POLICY = (
 
 @router.get("/")
 async def index(request: Request) -> Response:
-    """What this is, and a first request to copy."""
+    """The landing page, with a first request to copy."""
     example = {key: json.dumps(value) for key, value in {"geometry": EXAMPLE_GEOMETRY, "l1": 14.98}.items()}
     return _page("index.html", text={"base": str(request.base_url).rstrip("/"), **example})
 
 
 @router.get("/docs")
 async def docs() -> Response:
-    """The interactive documentation; its assets are served from here."""
+    """The interactive documentation, with its assets served locally."""
     return _page("docs.html")
 
 
@@ -48,32 +48,28 @@ async def openapi_json(request: Request) -> Response:
 async def problems() -> Response:
     """All types of problems."""
     rows = "".join(
-        f'<tr><td>{info.status}</td><td><a href="problems/{info.slug}"><code>{info.slug}</code></a></td>'
-        f"<td>{html.escape(info.title)}</td></tr>"
-        for info in _infos()
+        f'<tr><td>{kind.status}</td><td><a href="problems/{kind.slug}"><code>{kind.slug}</code></a></td>'
+        f"<td>{html.escape(kind.title)}</td></tr>"
+        for kind in sorted(ProblemType, key=lambda kind: (kind.status, kind.slug))
     )
     return _page("problems.html", markup={"rows": rows})
 
 
 @router.get("/problems/{slug}")
 async def problem(slug: str) -> Response:
-    """What one type of problem means."""
-    for info in _infos():
-        if info.slug == slug:
-            example = ProblemError(ProblemType(info), "…", errors=[("…", "…")]).document("/v1/…")
+    """The meaning of one type of problem."""
+    for kind in ProblemType:
+        if kind.slug == slug:
+            example = ProblemError(kind, "…", errors=[("…", "…")]).document("/v1/…")
             text = {
-                "slug": info.slug,
-                "title": info.title,
-                "status": str(info.status),
-                "meaning": info.meaning,
+                "slug": kind.slug,
+                "title": kind.title,
+                "status": str(kind.status),
+                "meaning": kind.meaning,
                 "example": json.dumps(example, indent=2, ensure_ascii=False),
             }
             return _page("problem.html", text=text)
     raise ProblemError(ProblemType.NOT_FOUND, f"There is no problem type {slug[:80]!r}; /problems lists all.")
-
-
-def _infos() -> list[TypeInfo]:
-    return sorted((kind.value for kind in ProblemType), key=lambda info: (info.status, info.slug))
 
 
 def _page(

@@ -246,8 +246,8 @@ def test_an_unforeseen_error_shows_nothing_of_the_inside(caplog: pytest.LogCaptu
 def test_every_type_has_its_page(idle: httpx.Client, kind: ProblemType) -> None:
     page = idle.get(kind.uri)
     assert page.status_code == 200
-    assert kind.value.meaning.split(".")[0].split("'")[0] in page.text
-    assert f'href="problems/{kind.value.slug}"' in idle.get("/problems").text
+    assert kind.meaning.split(".")[0].split("'")[0] in page.text
+    assert f'href="problems/{kind.slug}"' in idle.get("/problems").text
 
 
 @pytest.mark.parametrize("path", ["/", "/docs", "/problems", "/problems/not-found"])

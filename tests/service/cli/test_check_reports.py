@@ -46,7 +46,7 @@ def test_too_few_cusps_have_no_first_one() -> None:
     requirement = {**REQUIREMENT, "max_cusps": None, "min_cusps": 1}
     violation = {**VIOLATION, "count": 0, "example": {"l2": "8", "cusps": []}}
     report = {**FAILED_REPORT, "requirement": requirement, "violations": [violation]}
-    assert Outcome("x", report).message == "0 cusps at L2 = 8, at least 1 wanted"
+    assert Outcome("x", report).message == "0 cusps at L2 = 8, at least 1 required"
 
 
 def test_all_outcomes_are_in_the_document_and_on_the_page() -> None:

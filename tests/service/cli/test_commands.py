@@ -100,7 +100,7 @@ def test_cusp_curves_of_another_leg() -> None:
         (("census", "innocenti", "--l1-range", "2:1"), "--l1-range.to: is 1; it must exceed 2"),
         (("census", "innocenti", "--l1-range", "x:"), "--l1-range.from: 'x' is not a finite number"),
         (("census", "innocenti", "--l1-range", "1:2:3"), "is not A:B"),
-        (("census", "innocenti", "--l1-range", "1:2", "--l1-range", "3:4"), "one range too many"),
+        (("census", "innocenti", "--l1-range", "1:2", "--l1-range", "3:4"), "is a second range"),
         (("census", "innocenti", "--l2-range", "1:", "--fixed-leg", "1"), "the range is --l1-range"),
         (("curves", "innocenti", "--l1", "0"), "--l1: is 0; a leg length must be"),
         (("curves", "innocenti", "--l1", "5", "--l1-range", "6:8"), "outside the range from 6 to 8"),

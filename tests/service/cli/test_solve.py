@@ -91,7 +91,7 @@ def test_the_geometry_may_come_from_a_file_or_standard_input(run_here: Run, tmp_
         (("solve", "-", "--l1", "1"), "[1]", "geometry: is a list"),
         (("serve", "--port", "65536"), "", "from 0 to 65535"),
         (("serve", "--redis-url", "localhost"), "", "redis://"),
-        (("worker",), "", "--redis-url is missing"),
+        (("worker",), "", "--redis-url: is missing"),
     ],
 )
 def test_bad_input_is_one_line_and_status_2(
