@@ -1,18 +1,18 @@
-"""The faces of rpr-cusps: the HTTP service and the command line.
+"""The interfaces of rpr-cusps: the HTTP service and the command line.
 
-What can go wrong here, beside the solver's own errors (`rpr_solver.errors`):
+Errors, in addition to those of the solver (`rpr_solver.errors`):
 
 ValueError
 ├── JsonError               schemas.exact_json: a body or a file is not strict JSON
 └── InputError              (the solver's)
-    └── LimitError          schemas.limits: the request is right, but larger than a limit allows
+    └── LimitError          schemas.limits: the request is valid but exceeds a limit
 RuntimeError
 └── StackError              stack.errors: the stack cannot run
     └── EmbeddedError       stack.errors: the embedded server cannot be started
 Exception
-├── ProblemError            api.problems: answered as a problem document; whatever else goes wrong becomes one
+├── ProblemError            api.problems: answered as a problem document; all other errors become one
 ├── ServiceError            errors: the service refused, failed, or cannot be reached
-└── WorkerError             (the worker's) worker.process.worker: no Redis, or no longer
+└── WorkerError             (the worker's) worker.process.worker: Redis cannot be reached
 """
 
 from importlib.metadata import version

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from types import TracebackType
 from typing import Any, Self
 
 import httpx
@@ -18,10 +17,10 @@ _TIMEOUT = httpx.Timeout(60.0, connect=5.0)
 
 
 class ServiceClient:
-    """Talks to one service.
+    """A client of one service.
 
     Raises:
-        ServiceError: the address is no HTTP address.
+        ServiceError: the URL is not an HTTP address.
     """
 
     def __init__(self, url: str) -> None:
@@ -34,25 +33,22 @@ class ServiceClient:
             raise ServiceError(
                 f"{url!r} is not an HTTP address; give for example http://127.0.0.1:8000", is_input=True
             )
-        # a proxy for the world outside is none for this machine
-        is_here = parsed.host in _LOOPBACK
-        self._http = httpx.Client(base_url=url, timeout=_TIMEOUT, trust_env=not is_here)
+        # proxies of the environment are not for this machine
+        self._http = httpx.Client(base_url=url, timeout=_TIMEOUT, trust_env=parsed.host not in _LOOPBACK)
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._http.close()
 
     def cusp_table(
         self, request: Mapping[str, object], on_progress: Callable[[int, int], None]
     ) -> dict[str, Any]:
-        """Post a request and follow its job to the table.
+        """Post a request and wait for its table; `on_progress(done, total)` follows the job.
 
         Raises:
-            ServiceError: naming what went wrong.
+            ServiceError: the service refused, failed, or cannot be reached.
         """
         answer = self._send("POST", "/v1/cusp-tables", json=dict(request), prefer=f"wait={_FIRST_WAIT}")
         if answer.status_code == 200:
@@ -70,7 +66,7 @@ class ServiceClient:
     def _send(
         self, method: str, path: str, *, json: object = None, prefer: str | None = None
     ) -> httpx.Response:
-        """One request, tried again while the service is out of reach for a moment."""
+        """Send a request, with retries while the service is briefly unavailable."""
         headers = {"Accept": "application/json", **({"Prefer": prefer} if prefer else {})}
         for attempt in range(_TRIES):
             try:

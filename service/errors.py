@@ -1,4 +1,4 @@
-"""What a client of the service meets."""
+"""The errors of a client of the service."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`python -m service.openapi_yaml` writes openapi.yaml; with `--check` it exits 1 and shows the changes."""
+"""`python -m service.openapi_yaml` writes openapi.yaml; with `--check` it only shows the differences."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FILE = Path(__file__).parents[1] / "openapi.yaml"
 
 
 def to_yaml(contract: dict[str, Any]) -> str:
-    """The document as it is committed."""
+    """Returns the document as it is committed."""
 
     class Dumper(yaml.SafeDumper):
         def ignore_aliases(self, data: object) -> bool:  # noqa: ARG002
@@ -44,7 +44,7 @@ def main(argv: list[str] | None = None) -> int:
     """Write or check openapi.yaml."""
     parser = argparse.ArgumentParser(prog="python -m service.openapi_yaml", description=main.__doc__)
     parser.add_argument(
-        "--check", action="store_true", help="write nothing; exit 1 with a diff when it differs"
+        "--check", action="store_true", help="write nothing; exit 1 with a diff if the file is out of date"
     )
     parser.add_argument("--file", type=Path, default=FILE, help="default: openapi.yaml at the top level")
     args = parser.parse_args(argv)

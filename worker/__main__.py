@@ -17,8 +17,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m worker", description=__doc__)
     parser.add_argument("--redis-url", default=os.environ.get("RPR_CUSPS_REDIS_URL"))
     parser.add_argument("--name")
-    parser.add_argument("--parent-pid", type=int, help="end when this parent process is gone")
-    parser.add_argument("--burst", action="store_true", help="leave when the queue is empty")
+    parser.add_argument("--parent-pid", type=int, help="end with this parent process")
+    parser.add_argument("--burst", action="store_true", help="end when the queue is empty")
     args = parser.parse_args()
     if not args.redis_url:
         parser.error("no Redis URL: give --redis-url or set RPR_CUSPS_REDIS_URL")

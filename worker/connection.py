@@ -1,4 +1,4 @@
-"""One way to connect to Redis, with limits that suit both the API and the workers."""
+"""Connections to Redis, with timeouts for both the API and the workers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from redis.backoff import ExponentialBackoff
 from redis.retry import Retry
 
 SOCKET_TIMEOUT = 20.0
-"""Longer than any blocking command of ours; a dead server is noticed after it."""
+"""Seconds; longer than any blocking command, and the time after which a dead server is noticed."""
 
 
 def connect(url: str, *, max_connections: int = 256) -> Redis:
@@ -20,7 +20,7 @@ def connect(url: str, *, max_connections: int = 256) -> Redis:
         max_connections=max_connections,
         socket_timeout=SOCKET_TIMEOUT,
         protocol=2,
-        driver_info=None,  # finding out its own version costs the client a millisecond for each connection
+        driver_info=None,  # looking up the client's own version costs a millisecond per connection
         **({} if url.startswith("unix:") else over_network),
         retry=Retry(ExponentialBackoff(cap=0.5, base=0.02), 3),
     )

@@ -28,31 +28,33 @@ class WorkerSettings(BaseSettings):
         default=4096, ge=64, description="maximum address space of a work horse, in MiB"
     )
     max_losses: int = Field(
-        default=2, ge=0, description="how many times a chunk is run again after its worker was lost"
+        default=2, ge=0, description="maximum number of times a chunk is run again after its worker was lost"
     )
 
-    result_ttl: int = Field(default=7 * 86400, ge=1, description="how long a result is kept, in seconds")
-    job_ttl: int = Field(default=7 * 86400, ge=1, description="how long a succeeded job is kept, in seconds")
+    result_ttl: int = Field(default=7 * 86400, ge=1, description="lifetime of a result, in seconds")
+    job_ttl: int = Field(default=7 * 86400, ge=1, description="lifetime of a succeeded job, in seconds")
     failure_ttl: int = Field(
-        default=86400, ge=1, description="how long a failed or canceled job is kept, in seconds"
+        default=86400, ge=1, description="lifetime of a failed or canceled job, in seconds"
     )
     error_ttl: int = Field(
-        default=600, ge=1, description="how long the error of a slice is kept for other jobs, in seconds"
+        default=600,
+        ge=1,
+        description="lifetime of a slice's error, in seconds; until then other jobs reuse it",
     )
-    eliminant_ttl: int = Field(
-        default=30 * 86400, ge=1, description="how long an eliminant is kept, in seconds"
-    )
+    eliminant_ttl: int = Field(default=30 * 86400, ge=1, description="lifetime of an eliminant, in seconds")
     eliminant_lock: float = Field(
         default=30.0,
         gt=0,
-        description="how long one worker computes while others wait for it, in seconds",
+        description="maximum time for which workers wait for another worker's result, in seconds",
     )
 
     beat_interval: float = Field(
-        default=1.0, gt=0, description="time between two signs of life of a chunk, in seconds"
+        default=1.0, gt=0, description="time between two heartbeats of a chunk, in seconds"
     )
     beat_ttl: float = Field(
-        default=4.0, gt=0, description="time without a sign of life before a chunk is suspected, in seconds"
+        default=4.0,
+        gt=0,
+        description="time without a heartbeat after which a chunk is suspected lost, in seconds",
     )
     sweep_interval: float = Field(
         default=1.5, gt=0, description="time between two searches for lost chunks, in seconds"
@@ -60,16 +62,16 @@ class WorkerSettings(BaseSettings):
     lost_grace: float = Field(
         default=2.0,
         ge=0,
-        description="time for which a chunk is suspected before it is run again, in seconds",
+        description="time for which a chunk is suspected lost before it is run again, in seconds",
     )
     shutdown_grace: float = Field(
-        default=1.0, ge=0, description="time a running chunk has left when its worker must stop, in seconds"
+        default=1.0, ge=0, description="time that a stopping worker leaves its running chunk, in seconds"
     )
     log_level: str = Field(default="WARNING", description="log level of the worker processes")
 
 
 def settings_problem(error: ValidationError) -> str:
-    """One line that names the variables that are wrong."""
+    """Returns one line that names the invalid variables."""
     return "; ".join(
         f"RPR_CUSPS_{'_'.join(map(str, item['loc'])).upper()}: {item['msg']}" for item in error.errors()
     )

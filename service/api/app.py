@@ -21,7 +21,7 @@ from service.api.settings import Settings
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
-    """Make the application. Nothing connects to Redis before the first request that needs it."""
+    """Create the application. Nothing connects to Redis before the first request that needs it."""
     settings = settings or Settings()
     context = Context.of(settings)
 

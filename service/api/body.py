@@ -1,4 +1,4 @@
-"""Request bodies: bounded, and of the right type."""
+"""Request bodies, limited in size and type."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ JSON_TYPES = "application/json"
 
 
 async def read_body(request: Request, max_bytes: int) -> bytes:
-    """Read the body of a request, for :func:`json_of` (which may take long, so not in the event loop).
+    """Read the body of a request, for :func:`json_of` (which may be slow, so outside the event loop).
 
     Raises:
         ProblemError: 415 for another content type, 413 for a body over the limit.
@@ -31,10 +31,10 @@ async def read_body(request: Request, max_bytes: int) -> bytes:
 
 
 def json_of(body: bytes) -> object:
-    """The JSON of a body.
+    """Returns the JSON of a body.
 
     Raises:
-        ProblemError: 400, it is no strict JSON.
+        ProblemError: 400, the body is not strict JSON.
     """
     try:
         return parse_json(body)

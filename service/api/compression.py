@@ -1,4 +1,4 @@
-"""gzip for every answer of some size, and validators that tell the encodings apart."""
+"""gzip for larger responses, with validators that distinguish the encodings."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ _SUFFIX = '-gzip"'
 
 
 class Compression(GZipMiddleware):
-    """Starlette's compression, which leaves the ETag as it is.
+    """Starlette's compression with correct ETags.
 
-    Another encoding is another representation, so a strong validator must differ (RFC 9110, 8.8.1): what is
-    compressed here has an ETag with a suffix, which is taken off again where a client sends it back.
+    Another encoding is another representation, so its strong validator must differ (RFC 9110, 8.8.1):
+    compressed responses have an ETag with a suffix, which is removed again from `If-None-Match`.
     """
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -24,8 +24,8 @@ class Compression(GZipMiddleware):
             await self.app(scope, receive, send)
             return
         headers = MutableHeaders(scope=scope)
-        is_taken = accepts_gzip(headers)
-        headers["Accept-Encoding"] = "gzip" if is_taken else "identity"
+        is_accepted = accepts_gzip(headers)
+        headers["Accept-Encoding"] = "gzip" if is_accepted else "identity"
         known = ",".join(headers.getlist("If-None-Match"))
         if _SUFFIX in known:
             headers["If-None-Match"] = known.replace(_SUFFIX, '"')
@@ -37,7 +37,7 @@ class Compression(GZipMiddleware):
                 packed = tag[:-1] + _SUFFIX
                 if message["status"] == 304:
                     answer.add_vary_header("Accept-Encoding")
-                    is_packed = packed in known and (is_taken or tag not in known)
+                    is_packed = packed in known and (is_accepted or tag not in known)
                 else:
                     is_packed = answer.get("Content-Encoding") == "gzip"
                 if tag and is_packed:
@@ -48,7 +48,7 @@ class Compression(GZipMiddleware):
 
 
 def accepts_gzip(headers: Headers) -> bool:
-    """Whether the client takes gzip."""
+    """Whether the client accepts gzip."""
     ranges = map(media_range, ",".join(headers.getlist("Accept-Encoding")).split(","))
     qualities = dict(ranges)
     return qualities.get("gzip", qualities.get("*", 0.0)) > 0

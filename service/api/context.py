@@ -1,4 +1,4 @@
-"""What the routes share: settings, the queue, the event streams and the metrics of one application."""
+"""The context of the routes: settings, the queue, the event streams and the metrics of one application."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Context:
-    """The parts of one application. All state that matters is in Redis."""
+    """The parts of one application. All persistent state is in Redis."""
 
     settings: Settings
     queue: JobQueue
@@ -32,19 +32,19 @@ class Context:
 
     @classmethod
     def of(cls, settings: Settings) -> Context:
-        """Put the parts together; nothing connects yet."""
+        """Create the parts; nothing connects yet."""
         redis = connect(settings.redis_url, max_connections=settings.redis_connections)
         queue = JobQueue(redis, WorkerSettings())
         return cls(settings, queue, JobEvents.of(settings, queue), Metrics(queue))
 
     async def close(self) -> None:
-        """Give the connections back."""
+        """Close the connections."""
         await self.events.close()
         await in_thread(self.queue.redis.close)
 
 
 async def in_thread(function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-    """Run what blocks (Redis, exact arithmetic) outside the event loop."""
+    """Run a blocking function (Redis, exact arithmetic) outside the event loop."""
     return await anyio.to_thread.run_sync(partial(function, *args, **kwargs))
 
 

@@ -1,4 +1,4 @@
-"""A job's events: waiting for its end, and following it as server-sent events."""
+"""The events of a job: waiting for its end, and following it as server-sent events."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Event:
 
 
 class JobEvents:
-    """Reads the event streams of jobs without holding a thread while it waits."""
+    """Reads the event streams of jobs without blocking threads."""
 
     def __init__(self, redis: Redis, queue: JobQueue, keepalive: float) -> None:
         self.redis = redis
@@ -45,7 +45,7 @@ class JobEvents:
 
     @classmethod
     def of(cls, settings: Settings, queue: JobQueue) -> JobEvents:
-        """With a connection pool of its own; each client that waits holds one connection."""
+        """Returns a reader with a separate connection pool; each waiting client holds one connection."""
         redis = Redis.from_url(
             settings.redis_url,
             max_connections=settings.stream_connections,
@@ -57,7 +57,7 @@ class JobEvents:
         return cls(redis, queue, settings.keepalive_seconds)
 
     def stop(self) -> None:
-        """End all streams and waits now, for a server that is about to end; call it in the event loop."""
+        """End all streams and waits at shutdown; call it in the event loop."""
         self._stopping = True
         for read in list(self._reads):
             read.cancel()
@@ -68,7 +68,7 @@ class JobEvents:
         await self.redis.aclose()
 
     async def wait(self, job_id: str, seconds: float) -> JobView | None:
-        """The job when it has ended, or as it is when the time is over."""
+        """Returns the job once it has ended, or its state when the time is over."""
         end = time.monotonic() + seconds
         while True:
             last = await self._last(job_id)
@@ -84,16 +84,16 @@ class JobEvents:
                 ended = any(_is_terminal(event) for event in batch)
 
     async def after(self, job_id: str, last_id: str) -> list[Event]:
-        """The events after `last_id` that are there already."""
+        """Returns the first event after `last_id`, if it exists already."""
         entries: Any = await self.redis.xrange(
             self._key(job_id), min=f"({last_id}" if last_id != "0" else "-", count=1
         )
         return [Event(*entry) for entry in entries]
 
     async def follow(self, job_id: str, last_id: str) -> AsyncIterator[bytes]:
-        """The stream as text/event-stream, from after `last_id` up to the end of the job.
+        """Yields the stream as text/event-stream, from after `last_id` to the end of the job.
 
-        Without Redis it ends early; a client that comes back goes on where it was.
+        It ends early if Redis fails; a client that reconnects resumes it.
         """
         try:
             async for part in self._follow(job_id, last_id):
@@ -126,11 +126,9 @@ class JobEvents:
         fields = event.fields
         if fields["type"] == "slice":
             l1 = fields["l1"]
-            progress = {"done": int(fields["done"]), "total": int(fields["total"])}
-            return sse(event.id, "slice", {"l1": l1, "progress": progress, "slice": slices.get(l1)})
+            return sse(event.id, "slice", {"l1": l1, **_progress(fields), "slice": slices.get(l1)})
         if fields["type"] == "progress":
-            progress = {"done": int(fields["done"]), "total": int(fields["total"])}
-            return sse(event.id, "progress", {"progress": progress})
+            return sse(event.id, "progress", _progress(fields))
         view = await self._view(job_id)
         document = {"id": job_id, "status": fields["status"]} if view is None else job_json(view)
         return sse(event.id, "status", {**document, "status": fields["status"]})
@@ -169,9 +167,13 @@ class JobEvents:
 
 
 def sse(event_id: str, name: str, data: object) -> bytes:
-    """One server-sent event. The id comes first; `fastapi.sse` would write it last."""
+    """Returns one server-sent event. The id comes first; `fastapi.sse` would write it last."""
     text = json.dumps(data, separators=(",", ":"), ensure_ascii=False)
     return f"id: {event_id}\nevent: {name}\ndata: {text}\n\n".encode()
+
+
+def _progress(fields: Mapping[str, str]) -> dict[str, object]:
+    return {"progress": {"done": int(fields["done"]), "total": int(fields["total"])}}
 
 
 def _is_terminal(event: Event) -> bool:

@@ -7,7 +7,7 @@ from worker.jobs.records import JobView
 
 
 def job_json(view: JobView) -> dict[str, object]:
-    """The job document."""
+    """Returns the job document."""
     kind = kind_of_job(view.id)
     here = f"/v1/jobs/{view.id}"
     return {

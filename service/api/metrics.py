@@ -1,4 +1,4 @@
-"""Metrics in the Prometheus text format: requests as they happen, the queue as it is at the scrape."""
+"""Metrics in the Prometheus text format: requests are counted, the queue is read at each scrape."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Metrics:
         self.registry.register(_QueueCollector(queue))
 
     def count_answer(self, kind: str, answer: str) -> None:
-        """Count how a question was answered: from what is known, or by a job."""
+        """Count a question by the way of its answer: `cached` or `job`."""
         if kind == tables.KIND.name:
             self.tables.labels(answer).inc()
         self.answers.labels(kind, answer).inc()
@@ -64,7 +64,7 @@ class Metrics:
         self.seconds.labels(method, route).observe(seconds)
 
     def text(self) -> bytes:
-        """All metrics; reads Redis."""
+        """Returns all metrics; reads Redis."""
         return generate_latest(self.registry)
 
 
@@ -73,11 +73,11 @@ class _QueueCollector(Collector):
         self.queue = queue
 
     def describe(self) -> Iterable[Metric]:
-        """Nothing; so that registering does not read Redis."""
+        """Nothing, so that registering does not read Redis."""
         return ()
 
     def collect(self) -> Iterator[Metric]:
-        """Read the queue now. Without Redis only `rpr_cusps_up` is left, and it is 0."""
+        """Read the queue now. Without Redis, yield only the version and `rpr_cusps_up`, which is 0."""
         yield _gauge("rpr_cusps_info", "version of this service", 1, version=__version__)
         try:
             gauges = [

@@ -1,6 +1,6 @@
-"""What surrounds every request: an id, HEAD, security headers, metrics, and the answer to what went wrong.
+"""The envelope of every request: an id, HEAD, security headers, metrics, and the answer to unexpected errors.
 
-Plain ASGI, since each layer costs every cached answer a part of its few milliseconds.
+It is plain ASGI, since each layer slows down cached answers, which take a few milliseconds.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class RequestEnvelope:
         self.metrics = metrics
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer one request; see the module."""
+        """Answer one request."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
@@ -61,12 +61,14 @@ class RequestEnvelope:
         try:
             await self.app(scope, receive, send_on)
         except ClientDisconnect:
-            log.debug("request %s: the client went away", request_id)
+            log.debug("request %s: the client disconnected", request_id)
         except Exception:
             log.exception("request %s failed: %s %s", request_id, scope["method"], scope["path"])
             if started:
                 raise
-            detail = f"An unforeseen error; the log has the details under the request id {request_id}."
+            detail = (
+                f"An unexpected error; the service's log has the details under the request id {request_id}."
+            )
             response = ProblemError(ProblemType.INTERNAL_ERROR, detail).response(scope["path"])
             await response(scope, receive, send_on)
         finally:

@@ -1,4 +1,4 @@
-"""One document in the form that the client wants: media type and validators."""
+"""Content negotiation: the media type of a document, and its validators."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ REVALIDATE = "no-cache"
 
 
 def json_bytes(document: object) -> bytes:
-    """A document as compact JSON."""
+    """Returns a document as compact JSON."""
     return json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode()
 
 
 def ndjson_bytes(table: Document) -> bytes:
-    """The slices of a table, one JSON object a line; each line also says which manipulator it belongs to."""
+    """Returns the slices of a table, one JSON object per line, each with the head of the table."""
     shared = {
         key: table[key] for key in ("geometry_hash", "fixed_leg", "digits", "solver_version") if key in table
     }
@@ -37,23 +37,23 @@ def ndjson_bytes(table: Document) -> bytes:
 
 @dataclass(frozen=True)
 class Form:
-    """How a document is written in one media type, and what OpenAPI says of it."""
+    """The encoding of a document in one media type, and its description in OpenAPI."""
 
     encode: Callable[[Any], bytes]
     description: str = ""
 
 
 Forms = Mapping[str, Form]
-"""The forms of a document by media type; the first one is the usual one."""
+"""Media type → form of a document; the first is the default."""
 
 JSON_FORM = Form(json_bytes)
 
 
 def negotiate(accept: Sequence[str], offered: Sequence[str]) -> str:
-    """The media type of `offered` that Accept headers like best; the first one if they like several equally.
+    """Returns the offered media type with the highest quality in the Accept headers, the first of equals.
 
     Raises:
-        ProblemError: 406; none is acceptable.
+        ProblemError: 406, none is acceptable.
     """
     ranges = [media_range(part) for header in accept for part in header.split(",") if part.strip()]
     if not ranges:
@@ -74,9 +74,9 @@ def document_response(
     *,
     headers: Mapping[str, str] | None = None,
 ) -> Response:
-    """A document in one of its forms, with a strong ETag; 304 when the client has it already.
+    """Returns a document in the negotiated form with a strong ETag, or 304 if the client has it already.
 
-    A table in which a slice carries an error may turn out better next time; all others never change.
+    Documents never change, except that a slice with an error may have an answer next time.
     """
     form = negotiate(request.headers.getlist("accept"), tuple(forms))
     body = forms[form].encode(document)
@@ -101,7 +101,7 @@ def _is_known(headers: Sequence[str], tag: str) -> bool:
 
 
 def media_range(text: str) -> tuple[str, float]:
-    """What an element of an `Accept…` header names, and its quality."""
+    """Returns the range and the quality of an element of an `Accept…` header."""
     kind, *parameters = (part.strip().lower() for part in text.split(";"))
     for parameter in parameters:
         name, _, value = parameter.partition("=")
@@ -114,7 +114,7 @@ def media_range(text: str) -> tuple[str, float]:
 
 
 def _quality(kind: str, ranges: Sequence[tuple[str, float]]) -> float:
-    """The quality that the most specific range gives to a media type."""
+    """Returns the quality of a media type by the most specific range."""
     for pattern in (kind, f"{kind.partition('/')[0]}/*", "*/*"):
         for candidate, quality in ranges:
             if candidate == pattern:

@@ -13,13 +13,13 @@ _PAIR = re.compile(rf"\s*({_TOKEN})\s*(?:=\s*({_TOKEN}|{_QUOTED})?)?\s*", re.ASC
 
 @dataclass(frozen=True)
 class Preferences:
-    """What a client prefers: to be answered at once, and how many seconds it is ready to wait."""
+    """The preferences of a client: a response without waiting, or the number of seconds to wait."""
 
     respond_async: bool = False
     wait: int | None = None
 
     def applied(self, waited: int | None, accepted: bool) -> str | None:
-        """The Preference-Applied header, for an answer after `waited` seconds at most."""
+        """Returns the Preference-Applied header of a response after at most `waited` seconds."""
         parts = [f"wait={waited}"] if waited is not None else []
         if self.respond_async and accepted:
             parts.insert(0, "respond-async")
@@ -29,8 +29,8 @@ class Preferences:
 def parse_prefer(headers: Iterable[str]) -> Preferences:
     """Read all Prefer headers of a request.
 
-    The first of two equal preferences counts, names are case-insensitive, and what is unknown or malformed is
-    ignored, as the RFC demands.
+    As the RFC requires, the first of repeated preferences counts, names are case-insensitive, and unknown or
+    malformed preferences are ignored.
 
     >>> parse_prefer(['respond-async; x="1,2", Wait = 10', "wait=3"])
     Preferences(respond_async=True, wait=10)
@@ -47,7 +47,7 @@ def parse_prefer(headers: Iterable[str]) -> Preferences:
 
 
 def _split(text: str, separator: str) -> list[str]:
-    """Split at a separator that is not inside a quoted string."""
+    """Split at separators outside quoted strings."""
     return re.findall(rf'(?:[^{separator}"]|{_QUOTED}|")+', text) or [""]
 
 

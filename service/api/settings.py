@@ -15,25 +15,25 @@ class Settings(BaseSettings):
 
     redis_url: str = Field(
         default="redis://127.0.0.1:6379/0",
-        description="Redis or Valkey server with the queue and the results",
+        description="Redis or Valkey server that holds the queue and the results",
     )
     redis_connections: int = Field(
         default=64, ge=2, description="maximum number of connections for short commands"
     )
     stream_connections: int = Field(
-        default=512, ge=2, description="maximum number of clients that wait or follow events at once"
+        default=512, ge=2, description="maximum number of clients that wait or follow events at the same time"
     )
     threads: int = Field(default=40, ge=1, description="number of threads for blocking work")
-    poll_seconds: int = Field(
-        default=1, ge=1, description="`Retry-After` while a job is not finished, in seconds"
-    )
+    poll_seconds: int = Field(default=1, ge=1, description="`Retry-After` until a job has ended, in seconds")
     retry_seconds: int = Field(
         default=2, ge=1, description="`Retry-After` when Redis cannot be reached, in seconds"
     )
     keepalive_seconds: float = Field(
-        default=15.0, gt=0, description="time between two comments on a quiet event stream, in seconds"
+        default=15.0,
+        gt=0,
+        description="time between two keep-alive comments on an idle event stream, in seconds",
     )
     gzip_bytes: int = Field(
-        default=1024, ge=0, description="minimum size of an answer that is compressed, in bytes"
+        default=1024, ge=0, description="minimum size of a response to compress, in bytes"
     )
     limits: Limits = Field(default_factory=Limits)

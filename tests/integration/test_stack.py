@@ -173,7 +173,7 @@ def test_a_dead_worker_is_replaced(tmp_path: Path) -> None:
         stack.process.terminate()
         stack.process.wait(PATIENCE)
         assert stack.process.stderr is not None
-        assert stack.process.stderr.read() == "rpr-cusps serve: a worker ended (SIGKILL); starting another\n"
+        assert stack.process.stderr.read() == "rpr-cusps serve: a worker died (SIGKILL); starting another\n"
 
 
 @pytest.mark.slow

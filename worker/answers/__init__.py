@@ -1,1 +1,1 @@
-"""What is computed and kept: slices and documents."""
+"""Answers: slices and documents, computed and kept."""

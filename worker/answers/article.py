@@ -1,4 +1,4 @@
-"""Cusp tables by the article's own algorithm, each slice with the audit of its eliminant."""
+"""Cusp tables by the article's own algorithm, with an audit of each slice's eliminant."""
 
 from __future__ import annotations
 
@@ -14,6 +14,6 @@ KIND = Kind("article-table", "at-", unit="slices")
 
 
 def compute(request: JobRequest, _store: ResultStore, progress: Progress) -> dict[str, Any]:
-    """Compute a table, in one piece."""
+    """Compute a table in one piece."""
     slices = [Fraction(x) for x in request.content["l1"]]
     return article_document(request.manipulator, slices, request.digits, progress)

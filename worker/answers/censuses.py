@@ -1,4 +1,4 @@
-"""Censuses: the whole one is computed and kept, and every part of it is cut from what is known."""
+"""Censuses: the whole census is computed and kept, and its parts are cut from it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Any
 import rpr_solver
 from rpr_solver.contract import Progress
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, content_range
-from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore
 
 KIND = Kind("census", "ce-")
@@ -17,7 +16,7 @@ Document = dict[str, Any]
 
 
 def derive(request: JobRequest, store: ResultStore) -> Document | None:
-    """A census that follows from a whole one that is known with as many digits or more."""
+    """Returns a census that follows from a known whole one with as many digits or more, else None."""
     start, stop = content_range(request.content)
     for digits in store.census_digits(_family(request)):
         whole = store.get_document(_whole(request, digits)) if digits >= request.digits else None
@@ -28,12 +27,11 @@ def derive(request: JobRequest, store: ResultStore) -> Document | None:
 
 
 def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
-    """Compute a census; the whole one is kept for the sake of other ranges.
+    """Compute a census; the whole one is kept for other ranges.
 
     Raises:
         SolverError: a transition could not be decided.
     """
-    whole_request = _whole(request, request.digits)
     start, stop = content_range(request.content)
 
     def solved(start: Fraction, stop: Fraction | None) -> Document:
@@ -46,17 +44,10 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
             progress=progress,
         ).to_json()
 
-    def make() -> Document:
-        census = solved(Fraction(0), None)
-        store.put_document(whole_request, census)
-        store.note_census(_family(request), request.digits)
-        return census
-
-    whole = single_flight(
-        lambda: store.get_document(whole_request), lambda: store.document_lock(whole_request), make
-    )
+    whole = store.document(_whole(request, request.digits), lambda: solved(Fraction(0), None))
+    store.note_census(_family(request), request.digits)
     part = rpr_solver.restrict_census(whole, start, stop)
-    # decimals do not tell an end of the range from a transition that is very near, or the same
+    # None: the decimals do not separate an end of the range from a transition that is very near or equal
     return solved(start, stop) if part is None else part
 
 
@@ -65,5 +56,5 @@ def _whole(request: JobRequest, digits: int) -> JobRequest:
 
 
 def _family(request: JobRequest) -> JobRequest:
-    """Stands for the census of one manipulator and one leg at any number of digits."""
+    """Returns a request that stands for the census of a manipulator and a leg at any number of digits."""
     return JobRequest(KIND, {"geometry": request.geometry, "fixed_leg": request.fixed_leg})

@@ -1,4 +1,4 @@
-"""Requirements on the number of cusps, proved or refuted."""
+"""Checks: requirements on the number of cusps, proved or refuted."""
 
 from __future__ import annotations
 

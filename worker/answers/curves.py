@@ -1,4 +1,4 @@
-"""Cusp curves: the whole ones are computed and kept; parts and samples of them set out from there."""
+"""Cusp curves: the whole curves are computed and kept; their parts and samples start from them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import rpr_solver
 from rpr_solver import CuspCurves
 from rpr_solver.contract import Progress
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, content_range
-from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore
 
 KIND = Kind("cusp-curves", "cc-")
@@ -18,7 +17,7 @@ Document = dict[str, Any]
 
 
 def derive(request: JobRequest, store: ResultStore) -> Document | None:
-    """A part of curves that are known, without other points."""
+    """Returns a part of known curves without further points, else None."""
     content = request.content
     if content["lengths"] or content["samples"] is not None:
         return None
@@ -27,39 +26,32 @@ def derive(request: JobRequest, store: ResultStore) -> Document | None:
 
 
 def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
-    """Compute curves; the whole ones are kept for the sake of other ranges and samples.
+    """Compute curves; the whole ones are kept for other ranges and samples.
 
     Raises:
         SolverError: a transition could not be decided, or a cusp not followed.
     """
-    content, whole_request = request.content, _whole(request)
+    content = request.content
     steps = 0
 
-    def on_the_way(done: int, total: int) -> None:
+    def follow(done: int, total: int) -> None:
         nonlocal steps
         steps = total
         progress(done, total)
 
-    def make() -> Document:
-        curves = rpr_solver.cusp_curves(
-            request.manipulator, fixed_leg=request.fixed_leg, digits=request.digits, progress=on_the_way
+    def solve() -> Document:
+        return rpr_solver.cusp_curves(
+            request.manipulator, fixed_leg=request.fixed_leg, digits=request.digits, progress=follow
         ).to_json()
-        store.put_document(whole_request, curves)
-        return curves
 
-    whole = single_flight(
-        lambda: store.get_document(whole_request), lambda: store.document_lock(whole_request), make
+    whole = CuspCurves.from_json(store.document(_whole(request), solve))
+    part = whole.part(
+        *content_range(content),
+        lengths=[Fraction(x) for x in content["lengths"]],
+        samples=content["samples"],
+        progress=lambda done, total: progress(steps + done, steps + total),
     )
-    return (
-        CuspCurves.from_json(whole)
-        .part(
-            *content_range(content),
-            lengths=[Fraction(x) for x in content["lengths"]],
-            samples=content["samples"],
-            progress=lambda done, total: progress(steps + done, steps + total),
-        )
-        .to_json()
-    )
+    return part.to_json()
 
 
 def _whole(request: JobRequest) -> JobRequest:

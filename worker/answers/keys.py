@@ -9,16 +9,16 @@ from rpr_solver import SOLVER_VERSION
 
 @dataclass(frozen=True)
 class ResultKeys:
-    """Key names under one prefix. Keys of results carry the solver's version."""
+    """Key names with one prefix. The keys of results contain the solver's version."""
 
     prefix: str
 
     def slice(self, geometry_hash: str, fixed_leg: int, digits: int, l1: str) -> str:
-        """One slice result; its content never changes."""
+        """A slice's result; its content never changes."""
         return f"{self._content('slice', geometry_hash, fixed_leg)}:{digits}:{l1}"
 
     def digits(self, geometry_hash: str, fixed_leg: int) -> str:
-        """The set of the numbers of digits for which a geometry has slice results."""
+        """The set of the digits of a geometry's slice results."""
         return self._content("digits", geometry_hash, fixed_leg)
 
     def eliminant(self, geometry_hash: str, fixed_leg: int) -> str:
@@ -30,7 +30,7 @@ class ResultKeys:
         return self._content("eliminant-lock", geometry_hash, fixed_leg)
 
     def document(self, content_hash: str) -> str:
-        """A document that was computed in one piece; the hash carries the solver's version."""
+        """A document that was computed in one piece; the hash depends on the solver's version."""
         return f"{self.prefix}:document:{content_hash}"
 
     def document_lock(self, content_hash: str) -> str:
@@ -38,7 +38,7 @@ class ResultKeys:
         return f"{self.prefix}:document-lock:{content_hash}"
 
     def census_digits(self, content_hash: str) -> str:
-        """The set of the numbers of digits for which a whole census is known."""
+        """The set of the digits of known whole censuses."""
         return f"{self.prefix}:census-digits:{content_hash}"
 
     def _content(self, kind: str, geometry_hash: str, fixed_leg: int) -> str:

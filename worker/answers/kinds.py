@@ -1,4 +1,4 @@
-"""The kinds of documents: one entry for each, and the one way to what is known and to what is computed."""
+"""The kinds of documents, and the lookup and computation of documents of any kind."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ def _nothing(_request: JobRequest, _store: ResultStore) -> Document | None:
 
 @dataclass(frozen=True)
 class Computation:
-    """How a document that is computed in one piece comes about.
+    """The computation of a document in one piece.
 
     Attributes:
-        compute: makes the document, and may keep others on its way.
-        derive: cuts it from others that are kept, or gives None.
+        compute: computes the document, and may keep others.
+        derive: cuts the document from others that are kept, or returns None.
     """
 
     compute: Callable[[JobRequest, ResultStore, Progress], Document]
@@ -46,12 +46,12 @@ _BY_NAME = {kind.name: kind for kind in KINDS}
 def known_document(
     request: JobRequest, store: ResultStore, errors: Mapping[str, Any] | None = None
 ) -> Document | None:
-    """The document if it is in the store, or follows from what is.
+    """Returns the document if it is in the store or follows from stored documents, else None.
 
     Args:
-        request: what is asked for.
-        store: where results are kept.
-        errors: those of single slices that a job met; they stand in its table.
+        request: the requested document.
+        store: the store of results.
+        errors: L1 → error, for the slices of a job without an answer; they become entries of its table.
     """
     if request.kind.by_slices:
         return tables.known(request, store, errors)
@@ -59,7 +59,7 @@ def known_document(
 
 
 def missing_parts(request: JobRequest, store: ResultStore) -> Sequence[str]:
-    """The parts that have to be computed; what is known will last as long as what is new."""
+    """Returns the parts that must be computed, and renews the lifetime of the known ones."""
     if request.kind.by_slices:
         return tables.missing(request, store)
     return () if store.renew_document(request) else request.parts
@@ -69,19 +69,19 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
     """Compute a document in one piece.
 
     Raises:
-        InputError: there can be no such document.
+        InputError: the request has no answer.
         SolverError: it could not be decided.
     """
     return COMPUTATIONS[request.kind].compute(request, store, progress)
 
 
 def kind_of_job(job_id: str) -> Kind | None:
-    """What a job of this id computes; None when it is no id of a job."""
+    """Returns the kind of document that a job computes, or None if the id is not a job's."""
     return next((kind for kind in KINDS if job_id.startswith(kind.prefix)), None)
 
 
 def request_from_json(text: str | bytes) -> JobRequest:
-    """The inverse of :meth:`JobRequest.to_json`; also reads the records of tables of version 0.1.0."""
+    """The inverse of :meth:`JobRequest.to_json`; it also reads the records of tables of version 0.1.0."""
     record = json.loads(text)
     if "kind" in record:
         return JobRequest(_BY_NAME[record["kind"]], record["content"])

@@ -1,4 +1,4 @@
-"""A request for a document in canonical form, and the names that follow from it."""
+"""A request for a document in canonical form, and the ids derived from it."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from rpr_solver.model.manipulator import hash_of_canonical
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of document: its name, and how its jobs are named and counted.
+    """A kind of document, and the naming and counting of its jobs.
 
     Attributes:
-        name: as jobs and their records carry it.
-        prefix: the beginning of its job ids.
-        unit: what the progress of its jobs counts.
-        by_slices: whether each slice is computed, kept and counted by itself.
+        name: the name in jobs and their records.
+        prefix: the prefix of job ids.
+        unit: the unit of its jobs' progress.
+        by_slices: whether each slice is computed, kept and counted separately.
     """
 
     name: str
@@ -33,9 +33,9 @@ class Kind:
 
 @dataclass(frozen=True)
 class JobRequest:
-    """What a job is asked for.
+    """A request for a document, which a job computes.
 
-    `content` is canonical and plain JSON, so equal questions are equal requests with one id.
+    `content` is canonical plain JSON, so equal questions are equal requests with one id.
     """
 
     kind: Kind
@@ -43,7 +43,7 @@ class JobRequest:
 
     @property
     def geometry(self) -> Mapping[str, str]:
-        """The manipulator, each number in its canonical text."""
+        """The manipulator, with each number as canonical text."""
         geometry: Mapping[str, str] = self.content["geometry"]
         return geometry
 
@@ -53,17 +53,17 @@ class JobRequest:
         return hash_of_canonical(self.geometry)
 
     def identity_json(self) -> dict[str, object]:
-        """The geometry and its hash, as the head of a document has them."""
+        """Returns the geometry and its hash, as in the head of a document."""
         return {"geometry": self.geometry, "geometry_hash": self.geometry_hash}
 
     @cached_property
     def manipulator(self) -> Manipulator:
-        """The manipulator itself, for a computation; nothing that is known already needs it."""
+        """The manipulator, for a computation; known answers do not need it."""
         return Manipulator.from_json(self.geometry, max_digits=1 << 20)
 
     @property
     def fixed_leg(self) -> int:
-        """The leg whose length is fixed in a slice."""
+        """The leg with the fixed length."""
         return int(self.content["fixed_leg"])
 
     @property
@@ -73,13 +73,13 @@ class JobRequest:
 
     @property
     def parts(self) -> Sequence[str]:
-        """What is computed and counted one by one: the slices, or only the whole."""
+        """The parts that are computed and counted separately: the slices, or only the whole document."""
         parts: Sequence[str] = self.content["l1"] if self.kind.by_slices else (self.kind.name,)
         return parts
 
     @cached_property
     def content_hash(self) -> str:
-        """Names the question among those that this version of the solver answers."""
+        """The hash of the question and the solver's version."""
         question = (
             [self.geometry_hash, self.fixed_leg, self.digits, self.parts]
             if self.kind.by_slices
@@ -96,15 +96,15 @@ class JobRequest:
         return hash(self.content_hash)
 
     def to_json(self) -> str:
-        """The request as it is kept in the job's record."""
+        """Returns the request as text for the job's record."""
         return json.dumps({"kind": self.kind.name, "content": self.content}, separators=(",", ":"))
 
 
 ALL_LENGTHS: Mapping[str, str | None] = {"from": "0", "to": None}
-"""The range without ends, in a request's content."""
+"""The unbounded range in a request's content."""
 
 
 def content_range(content: Mapping[str, Any]) -> tuple[Fraction, Fraction | None]:
-    """The range of a request's content."""
+    """Returns the range in a request's content."""
     start, stop = content["range"]["from"], content["range"]["to"]
     return Fraction(start), None if stop is None else Fraction(stop)

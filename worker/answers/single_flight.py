@@ -1,4 +1,4 @@
-"""What several workers need at once is computed by one of them."""
+"""Shared computations: what several workers need at once is computed by one of them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ _FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.05
 def single_flight(
     known: Callable[[], T | None], lock: Callable[[], AbstractContextManager[bool]], make: Callable[[], T]
 ) -> T:
-    """What is known, or is made here, or by another worker that holds the lock; `make` has to keep it."""
+    """Returns the known result, or makes it, or waits for the worker that holds the lock.
+
+    `make` must keep its result, so that `known` returns it afterwards.
+    """
     pause = _FIRST_PAUSE
     while True:
         result = known()
@@ -23,7 +26,7 @@ def single_flight(
             return result
         with lock() as held:
             if held:
-                result = known()  # it may have come between the look and the lock
+                result = known()  # made between the look and the lock?
                 return make() if result is None else result
         time.sleep(pause)
         pause = min(2 * pause, _LONGEST_PAUSE)

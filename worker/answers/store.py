@@ -1,18 +1,19 @@
-"""Results in Redis: immutable, keyed by their content, bounded by their time to live."""
+"""Results in Redis: immutable, keyed by content, with a limited time to live."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import TYPE_CHECKING, Any, cast
 
 import rpr_solver
 from worker.answers.keys import ResultKeys
 from worker.answers.requests import JobRequest
+from worker.answers.single_flight import single_flight
 from worker.settings import WorkerSettings
 
-if TYPE_CHECKING:  # the command line reads questions without a server, and this import takes 0.2 s
+if TYPE_CHECKING:  # the command line needs no server, and this import takes 0.2 s
     from redis import Redis
 
 SliceJson = dict[str, Any]
@@ -27,15 +28,15 @@ class ResultStore:
         self.keys = ResultKeys(self.settings.key_prefix)
 
     def slice_keys(self, request: JobRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
-        """The keys of some slices of a request, at its own or another number of digits."""
+        """Returns the keys of slices of a request, at its own or another number of digits."""
         at = request.digits if digits is None else digits
         return [self.keys.slice(request.geometry_hash, request.fixed_leg, at, x) for x in l1]
 
     def get_slices(self, request: JobRequest, l1: Sequence[str] | None = None) -> dict[str, SliceJson]:
-        """The known slices of a request (or those of `l1`), by L1.
+        """Returns the known slices of a request (or those of `l1`), by L1.
 
-        One round trip when all are known with just these digits. Slices known with more digits are
-        shortened, where correct rounding can be told from what is stored.
+        This takes one round trip if all are known with exactly these digits. Slices known with more digits
+        are shortened if the stored digits suffice for correct rounding.
         """
         slices = request.parts if l1 is None else l1
         if not slices:
@@ -57,9 +58,9 @@ class ResultStore:
         return known
 
     def renew_slices(self, request: JobRequest, slices: Mapping[str, SliceJson]) -> None:
-        """Make known slices last as long as new ones, so that a job's table stays whole.
+        """Renew the lifetime of known slices, so that a job's table stays complete.
 
-        What came from more digits is kept at the request's own digits too.
+        Slices that were shortened from more digits are also kept at the request's own digits.
         """
         if not slices:
             return
@@ -77,7 +78,7 @@ class ResultStore:
                 pipe.execute()
 
     def get_eliminant(self, request: JobRequest) -> rpr_solver.Eliminant | None:
-        """The geometry's eliminant, if it is known."""
+        """Returns the geometry's eliminant, or None if it is not known."""
         raw = self.redis.get(self.keys.eliminant(request.geometry_hash, request.fixed_leg))
         return None if raw is None else rpr_solver.Eliminant.from_json(json.loads(cast(bytes, raw)))
 
@@ -87,21 +88,28 @@ class ResultStore:
         self.redis.set(key, dump(eliminant.to_json()), ex=self.settings.eliminant_ttl)
 
     def get_document(self, request: JobRequest) -> dict[str, Any] | None:
-        """A document that was computed in one piece, if it is known."""
+        """Returns a document that was computed in one piece, or None if it is not known."""
         raw = self.redis.get(self.keys.document(request.content_hash))
         return None if raw is None else cast("dict[str, Any]", json.loads(cast(bytes, raw)))
 
-    def put_document(self, request: JobRequest, document: Mapping[str, Any]) -> None:
-        """Keep a document; the first one stays."""
-        key = self.keys.document(request.content_hash)
-        self.redis.set(key, dump(document), ex=self.settings.result_ttl, nx=True)
+    def document(self, request: JobRequest, compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+        """Returns a document from the store, or computes and keeps it; only one worker at a time does so."""
+
+        def make() -> dict[str, Any]:
+            document = compute()
+            key = self.keys.document(request.content_hash)
+            self.redis.set(key, dump(document), ex=self.settings.result_ttl, nx=True)
+            return document
+
+        lock = self.keys.document_lock(request.content_hash)
+        return single_flight(lambda: self.get_document(request), lambda: self._lock(lock), make)
 
     def renew_document(self, request: JobRequest) -> bool:
-        """Make a known document last as long as a new one; False when it is not known."""
+        """Renew the lifetime of a known document; returns False if it is not known."""
         return bool(self.redis.expire(self.keys.document(request.content_hash), self.settings.result_ttl))
 
     def note_census(self, family: JobRequest, digits: int) -> None:
-        """Note that a census of this family is known with so many digits."""
+        """Note that a census of this family is known with this number of digits."""
         key = self.keys.census_digits(family.content_hash)
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.sadd(key, digits)
@@ -109,21 +117,17 @@ class ResultStore:
             pipe.execute()
 
     def census_digits(self, family: JobRequest) -> list[int]:
-        """The numbers of digits with which censuses of this family have been kept, ascending."""
+        """Returns the numbers of digits of the kept censuses of this family, ascending."""
         members = cast("set[bytes]", self.redis.smembers(self.keys.census_digits(family.content_hash)))
         return sorted(map(int, members))
 
     def eliminant_lock(self, request: JobRequest) -> AbstractContextManager[bool]:
-        """Try to become the one who computes the eliminant; gives False when somebody else does."""
+        """Try to lock the computation of the eliminant; gives False if another worker holds the lock."""
         return self._lock(self.keys.eliminant_lock(request.geometry_hash, request.fixed_leg))
-
-    def document_lock(self, request: JobRequest) -> AbstractContextManager[bool]:
-        """Try to become the one who computes a document; gives False when somebody else does."""
-        return self._lock(self.keys.document_lock(request.content_hash))
 
     @contextmanager
     def _lock(self, key: str) -> Iterator[bool]:
-        """The lock expires by itself, so a worker that died with it does not stop the others for long."""
+        """The lock expires, so a worker that died with it does not block the others for long."""
         from redis.exceptions import LockNotOwnedError
 
         lock = self.redis.lock(key, timeout=self.settings.eliminant_lock, blocking=False)
@@ -145,7 +149,7 @@ class ResultStore:
 
 
 def dump(value: object) -> str:
-    """Compact JSON, as it is stored."""
+    """Returns compact JSON, as it is stored."""
     return json.dumps(value, separators=(",", ":"), ensure_ascii=False)
 
 

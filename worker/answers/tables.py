@@ -1,4 +1,4 @@
-"""Cusp tables: each slice is computed, kept and counted by itself."""
+"""Cusp tables: each slice is computed, kept and counted separately."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ log = logging.getLogger("rpr_cusps.worker")
 
 KIND = Kind("cusp-table", "ct-", unit="slices", by_slices=True)
 
-INTERNAL = "The computation failed in an unforeseen way; the worker's log has the details."
+INTERNAL = "An unexpected error; the worker's log has the details."
 
 
 def known(
     request: JobRequest, store: ResultStore, errors: Mapping[str, SliceJson] | None = None
 ) -> dict[str, Any] | None:
-    """The table if every slice is known, or has its error among those that a job met."""
+    """Returns the table if every slice is known or has an error of the job, else None."""
     errors = errors or {}
     slices = {**store.get_slices(request, [x for x in request.parts if x not in errors]), **errors}
     if len(slices) < len(request.parts):
@@ -34,14 +34,14 @@ def known(
 
 
 def missing(request: JobRequest, store: ResultStore) -> Sequence[str]:
-    """The slices that are not known; those that are will last as long as new ones."""
+    """Returns the slices that are not known, and renews the lifetime of the known ones."""
     slices = store.get_slices(request)
     store.renew_slices(request, slices)
     return [x for x in request.parts if x not in slices]
 
 
 def eliminant_of(request: JobRequest, store: ResultStore) -> Eliminant:
-    """The manipulator's eliminant: from the store, or computed while workers in need of the same wait."""
+    """Returns the manipulator's eliminant from the store, or computes it, in one worker at a time."""
 
     def make() -> Eliminant:
         eliminant = rpr_solver.eliminate(request.manipulator, request.fixed_leg)
@@ -52,7 +52,7 @@ def eliminant_of(request: JobRequest, store: ResultStore) -> Eliminant:
 
 
 def solve(eliminant: Eliminant, l1: str, request: JobRequest) -> SliceJson:
-    """One slice. An error is reported in the slice's own entry; other slices are unaffected."""
+    """Solve a slice. An error is reported in the slice's own entry; other slices are unaffected."""
     try:
         return rpr_solver.slice_json(eliminant, Fraction(l1), request.digits)
     except MemoryError:

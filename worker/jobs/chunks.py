@@ -1,9 +1,10 @@
-"""Chunks as RQ jobs: put in the queue, take out, stop."""
+"""Chunks as RQ jobs: enqueue, withdraw, stop."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterable
+from dataclasses import asdict
 
 from redis import Redis
 from rq import Queue
@@ -17,13 +18,13 @@ from worker.jobs.records import ChunkEntry, ChunkRef
 from worker.settings import WorkerSettings
 
 STOP_PATIENCE = 1.0
-"""Seconds in which a stop command is repeated; afterwards the worker's own look at the record must do."""
+"""Seconds for which a stop command is repeated; after that, the worker itself notices from the record."""
 
 _LEFTOVER_TTL = 600
 
 
 def queue_names(settings: WorkerSettings) -> tuple[str, str]:
-    """The queue of jobs of one chunk, which is served first, and the queue of larger ones."""
+    """Returns the queue of jobs of one chunk, which is served first, and the queue of larger jobs."""
     return settings.queue_name, f"{settings.queue_name}-bulk"
 
 
@@ -39,13 +40,13 @@ class ChunkQueue:
         )
 
     def enqueue(self, refs: Iterable[ChunkRef], *, bulk: bool, at_front: bool = False) -> None:
-        """Put chunks in the queue; one that is there already stays as it is."""
+        """Enqueue chunks; one that is in the queue already is unchanged."""
         queue = self.bulk if bulk else self.small
         for ref in refs:
             try:
                 queue.enqueue_call(
                     self.settings.task,
-                    kwargs={"job_id": ref.job_id, "run": ref.run, "index": ref.index, "attempt": ref.attempt},
+                    kwargs=asdict(ref),
                     job_id=ref.rq_id,
                     unique=True,
                     timeout=-1,  # RQ's own timeout cannot end a C call; see process/worker.py
@@ -58,7 +59,7 @@ class ChunkQueue:
                 continue
 
     def waiting(self) -> set[str]:
-        """The RQ ids of all chunks in the queues."""
+        """Returns the RQ ids of all chunks in the queues."""
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.lrange(self.small.key, 0, -1)
             pipe.lrange(self.bulk.key, 0, -1)
@@ -66,14 +67,14 @@ class ChunkQueue:
         return {raw.decode() for raw in [*small, *bulk]}
 
     def depth(self) -> int:
-        """How many chunks wait for a worker."""
+        """Returns the number of chunks that wait for a worker."""
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.llen(self.small.key)
             pipe.llen(self.bulk.key)
             return sum(pipe.execute())
 
     def withdraw(self, entries: Iterable[ChunkEntry]) -> None:
-        """Take chunks out of the queue, and stop the workers of those that are running."""
+        """Remove chunks from the queue, and stop the workers of those that are running."""
         running = [entry.ref for entry in entries if entry.state != "queued" or not self._take_out(entry.ref)]
         deadline = time.monotonic() + STOP_PATIENCE
         while running:
@@ -84,12 +85,12 @@ class ChunkQueue:
                 time.sleep(0.02)
 
     def discard(self, ref: ChunkRef) -> None:
-        """Forget the RQ job of a chunk that nobody works on."""
+        """Delete the RQ job of a chunk that no worker runs."""
         if not self._take_out(ref):
             self._delete(ref)
 
     def _take_out(self, ref: ChunkRef) -> bool:
-        """Take a chunk out of the queue; False when it is not there (any more)."""
+        """Remove a chunk from the queue; returns False if it is not in the queue."""
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.lrem(self.small.key, 1, ref.rq_id)
             pipe.lrem(self.bulk.key, 1, ref.rq_id)
@@ -98,8 +99,8 @@ class ChunkQueue:
         if removed:
             self._delete(ref)
         else:
-            # A worker has just taken it. RQ needs the job until that worker has seen that there is nothing
-            # to do, and deletes it then; if the worker died in between, it runs out by itself.
+            # A worker has just taken it. RQ needs the job until that worker finds nothing to do and deletes
+            # it; should the worker die first, the job expires.
             self.redis.expire(Job.key_for(ref.rq_id), _LEFTOVER_TTL)
         return bool(removed)
 
@@ -111,7 +112,7 @@ class ChunkQueue:
         job.delete(remove_from_queue=False)
 
     def _stop(self, ref: ChunkRef) -> bool:
-        """Ask the worker to stop; True once nobody works on the chunk any more."""
+        """Ask the worker to stop; returns True once no worker runs the chunk."""
         if not self.redis.exists(self.keys.beat(ref.rq_id)):
             return True
         try:
@@ -121,5 +122,5 @@ class ChunkQueue:
         except NoSuchJobError:
             return True
         except InvalidJobOperation:
-            pass  # started, but the worker has not written its name yet: ask again
+            pass  # started, but the worker has not registered yet: ask again
         return False

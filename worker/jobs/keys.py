@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True)
-class JobKeys:
-    """The keys of one job."""
+class JobKeys(NamedTuple):
+    """The keys of one job, in the order of the scripts' arguments."""
 
     record: str
     chunks: str
@@ -18,30 +18,30 @@ class JobKeys:
 
 @dataclass(frozen=True)
 class Keys:
-    """Key names under one prefix."""
+    """Key names with one prefix."""
 
     prefix: str
 
     def job(self, job_id: str) -> JobKeys:
-        """The keys of the job `job_id`."""
+        """Returns the keys of the job `job_id`."""
         base = f"{self.prefix}:job:{job_id}"
         return JobKeys(base, f"{base}:chunks", f"{base}:bits", f"{base}:errors", f"{base}:events")
 
     def beat(self, chunk_id: str) -> str:
-        """Sign of life of a running chunk."""
+        """Returns the key of a running chunk's heartbeat."""
         return f"{self.prefix}:beat:{chunk_id}"
 
     @property
     def active(self) -> str:
-        """Sorted set of the jobs that are queued or running."""
+        """The sorted set of queued and running jobs."""
         return f"{self.prefix}:active"
 
     @property
     def suspects(self) -> str:
-        """Chunks that nobody seems to work on, with the time at which that was first seen."""
+        """The chunks that no worker seems to run, with the time of the first suspicion."""
         return f"{self.prefix}:suspects"
 
     @property
     def sweep_lock(self) -> str:
-        """Limits the search for lost chunks to one at a time in the whole installation."""
+        """The lock that limits the search for lost chunks to one at a time in the whole installation."""
         return f"{self.prefix}:sweep-lock"

@@ -1,6 +1,6 @@
-"""Jobs as the API sees them: submit, look, cancel.
+"""Jobs as the API sees them: submit, look up, cancel.
 
-Nothing is remembered in the process, so any number of API processes can serve the same jobs.
+All state is in Redis, so any number of API processes can serve the same jobs.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ class JobQueue:
         self.chunks = ChunkQueue(redis, self.settings)
 
     def submit(self, request: JobRequest) -> JobView:
-        """Have a table or another document computed.
+        """Submit a request for a table or another document; returns its job.
 
-        Joins the job if it is queued or running, or has succeeded and its results are still there. A job
-        that failed, was canceled, or lost its results to time is replaced.
+        Joins a job that is queued or running, or has succeeded and still has its results. A job that failed,
+        was canceled, or whose results have expired is restarted.
         """
         seen = self.records.view(request.job_id)
         if seen is not None and not seen.is_terminal:
@@ -47,15 +47,15 @@ class JobQueue:
         return view if view is not None else self.submit(request)
 
     def known(self, request: JobRequest) -> Document | None:
-        """The complete answer if it is known or follows from what is, else None."""
+        """Returns the complete answer if it is known or follows from known documents, else None."""
         return known_document(request, self.store)
 
     def get(self, job_id: str) -> JobView | None:
-        """The job as it is now, or None when there is none (any more)."""
+        """Returns the current state of a job, or None if there is none."""
         return self.records.view(job_id)
 
     def result(self, job_id: str) -> Document | None:
-        """The answer of a job that succeeded; None for any other, and when results have expired."""
+        """Returns the answer of a job that succeeded, or None if it did not or its results have expired."""
         record = self.records.request(job_id)
         if record is None or record[0].status != "succeeded":
             return None
@@ -63,17 +63,17 @@ class JobQueue:
         return known_document(request, self.store, errors)
 
     def cancel(self, job_id: str) -> JobView | None:
-        """Cancel a job that is queued or running; a job that has ended stays as it is."""
+        """Cancel a queued or running job; a job that has ended is unchanged."""
         entries = self.records.cancel(job_id)
         if entries:
             self.chunks.withdraw(entries)
         return self.records.view(job_id)
 
     def depth(self) -> int:
-        """How many chunks wait for a worker."""
+        """Returns the number of chunks that wait for a worker."""
         return self.chunks.depth()
 
     def workers(self) -> int:
-        """How many workers are alive, by RQ's register."""
+        """Returns the number of live workers, by RQ's register."""
         keys = cast("set[bytes]", self.redis.smembers(REDIS_WORKER_KEYS))
         return self.redis.exists(*keys) if keys else 0

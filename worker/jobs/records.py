@@ -1,4 +1,4 @@
-"""The record of a job in Redis and the atomic steps that change it."""
+"""The record of a job in Redis, and the atomic steps that change it."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from datetime import UTC, datetime
 from typing import Any, Literal, cast
 
 from redis import Redis
+from redis.commands.core import Script
 
 from worker.answers.keys import ResultKeys
 from worker.answers.kinds import request_from_json
 from worker.answers.requests import JobRequest
 from worker.answers.store import dump
 from worker.jobs import scripts
-from worker.jobs.keys import JobKeys, Keys
+from worker.jobs.keys import Keys
 from worker.settings import WorkerSettings
 
 Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
@@ -27,7 +28,7 @@ _FIELDS = ("run", "status", "done", "total", "created", "started", "finished", "
 
 @dataclass(frozen=True)
 class JobView:
-    """What can be said about a job. Times are ISO 8601 in UTC."""
+    """The state of a job. Times are ISO 8601 in UTC."""
 
     id: str
     status: Status
@@ -41,7 +42,7 @@ class JobView:
 
     @property
     def is_terminal(self) -> bool:
-        """Whether the job has come to its end."""
+        """Whether the job has ended."""
         return self.status not in ACTIVE
 
 
@@ -62,7 +63,7 @@ class ChunkRef:
 
 @dataclass(frozen=True)
 class ChunkEntry:
-    """A chunk that is not done yet, as its job's record has it."""
+    """A chunk that is not done yet, as in the record of its job."""
 
     ref: ChunkRef
     state: str
@@ -71,7 +72,7 @@ class ChunkEntry:
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some parts of a request, and their positions in the job."""
+    """Some parts of a request, and the position of the first one in the job."""
 
     request: JobRequest
     parts: tuple[str, ...]
@@ -86,21 +87,21 @@ class JobRecords:
         self.settings = settings
         self.keys = Keys(settings.key_prefix)
         self.result_keys = ResultKeys(settings.key_prefix)
-        self._create = redis.register_script(scripts.CREATE)
-        self._start = redis.register_script(scripts.START)
-        self._slice = redis.register_script(scripts.SLICE)
-        self._progress = redis.register_script(scripts.PROGRESS)
-        self._document = redis.register_script(scripts.DOCUMENT)
-        self._end = redis.register_script(scripts.END)
-        self._reopen = redis.register_script(scripts.REOPEN)
+        self._create = self._script(scripts.CREATE)
+        self._start = self._script(scripts.START)
+        self._slice = self._script(scripts.SLICE)
+        self._progress = self._script(scripts.PROGRESS)
+        self._document = self._script(scripts.DOCUMENT)
+        self._end = self._script(scripts.END)
+        self._reopen = self._script(scripts.REOPEN)
 
     def view(self, job_id: str) -> JobView | None:
-        """The job as it is now, or None when there is none (any more)."""
+        """Returns the current state of a job, or None if there is none."""
         fields = self.redis.hmget(self.keys.job(job_id).record, _FIELDS)
         return _view(job_id, cast("list[bytes | None]", fields))
 
     def request(self, job_id: str) -> tuple[JobView, JobRequest, dict[str, Any]] | None:
-        """The job, what it was asked for and the errors of single slices."""
+        """Returns a job, its request and the errors of single slices by L1, or None if there is none."""
         keys = self.keys.job(job_id)
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.hmget(keys.record, [*_FIELDS, "request"])
@@ -113,26 +114,26 @@ class JobRecords:
         return view, request_from_json(fields[-1]), by_l1
 
     def create(self, request: JobRequest, todo: Sequence[str], seen_run: str) -> list[ChunkRef] | None:
-        """Start a job afresh, in place of the run `seen_run` ("" for none); `todo` are the open parts.
+        """Create a job, or restart it in place of the run `seen_run` ("" for none); `todo`: the open parts.
 
-        Returns its chunks, or None when another client was faster.
+        Returns its chunks, or None if another client was faster.
         """
         settings = self.settings
         count = -(-len(todo) // settings.chunk_size)
         size = -(-len(todo) // count) if count else 1
         run = secrets.token_hex(4)
         keys = self.keys.job(request.job_id)
-        made = self._create(
-            keys=[*_all(keys), self.keys.active],
+        is_created = self._create(
+            keys=[*keys, self.keys.active],
             args=[
                 request.job_id, run, seen_run, len(request.parts), len(todo),
                 request.to_json(), dump(list(todo)), size, count, settings.job_ttl,
             ],
         )  # fmt: skip
-        return [ChunkRef(request.job_id, run, i, 0) for i in range(count)] if made else None
+        return [ChunkRef(request.job_id, run, i, 0) for i in range(count)] if is_created else None
 
     def start(self, ref: ChunkRef) -> Chunk | None:
-        """Begin a chunk; None when it is out of date."""
+        """Start a chunk; returns None if it is out of date."""
         keys = self.keys.job(ref.job_id)
         reply = self._start(
             keys=[keys.record, keys.chunks, keys.events], args=[ref.run, ref.index, ref.attempt]
@@ -144,7 +145,7 @@ class JobRecords:
         return Chunk(request_from_json(raw), tuple(json.loads(todo)[first : first + int(size)]), first)
 
     def put_slice(self, ref: ChunkRef, chunk: Chunk, offset: int, value: Mapping[str, Any]) -> bool:
-        """Keep the result of the chunk's slice `offset` and count it; False when the job wants no more."""
+        """Keep and count the result of the chunk's slice `offset`; returns False if the job needs no more."""
         settings, request, l1 = self.settings, chunk.request, chunk.parts[offset]
         keys = self.keys.job(ref.job_id)
         geometry = request.geometry_hash, request.fixed_leg
@@ -152,7 +153,7 @@ class JobRecords:
         reply = self._slice(
             keys=[
                 self.result_keys.slice(*geometry, request.digits, l1), self.result_keys.digits(*geometry),
-                *_all(keys), self.keys.active,
+                *keys, self.keys.active,
             ],
             args=[
                 ref.job_id, ref.run, ref.index, int(offset == len(chunk.parts) - 1),
@@ -163,27 +164,27 @@ class JobRecords:
         return bool(reply == 1)
 
     def put_progress(self, ref: ChunkRef, done: int, total: int) -> None:
-        """Tell how far the job of a document is."""
+        """Record the progress of the job of a document."""
         keys = self.keys.job(ref.job_id)
         self._progress(keys=[keys.record, keys.events], args=[ref.run, done, total])
 
     def put_document(self, ref: ChunkRef, request: JobRequest, document: Mapping[str, Any]) -> None:
-        """Keep a document, and end its job if it is still wanted."""
+        """Keep a document, and end its job if that is still active."""
         self._document(
             keys=[
                 self.result_keys.document(request.content_hash),
-                *_all(self.keys.job(ref.job_id)), self.keys.active,
+                *self.keys.job(ref.job_id), self.keys.active,
             ],
             args=[ref.job_id, ref.run, dump(document), self.settings.result_ttl, self.settings.job_ttl],
         )  # fmt: skip
 
     def fail(self, ref: ChunkRef, kind: str, detail: str) -> list[ChunkEntry] | None:
-        """End the job because of this chunk; returns its open chunks, None when it was out of date."""
+        """End the job because of this chunk; returns the open chunks, or None if the chunk is out of date."""
         problem = dump({"type": kind, "detail": detail})
         return self._finish(ref.job_id, "failed", problem, ref.run, ref.index, ref.attempt)
 
     def cancel(self, job_id: str) -> list[ChunkEntry] | None:
-        """End the job on request; returns its open chunks, None when it was not active."""
+        """Cancel the job; returns its open chunks, or None if it was not active."""
         return self._finish(job_id, "canceled", "", "", "", "")
 
     def reopen(self, ref: ChunkRef, *, lost: bool) -> ChunkRef | Literal["stale", "too-often"]:
@@ -205,7 +206,7 @@ class JobRecords:
         return run == ref.run.encode() and (status or b"").decode() in ACTIVE
 
     def open_chunks(self) -> list[ChunkEntry]:
-        """The chunks of all active jobs that are not done."""
+        """Returns the chunks of all active jobs that are not done."""
         job_ids = [raw.decode() for raw in cast("list[bytes]", self.redis.zrange(self.keys.active, 0, -1))]
         with self.redis.pipeline(transaction=False) as pipe:
             for job_id in job_ids:
@@ -221,20 +222,19 @@ class JobRecords:
                 entries += [_entry(job_id, run, index, entry) for index, entry in chunks.items()]
         return entries
 
+    def _script(self, text: str) -> Script:
+        return self.redis.register_script(scripts.PRELUDE + text)
+
     def _finish(
         self, job_id: str, status: str, problem: str, run: str, index: int | str, attempt: int | str
     ) -> list[ChunkEntry] | None:
         reply = self._end(
-            keys=[*_all(self.keys.job(job_id)), self.keys.active],
+            keys=[*self.keys.job(job_id), self.keys.active],
             args=[job_id, status, problem, self.settings.failure_ttl, run, index, attempt],
         )
         if not reply:
             return None
         return [_entry(job_id, reply[0], *pair) for pair in zip(reply[1::2], reply[2::2], strict=True)]
-
-
-def _all(keys: JobKeys) -> tuple[str, str, str, str, str]:
-    return keys.record, keys.chunks, keys.bits, keys.errors, keys.events
 
 
 def _entry(job_id: str, run: bytes, index: bytes, entry: bytes) -> ChunkEntry:

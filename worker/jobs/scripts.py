@@ -1,26 +1,22 @@
 """The atomic steps of a job's life, as Lua scripts.
 
-A job's record carries `run`, a token that changes whenever the job is started afresh. Every script that
-changes a job names the run it means and does nothing when the record has moved on or is terminal; so what
-comes late (an old worker, a second sweeper) can never overwrite a newer state.
+A job's record has a token `run`, which changes whenever the job is restarted. Every script that changes a
+job names its run, and has no effect if the record has moved on or the job has ended; so a late caller (an
+old worker, a second sweeper) can never overwrite a newer state.
 
 A chunk's entry is `state:attempt:losses`; it is deleted when the chunk is done.
 
-Each script begins with the names of its keys and arguments, in the order in which `records` gives them.
+Each script begins with the names of its keys and arguments, in the order in which `records` passes them.
 """
 
 from __future__ import annotations
 
-_NOW = """
+PRELUDE = """
 local time = redis.call('TIME')
 local now = string.format('%d.%06d', time[1], time[2])
-"""
 
-_IS_ACTIVE = """
 local function is_active(status) return status == 'queued' or status == 'running' end
-"""
 
-_FINISH = """
 local function finish(record, chunks, bits, errors, events, active, job_id, status, problem, ttl)
     redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
     redis.call('ZREM', active, job_id)
@@ -30,13 +26,10 @@ local function finish(record, chunks, bits, errors, events, active, job_id, stat
     for _, key in ipairs({record, errors, events}) do redis.call('EXPIRE', key, ttl) end
 end
 """
+"""The definitions that precede every script."""
 
-# Returns 1 when the job was made, 0 when somebody else has made or changed it meanwhile.
-CREATE = (
-    _NOW
-    + _IS_ACTIVE
-    + _FINISH
-    + """
+# Returns 1 if the job was created, 0 if another client has created or changed it meanwhile.
+CREATE = """
 local record, chunks, bits, errors, events, active = unpack(KEYS)
 local job_id, run, seen_run, total, todo_count, request, todo, chunk_size, chunk_count, ttl = unpack(ARGV)
 
@@ -55,13 +48,9 @@ redis.call('ZADD', active, now, job_id)
 redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued')
 return 1
 """
-)
 
-# Returns {request, todo, chunk_size} when the chunk may start, nothing when it is out of date.
-START = (
-    _NOW
-    + _IS_ACTIVE
-    + """
+# Returns {request, todo, chunk_size} if the chunk may start, nothing if it is out of date.
+START = """
 local record, chunks, events = unpack(KEYS)
 local run, index, attempt = unpack(ARGV)
 
@@ -79,15 +68,10 @@ if status == 'queued' then
 end
 return {request, todo, chunk_size}
 """
-)
 
-# Keeps the result in any case (it is true whatever became of the job), then counts it once.
-# Returns 0 when the job does not want it any more, 1 when there is more to do, 2 when the job is done.
-SLICE = (
-    _NOW
-    + _IS_ACTIVE
-    + _FINISH
-    + """
+# Keeps the result in any case, since it is valid whatever the state of the job, then counts it once.
+# Returns 0 if the job no longer needs it, 1 if more slices remain, 2 if the job is done.
+SLICE = """
 local slice, known_digits, record, chunks, bits, errors, events, active = unpack(KEYS)
 local job_id, run, index, is_last, position, l1, json, is_error, digits, slice_ttl, job_ttl = unpack(ARGV)
 is_last, is_error = is_last == '1', is_error == '1'
@@ -110,9 +94,8 @@ if done < tonumber(total) then return 1 end
 finish(record, chunks, bits, errors, events, active, job_id, 'succeeded', '', job_ttl)
 return 2
 """
-)
 
-# How far a job of one chunk is that counts its own steps. It may start over after an interruption.
+# Records the progress of a job of one chunk that counts its own steps; it may restart after an interruption.
 PROGRESS = """
 local record, events = unpack(KEYS)
 local run, done, total = unpack(ARGV)
@@ -124,12 +107,8 @@ redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'progress', 'done'
 return 1
 """
 
-# Keeps a document in any case, the first one if there are several, and ends the job that asked for it.
-DOCUMENT = (
-    _NOW
-    + _IS_ACTIVE
-    + _FINISH
-    + """
+# Keeps a document in any case, the first of several, and ends the job that requested it.
+DOCUMENT = """
 local document, record, chunks, bits, errors, events, active = unpack(KEYS)
 local job_id, run, json, document_ttl, job_ttl = unpack(ARGV)
 
@@ -142,15 +121,10 @@ redis.call('HSET', record, 'done', total)
 finish(record, chunks, bits, errors, events, active, job_id, 'succeeded', '', job_ttl)
 return 2
 """
-)
 
-# With an empty run: whatever the run is (a cancel). Otherwise only if that attempt of that chunk is open.
-# Returns the run and the open chunks {run, index, entry, …} when the job was ended, nothing otherwise.
-END = (
-    _NOW
-    + _IS_ACTIVE
-    + _FINISH
-    + """
+# Ends a job: any run if `run` is empty (a cancel), otherwise only if that attempt of that chunk is open.
+# Returns the run and the open chunks {run, index, entry, …} if the job was ended, nothing otherwise.
+END = """
 local record, chunks, bits, errors, events, active = unpack(KEYS)
 local job_id, status, problem, ttl, run, index, attempt = unpack(ARGV)
 
@@ -165,13 +139,10 @@ table.insert(open, 1, job_run)
 finish(record, chunks, bits, errors, events, active, job_id, status, problem, ttl)
 return open
 """
-)
 
-# Opens the next attempt of a chunk. A loss is counted only for a chunk that had begun.
-# Returns the new attempt's number, -1 when it is out of date, -2 when it was lost too often.
-REOPEN = (
-    _IS_ACTIVE
-    + """
+# Opens the next attempt at a chunk. A loss is counted only for a chunk that had started.
+# Returns the new attempt's number, -1 if the chunk is out of date, -2 if it was lost too often.
+REOPEN = """
 local record, chunks = unpack(KEYS)
 local run, index, attempt, is_lost, max_losses = unpack(ARGV)
 
@@ -186,4 +157,3 @@ if tonumber(losses) > tonumber(max_losses) then return -2 end
 redis.call('HSET', chunks, index, string.format('queued:%d:%d', attempt + 1, losses))
 return attempt + 1
 """
-)

@@ -1,7 +1,7 @@
-"""Finds chunks that nobody works on any more, and has them run again.
+"""Finds chunks that no worker runs any more, and enqueues them again.
 
-A chunk that is not done must be in a queue or show signs of life. One that does neither (its worker was
-killed, or a process died between two steps) is suspected, and when it stays so, put back in the queue.
+A chunk that is not done must be in a queue or have a heartbeat. A chunk with neither (its worker was killed,
+or a process died between two steps) is suspected and, if it stays so, put back in the queue.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from worker.jobs.chunks import ChunkQueue
 from worker.jobs.records import ChunkEntry, JobRecords
 from worker.settings import WorkerSettings
 
-_LOST = "The worker that computed this was lost, {} times. It is not tried again by itself."
+_LOST = "The worker crashed or was killed repeatedly ({} times). Post the request again to retry it."
 
 
 class Sweeper:
-    """The search for lost chunks. Any number may run; only one at a time really searches."""
+    """The search for lost chunks. Any number may run, but only one at a time searches."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
@@ -30,26 +30,26 @@ class Sweeper:
         self.keys = self.records.keys
 
     def sweep(self) -> int:
-        """Search once, unless it has been done a moment ago; returns how many chunks were put back."""
+        """Search once, unless another search is recent; returns the number of chunks put back."""
         pause = int(self.settings.sweep_interval * 1000)
         if not self.redis.set(self.keys.sweep_lock, 1, nx=True, px=pause):
             return 0
-        # The order matters: what leaves the queue after this look shows signs of life soon, and a chunk
-        # that was opened after the look at the records is not in it.
+        # The order matters: a chunk that leaves the queue after this look has a heartbeat soon, and a chunk
+        # opened after the look at the records is not among them.
         entries = self.records.open_chunks()
         waiting = self.chunks.waiting()
-        missing = self._without_sign_of_life([e for e in entries if e.ref.rq_id not in waiting])
+        missing = self._without_beat([e for e in entries if e.ref.rq_id not in waiting])
         return sum(self._put_back(entry) for entry in self._overdue(missing))
 
     def run(self, stop: threading.Event) -> None:
-        """Search again and again until `stop` is set; for a thread of an API process."""
+        """Search periodically until `stop` is set; for a thread of an API process."""
         while not stop.wait(self.settings.sweep_interval):
             try:
                 self.sweep()
             except RedisError:
                 continue
 
-    def _without_sign_of_life(self, entries: list[ChunkEntry]) -> list[ChunkEntry]:
+    def _without_beat(self, entries: list[ChunkEntry]) -> list[ChunkEntry]:
         with self.redis.pipeline(transaction=False) as pipe:
             for entry in entries:
                 pipe.exists(self.keys.beat(entry.ref.rq_id))

@@ -1,4 +1,4 @@
-"""The worker processes of one machine: started together, started again when one dies, stopped together."""
+"""The worker processes of one machine: started together, restarted when they die, stopped together."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 
-_HEALTHY = 30.0  # seconds of life after which an end counts as the first one again
+_HEALTHY = 30.0  # seconds after which a process is healthy and its earlier deaths are forgotten
 _LONGEST_DELAY = 30.0
 _STOP_MARGIN = 4.0
 
-# `-P` and this instead of `-m`: a directory called "worker" where the user happens to be must not be taken.
+# Unlike `-m`, this does not import a directory named "worker" in the current directory.
 _PROGRAM = "import sys; sys.path.append(sys.argv.pop(1)); from worker.__main__ import main; sys.exit(main())"
 
 
@@ -40,10 +40,10 @@ class _Member:
 
 
 class WorkerPool:
-    """`count` workers. Use it from one thread that lives as long as the workers shall.
+    """`count` workers, which end with the thread that started them.
 
-    `rq.worker_pool.WorkerPool` does not serve: its workers outlive it when it is killed, it starts one that
-    dies at once again and again without a pause, and it cannot tell when all of them are ready.
+    `rq.worker_pool.WorkerPool` is unsuitable: its workers outlive it if it is killed, it restarts a failing
+    worker without a pause, and it does not know when all workers are ready.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class WorkerPool:
         count: int,
         redis_url: str,
         log_level: str = "WARNING",
-        on_death: Callable[[str], None] = lambda how: log.warning("a worker ended (%s)", how),
+        on_death: Callable[[str], None] = lambda how: log.warning("a worker died (%s)", how),
     ) -> None:
         self.count = count
         self._on_death = on_death
@@ -80,7 +80,7 @@ class WorkerPool:
         return registered == len(self._members)
 
     def look_after(self) -> None:
-        """Start workers again that have died, later and later when it goes on."""
+        """Restart workers that have died, with growing delays if they die repeatedly."""
         moment = time.monotonic()
         for i, member in enumerate(self._members):
             if member.process is not None and member.process.poll() is not None:
@@ -91,24 +91,21 @@ class WorkerPool:
                 self._members[i] = fresh
 
     def stop(self, hurry: Callable[[], bool] = lambda: False) -> None:
-        """Stop all workers; what they were working on is in the queue again afterwards."""
+        """Stop all workers; unfinished chunks go back to the queue."""
         processes = [m.process for m in self._members if m.process is not None]
         self._members = []
         for process in processes:
             process.terminate()
         end = time.monotonic() + WorkerSettings().shutdown_grace + _STOP_MARGIN
-        hurried = False
-        while any(process.poll() is None for process in processes):
-            if time.monotonic() > end:
-                for process in processes:
-                    process.kill()
-                break
-            if hurry() and not hurried:
-                hurried, end = True, min(end, time.monotonic() + 1.0)
+        is_hurried = False
+        while time.monotonic() <= end and any(process.poll() is None for process in processes):
+            if hurry() and not is_hurried:
+                is_hurried, end = True, min(end, time.monotonic() + 1.0)
                 for process in processes:
                     process.terminate()
             time.sleep(0.01)
         for process in processes:
+            process.kill()  # without effect on one that has ended
             process.wait()
         self._redis.close()
 
@@ -122,7 +119,7 @@ class WorkerPool:
             ],
             env=self._environment,
             stdin=subprocess.DEVNULL,
-            start_new_session=True,  # a terminal's Ctrl-C reaches the stack only, which stops them in order
+            start_new_session=True,  # Ctrl-C on a terminal reaches the stack alone, which stops them in order
         )
         return _Member(process, name, time.monotonic())
 

@@ -1,5 +1,5 @@
-"""What a work horse does with a chunk: solve its slices, one by one, and keep each result at once; or compute
-a document in one piece."""
+"""The task of a work horse: solve the slices of a chunk and keep each at once, or compute a document in one
+piece."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 
-EXHAUSTED = "The computation needs more memory than a worker may use."
+EXHAUSTED = "The computation ran out of memory."
 
 
 @dataclass(frozen=True)
 class Context:
-    """What a task needs besides its arguments; set by the worker process before it forks."""
+    """The shared parts of all tasks; set by the worker process before it forks."""
 
     redis: Redis
     settings: WorkerSettings
@@ -38,7 +38,7 @@ _context: Context | None = None
 
 
 def set_context(context: Context) -> None:
-    """Give the tasks of this process (and of those forked from it) their connection and settings."""
+    """Set the connection and settings of the tasks in this process and in its forks."""
     global _context
     _context = context
 
@@ -57,7 +57,7 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
         work(ref, chunk, records, store)
         return
     except RedisError:
-        raise  # nothing can be recorded now; the chunk is found and run again
+        raise  # nothing can be recorded; the sweeper finds the chunk
     except InputError as error:
         kind, detail = "input-error", str(error)
     except SolverError as error:
@@ -93,14 +93,14 @@ def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: R
 
 
 class Throttle:
-    """Passes on how far a computation is, a few times a second at most."""
+    """A callback `progress(done, total)` that passes on a few calls a second at most."""
 
-    def __init__(self, tell: Progress, pause: float = 0.1) -> None:
-        self._tell, self._pause = tell, pause
+    def __init__(self, report: Progress, pause: float = 0.1) -> None:
+        self._report, self._pause = report, pause
         self._next = 0.0
 
     def __call__(self, done: int, total: int) -> None:
-        """Tell it, unless that was done a moment ago."""
+        """Report the progress, unless the last report is recent."""
         if (moment := time.monotonic()) >= self._next:
             self._next = moment + self._pause
-            self._tell(done, total)
+            self._report(done, total)

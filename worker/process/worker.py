@@ -1,4 +1,4 @@
-"""The worker process: an RQ worker that forks a work horse for each chunk and keeps watch over it."""
+"""The worker process: an RQ worker that forks a work horse for each chunk and supervises it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import socket
 import time
 from types import FrameType
 
-import flint  # noqa: F401  # loaded before the fork, so that no work horse has to
+import flint  # noqa: F401  # loaded before the fork, for all work horses
 from redis import Redis
 from redis.client import Pipeline
 from redis.exceptions import RedisError
@@ -43,16 +43,16 @@ _REGISTER_TTL = 15
 
 
 class WorkerError(Exception):
-    """The worker cannot run, or cannot go on; the message is for the user."""
+    """The worker cannot run or continue; the message is for the user."""
 
 
 class CuspWorker(Worker):
     """A forking RQ worker that
 
-    - ends a work horse at the deadline, whatever C code it is in, and says that it was the deadline,
-    - puts a running chunk back in the queue when it is told to stop,
-    - gives signs of life for the chunk it works on, and searches for chunks that others lost,
-    - notices by itself when the job it works on was canceled.
+    - kills a work horse at the deadline, even inside C code, and records the deadline as the reason,
+    - puts its running chunk back in the queue when it stops,
+    - sends heartbeats for its chunk, and searches for chunks that other workers lost,
+    - notices the cancellation of its job by itself.
     """
 
     def __init__(
@@ -83,16 +83,14 @@ class CuspWorker(Worker):
         for end in (self._wake_r, self._wake_w):
             os.set_blocking(end, False)
 
-    # RQ blocks for half a minute and more on an empty queue; the sweep needs shorter rounds.
     @property
     def dequeue_timeout(self) -> int:
-        """Seconds to block on empty queues."""
+        """Seconds to block on empty queues; the sweep needs shorter rounds than RQ's half minute."""
         return 1
 
     def run_maintenance_tasks(self) -> None:
-        """Between two looks at the queue: search for lost chunks, and at times RQ's own maintenance."""
-        # A stop may have come where the exception was caught, and an orphan has nobody to stop it where the
-        # kernel does not.
+        """Between two polls of the queue: search for lost chunks and, once a minute, RQ's own maintenance."""
+        # RQ may have caught the exception of a stop, and not every kernel ends an orphan.
         if self.is_stopping:
             raise StopRequested
         self.sweeper.sweep()
@@ -102,7 +100,7 @@ class CuspWorker(Worker):
         self.last_cleaned_at = now()  # type: ignore[assignment]
 
     def heartbeat(self, timeout: int | None = None, pipeline: Pipeline | None = None) -> None:  # noqa: ARG002
-        """RQ would list a dead worker for minutes; these beats come every second."""
+        """Register for seconds only; RQ would list a dead worker for minutes."""
         super().heartbeat(_REGISTER_TTL, pipeline=pipeline)
 
     def _is_orphan(self) -> bool:
@@ -124,7 +122,7 @@ class CuspWorker(Worker):
         self.set_state(WorkerStatus.IDLE)
 
     def fork_work_horse(self, job: Job, queue: Queue) -> None:
-        """Fork; the horse holds one end of a pipe, so that its end is seen at once."""
+        """Fork; the horse holds one end of a pipe, so that the worker notices its exit at once."""
         reader, writer = os.pipe()
         parent = os.getpid()
         signals = {signal.SIGINT, signal.SIGTERM}
@@ -138,7 +136,7 @@ class CuspWorker(Worker):
                 signal.pthread_sigmask(signal.SIG_UNBLOCK, signals)
                 os.close(reader)
                 limit_memory(self.settings.memory_limit_mb)
-                # For systems without a parent-death signal: no orphan outlives the deadline by much.
+                # without a parent-death signal, this ends an orphan soon after the deadline
                 quiet = os.open(os.devnull, os.O_WRONLY)
                 faulthandler.dump_traceback_later(
                     self.settings.deadline + _WATCHDOG_MARGIN, exit=True, file=quiet
@@ -152,7 +150,7 @@ class CuspWorker(Worker):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, signals)
 
     def kill_horse(self, sig: signal.Signals = signal.SIGKILL) -> None:
-        """End the work horse and whatever it started; RQ's own may hit the worker's process group."""
+        """Kill the work horse and its children; RQ's method may hit the worker's own process group."""
         pid = self._horse_pid
         if pid <= 0:
             return
@@ -161,7 +159,7 @@ class CuspWorker(Worker):
                 kill(pid, sig)
 
     def monitor_work_horse(self, job: Job, _queue: Queue) -> None:
-        """Wait for the end of the work horse, and bring it about when it is due."""
+        """Wait for the exit of the work horse, and enforce it at the deadline, a stop or a cancel."""
         ref = ChunkRef(**job.kwargs)
         ended_for = self._watch(ref, job)
         _, status, _ = self.wait_for_horse()
@@ -172,7 +170,7 @@ class CuspWorker(Worker):
         self._settle(ref, job, judge_exit(status, ended_for, self.settings))
 
     def _watch(self, ref: ChunkRef, job: Job) -> str | None:
-        """Follow the horse to its end; says why we ended it, if we did."""
+        """Supervise the horse until it exits; returns the reason for ending it, if the worker did."""
         settings = self.settings
         start = time.monotonic()
         deadline, next_beat, stop_at = start + settings.deadline, start + settings.beat_interval, float("inf")
@@ -196,19 +194,19 @@ class CuspWorker(Worker):
             elif moment >= next_beat:
                 next_beat = moment + settings.beat_interval
                 self._stop_requested = self._stop_requested or self._is_orphan()
-                if not self._still_wanted(ref, job):
+                if not self._is_wanted(ref, job):
                     ended_for = ended_for or "canceled"
             if ended_for is not None:
                 self.kill_horse()
 
-    def _still_wanted(self, ref: ChunkRef, job: Job) -> bool:
+    def _is_wanted(self, ref: ChunkRef, job: Job) -> bool:
         try:
             self._beat(ref)
             self.maintain_heartbeats(job)
             self.sweeper.sweep()
             return self.records.is_wanted(ref)
         except RedisError as error:
-            log.warning("no sign of life could be given: %s", error)
+            log.warning("heartbeat failed: %s", error)
             return True
 
     def _beat(self, ref: ChunkRef) -> None:
@@ -216,14 +214,14 @@ class CuspWorker(Worker):
         self.connection.set(self.records.keys.beat(ref.rq_id), self.name, px=ttl)
 
     def _settle(self, ref: ChunkRef, job: Job, outcome: Outcome | None) -> None:
-        """Do what is left to do about a chunk whose work horse is gone."""
+        """Record the outcome of a chunk whose work horse is gone."""
         try:
             if outcome is not None:
                 self._discard(ref, job)
                 self._record(ref, outcome)
             self.connection.delete(self.records.keys.beat(ref.rq_id))
         except RedisError as error:
-            log.warning("the end of %s could not be recorded: %s", ref.rq_id, error)
+            log.warning("the outcome of %s could not be recorded: %s", ref.rq_id, error)
 
     def _record(self, ref: ChunkRef, outcome: Outcome) -> None:
         if isinstance(outcome, RunAgain):
@@ -246,7 +244,7 @@ class CuspWorker(Worker):
     # -- stopping ----------------------------------------------------------------------------------
 
     def request_stop(self, _signum: int, _frame: FrameType | None) -> None:
-        """First signal: finish the chunk or put it back, then leave."""
+        """First signal: finish the chunk or put it back, then end."""
         signal.signal(signal.SIGINT, self.request_force_stop)
         signal.signal(signal.SIGTERM, self.request_force_stop)
         self._stop_requested = True
@@ -255,17 +253,17 @@ class CuspWorker(Worker):
             raise StopRequested
 
     def request_force_stop(self, _signum: int, _frame: FrameType | None) -> None:
-        """Second signal: the same without any grace."""
+        """Second signal: the same without a grace period."""
         self._hurry = True
         self._wake()
 
     @property
     def is_stopping(self) -> bool:
-        """Whether the worker was told to stop."""
+        """Whether the worker is stopping, on a signal or as an orphan."""
         return self._stop_requested or self._is_orphan()
 
     def unsubscribe(self) -> None:
-        """Stop listening for commands. RQ's order of steps lets its thread go to sleep once more."""
+        """Stop listening for commands, without the extra second of sleep that RQ's order of steps costs."""
         if self.pubsub_thread is not None and self.pubsub is not None:
             self.pubsub_thread.stop()
             self.pubsub.unsubscribe()
@@ -284,13 +282,13 @@ def run_worker(
     parent_pid: int | None = None,
     burst: bool = False,
 ) -> int:
-    """Run one worker until it is told to stop; returns the exit status.
+    """Run one worker until it is stopped; returns the exit status.
 
-    With `parent_pid` the worker ends at once when that process, its parent, is gone.
+    With `parent_pid`, the worker ends at once when that parent process is gone.
 
     Raises:
-        ValidationError: a setting makes no sense.
-        WorkerError: Redis cannot be reached, or not any more.
+        ValidationError: a setting is invalid.
+        WorkerError: Redis cannot be reached, or the connection is lost.
     """
     settings = settings or WorkerSettings()
     logging.basicConfig(level=settings.log_level, format="%(asctime)s %(name)s %(levelname)s %(message)s")
@@ -305,13 +303,13 @@ def run_worker(
     try:
         worker = CuspWorker(redis, settings, name, parent_pid)
         gc.collect()
-        gc.freeze()  # the horses share this memory; a collection in one would copy it
+        gc.freeze()  # the horses share this memory, and a collection would copy it
         worker.work(burst=burst, logging_level=settings.log_level)
         if worker.is_stopping:
-            # One more signal must not spoil the last steps of the process.
+            # another signal must not interrupt the last steps of the process
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, signal.SIG_IGN)
-        # RQ's loop also ends, and logs why, when something else than a stop ended it.
+        # RQ's loop also ends, and logs the reason, on errors
         return 0 if burst or worker.is_stopping else 1
     except KeyboardInterrupt:
         return 130

@@ -60,7 +60,7 @@ def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response
         wait = str(context.settings.poll_seconds)
         raise ProblemError(
             ProblemType.JOB_NOT_FINISHED,
-            f"The job is {view.status}: {view.done} of {view.total} {_unit(job_id)} completed.",
+            f"The job is {view.status}: {view.done} of {view.total} {_unit(job_id)} are done.",
             headers={"Retry-After": wait},
             extra={"job": f"/v1/jobs/{job_id}"},
         )
