@@ -21,7 +21,7 @@ MANIPULATOR = EXAMPLES["innocenti"]
 
 
 def timed(function: Callable[[], object], repeats: int = 3) -> float:
-    """Median wall time in seconds, after one call that warms up."""
+    """Returns the median wall time in seconds, after a warm-up call."""
     function()
     samples = []
     for _ in range(repeats):
@@ -32,7 +32,7 @@ def timed(function: Callable[[], object], repeats: int = 3) -> float:
 
 
 def naive_critical(systems: EventSystems) -> fmpz_mpoly:
-    """The resultant for lips and beaks in one go."""
+    """Returns the resultant for lips and beaks in a single elimination."""
     first, second = systems.critical.first.joined, systems.critical.second.joined
     return first.resultant(second, "t") % (OMEGA**2 - systems.slice_map.radicand)
 
@@ -49,7 +49,7 @@ def main() -> None:
     print(f"census of the first manipulator at 30 digits, all L1: {whole:.2f} s")
     curves = cusp_curves(MANIPULATOR, digits=30)
     followed = timed(lambda: cusp_curves(MANIPULATOR, digits=30))
-    print(f"all cusp curves, the census among it: {followed:.2f} s")
+    print(f"all cusp curves, including the census: {followed:.2f} s")
     lengths = [Fraction(12) + Fraction(i, 10) for i in range(200)]
     eliminant = eliminate(MANIPULATOR)
     alone = timed(lambda: [solve_slice(eliminant, x, 30) for x in lengths], 1)

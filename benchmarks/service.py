@@ -1,9 +1,9 @@
-"""The whole service over HTTP: a long scan, and cached answers against the lightest call there is.
+"""The whole service over HTTP: a long scan, and cached answers compared with the cheapest call.
 
     python benchmarks/service.py
 
-Starts the real stack (embedded Valkey, a worker for each core, uvicorn) on a free port of 127.0.0.1 with
-an empty data directory, and stops it at the end.
+Starts the real stack (embedded Valkey, a worker per core, uvicorn) on a free port of 127.0.0.1 with an empty
+data directory, and stops it at the end.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ CALLS = 200
 
 
 def milliseconds(call: Callable[[], httpx.Response]) -> float:
-    """Median wall time of a call."""
+    """Returns the median wall time of a call."""
     samples = []
     for _ in range(CALLS):
         start = time.perf_counter()
@@ -37,7 +37,7 @@ def milliseconds(call: Callable[[], httpx.Response]) -> float:
 
 
 def scan(client: httpx.Client) -> tuple[float, int, int]:
-    """Seconds for 501 slices, how many were answered, and how often progress was seen meanwhile."""
+    """Returns the seconds for 501 slices, the number of answers, and the number of progress values seen."""
     start = time.perf_counter()
     job = client.post("/v1/cusp-tables", json=SCAN).raise_for_status().json()
     seen = set()
@@ -79,7 +79,7 @@ def main() -> None:
 
 
 def cached_scan(client: httpx.Client) -> tuple[float, int]:
-    """The scan again: one POST answers it."""
+    """Repeats the scan, which one POST answers; returns the seconds and the number of slices."""
     start = time.perf_counter()
     response = client.post("/v1/cusp-tables", json=SCAN)
     assert response.status_code == 200, response.status_code

@@ -1,9 +1,9 @@
-"""Elimination and slices against the naive route, in one run.
+"""Elimination and slices compared with the naive route.
 
     python benchmarks/solver.py
 
-The peer is the straightforward use of FLINT: one multivariate resultant in t, u, h and L1, reduced and
-divided; for a slice, the same resultant at its L1, its factors, and `roots(tol)` of the degree-24 factor.
+The naive route uses FLINT directly: one multivariate resultant in t, u, h and L1, reduced and divided; for a
+slice, the same resultant at its L1, its factors, and `roots(tol)` of the factor of degree 24.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ LENGTHS = [Fraction(n, 100) for n in (1498, 2700, 3400, 2810)]
 
 
 def timed(function: Callable[[], object], repeats: int = REPEATS) -> float:
-    """Median wall time in milliseconds."""
+    """Returns the median wall time in milliseconds."""
     function()
     samples = []
     for _ in range(repeats):
@@ -37,7 +37,7 @@ def timed(function: Callable[[], object], repeats: int = REPEATS) -> float:
 
 
 def naive_elimination(slice_map: SliceMap) -> fmpz_mpoly:
-    """Res_t(J, E) over Z[omega], symbolic in L, divided by its known factors."""
+    """Returns Res_t(J, E) over ℤ[ω], symbolic in L, divided by its known factors."""
     resultant = slice_map.singular.joined.resultant(slice_map.coalescence.joined, "t")
     f = slice_map.f
     closed = (L**2 + f.ax**2 - f.m**2) * (1 + U**2) - 2 * L * f.ax * (1 - U**2)
@@ -45,7 +45,7 @@ def naive_elimination(slice_map: SliceMap) -> fmpz_mpoly:
 
 
 def naive_slice(slice_map: SliceMap, length: Fraction) -> list[arb]:
-    """The real roots u of one slice: resultant at this L1, division, FLINT's roots to 90 digits."""
+    """Returns the real roots u of a slice: resultant at this L1, division, FLINT's roots to 90 digits."""
     j, e = (
         BiForm.of_rows(form.at(length), form.degree_u).joined
         for form in (slice_map.singular, slice_map.coalescence)

@@ -2,7 +2,7 @@
 
     python docs/curves_figure.py innocenti 25 32 docs/curves.svg
 
-Every curve ends where the solver says it does, at the pose of its transition.
+Every curve ends at the pose of its transition, as the solver proved it.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ Point = tuple[float, float]
 
 
 def end_point(end: CurveEnd) -> Iterator[Point]:
-    """Where a curve ends, if a pose is known there."""
+    """Yields the end point of a curve, if a single pose is known there."""
     if end.length is not None and len(end.events) == 1:
         yield float(end.length), float(end.events[0].point.theta1_deg)
 
 
 def runs(curve: CuspCurve) -> Iterator[list[Point]]:
-    """The curve in pieces: it is cut where the angle passes 180 degrees."""
+    """Yields the pieces of a curve, which is cut where the angle passes 180 degrees."""
     inside = [(float(p.length), float(p.point.theta1_deg)) for p in curve.points]
     points = [*end_point(curve.start), *inside, *end_point(curve.stop)]
     run = points[:1]
@@ -43,7 +43,7 @@ def runs(curve: CuspCurve) -> Iterator[list[Point]]:
 
 
 def svg(curves: CuspCurves, low: float, high: float) -> str:
-    """The figure."""
+    """Returns the figure."""
 
     def place(point: Point) -> Point:
         x = MARGIN + (point[0] - low) / (high - low) * (WIDTH - 2 * MARGIN)

@@ -2,7 +2,7 @@
 
     python docs/slice_figure.py innocenti 27 docs/slice.svg
 
-The curves are for the eye: J = 0 is traced in floats on a grid of (alpha, theta1) by marching squares
+The curves are approximate: J = 0 is traced in floating point on a grid of (alpha, theta1) by marching squares
 and mapped to (L2, L3). The cusps come from the solver.
 """
 
@@ -24,7 +24,7 @@ Edge = tuple[int, int, int]
 def slice_map(
     m: Manipulator, l1: float
 ) -> tuple[Callable[[float, float], Point], Callable[[float, float], float]]:
-    """(alpha, theta1) -> (L2, L3), and J."""
+    """Returns the functions (alpha, theta1) → (L2, L3) and (alpha, theta1) → J."""
     a2x, a3x, a3y, d1, d2, d3 = (float(getattr(m, k)) for k in ("a2x", "a3x", "a3y", "d1", "d2", "d3"))
     p = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1)
     h = max(d3 * d3 - p * p, 0.0) ** 0.5 * (1 if m.orientation == "ccw" else -1)
@@ -48,7 +48,7 @@ def slice_map(
 
 
 def zero_curves(function: Callable[[float, float], float]) -> Iterator[list[Point]]:
-    """Polylines on which the function vanishes, by marching squares on the torus."""
+    """Yields polylines on which the function vanishes, by marching squares on the torus."""
     step = 2 * pi / GRID
     value = [[function(i * step, k * step) for k in range(GRID)] for i in range(GRID)]
     where: dict[Edge, Point] = {}
@@ -86,7 +86,7 @@ def zero_curves(function: Callable[[float, float], float]) -> Iterator[list[Poin
 
 
 def svg(m: Manipulator, l1: str) -> str:
-    """The figure."""
+    """Returns the figure."""
     joints, jacobian = slice_map(m, float(l1))
     curves = [[joints(*point) for point in line] for line in zero_curves(jacobian)]
     [table] = cusp_table(m, [l1], digits=15)

@@ -86,9 +86,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _requirement(args: argparse.Namespace) -> Requirement:
     if not args.ranges:
-        raise InputError.of(
-            "--l1-range", "is missing; give the lengths to check, for example --l1-range 10:20"
-        )
+        hint = "give the lengths to check, for example --l1-range 10:20"
+        raise InputError.of("--l1-range", f"is missing; {hint}")
     leg, ends, option = arguments.leg_and_range(args)
     if args.max_cusps is None and args.min_cusps is None:
         raise InputError.of("--max-cusps", "is missing; give --max-cusps or --min-cusps")
@@ -126,7 +125,7 @@ def expand(sources: Sequence[str]) -> Iterator[str]:
         InputError: a folder without JSON files, or a second `-`.
     """
     if sources.count("-") > 1:
-        raise InputError.of("arguments.GEOMETRY", "is - twice; standard input can be read only once")
+        raise InputError.of("GEOMETRY", "is - twice; standard input can be read only once")
     for source in sources:
         folder = Path(source)
         if source in MANIPULATORS or source == "-" or not folder.is_dir():
@@ -134,16 +133,16 @@ def expand(sources: Sequence[str]) -> Iterator[str]:
             continue
         files = sorted(path for path in folder.iterdir() if path.suffix == ".json" and path.is_file())
         if not files:
-            raise InputError.of("arguments.GEOMETRY", f"the folder {source!r} has no *.json files")
+            raise InputError.of("GEOMETRY", f"the folder {source!r} has no *.json files")
         yield from map(str, files)
 
 
 def _check_all(sources: Sequence[str], requirement: Requirement, digits: int, jobs: int) -> list[Outcome]:
     outcomes: dict[int, Outcome] = {}
+    checks: Iterator[tuple[int, Outcome]]
     manipulators: dict[int, Manipulator] = {}
-    names = [
-        os.fsencode(source).decode("utf-8", "replace") for source in sources
-    ]  # file names are arbitrary bytes
+    # file names are arbitrary bytes
+    names = [os.fsencode(source).decode("utf-8", "replace") for source in sources]
     for i, source in enumerate(sources):
         try:
             manipulators[i] = arguments.manipulator_of(source)
@@ -151,18 +150,16 @@ def _check_all(sources: Sequence[str], requirement: Requirement, digits: int, jo
             outcomes[i] = Outcome(names[i], error={"type": "input-error", "detail": str(error)})
     single = len(sources) == 1
     with progress_bar(1 if single else len(sources), "steps" if single else "geometries") as progress:
-
-        def done(i: int, outcome: Outcome) -> None:
-            outcomes[i] = outcome
-            progress(len(outcomes), len(sources))
-
         if min(jobs, len(manipulators)) <= 1:
             inside = progress if single else None
-            for i, manipulator in manipulators.items():
-                done(i, run_check(names[i], manipulator, requirement, digits, inside))
+            checks = (
+                (i, run_check(names[i], m, requirement, digits, inside)) for i, m in manipulators.items()
+            )
         else:
-            for i, outcome in _in_processes(names, manipulators, requirement, digits, jobs):
-                done(i, outcome)
+            checks = _in_processes(names, manipulators, requirement, digits, jobs)
+        for i, outcome in checks:
+            outcomes[i] = outcome
+            progress(len(outcomes), len(sources))
     return [outcomes[i] for i in range(len(sources))]
 
 

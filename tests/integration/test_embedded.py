@@ -66,11 +66,11 @@ def test_the_server_ends_with_its_owner(tmp_path: Path) -> None:
         pid = int(owner.stdout.readline())
         owner.kill()
     until(lambda: not is_running(pid))
-    with EmbeddedValkey(tmp_path):  # at once, with the lock and the socket's directory left behind
+    with EmbeddedValkey(tmp_path):  # at once, although the lock and the socket's directory are left behind
         pass
 
 
-def test_a_long_path_is_no_obstacle(tmp_path: Path) -> None:
+def test_a_long_path_is_accepted(tmp_path: Path) -> None:
     data = tmp_path / ("x" * 120)
     with EmbeddedValkey(data) as server, connect(server.url) as redis:
         assert redis.ping()
@@ -82,7 +82,7 @@ def test_an_unusable_directory_is_named(tmp_path: Path) -> None:
         EmbeddedValkey(tmp_path / "file").start()
 
 
-def test_a_spoiled_file_is_told(tmp_path: Path) -> None:
+def test_a_corrupt_file_is_reported(tmp_path: Path) -> None:
     with EmbeddedValkey(tmp_path) as server, connect(server.url) as redis:
         redis.set("key", "value")
     manifest = next((tmp_path / "appendonlydir").glob("*.manifest"))
@@ -91,14 +91,14 @@ def test_a_spoiled_file_is_told(tmp_path: Path) -> None:
         EmbeddedValkey(tmp_path).start()
 
 
-def test_default_place(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_default_data_directory(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.delenv("XDG_DATA_HOME", raising=False)
     assert default_data_dir() == tmp_path / ".local" / "share" / "rpr-cusps"
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "xdg"))
     assert default_data_dir() == tmp_path / "xdg" / "rpr-cusps"
-    monkeypatch.setenv("XDG_DATA_HOME", "relative")  # to be ignored, says the specification
+    monkeypatch.setenv("XDG_DATA_HOME", "relative")  # the specification says to ignore it
     assert default_data_dir() == tmp_path / ".local" / "share" / "rpr-cusps"
     monkeypatch.setattr(sys, "platform", "darwin")
     assert default_data_dir() == tmp_path / "Library" / "Application Support" / "rpr-cusps"

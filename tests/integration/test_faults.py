@@ -1,4 +1,4 @@
-"""What can go wrong in a worker, and what becomes of the job."""
+"""Faults of a worker, and their consequences for the job."""
 
 from __future__ import annotations
 
@@ -34,7 +34,9 @@ def a_document() -> JobRequest:
     return JobRequest(poses.KIND, {**content, "digits": 20})
 
 
-both_kinds = pytest.mark.parametrize("wanted", [a_request("1", "2"), a_document()], ids=["table", "document"])
+both_kinds = pytest.mark.parametrize(
+    "request_", [a_request("1", "2"), a_document()], ids=["table", "document"]
+)
 
 
 def jobs(redis: Redis, task: str = "", **settings: object) -> JobQueue:
@@ -49,7 +51,7 @@ def is_at_work(queue: JobQueue, view: JobView) -> bool:
 
 
 def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
-    workers.start(shutdown_grace=PATIENCE / 2)  # the job has succeeded a moment before its horse is done
+    workers.start(shutdown_grace=PATIENCE / 2)  # the job succeeds a moment before its horse ends
     queue = jobs(redis)
     request = a_request("14.98", "0.5", "27")
     view = ended(queue, queue.submit(request).id)
@@ -65,23 +67,23 @@ def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
 
 
 @both_kinds
-def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, wanted: JobRequest) -> None:
+def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, request_: JobRequest) -> None:
     worker = workers.start(deadline=0.7)
-    view = ended(jobs(redis), jobs(redis, "endless").submit(wanted).id)
+    view = ended(jobs(redis), jobs(redis, "endless").submit(request_).id)
     assert view.status == "failed"
     assert view.error == {
         "type": "timeout",
         "detail": "The computation was stopped after the limit of 0.7 s.",
     }
     assert descendants(worker.pid) == []
-    # the same worker goes on
+    # the same worker continues
     other = ended(jobs(redis), jobs(redis, "endless").submit(a_request("3")).id)
     assert (other.error or {})["type"] == "timeout"
     assert worker.poll() is None
-    # and the failure is in nobody's way
+    # and the failure does not block the queue
     workers.stop()
     workers.start()
-    again = jobs(redis).submit(wanted)
+    again = jobs(redis).submit(request_)
     assert again.status in ("queued", "running")
     assert ended(jobs(redis), again.id).status == "succeeded"
 
@@ -97,12 +99,12 @@ def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, want
         ("broken", "internal-error"),
     ],
 )
-def test_how_a_job_failed_is_told(
-    redis: Redis, workers: Workers, wanted: JobRequest, task: str, kind: str
+def test_a_failed_job_gives_its_reason(
+    redis: Redis, workers: Workers, request_: JobRequest, task: str, kind: str
 ) -> None:
     worker = workers.start(memory_limit_mb=1024, max_losses=2, task=f"tests.support.hard_tasks.{task}")
     queue = jobs(redis, task)
-    view = ended(queue, queue.submit(wanted).id)
+    view = ended(queue, queue.submit(request_).id)
     assert view.error is not None
     assert (view.status, view.error["type"]) == ("failed", kind)
     assert "Traceback" not in view.error["detail"]
@@ -114,27 +116,27 @@ def test_how_a_job_failed_is_told(
 @pytest.mark.slow
 @both_kinds
 def test_another_worker_takes_over_from_a_dead_one(
-    redis: Redis, workers: Workers, wanted: JobRequest
+    redis: Redis, workers: Workers, request_: JobRequest
 ) -> None:
     settings = {"task": "tests.support.hard_tasks.slow_once", "sweep_interval": 0.2, "lost_grace": 0.2}
     first = workers.start(**settings)
     queue = jobs(redis, "slow_once")
-    view = queue.submit(wanted)
+    view = queue.submit(request_)
     until(lambda: is_at_work(queue, view))
     second = workers.start(**settings)
     (horse,) = descendants(first.pid)
     first.kill()
     first.wait(PATIENCE)
-    until(lambda: not is_running(horse))  # no orphan goes on
+    until(lambda: not is_running(horse))  # no orphan is left
     assert ended(queue, view.id).status == "succeeded"
     assert second.poll() is None
 
 
 @both_kinds
-def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, wanted: JobRequest) -> None:
+def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, request_: JobRequest) -> None:
     first = workers.start(shutdown_grace=0.2, max_losses=0, task="tests.support.hard_tasks.slow_once")
     queue = jobs(redis, "slow_once")
-    view = queue.submit(wanted)
+    view = queue.submit(request_)
     until(lambda: is_at_work(queue, view))
     (horse,) = descendants(first.pid)
     first.terminate()
@@ -145,7 +147,7 @@ def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, wanted: 
     assert ended(queue, view.id).status == "succeeded"
 
 
-def test_a_stopped_worker_finishes_what_is_short(redis: Redis, workers: Workers) -> None:
+def test_a_stopped_worker_finishes_a_short_chunk(redis: Redis, workers: Workers) -> None:
     worker = workers.start(shutdown_grace=PATIENCE)
     queue = jobs(redis, "slow")
     view = queue.submit(a_request("1", "2", "3", "4"))
@@ -162,7 +164,7 @@ def test_a_second_signal_hurries(redis: Redis, workers: Workers) -> None:
     queue = jobs(redis, "endless")
     view = queue.submit(a_request("1"))
     until(lambda: is_at_work(queue, view))
-    # again and again, as signals that come too close are one
+    # repeatedly, since signals in quick succession merge
     until(lambda: worker.poll() is not None or worker.terminate())
     assert worker.returncode == 0
     assert queue.depth() == 1
@@ -183,7 +185,7 @@ def test_cancel_while_running(redis: Redis, workers: Workers) -> None:
     assert ended(jobs(redis), jobs(redis).submit(a_request("1")).id).status == "succeeded"
 
 
-def test_a_worker_that_missed_the_stop_command_looks_for_itself(redis: Redis, workers: Workers) -> None:
+def test_a_worker_that_missed_the_stop_command_notices_by_itself(redis: Redis, workers: Workers) -> None:
     worker = workers.start()
     queue = jobs(redis, "endless")
     view = queue.submit(a_request("1"))
@@ -196,7 +198,7 @@ def test_a_worker_that_missed_the_stop_command_looks_for_itself(redis: Redis, wo
 
 
 def test_cancel_at_any_moment(redis: Redis, workers: Workers) -> None:
-    """Among them jobs that were just taken from the queue, without a worker's name yet."""
+    """Also just after a job leaves the queue, before its worker has registered."""
     worker = workers.start()
     queue = jobs(redis, "endless")
     for i in range(1, 13):
@@ -225,7 +227,7 @@ def test_a_queued_job_that_is_canceled_never_runs(redis: Redis, workers: Workers
     assert queue.store.get_slices(request) == {}
 
 
-def test_many_at_once_is_one_computation(redis: Redis, workers: Workers) -> None:
+def test_simultaneous_equal_requests_are_computed_once(redis: Redis, workers: Workers) -> None:
     for _ in range(2):
         workers.start()
     request = a_request(*map(str, range(1, 13)))
@@ -243,7 +245,7 @@ def test_many_at_once_is_one_computation(redis: Redis, workers: Workers) -> None
     assert os.getpid() not in horses
 
 
-def test_overlapping_requests_compute_what_is_missing(redis: Redis, workers: Workers) -> None:
+def test_overlapping_requests_compute_the_missing_slices(redis: Redis, workers: Workers) -> None:
     workers.start()
     queue = jobs(redis, "slow")
     first = a_request("1", "2", "3")

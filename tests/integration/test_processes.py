@@ -1,4 +1,4 @@
-"""The helper on which all tests with processes rely."""
+"""The helper of all tests with processes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ time.sleep(600)
 """
 
 
-def test_a_child_hears_ctrl_c_also_where_the_tests_do_not() -> None:
+def test_a_child_receives_ctrl_c_even_if_the_tests_ignore_it() -> None:
     handler = "import signal; print(signal.getsignal(signal.SIGINT) is signal.default_int_handler)"
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
@@ -28,7 +28,7 @@ def test_a_child_hears_ctrl_c_also_where_the_tests_do_not() -> None:
         signal.signal(signal.SIGINT, before)
 
 
-def test_nothing_of_a_child_outlives_its_block() -> None:
+def test_no_process_of_a_child_outlives_its_block() -> None:
     with started([sys.executable, "-c", STUBBORN], env=environment(), stdout=subprocess.PIPE) as process:
         grandchild = int(process.stdout.readline())
         assert is_running(grandchild)

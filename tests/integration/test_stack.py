@@ -1,4 +1,4 @@
-"""`serve`: the whole stack, started and ended as a user would."""
+"""`serve`: the whole stack, started and stopped as by a user."""
 
 from __future__ import annotations
 
@@ -54,17 +54,17 @@ class Stack:
 
     @property
     def base(self) -> str:
-        found = re.search(r"http://\S+", self.announcement)
-        assert found is not None
-        return found.group()
+        address = re.search(r"http://\S+", self.announcement)
+        assert address is not None
+        return address.group()
 
     def redis(self) -> Redis:
         return connect(f"unix://{runtime_dir(self.data)}/valkey.sock")
 
     def parts(self) -> list[int]:
-        found = descendants(self.process.pid)
-        assert found
-        return found
+        processes = descendants(self.process.pid)
+        assert processes
+        return processes
 
     def workers(self) -> list[int]:
         with self.redis() as redis:
@@ -136,7 +136,7 @@ def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None
 
 
 @pytest.mark.slow
-def test_queued_jobs_are_there_again(tmp_path: Path) -> None:
+def test_queued_jobs_are_resumed(tmp_path: Path) -> None:
     requests = [a_request(str(i)) for i in range(1, 4)]
     with running(tmp_path, workers=0) as stack, stack.redis() as redis:
         for request in requests:
@@ -192,7 +192,7 @@ def test_a_dead_server_is_replaced(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_with_a_server_of_ones_own(tmp_path: Path, valkey: EmbeddedValkey, redis: Redis) -> None:
+def test_with_a_given_server(tmp_path: Path, valkey: EmbeddedValkey, redis: Redis) -> None:
     data = tmp_path / "unused"
     with running(data, url=valkey.url) as stack:
         assert "data in the given Redis" in stack.announcement
@@ -205,7 +205,7 @@ def test_with_a_server_of_ones_own(tmp_path: Path, valkey: EmbeddedValkey, redis
 
 
 @pytest.mark.slow
-def test_clients_that_wait_do_not_hold_the_end(tmp_path: Path) -> None:
+def test_waiting_clients_do_not_delay_the_shutdown(tmp_path: Path) -> None:
     with running(tmp_path, workers=0) as stack, ThreadPoolExecutor(2) as pool:
         with stack.redis() as redis:
             view = JobQueue(redis).submit(a_request("1"))
@@ -221,7 +221,7 @@ def test_clients_that_wait_do_not_hold_the_end(tmp_path: Path) -> None:
             assert next(events.iter_lines())
             stack.process.terminate()
             assert stack.process.wait(PATIENCE) == 0
-        wait([waiting], PATIENCE)  # answered or cut off, but not left alone
+        wait([waiting], PATIENCE)  # answered or cut off, but not left waiting
         assert stack.process.stderr is not None
         assert stack.process.stderr.read() == ""
 
@@ -253,6 +253,6 @@ def test_a_server_that_does_not_answer(tmp_path: Path) -> None:
     assert "cannot reach Redis" in failure(tmp_path, url="nonsense://")
 
 
-def test_a_setting_that_makes_no_sense(tmp_path: Path) -> None:
-    told = failure(tmp_path, {"deadline": -1})
-    assert told.startswith("rpr-cusps serve: RPR_CUSPS_DEADLINE: ")
+def test_an_invalid_setting(tmp_path: Path) -> None:
+    message = failure(tmp_path, {"deadline": -1})
+    assert message.startswith("rpr-cusps serve: RPR_CUSPS_DEADLINE: ")

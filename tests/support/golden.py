@@ -47,7 +47,7 @@ Documents = Iterator[tuple[str, Callable[[], object]]]
 
 
 def _reference(case: dict[str, Any], legs: tuple[int, ...]) -> Documents:
-    """Each slice at leg 1 in full, and one at each of some other legs."""
+    """Each slice with leg 1 fixed in full, and one slice for some of the other legs."""
     m = Manipulator.from_json(case["geometry"])
     lengths = [item["l1"] for item in case["slices"]]
     for leg, digits, some in ((1, 90, lengths), *((leg, 30, lengths[:1]) for leg in legs)):
@@ -58,7 +58,7 @@ def _reference(case: dict[str, Any], legs: tuple[int, ...]) -> Documents:
 
 
 def _family(name: str) -> Documents:
-    """Every kind of document of a degenerate manipulator, the longer ones at one of its legs."""
+    """Every kind of document of a degenerate manipulator, the longer ones for one of its legs."""
     m, leg = family(name), list(FAMILIES).index(name) % 3 + 1
     start, stop = Fraction(5), Fraction(20)
     yield "poses", lambda: poses(m, 7, "9.5", 11, digits=20).to_json()
@@ -125,14 +125,14 @@ def main() -> int:
     )
     parser.add_argument("--write", action="store_true", help="write the file")
     write = parser.parse_args().write
-    found = {name: value for subject in SUBJECTS for name, value in hashes(subject).items()}
+    new = {name: value for subject in SUBJECTS for name, value in hashes(subject).items()}
     if write:
-        content = {"solver_version": SOLVER_VERSION, "sha256": found}
+        content = {"solver_version": SOLVER_VERSION, "sha256": new}
         FILE.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
         return 0
     expected = known()["sha256"]
-    different = sorted(name for name in found.keys() | expected if found.get(name) != expected.get(name))
-    print("\n".join(different) or f"{len(found)} documents are the same")
+    different = sorted(name for name in new.keys() | expected if new.get(name) != expected.get(name))
+    print("\n".join(different) or f"{len(new)} documents are the same")
     return 1 if different else 0
 
 

@@ -23,12 +23,12 @@ def endless(**chunk: Any) -> None:
 
 
 def greedy(**chunk: Any) -> None:
-    """More memory than there is."""
+    """Needs more memory than there is."""
     _run(lambda: flint.fmpz(3) ** (10**10), chunk)
 
 
 def greedy_python(**chunk: Any) -> None:
-    """More memory than there is, outside of FLINT."""
+    """Needs more memory than there is, outside FLINT."""
     _run(lambda: bytearray(1 << 40), chunk)
 
 
@@ -43,7 +43,7 @@ def killed(**chunk: Any) -> None:
 
 
 def broken(**chunk: Any) -> None:
-    """An error that nobody foresaw, before any slice or document."""
+    """An unexpected error, before any slice or document."""
 
     def fail(*_: Any) -> None:
         raise ZeroDivisionError
@@ -53,7 +53,7 @@ def broken(**chunk: Any) -> None:
 
 
 def slow(**chunk: Any) -> None:
-    """A tenth of a second for a slice."""
+    """A tenth of a second per slice."""
     _run(lambda: time.sleep(0.1), chunk)
 
 

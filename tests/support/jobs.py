@@ -17,7 +17,7 @@ def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:
 
 
 def ended(queue: JobQueue, job_id: str) -> JobView:
-    """The job when it has come to its end."""
+    """Waits for a job; returns it once it has ended."""
 
     def terminal() -> JobView | None:
         view = queue.get(job_id)

@@ -1,7 +1,7 @@
 """An independent count of a slice's cusps: multi-start Newton in double precision.
 
 It solves J = E = 0 on the torus from a grid of starts, with E from either leg, and keeps what
-converges to a simple solution. It can lose cusps without a sign, and is used only as a witness.
+converges to a simple solution. It can miss cusps silently, so it serves only as a witness.
 """
 
 from math import cos, hypot, pi, sin
@@ -74,7 +74,7 @@ def product(
 def count_cusps(manipulator: Manipulator, l1: float, starts: int = 24) -> list[Point]:
     """The cusps (alpha, theta1) in radians that Newton finds from starts² points."""
     s = Slice(manipulator, l1)
-    found: list[Point] = []
+    cusps: list[Point] = []
     for i in range(starts):
         for k in range(starts):
             x = (2 * pi * (i + 0.31) / starts, 2 * pi * (k + 0.17) / starts)
@@ -82,10 +82,10 @@ def count_cusps(manipulator: Manipulator, l1: float, starts: int = 24) -> list[P
                 if (
                     (y := newton(s, leg, x))
                     and is_cusp(s, y)
-                    and not any(distance(y, z) < 1e-5 for z in found)
+                    and not any(distance(y, z) < 1e-5 for z in cusps)
                 ):
-                    found.append(y)
-    return found
+                    cusps.append(y)
+    return cusps
 
 
 def newton(s: Slice, leg: int, x: Point) -> Point | None:

@@ -1,4 +1,4 @@
-"""Real processes: started, looked at, and never outliving their test."""
+"""Real processes: started, inspected, and ended with their test."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ T = TypeVar("T")
 ROOT = Path(__file__).parents[2]
 
 PATIENCE = 60.0
-"""Seconds to wait for what must come about: far more than it takes on a machine that is busy otherwise."""
+"""Seconds to wait for a condition: far more than it takes, even on a busy machine."""
 
 
 @contextmanager
 def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[Any]]:
-    """A child process with the options of `Popen`, in a session of its own that ends with the block."""
+    """A child process with the options of `Popen`, in a new session that ends with the block."""
     with _sigint_not_ignored():
         process = subprocess.Popen(command, cwd=ROOT, start_new_session=True, **options)
     try:
@@ -42,7 +42,7 @@ def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen
 def completed(
     command: Sequence[str], env: dict[str, str], stdin: str = ""
 ) -> subprocess.CompletedProcess[str]:
-    """The outcome of a child process that ends by itself."""
+    """Returns the outcome of a child process that ends by itself."""
     pipe = subprocess.PIPE
     with started(command, env=env, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as process:
         out, err = process.communicate(stdin, timeout=PATIENCE)
@@ -61,7 +61,7 @@ def _sigint_not_ignored() -> Iterator[None]:
 
 @dataclass
 class Workers:
-    """Starts worker processes and ends them when the test is over."""
+    """Starts worker processes, and ends them with the test."""
 
     url: str
     log: Path
@@ -69,7 +69,7 @@ class Workers:
     _running: ExitStack = field(default_factory=ExitStack)
 
     def start(self, **settings: object) -> subprocess.Popen[bytes]:
-        """One worker, ready for work; settings as in `WorkerSettings`."""
+        """Starts a worker and waits until it is ready; settings as in `WorkerSettings`."""
         name = f"test-{os.getpid()}-{len(self.processes)}-{time.monotonic_ns()}"
         command = [sys.executable, "-m", "worker", "--redis-url", self.url, "--name", name]
         with self.log.open("ab") as log:
@@ -80,7 +80,7 @@ class Workers:
         return process
 
     def stop(self) -> None:
-        """End all workers, in good order."""
+        """End all workers in an orderly way."""
         with self._running:
             for process in self.processes:
                 process.terminate()
@@ -89,7 +89,7 @@ class Workers:
 
 
 def environment(**settings: object) -> dict[str, str]:
-    """The environment of a child process: these settings and no others; hard tasks are found in it."""
+    """Returns the environment of a child process: these settings alone, and the path to the hard tasks."""
     inherited = {key: value for key, value in os.environ.items() if not key.startswith("RPR_CUSPS_")}
     paths = [*filter(None, [os.environ.get("PYTHONPATH")]), str(ROOT)]
     given = {f"RPR_CUSPS_{name.upper()}": str(value) for name, value in settings.items()}
@@ -97,25 +97,25 @@ def environment(**settings: object) -> dict[str, str]:
 
 
 def until(condition: Callable[[], T]) -> T:
-    """Wait for something that must come about, and give what it came to."""
+    """Waits until a condition holds; returns its value."""
     end = time.monotonic() + PATIENCE
     while not (value := condition()):
-        assert time.monotonic() < end, "it did not come about in time"
+        assert time.monotonic() < end, "the condition did not hold in time"
         time.sleep(0.02)
     return value
 
 
 def is_running(pid: int) -> bool:
-    """Whether a process runs; one that has ended and was not collected yet does not."""
+    """Whether a process is running; a zombie is not."""
     state = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True, check=False)
     return bool(state.stdout.strip()) and not state.stdout.strip().startswith("Z")
 
 
 def descendants(pid: int) -> list[int]:
-    """All processes that a process has started, and those that they have started."""
+    """Returns the descendants of a process."""
     table = subprocess.run(["ps", "-eo", "pid=,ppid="], capture_output=True, text=True, check=True).stdout
     pairs = [(int(child), int(parent)) for child, parent in (line.split() for line in table.splitlines())]
-    found = [pid]
-    for parent in found:
-        found += [child for child, its_parent in pairs if its_parent == parent]
-    return [child for child in found[1:] if is_running(child)]
+    family = [pid]
+    for parent in family:
+        family += [child for child, its_parent in pairs if its_parent == parent]
+    return [child for child in family[1:] if is_running(child)]

@@ -1,4 +1,4 @@
-"""The reference vectors: true answers to 96 digits, found by an independent method."""
+"""The reference vectors: correct answers to 96 digits, computed by an independent method."""
 
 import json
 from pathlib import Path

@@ -21,14 +21,14 @@ GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 2
 
 @contextmanager
 def serving(settings: Settings) -> Iterator[str]:
-    """The base URL of a server that runs as long as the block."""
+    """A server that runs as long as the block; gives its base URL."""
     with serving_app(create_app(settings)) as url:
         yield url
 
 
 @contextmanager
 def serving_app(app: FastAPI) -> Iterator[str]:
-    """The same for an application that is made already."""
+    """The same for a given application."""
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
         server = uvicorn.Server(uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=1))
@@ -44,7 +44,7 @@ def serving_app(app: FastAPI) -> Iterator[str]:
 
 
 def ended(client: httpx.Client, job_id: str) -> dict[str, Any]:
-    """The document of a job when it has come to its end."""
+    """Waits for a job; returns its document once it has ended."""
 
     def terminal() -> dict[str, Any] | None:
         job: dict[str, Any] = client.get(f"/v1/jobs/{job_id}").json()

@@ -1,4 +1,4 @@
-"""Answers that many tests look at, computed once in each process."""
+"""Answers that many tests use, computed once per process."""
 
 from __future__ import annotations
 

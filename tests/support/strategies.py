@@ -22,7 +22,7 @@ def rationals(low: int, high: int, denominators: tuple[int, ...]) -> st.SearchSt
 
 @st.composite
 def manipulators(draw: st.DrawFn, size: int = 40, denominators: tuple[int, ...] = (1, 10, 7)) -> Manipulator:
-    """Any valid manipulator; small sizes bring many coincidences."""
+    """Any valid manipulator; small sizes make coincidences frequent."""
     values = [draw(rationals(low, size, denominators)) for low in (-size, -size, -size, 0, 0, 0)]
     try:
         return Manipulator(*values, orientation=draw(st.sampled_from(["ccw", "cw"])))
@@ -37,12 +37,12 @@ def lengths(size: int = 60, denominators: tuple[int, ...] = (1, 10, 7)) -> st.Se
 
 
 def examples(count: int) -> settings:
-    """So many random examples; in the profile `long` as many times more as it has more than the default."""
+    """Settings for `count` random examples, scaled by the profile."""
     return settings(max_examples=count * settings().max_examples // 100)
 
 
 def unless_refused(solve: Callable[[], Answer], answers: Counter[str]) -> Answer:
-    """The answer; a case that is said not to be supported is counted, and others are tried in its place."""
+    """Returns the answer; an unsupported case is counted, and replaced by another one."""
     try:
         answer = solve()
     except SolverError as error:

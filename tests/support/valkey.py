@@ -1,7 +1,7 @@
-"""A Valkey server of one's own and a client of it, as fixtures for the conftest that imports them.
+"""A Valkey server and a client of it, as fixtures for the conftest that imports them.
 
-Each conftest that does has another server: the workers of one directory of tests never see the jobs of
-another, and a flush there takes nothing from here.
+Each such conftest has its own server: the workers of one directory of tests never see the jobs of another,
+and are unaffected by its flushes.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def valkey(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedValkey]
 
 @pytest.fixture
 def redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
-    """A client of the server, which is empty."""
+    """A client of the server, with an empty database."""
     with connect(valkey.url) as client:
         client.flushall()
         yield client

@@ -24,5 +24,5 @@ def queue(redis: Redis, settings: WorkerSettings) -> JobQueue:
 
 @pytest.fixture
 def table_request() -> JobRequest:
-    """Five slices: two chunks under the settings above."""
+    """Five slices: two chunks with the settings above."""
     return a_request("1", "2", "3", "4", "5")

@@ -35,7 +35,7 @@ def post(client: httpx.Client, slices: object, wait: int | None = 20, **more: ob
 
 
 def long_job(client: httpx.Client, fresh: Fresh) -> str:
-    """A job of some seconds, of slices that no other test asks for."""
+    """A job of a few seconds, with slices that no other test requests."""
     first = parse_exact(fresh(), "l1")
     step = parse_exact("1/1000000", "step")
     slices = [exact_str(first + step * i) for i in range(1, 900)]
@@ -45,7 +45,7 @@ def long_job(client: httpx.Client, fresh: Fresh) -> str:
     return job_id
 
 
-def test_the_documented_example_works_as_it_stands(api: httpx.Client) -> None:
+def test_the_documented_example_works_unchanged(api: httpx.Client) -> None:
     answer = api.post(
         "/v1/cusp-tables", json={"geometry": GEOMETRY, "l1": 14.98}, headers={"Prefer": "wait=20"}
     )
@@ -82,7 +82,7 @@ def test_a_known_table_is_answered_at_once_and_in_any_spelling(api: httpx.Client
     assert again.json() == first.json()
 
 
-def test_the_same_request_at_once_is_one_job(api: httpx.Client, fresh: Fresh) -> None:
+def test_simultaneous_equal_requests_are_one_job(api: httpx.Client, fresh: Fresh) -> None:
     l1 = fresh()
     with ThreadPoolExecutor(8) as pool:
         answers = list(pool.map(lambda _: post(api, l1, wait=None), range(8)))
@@ -98,7 +98,7 @@ def test_prefer_is_honoured_and_confirmed(api: httpx.Client, fresh: Fresh) -> No
     assert (answer.status_code, answer.headers["preference-applied"]) == (202, "respond-async")
 
 
-def test_a_slice_without_an_answer_does_not_spoil_the_others(api: httpx.Client, fresh: Fresh) -> None:
+def test_a_slice_without_an_answer_leaves_the_others_unaffected(api: httpx.Client, fresh: Fresh) -> None:
     answer = post(api, [0, fresh()])
     bad, good = answer.json()["slices"]
     assert answer.status_code == 200
@@ -155,7 +155,7 @@ def test_results_in_every_form_with_validators(api: httpx.Client, fresh: Fresh) 
     assert head.headers["content-length"] == str(len(whole.content))
 
 
-def test_events_tell_each_slice_and_end_with_the_job(api: httpx.Client, fresh: Fresh) -> None:
+def test_events_report_each_slice_and_end_with_the_job(api: httpx.Client, fresh: Fresh) -> None:
     slices = [fresh() for _ in range(5)]
     job_id = post(api, slices, wait=None).json()["id"]
     events = read_events(api, job_id)
@@ -177,12 +177,12 @@ def read_events(client: httpx.Client, job_id: str, last: str | None = None) -> l
     with client.stream("GET", f"/v1/jobs/{job_id}/events", headers=headers) as stream:
         assert stream.headers["content-type"].startswith("text/event-stream")
         blocks = stream.read().decode().split("\n\n")
-    found = []
+    events = []
     for block in blocks:
         fields = dict(line.split(": ", 1) for line in block.splitlines() if not line.startswith(":"))
         if "data" in fields:
-            found.append((fields["id"], fields["event"], json.loads(fields["data"])))
-    return found
+            events.append((fields["id"], fields["event"], json.loads(fields["data"])))
+    return events
 
 
 def test_a_running_job_has_no_result_yet_and_can_be_canceled(api: httpx.Client, fresh: Fresh) -> None:
@@ -197,7 +197,7 @@ def test_a_running_job_has_no_result_yet_and_can_be_canceled(api: httpx.Client, 
     assert (late.status_code, late.json()["type"]) == (409, "/problems/job-canceled")
 
 
-def test_who_waits_for_a_job_that_is_canceled_is_told(
+def test_a_client_that_waits_learns_that_its_job_was_canceled(
     idle: httpx.Client, idle_queue: JobQueue, fresh: Fresh
 ) -> None:
     def is_waited_for() -> bool:
@@ -215,7 +215,7 @@ def test_who_waits_for_a_job_that_is_canceled_is_told(
     assert (answer.status_code, answer.json()["type"]) == (409, "/problems/job-canceled")
 
 
-def test_a_canceled_job_can_be_asked_for_again(api: httpx.Client, fresh: Fresh) -> None:
+def test_a_canceled_job_can_be_requested_again(api: httpx.Client, fresh: Fresh) -> None:
     l1 = fresh()
     request = {"geometry": GEOMETRY, "l1": [l1, fresh()]}
     job_id = api.post("/v1/cusp-tables", json=request).json()["id"]
@@ -301,7 +301,7 @@ def test_limits_and_version(api: httpx.Client, idle: httpx.Client) -> None:
 
 
 def test_streams_end_when_the_server_does(valkey: EmbeddedValkey, fresh: Fresh) -> None:
-    """A stream with nothing to tell for a long time does not hold up the end of the service."""
+    """An idle stream does not delay the shutdown of the service."""
     app = create_app(Settings(redis_url=f"{valkey.url}?db=1", keepalive_seconds=600))
 
     @app.post("/stop")

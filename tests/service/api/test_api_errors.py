@@ -1,4 +1,4 @@
-"""Every error, of every path, has one shape."""
+"""Every error of every path has the same shape."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ GOOD = {"geometry": GEOMETRY, "l1": 1}
 
 
 def problem_of(answer: httpx.Response, status: int, slug: str) -> dict[str, Any]:
-    """The problem document, after checking that it is one."""
+    """Returns the problem document, after checking its shape."""
     assert answer.status_code == status, answer.text
     assert answer.headers["content-type"] == MEDIA_TYPE
     assert answer.headers["x-request-id"]
@@ -74,7 +74,7 @@ def test_content_types_that_are_json(idle: httpx.Client, media_type: str) -> Non
     assert answer.status_code == 202
 
 
-def test_a_body_that_announces_to_be_too_large(idle_url: str) -> None:
+def test_a_body_that_is_declared_too_large(idle_url: str) -> None:
     """The answer comes before the body is sent."""
     host, port = idle_url.removeprefix("http://").split(":")
     with socket.create_connection((host, int(port)), timeout=10) as raw:
@@ -85,7 +85,7 @@ def test_a_body_that_announces_to_be_too_large(idle_url: str) -> None:
         assert raw.recv(65536).startswith(b"HTTP/1.1 413")
 
 
-def test_a_body_that_turns_out_to_be_too_large(idle: httpx.Client) -> None:
+def test_an_undeclared_body_that_is_too_large(idle: httpx.Client) -> None:
     def endless() -> Iterator[bytes]:
         yield from (b" " * 500 for _ in range(10))
 
@@ -128,14 +128,14 @@ def test_a_manipulator_that_does_not_exist(idle: httpx.Client) -> None:
     assert "triangle inequality" in document["detail"]
 
 
-def test_what_cannot_be_encoded_is_quoted_all_the_same(idle: httpx.Client) -> None:
+def test_text_that_cannot_be_encoded_is_still_quoted(idle: httpx.Client) -> None:
     headers = {"Content-Type": "application/json"}
     answer = idle.post("/v1/cusp-tables", content=rb'{"\ud800": "\u0000"}', headers=headers)
     problem_of(answer, 422, "invalid-request")
 
 
 @pytest.mark.parametrize("body", ["[]", "null", '"x"', "7", "true"])
-def test_a_body_that_is_no_object(idle: httpx.Client, body: str) -> None:
+def test_a_body_that_is_not_an_object(idle: httpx.Client, body: str) -> None:
     answer = idle.post("/v1/cusp-tables", content=body, headers={"Content-Type": "application/json"})
     problem_of(answer, 422, "invalid-request")
 
@@ -183,7 +183,7 @@ def test_not_acceptable(idle: httpx.Client, accept: str) -> None:
 
 
 @pytest.mark.parametrize("last", ["x", "1-", "1-2-3", "-1", "1" * 40, "(1"])
-def test_an_event_id_that_is_none(idle: httpx.Client, last: str) -> None:
+def test_an_invalid_event_id(idle: httpx.Client, last: str) -> None:
     job_id = idle.post("/v1/cusp-tables", json={**GOOD, "l1": 3}).json()["id"]
     answer = idle.get(f"/v1/jobs/{job_id}/events", headers={"Last-Event-ID": last})
     problem_of(answer, 400, "invalid-header")
@@ -216,14 +216,14 @@ def test_without_redis(without_redis: httpx.Client, method: str, path: str) -> N
 @pytest.mark.parametrize(
     "path", ["/healthz", "/v1/limits", "/version", "/docs", "/", "/openapi.json", "/metrics"]
 )
-def test_what_needs_no_redis_works_without_it(without_redis: httpx.Client, path: str) -> None:
+def test_routes_that_need_no_redis_work_without_it(without_redis: httpx.Client, path: str) -> None:
     answer = without_redis.get(path)
     assert answer.status_code == 200
     if path == "/metrics":
         assert "rpr_cusps_up 0.0" in answer.text
 
 
-def test_an_unforeseen_error_shows_nothing_of_the_inside(caplog: pytest.LogCaptureFixture) -> None:
+def test_an_unexpected_error_reveals_no_internals(caplog: pytest.LogCaptureFixture) -> None:
     app = create_app()
 
     @app.get("/boom")
@@ -255,9 +255,9 @@ def test_pages_need_nothing_from_outside(idle: httpx.Client, path: str) -> None:
     page = idle.get(path)
     assert "default-src 'self'" in page.headers["content-security-policy"]
     for address in re.findall(r'(?:src|href)="([^"]+)"', page.text):
-        found = idle.get(str(page.url.join(address)))
-        assert found.status_code in (200, 503), address
-        assert found.url.host == page.url.host
+        linked = idle.get(str(page.url.join(address)))
+        assert linked.status_code in (200, 503), address
+        assert linked.url.host == page.url.host
 
 
 def test_a_malicious_host_is_not_echoed_as_markup(idle: httpx.Client) -> None:

@@ -1,4 +1,4 @@
-"""What is large is compressed for who takes it, and each encoding has a strong validator of its own."""
+"""Large responses are compressed for clients that accept it, and each encoding has its own validator."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ BUNDLE = "/static/swagger-ui/swagger-ui-bundle.js"
 
 
 def raw(client: httpx.Client, path: str, **headers: str) -> tuple[httpx.Response, bytes]:
-    """An answer and its body as it was sent."""
+    """Returns a response and its body as sent."""
     names = {name.replace("_", "-"): value for name, value in headers.items()}
     with client.stream("GET", path, headers=names) as answer:
         return answer, b"".join(answer.iter_raw())
@@ -33,12 +33,12 @@ def raw(client: httpx.Client, path: str, **headers: str) -> tuple[httpx.Response
         ("gzip;q=0, *", False),
     ],
 )
-def test_who_takes_gzip(accept: str, taken: bool) -> None:
+def test_which_clients_accept_gzip(accept: str, taken: bool) -> None:
     assert accepts_gzip(Headers({"Accept-Encoding": accept})) == taken
 
 
 @pytest.mark.parametrize("path", [BUNDLE, "/openapi.json", "/problems"])
-def test_all_that_is_large_is_compressed_on_request(idle: httpx.Client, path: str) -> None:
+def test_large_responses_are_compressed_on_request(idle: httpx.Client, path: str) -> None:
     plain, body = raw(idle, path, accept_encoding="gzip;q=0")
     packed, sent = raw(idle, path, accept_encoding="gzip")
     assert "content-encoding" not in plain.headers
@@ -48,7 +48,7 @@ def test_all_that_is_large_is_compressed_on_request(idle: httpx.Client, path: st
     assert gzip.decompress(sent) == body
 
 
-def test_problems_are_no_exception(idle: httpx.Client) -> None:
+def test_problems_are_compressed_too(idle: httpx.Client) -> None:
     body = {"geometry": {f"unknown-{i}": 1 for i in range(30)}}
     answer = idle.post("/v1/cusp-tables", json=body, headers={"Accept-Encoding": "gzip"})
     assert answer.headers["content-type"] == "application/problem+json"
@@ -56,7 +56,7 @@ def test_problems_are_no_exception(idle: httpx.Client) -> None:
     assert answer.json()["errors"]
 
 
-def test_what_is_small_is_sent_as_it_is(idle: httpx.Client) -> None:
+def test_small_responses_are_not_compressed(idle: httpx.Client) -> None:
     answer, body = raw(idle, "/healthz", accept_encoding="gzip")
     assert "content-encoding" not in answer.headers
     assert body == b'{"status":"ok"}'

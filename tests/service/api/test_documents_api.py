@@ -1,4 +1,4 @@
-"""Questions whose answer is one document, with a real queue and a real worker."""
+"""Questions that one document answers, with a real queue and a real worker."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
 
 
 def is_whole(model: str, document: object) -> bool:
-    """Whether the model takes the document and knows every one of its fields."""
+    """Asserts that the model accepts the document and has all its fields."""
     [answer] = [operation.answer for operation in OPERATIONS if operation.answer.__name__ == model]
     return answer.model_validate(document).model_dump(exclude_unset=True, by_alias=True) == document
 
 
 def documented() -> list[Any]:
-    """Every example of a request: its path and what is sent."""
+    """Every example of a request: its path and its body."""
     examples = []
     for path, operations in create_app().openapi()["paths"].items():
         for content in operations.get("post", {}).get("requestBody", {}).get("content", {}).values():
@@ -40,7 +40,7 @@ def documented() -> list[Any]:
 
 
 @pytest.mark.parametrize(("path", "body"), documented())
-def test_documented_requests_work_as_they_stand(api: httpx.Client, path: str, body: Any) -> None:
+def test_documented_requests_work_unchanged(api: httpx.Client, path: str, body: Any) -> None:
     first = api.post(path, json=body, headers={"Prefer": "respond-async"})
     if first.status_code == 202:
         assert ended(api, first.json()["id"])["status"] == "succeeded"
@@ -110,8 +110,8 @@ def test_a_census_is_computed_once_and_serves_every_range(api: httpx.Client) -> 
     assert part["range"] == {"from": "1", "to": "10"}
 
     known = [api.post("/v1/censuses", json=question) for question in (body, {**body, "digits": 20})]
-    assert [found.status_code for found in known] == [200, 200]
-    whole, short = (found.json() for found in known)
+    assert [response.status_code for response in known] == [200, 200]
+    whole, short = (response.json() for response in known)
     assert whole == rpr_solver.census(EXAMPLES["zein-flat"], digits=30).to_json()
     assert short["digits"] == 20
     assert [t["l1"][:15] for t in short["transitions"]] == [t["l1"][:15] for t in whole["transitions"]]
@@ -160,8 +160,8 @@ def test_cusp_curves_are_followed_once_and_sampled_at_will(api: httpx.Client) ->
     assert (done["status"], done["progress"]["done"]) == ("succeeded", done["progress"]["total"])
     part = api.get(job["links"]["result"]).json()
     assert is_whole("CuspCurves", part)
-    found = {p["l2"] for curve in part["curves"] for p in curve["points"]}
-    assert {"10", "11", "12"} < found
+    lengths = {p["l2"] for curve in part["curves"] for p in curve["points"]}
+    assert {"10", "11", "12"} < lengths
 
     whole = api.post("/v1/cusp-curves", json=body)
     assert whole.status_code == 200
@@ -224,7 +224,7 @@ def test_the_articles_method_is_audited_and_kept_apart(api: httpx.Client) -> Non
         ({"method": "article", "l1": [1, 2, 3]}, "the limit max_article_slices is 2"),
     ],
 )
-def test_wrong_uses_of_the_method_are_told(idle: httpx.Client, change: dict[str, Any], said: str) -> None:
+def test_wrong_uses_of_the_method_are_reported(idle: httpx.Client, change: dict[str, Any], said: str) -> None:
     body = {
         key: value for key, value in {"geometry": GEOMETRY, "l1": 1, **change}.items() if value is not None
     }

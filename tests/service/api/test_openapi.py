@@ -33,9 +33,9 @@ def test_every_reference_leads_somewhere(contract: dict[str, Any]) -> None:
             return own + [r for item in value.values() for r in references(item)]
         return [r for item in value for r in references(item)] if isinstance(value, list) else []
 
-    found = references(contract)
-    assert found
-    for reference in found:
+    every = references(contract)
+    assert every
+    for reference in every:
         target: Any = contract
         for part in reference.removeprefix("#/").split("/"):
             target = target[part]

@@ -21,7 +21,7 @@ ZEIN = json.dumps(EXAMPLES["zein-flat"].to_json())
 
 @pytest.fixture
 def designs(tmp_path: Path) -> Path:
-    """A folder with two geometries, one that is none, and something else."""
+    """A folder with two geometries, an invalid one, and another file."""
     folder = tmp_path / "designs"
     folder.mkdir()
     turned = json.dumps({**EXAMPLES["zein-flat"].to_json(), "orientation": "cw"})
@@ -33,11 +33,11 @@ def designs(tmp_path: Path) -> Path:
 def test_a_requirement_that_holds() -> None:
     done = run("check", "zein-flat", *RANGE, "--max-cusps", "4", "--format", "json")
     assert (done.returncode, done.stderr) == (0, "")
-    found = json.loads(done.stdout)
+    printed = json.loads(done.stdout)
     requirement = Requirement.from_json({"range": {"from": "1", "to": "10"}, "max_cusps": 4})
-    assert found["requirement"] == requirement.to_json()
+    assert printed["requirement"] == requirement.to_json()
     report = check(EXAMPLES["zein-flat"], requirement, digits=15).to_json()
-    assert found["checks"] == [{"source": "zein-flat", "passed": True, "report": report}]
+    assert printed["checks"] == [{"source": "zein-flat", "passed": True, "report": report}]
 
 
 def test_a_requirement_that_does_not_hold(run_here: Run) -> None:

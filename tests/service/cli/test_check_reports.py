@@ -50,9 +50,9 @@ def test_too_few_cusps_have_no_first_one() -> None:
 
 
 def test_all_outcomes_are_in_the_document_and_on_the_page() -> None:
-    found = document([GOOD, BAD, LOST], REQUIREMENT)
-    assert found["passed"] is False
-    assert [check["passed"] for check in found["checks"]] == [True, False, False]  # type: ignore[attr-defined]
+    checks = document([GOOD, BAD, LOST], REQUIREMENT)
+    assert checks["passed"] is False
+    assert [check["passed"] for check in checks["checks"]] == [True, False, False]  # type: ignore[attr-defined]
     shown = page([GOOD, BAD, LOST], REQUIREMENT)
     assert shown.about == "cusps for L2 from 1, L1 within 5:: at most 2 allowed"
     assert [section.title.split(",")[0] for section in shown.sections] == [

@@ -60,15 +60,15 @@ def test_a_census_of_another_leg(run_here: Run) -> None:
 
 @pytest.mark.slow
 def test_cusp_curves_in_every_form() -> None:
-    wanted = ("curves", "zein-flat", "--l1-range", "3:3.2:0.1", "--l1", "3.15", "--digits", "20")
-    done = run(*wanted, "--format", "json")
+    args = ("curves", "zein-flat", "--l1-range", "3:3.2:0.1", "--l1", "3.15", "--digits", "20")
+    done = run(*args, "--format", "json")
     assert (done.returncode, done.stderr) == (0, "")
     document = json.loads(done.stdout)
     lengths = [Fraction(x) for x in ("3", "3.1", "3.15", "3.2")]
     expected = cusp_curves(EXAMPLES["zein-flat"], digits=20).sampled(lengths).within(lengths[0], lengths[-1])
     assert document == expected.to_json()
-    assert run(*wanted, "--format", "csv").stdout == curves_csv(document)
-    lines = run(*wanted).stdout.splitlines()
+    assert run(*args, "--format", "csv").stdout == curves_csv(document)
+    lines = run(*args).stdout.splitlines()
     assert "L1: 4 cusp curves" in lines
     assert sum(line.startswith("C3 ") for line in lines) == 1 + len(lengths)
 

@@ -110,7 +110,7 @@ def test_a_bad_setting_in_the_environment_is_named() -> None:
     assert "RPR_CUSPS_MAX_DIGITS" in done.stderr
 
 
-def test_a_slice_without_an_answer_is_told_beside_the_others() -> None:
+def test_a_slice_without_an_answer_is_reported_with_the_others() -> None:
     done = run("solve", "innocenti", "--l1", "0", "--l1", "14.98", "--digits", "15")
     assert done.returncode == 2
     assert "L1 = 14.98: 6 cusps" in done.stdout
@@ -181,7 +181,7 @@ def read_to_the_end(terminal: int) -> bytes:
     try:
         while part := os.read(terminal, 65536):
             seen += part
-    except OSError:  # how Linux says that the other end is closed
+    except OSError:  # on Linux: the other end is closed
         pass
     os.close(terminal)
     return seen

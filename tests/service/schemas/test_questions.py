@@ -128,7 +128,7 @@ def test_every_kind_of_document_has_one_question() -> None:
 
 
 @pytest.mark.parametrize(
-    ("body", "told"),
+    ("body", "expected"),
     [
         ('{"geometry": 7}', [("geometry", "is a number; give an object with a2x, a3x, a3y, d1, d2, d3")]),
         (
@@ -144,10 +144,10 @@ def test_every_kind_of_document_has_one_question() -> None:
         ('{"geometry": %s, "\\ud800": 1}', [("\\ud800", "unknown field; known are geometry, fixed_leg")]),
     ],
 )
-def test_a_fault_is_told_with_what_would_be_right(body: str, told: list[tuple[str, str]]) -> None:
-    found = problems(CensusRequest, body.replace("%s", json.dumps(GEOMETRY)))
-    assert [field for field, _ in found] == [field for field, _ in told]
-    assert all(message.startswith(start) for (_, message), (_, start) in zip(found, told, strict=True))
+def test_a_fault_is_reported_with_a_valid_alternative(body: str, expected: list[tuple[str, str]]) -> None:
+    faults = problems(CensusRequest, body.replace("%s", json.dumps(GEOMETRY)))
+    assert [field for field, _ in faults] == [field for field, _ in expected]
+    assert all(message.startswith(start) for (_, message), (_, start) in zip(faults, expected, strict=True))
 
 
 def test_limits_alone_are_a_limit_error() -> None:

@@ -1,4 +1,4 @@
-"""Parts of a census come from the whole one, which is computed once."""
+"""Parts of a census are cut from the whole one, which is computed once."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MANIPULATOR = EXAMPLES["zein-flat"]
 
 
 class Computed:
-    """Stands before the solver's census and counts; one computation for each number of digits is enough."""
+    """Wraps the solver's census: counts its calls, and computes once per number of digits."""
 
     def __init__(self) -> None:
         self.solve, self.calls = rpr_solver.census, 0
@@ -62,8 +62,8 @@ def request(
     return JobRequest(censuses.KIND, {**content, "range": {"from": start, "to": stop}})
 
 
-def get(wanted: JobRequest, store: ResultStore) -> dict[str, Any]:
-    return known_document(wanted, store) or compute(wanted, store, lambda *_: None)
+def get(request_: JobRequest, store: ResultStore) -> dict[str, Any]:
+    return known_document(request_, store) or compute(request_, store, lambda *_: None)
 
 
 def test_any_part_with_fewer_digits_follows_from_the_whole(solver: Computed, store: ResultStore) -> None:
@@ -88,27 +88,27 @@ def test_more_digits_are_computed(solver: Computed, store: ResultStore) -> None:
     assert solver.calls == 2
 
 
-def test_at_once_it_is_computed_once(solver: Computed, store: ResultStore) -> None:
+def test_simultaneous_requests_compute_it_once(solver: Computed, store: ResultStore) -> None:
     with ThreadPoolExecutor(4) as pool:
         list(pool.map(lambda start: compute(request(str(start)), store, lambda *_: None), range(4)))
     assert solver.calls == 1
 
 
-def test_an_end_that_digits_do_not_tell_from_a_transition(solver: Computed, store: ResultStore) -> None:
+def test_an_end_that_digits_do_not_separate_from_a_transition(solver: Computed, store: ResultStore) -> None:
     lengths = [t["l1"] for t in get(request(digits=40), store)["transitions"]]
     near = lengths[-1][:23]  # as many digits as the shorter census has
     store.redis.flushall()
     part = get(request(near), store)
-    assert len(part["transitions"]) == 1  # it was cut off, so the transition is above
+    assert len(part["transitions"]) == 1  # the length was truncated, so the transition is above
     assert [(i["from"], i["count"]) for i in part["intervals"]] == [
         (near, 6),
         (part["transitions"][0]["l1"], 4),
     ]
-    assert solver.calls == 3  # with 40 digits, the whole, and the part by itself
+    assert solver.calls == 3  # with 40 digits, the whole, and the part alone
 
 
 def test_an_end_at_a_transition(store: ResultStore) -> None:
-    """Held at leg 2, this manipulator passes a node at L2 = 16 exactly."""
+    """With leg 2 fixed, this manipulator has a node at exactly L2 = 16."""
     turned = Manipulator(*(Fraction(x) for x in (10, 0, 8, 6, 10, 8)))
     held: dict[str, Any] = {"manipulator": turned, "fixed_leg": 2}
     whole = get(request(**held), store)

@@ -1,4 +1,4 @@
-"""Parts and samples of cusp curves set out from the whole ones, which are followed once."""
+"""Parts and samples of cusp curves start from the whole ones, which are followed once."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ DIGITS = 20
 
 @pytest.fixture
 def calls(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """Has an entry for each time that curves are followed."""
+    """A list with an entry for each time that curves are followed."""
     follow, made = rpr_solver.cusp_curves, []
 
     def counted(manipulator: rpr_solver.Manipulator, **options: Any) -> CuspCurves:
@@ -47,11 +47,11 @@ def request(
     return JobRequest(curves.KIND, {**content, "range": ends, "lengths": list(lengths)})
 
 
-def get(wanted: JobRequest, store: ResultStore) -> dict[str, Any]:
-    return known_document(wanted, store) or compute(wanted, store, lambda *_: None)
+def get(request_: JobRequest, store: ResultStore) -> dict[str, Any]:
+    return known_document(request_, store) or compute(request_, store, lambda *_: None)
 
 
-def test_everything_sets_out_from_the_whole(calls: list[int], store: ResultStore) -> None:
+def test_everything_starts_from_the_whole(calls: list[int], store: ResultStore) -> None:
     sampled = get(request("10", "20", stop="20"), store)
     assert {p["l1"] for c in sampled["curves"] for p in c["points"]} == {"10", "20"}
     spread = get(request(samples=2, start="10", stop="12"), store)
@@ -64,13 +64,13 @@ def test_everything_sets_out_from_the_whole(calls: list[int], store: ResultStore
     assert calls == [DIGITS]
 
 
-def test_at_once_they_are_followed_once(calls: list[int], store: ResultStore) -> None:
+def test_simultaneous_requests_follow_them_once(calls: list[int], store: ResultStore) -> None:
     with ThreadPoolExecutor(4) as pool:
         list(pool.map(lambda x: compute(request(str(x)), store, lambda *_: None), range(5, 9)))
     assert calls == [DIGITS]
 
 
-def test_progress_goes_on_over_both_parts(store: ResultStore) -> None:
+def test_progress_covers_both_parts(store: ResultStore) -> None:
     seen: list[tuple[int, int]] = []
     compute(request("7", "8"), store, lambda *step: seen.append(step))
     assert seen == sorted(seen)

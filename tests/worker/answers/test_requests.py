@@ -1,4 +1,4 @@
-"""Requests: canonical, named by their content, and kept in Redis."""
+"""Requests: canonical, identified by their content, and kept in Redis."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ OF_VERSION_2 = {
         },
     ),
 }
-"""A request of each kind under the id of its job with version 2 of the solver, wherever it is posted."""
+"""Job id with version 2 of the solver → request, one of each kind."""
 
 
 @pytest.fixture

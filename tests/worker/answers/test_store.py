@@ -16,7 +16,7 @@ from worker.settings import WorkerSettings
 
 
 def keep(store: ResultStore, request: JobRequest, l1: str, value: Mapping[str, object]) -> None:
-    """Keep a slice as a worker does, here for a job that is gone."""
+    """Keep a slice as a worker does, for a job that no longer exists."""
     ref, chunk = ChunkRef(request.job_id, "gone", 0, 0), Chunk(request, (l1,), 0)
     assert not JobRecords(store.redis, store.settings).put_slice(ref, chunk, 0, value)
 
@@ -67,7 +67,7 @@ def test_more_digits_serve_fewer(redis: Redis) -> None:
     assert store.get_slices(short) == {"14.98": expected}
 
 
-def test_held_slices_last_as_long_as_new_ones(redis: Redis) -> None:
+def test_renewed_slices_last_as_long_as_new_ones(redis: Redis) -> None:
     store = ResultStore(redis)
     request = a_request("1")
     keep(store, request, "1", slice_of("1"))
@@ -87,7 +87,7 @@ def test_one_worker_at_a_time_computes_an_eliminant(redis: Redis) -> None:
         assert held
 
 
-def test_a_lock_expires_so_that_a_dead_worker_stops_nobody(redis: Redis) -> None:
+def test_a_lock_expires_so_that_a_dead_worker_blocks_no_other(redis: Redis) -> None:
     store = ResultStore(redis, WorkerSettings(eliminant_lock=30))
     request = a_request("1")
     key = store.keys.eliminant_lock(request.geometry_hash, 1)

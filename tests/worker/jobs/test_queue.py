@@ -1,4 +1,4 @@
-"""The life of a job, with the test in the place of the worker."""
+"""The life of a job, with the test acting as the worker."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def refs(queue: JobQueue) -> list[ChunkRef]:
 
 
 def work(queue: JobQueue, ref: ChunkRef, slices: int = 100, *, error: str = "") -> None:
-    """Do what a worker does with a chunk, or with the first slices of it."""
+    """Process a chunk, or its first slices, as a worker does."""
     chunk = queue.records.start(ref)
     assert chunk is not None
     for offset, l1 in enumerate(chunk.parts[:slices]):
@@ -72,7 +72,7 @@ def test_unknown_job(queue: JobQueue) -> None:
     assert queue.get("ct-0") is queue.result("ct-0") is queue.cancel("ct-0") is None
 
 
-def test_the_same_at_once_is_one_job(
+def test_simultaneous_equal_requests_are_one_job(
     redis: Redis, settings: WorkerSettings, table_request: JobRequest
 ) -> None:
     queues = [JobQueue(redis, settings) for _ in range(8)]
@@ -98,7 +98,7 @@ def test_all_known_is_done_at_once(queue: JobQueue, table_request: JobRequest) -
     finish(queue)
     view = queue.submit(a_request("2", "1"))
     assert (view.status, view.done, view.total) == ("succeeded", 2, 2)
-    assert queue.depth() == 2  # what the first job had put there
+    assert queue.depth() == 2  # the chunks of the first job
     assert queue.result(view.id) is not None
 
 
@@ -145,7 +145,7 @@ def test_a_canceled_job_stays_canceled_until_asked_again(queue: JobQueue, table_
     assert queue.result(first.id) is not None
 
 
-def test_what_comes_late_changes_nothing(queue: JobQueue, table_request: JobRequest) -> None:
+def test_late_results_change_nothing(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     old = refs(queue)[0]
     chunk = queue.records.start(old)
@@ -158,10 +158,10 @@ def test_what_comes_late_changes_nothing(queue: JobQueue, table_request: JobRequ
     view = queue.get(table_request.job_id)
     assert view is not None
     assert (view.status, view.done, view.error) == ("queued", 0, None)
-    assert "1" in queue.store.get_slices(table_request)  # a true result is not thrown away
+    assert "1" in queue.store.get_slices(table_request)  # a valid result is kept
 
 
-def test_a_slice_that_fails_does_not_spoil_the_others(queue: JobQueue, table_request: JobRequest) -> None:
+def test_a_slice_that_fails_leaves_the_others_unaffected(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     first, second = refs(queue)
     work(queue, first, error="2")
@@ -169,7 +169,7 @@ def test_a_slice_that_fails_does_not_spoil_the_others(queue: JobQueue, table_req
     table = queue.result(table_request.job_id)
     assert table is not None
     assert [s["l1"] for s in table["slices"] if "error" in s] == ["2"]
-    # the error leaves the store soon; the job that saw it keeps it, and the next one tries again
+    # the error soon expires in the store; its job keeps it, and the next job tries again
     queue.redis.delete(*queue.store.slice_keys(table_request, ["2"]))
     assert queue.result(table_request.job_id) == table
     assert queue.known(table_request) is None
@@ -189,12 +189,12 @@ def test_a_slice_is_counted_once(queue: JobQueue, table_request: JobRequest) -> 
     assert view.done == 3
 
 
-def test_a_chunk_that_nobody_has_is_put_back(queue: JobQueue, table_request: JobRequest) -> None:
+def test_a_chunk_that_no_worker_runs_is_put_back(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     queue.redis.delete(queue.chunks.bulk.key)
     sweeper = Sweeper(queue.redis, queue.settings)
     sweeper.sweep()
-    assert queue.depth() == 0  # suspected only
+    assert queue.depth() == 0  # only suspected
     time.sleep(0.01)
     assert sweeper.sweep() == 2
     assert queue.depth() == 2
@@ -203,7 +203,7 @@ def test_a_chunk_that_nobody_has_is_put_back(queue: JobQueue, table_request: Job
     assert queue.result(table_request.job_id) is not None
 
 
-def test_a_chunk_with_a_sign_of_life_is_left_alone(queue: JobQueue) -> None:
+def test_a_chunk_with_a_heartbeat_is_left_alone(queue: JobQueue) -> None:
     request = a_request("1")
     queue.submit(request)
     (ref,) = refs(queue)
@@ -233,7 +233,7 @@ def test_a_chunk_lost_too_often_fails_its_job(queue: JobQueue, table_request: Jo
 
 
 @pytest.mark.parametrize("lost", [True, False])
-def test_what_was_not_begun_cannot_be_lost(queue: JobQueue, lost: bool) -> None:
+def test_a_chunk_that_has_not_started_cannot_be_lost(queue: JobQueue, lost: bool) -> None:
     queue.submit(a_request("1"))
     ref = refs(queue)[0]
     for attempt in range(1, 10):

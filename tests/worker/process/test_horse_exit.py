@@ -10,7 +10,7 @@ from worker.settings import WorkerSettings
 SETTINGS = WorkerSettings(deadline=5, memory_limit_mb=100)
 
 
-def test_a_horse_that_ended_by_itself() -> None:
+def test_a_normal_exit() -> None:
     assert judge_exit(0, None, SETTINGS) is None
     assert judge_exit(0, "deadline", SETTINGS) is None
 
@@ -30,7 +30,7 @@ def test_failures(status: int, ended_for: str | None, kind: str) -> None:
     assert outcome.kind == kind
 
 
-def test_what_is_tried_again() -> None:
+def test_what_is_run_again() -> None:
     assert judge_exit(int(signal.SIGKILL), "shutdown", SETTINGS) == RunAgain(lost=False)
     killed = judge_exit(int(signal.SIGKILL), None, SETTINGS)
     assert isinstance(killed, RunAgain)

@@ -11,7 +11,7 @@ from tests.support.processes import until
 from worker.process.pool import WorkerPool
 
 
-def test_a_dead_worker_is_told_to_the_caller_and_replaced(
+def test_a_dead_worker_is_reported_and_replaced(
     valkey: EmbeddedValkey, redis: Redis, capfd: pytest.CaptureFixture[str]
 ) -> None:
     deaths: list[str] = []

@@ -1,4 +1,4 @@
-"""What docs/worker.md says of RQ's internals is what the code touches, and what this RQ has."""
+"""The RQ internals in docs/worker.md are those that the code touches and that this RQ has."""
 
 from __future__ import annotations
 
@@ -44,18 +44,18 @@ SIGNATURES = {
 
 
 def documented(title: str) -> set[str]:
-    """The names of one paragraph of the section."""
+    """Returns the names in a paragraph of the section."""
     [paragraph] = [p for p in SECTION.split("\n\n") if p.startswith(title)]
     return set(re.findall(r"`([\w:]+)`", paragraph))
 
 
 OVERRIDDEN = set(re.findall(r"^\| `(\w+)` \|", SECTION, re.MULTILINE))
-CALLED = documented("Methods that are called")
+CALLED = documented("Methods called")
 
 
 @pytest.fixture
 def pair(redis: Redis, settings: WorkerSettings) -> tuple[rq.Worker, CuspWorker]:
-    """A worker of RQ's and one of ours."""
+    """One of RQ's workers and one of ours."""
     return rq.Worker(["x"], connection=redis), CuspWorker(redis, settings)
 
 
@@ -92,7 +92,7 @@ def test_the_names_of_our_own_attributes_are_free(pair: tuple[rq.Worker, CuspWor
     assert vars(theirs).keys() <= vars(ours).keys()
 
 
-def test_the_signatures_are_as_they_were() -> None:
+def test_the_signatures_are_unchanged() -> None:
     assert set(SIGNATURES) == OVERRIDDEN - {"__init__"} | CALLED
     for name, signature in SIGNATURES.items():
         member = inspect.getattr_static(rq.Worker, name)
@@ -100,7 +100,7 @@ def test_the_signatures_are_as_they_were() -> None:
         assert f"({', '.join(inspect.signature(function).parameters)})" == signature, name
 
 
-def test_the_keys_are_as_they_were(redis: Redis, pair: tuple[rq.Worker, CuspWorker]) -> None:
+def test_the_keys_are_unchanged(redis: Redis, pair: tuple[rq.Worker, CuspWorker]) -> None:
     theirs, ours = pair
     keys = {
         REDIS_WORKER_KEYS,
