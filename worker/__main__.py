@@ -25,12 +25,9 @@ def main() -> int:
     try:
         return run_worker(args.redis_url, name=args.name, parent_pid=args.parent_pid, burst=args.burst)
     except ValidationError as error:
-        return _fail(settings_problem(error), 2)
+        message, status = settings_problem(error), 2
     except WorkerError as error:
-        return _fail(str(error), 1)
-
-
-def _fail(message: str, status: int) -> int:
+        message, status = str(error), 1
     print(f"worker: {message}", file=sys.stderr)
     return status
 

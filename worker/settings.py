@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pydantic import Field, ValidationError
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 
@@ -22,50 +22,43 @@ class WorkerSettings(BaseSettings):
         default="worker.process.tasks.run_chunk", description="dotted name of the function that runs a chunk"
     )
 
-    chunk_size: int = Field(default=40, ge=1, description="maximum number of slices in one chunk")
-    deadline: float = Field(default=600.0, gt=0, description="maximum run time of a chunk, in seconds")
+    chunk_size: PositiveInt = Field(default=40, description="maximum number of slices in one chunk")
+    deadline: PositiveFloat = Field(default=600.0, description="maximum run time of a chunk, in seconds")
     memory_limit_mb: int | None = Field(
         default=4096, ge=64, description="maximum address space of a work horse, in MiB"
     )
-    max_losses: int = Field(
-        default=2, ge=0, description="maximum number of times a chunk is run again after its worker was lost"
+    max_losses: NonNegativeInt = Field(
+        default=2, description="maximum number of times a chunk is run again after its worker was lost"
     )
 
-    result_ttl: int = Field(default=7 * 86400, ge=1, description="lifetime of a result, in seconds")
-    job_ttl: int = Field(default=7 * 86400, ge=1, description="lifetime of a succeeded job, in seconds")
-    failure_ttl: int = Field(
-        default=86400, ge=1, description="lifetime of a failed or canceled job, in seconds"
+    result_ttl: PositiveInt = Field(default=7 * 86400, description="lifetime of a result, in seconds")
+    job_ttl: PositiveInt = Field(default=7 * 86400, description="lifetime of a succeeded job, in seconds")
+    failure_ttl: PositiveInt = Field(
+        default=86400, description="lifetime of a failed or canceled job, in seconds"
     )
-    error_ttl: int = Field(
-        default=600,
-        ge=1,
-        description="lifetime of a slice's error, in seconds; until then other jobs reuse it",
+    error_ttl: PositiveInt = Field(
+        default=600, description="lifetime of a slice's error, in seconds; until then other jobs reuse it"
     )
-    eliminant_ttl: int = Field(default=30 * 86400, ge=1, description="lifetime of an eliminant, in seconds")
-    eliminant_lock: float = Field(
+    eliminant_ttl: PositiveInt = Field(default=30 * 86400, description="lifetime of an eliminant, in seconds")
+    eliminant_lock: PositiveFloat = Field(
         default=30.0,
-        gt=0,
         description="maximum time for which workers wait for another worker's result, in seconds",
     )
 
-    beat_interval: float = Field(
-        default=1.0, gt=0, description="time between two heartbeats of a chunk, in seconds"
+    beat_interval: PositiveFloat = Field(
+        default=1.0, description="time between two heartbeats of a chunk, in seconds"
     )
-    beat_ttl: float = Field(
-        default=4.0,
-        gt=0,
-        description="time without a heartbeat after which a chunk is suspected lost, in seconds",
+    beat_ttl: PositiveFloat = Field(
+        default=4.0, description="time without a heartbeat after which a chunk is suspected lost, in seconds"
     )
-    sweep_interval: float = Field(
-        default=1.5, gt=0, description="time between two searches for lost chunks, in seconds"
+    sweep_interval: PositiveFloat = Field(
+        default=1.5, description="time between two searches for lost chunks, in seconds"
     )
-    lost_grace: float = Field(
-        default=2.0,
-        ge=0,
-        description="time for which a chunk is suspected lost before it is run again, in seconds",
+    lost_grace: NonNegativeFloat = Field(
+        default=2.0, description="time for which a chunk is suspected lost before it is run again, in seconds"
     )
-    shutdown_grace: float = Field(
-        default=1.0, ge=0, description="time that a stopping worker leaves its running chunk, in seconds"
+    shutdown_grace: NonNegativeFloat = Field(
+        default=1.0, description="time that a stopping worker leaves its running chunk, in seconds"
     )
     log_level: str = Field(default="WARNING", description="log level of the worker processes")
 

@@ -36,18 +36,10 @@ class Metrics:
             "rpr_cusps_http_request_seconds", "time to answer an HTTP request", labels, buckets=_BUCKETS,
             registry=self.registry,
         )  # fmt: skip
-        self.tables = Counter(
-            "rpr_cusps_table_requests",
-            "requests for a cusp table: cached, or handed to a job",
-            ("answer",),
-            registry=self.registry,
-        )
-        self.answers = Counter(
-            "rpr_cusps_answers",
-            "questions by kind: cached, or handed to a job",
-            ("kind", "answer"),
-            registry=self.registry,
-        )
+        text = "requests for a cusp table: cached, or handed to a job"
+        self.tables = Counter("rpr_cusps_table_requests", text, ("answer",), registry=self.registry)
+        text = "questions by kind: cached, or handed to a job"
+        self.answers = Counter("rpr_cusps_answers", text, ("kind", "answer"), registry=self.registry)
         self.registry.register(_QueueCollector(queue))
 
     def count_answer(self, kind: str, answer: str) -> None:
@@ -79,17 +71,16 @@ class _QueueCollector(Collector):
     def collect(self) -> Iterator[Metric]:
         """Read the queue now. Without Redis, yield only the version and `rpr_cusps_up`, which is 0."""
         yield _gauge("rpr_cusps_info", "version of this service", 1, version=__version__)
+        gauges: list[GaugeMetricFamily] = []
         try:
             gauges = [
                 _gauge("rpr_cusps_queue_depth", "chunks of jobs that wait for a worker", self.queue.depth()),
-                _gauge("rpr_cusps_workers", "workers that are alive", self.queue.workers()),
+                _gauge("rpr_cusps_workers", "number of live workers", self.queue.workers()),
                 _gauge("rpr_cusps_jobs_active", "jobs that are queued or running", self._active()),
             ]
         except RedisError as error:
             log.warning("metrics without a queue: %s", error)
-            yield _gauge("rpr_cusps_up", "whether Redis can be reached", 0)
-            return
-        yield _gauge("rpr_cusps_up", "whether Redis can be reached", 1)
+        yield _gauge("rpr_cusps_up", "whether Redis can be reached", bool(gauges))
         yield from gauges
 
     def _active(self) -> int:

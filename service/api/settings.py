@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from service.schemas.limits import Limits
@@ -23,17 +23,17 @@ class Settings(BaseSettings):
     stream_connections: int = Field(
         default=512, ge=2, description="maximum number of clients that wait or follow events at the same time"
     )
-    threads: int = Field(default=40, ge=1, description="number of threads for blocking work")
-    poll_seconds: int = Field(default=1, ge=1, description="`Retry-After` until a job has ended, in seconds")
-    retry_seconds: int = Field(
-        default=2, ge=1, description="`Retry-After` when Redis cannot be reached, in seconds"
+    threads: PositiveInt = Field(default=40, description="number of threads for blocking work")
+    poll_seconds: PositiveInt = Field(
+        default=1, description="`Retry-After` until a job has ended, in seconds"
     )
-    keepalive_seconds: float = Field(
-        default=15.0,
-        gt=0,
-        description="time between two keep-alive comments on an idle event stream, in seconds",
+    retry_seconds: PositiveInt = Field(
+        default=2, description="`Retry-After` when Redis cannot be reached, in seconds"
     )
-    gzip_bytes: int = Field(
-        default=1024, ge=0, description="minimum size of a response to compress, in bytes"
+    keepalive_seconds: PositiveFloat = Field(
+        default=15.0, description="time between two keep-alive comments on an idle event stream, in seconds"
+    )
+    gzip_bytes: NonNegativeInt = Field(
+        default=1024, description="minimum size of a response to compress, in bytes"
     )
     limits: Limits = Field(default_factory=Limits)

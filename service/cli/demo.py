@@ -19,6 +19,7 @@ from service.cli.pages import progress_bar, write_table
 from service.cli.solve import report
 from service.client import ServiceClient
 from service.errors import ServiceError
+from worker.process.os_limits import end_process
 
 DESCRIPTION, EXAMPLES = __doc__, None
 
@@ -83,12 +84,7 @@ def _service(data_dir: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
             raise ServiceError(f"the service did not start: {line.strip() or 'it printed nothing'}")
         yield process, match[0]
     finally:
-        process.terminate()
-        try:
-            process.wait(_STOP_PATIENCE)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+        end_process(process, _STOP_PATIENCE)
         if process.stdout is not None:
             process.stdout.close()
 

@@ -129,10 +129,7 @@ def split_range(text: str) -> dict[str, str]:
     >>> split_range("14:15:0.5")
     {'start': '14', 'stop': '15', 'step': '0.5'}
     """
-    parts = text.split(":")
-    if len(parts) != 3:
-        raise InputError.of("", f"{text[:60]!r} is not START:STOP:STEP, for example 0.1:50.1:0.1")
-    return dict(zip(("start", "stop", "step"), parts, strict=True))
+    return _split(text, ("start", "stop", "step"), "START:STOP:STEP, for example 0.1:50.1:0.1")
 
 
 def split_ends(text: str, names: tuple[str, str] = ("from", "to")) -> dict[str, str | None]:
@@ -141,10 +138,15 @@ def split_ends(text: str, names: tuple[str, str] = ("from", "to")) -> dict[str, 
     >>> split_ends("10:61/2"), split_ends(":")
     ({'from': '10', 'to': '61/2'}, {'from': None, 'to': None})
     """
+    parts = _split(text, names, "A:B, for example 10:20, 10: or :20")
+    return {name: part if part.strip() else None for name, part in parts.items()}
+
+
+def _split(text: str, names: Sequence[str], form: str) -> dict[str, str]:
     parts = text.split(":")
-    if len(parts) != 2:
-        raise InputError.of("", f"{text[:60]!r} is not A:B, for example 10:20, 10: or :20")
-    return {name: part if part.strip() else None for name, part in zip(names, parts, strict=True)}
+    if len(parts) != len(names):
+        raise InputError.of("", f"{text[:60]!r} is not {form}")
+    return dict(zip(names, parts, strict=True))
 
 
 def _slices(value: object, info: ValidationInfo) -> tuple[Fraction, ...]:

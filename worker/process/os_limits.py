@@ -6,7 +6,9 @@ import ctypes
 import os
 import resource
 import signal
+import subprocess
 import sys
+from typing import Any
 
 _PR_SET_PDEATHSIG = 1
 _libc = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
@@ -47,6 +49,16 @@ def lift_memory_limit() -> None:
 def usable_cores() -> int:
     """Returns the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def end_process(process: subprocess.Popen[Any], patience: float) -> None:
+    """Terminate a child process, and kill it if it is still running after `patience` seconds."""
+    process.terminate()
+    try:
+        process.wait(patience)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 def signal_of(status: int) -> int | None:

@@ -31,19 +31,15 @@ async def healthz() -> Response:
 @router.get("/readyz", summary="Whether requests can be served", responses=doc.READY_RESPONSES)
 def readyz(context: ContextDep) -> Response:
     """Ready if Redis answers and at least one worker is alive."""
-    retry = {"Retry-After": str(context.settings.retry_seconds)}
     try:
         context.queue.redis.ping()
-        workers = context.queue.workers()
+        if workers := context.queue.workers():
+            return _json({"status": "ready", "workers": workers}, "no-store")
+        detail = "No workers are running; jobs would stay queued."
     except RedisError as error:
-        raise ProblemError(
-            ProblemType.UNAVAILABLE, f"Redis cannot be reached: {error}", headers=retry
-        ) from error
-    if workers < 1:
-        raise ProblemError(
-            ProblemType.UNAVAILABLE, "No workers are running; jobs would stay queued.", headers=retry
-        )
-    return _json({"status": "ready", "workers": workers}, "no-store")
+        detail = f"Redis cannot be reached: {error}"
+    retry = {"Retry-After": str(context.settings.retry_seconds)}
+    raise ProblemError(ProblemType.UNAVAILABLE, detail, headers=retry)
 
 
 @router.get(
