@@ -18,12 +18,11 @@ def main() -> int:
     parser.add_argument("--redis-url", default=os.environ.get("RPR_CUSPS_REDIS_URL"))
     parser.add_argument("--name")
     parser.add_argument("--parent-pid", type=int, help="end with this parent process")
-    parser.add_argument("--burst", action="store_true", help="end when the queue is empty")
     args = parser.parse_args()
     if not args.redis_url:
         parser.error("no Redis URL: give --redis-url or set RPR_CUSPS_REDIS_URL")
     try:
-        return run_worker(args.redis_url, name=args.name, parent_pid=args.parent_pid, burst=args.burst)
+        return run_worker(args.redis_url, name=args.name, parent_pid=args.parent_pid)
     except ValidationError as error:
         message, status = settings_problem(error), 2
     except WorkerError as error:

@@ -5,30 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from service.api.job_view import job_json
 from service.api.negotiation import JSON
 from service.api.operations import CUSP_TABLES, OPERATIONS, Operation
 from service.api.problems import MEDIA_TYPE, ProblemType
 from service.schemas.questions import EXAMPLE_GEOMETRY
+from worker.jobs.records import JobView
 
 Docs = dict[int | str, dict[str, Any]]
 
 EXAMPLE_JOB_ID = "ct-0f343b0931126a20f133d67c2b018a3b5c1f6d3e"
 
-_JOB = {
-    "id": EXAMPLE_JOB_ID,
-    "kind": "cusp-table",
-    "status": "running",
-    "progress": {"done": 120, "total": 501},
-    "created_at": "2026-01-15T09:30:00.000Z",
-    "started_at": "2026-01-15T09:30:00.012Z",
-    "finished_at": None,
-    "error": None,
-    "links": {
-        "self": f"/v1/jobs/{EXAMPLE_JOB_ID}",
-        "result": f"/v1/jobs/{EXAMPLE_JOB_ID}/result",
-        "events": f"/v1/jobs/{EXAMPLE_JOB_ID}/events",
-    },
-}
+_TIMES = "2026-01-15T09:30:00.000Z", "2026-01-15T09:30:00.012Z", None
+_JOB = job_json(JobView(EXAMPLE_JOB_ID, "running", 120, 501, *_TIMES, error=None, run=""))
 _RETRY_AFTER = {
     "Retry-After": {"description": "Seconds to wait before asking again.", "schema": {"type": "integer"}}
 }

@@ -9,7 +9,16 @@ from typing import Any
 
 import rpr_solver
 from service.cli import arguments
-from service.cli.pages import Page, Section, about, counted, progress_bar, rows_of, write_document
+from service.cli.pages import (
+    Page,
+    Section,
+    about,
+    counted,
+    counted_range,
+    progress_bar,
+    rows_of,
+    write_document,
+)
 from service.schemas.census import CensusRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -54,18 +63,13 @@ def _page(document: Mapping[str, Any]) -> Page:
     ends = document["range"]
     below = "" if ends["to"] is None else f" up to {ends['to']}"
     counts = [interval["count"] for interval in intervals]
-    low, high = min(counts), max(counts)
-    span = counted(high, "cusp") if low == high else f"{low} to {high} cusps"
-    title = f"{leg.upper()} from {ends['from']}{below}: {span}, {counted(len(transitions), 'transition')}"
+    cusps = counted_range(min(counts), max(counts), "cusp")
+    title = f"{leg.upper()} from {ends['from']}{below}: {cusps}, {counted(len(transitions), 'transition')}"
     rows = [["from", "to", "cusps"], *([i["from"], i["to"] or "∞", str(i["count"])] for i in intervals)]
     events = [
-        {
-            leg: transition[leg],
-            "cusps": f"{transition['count_before']} → {transition['count_after']}",
-            **event,
-        }
-        for transition in transitions
-        for event in transition["events"]
+        {leg: t[leg], "cusps": f"{t['count_before']} → {t['count_after']}", **event}
+        for t in transitions
+        for event in t["events"]
     ]
     sections = [Section(title, rows)]
     if events:

@@ -9,7 +9,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from rpr_solver import EXAMPLES
-from service.cli.pages import Page, Section, counted
+from service.cli.pages import Page, Section, counted, counted_range
 
 SUITE = "rpr-cusps check"
 _NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -136,8 +136,7 @@ def _about(requirement: Mapping[str, Any]) -> str:
 
 def _span(outcome: Outcome) -> str:
     assert outcome.report is not None
-    low, high = (outcome.report[f"{end}_cusps_found"] for end in ("min", "max"))
-    return counted(low, "cusp") if low == high else f"{low} to {high} cusps"
+    return counted_range(outcome.report["min_cusps_found"], outcome.report["max_cusps_found"], "cusp")
 
 
 def _rows(outcome: Outcome) -> Iterator[list[str]]:

@@ -110,6 +110,15 @@ def counted(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
+def counted_range(low: int, high: int, what: str) -> str:
+    """Returns a range of counts with its noun.
+
+    >>> counted_range(2, 2, "cusp"), counted_range(0, 2, "cusp")
+    ('2 cusps', '0 to 2 cusps')
+    """
+    return counted(low, what) if low == high else f"{low} to {high} {what}s"
+
+
 def failures(table: dict[str, Any]) -> list[tuple[str, dict[str, str]]]:
     """Returns the slices without an answer, each with its error."""
     return [(_where(part), part["error"]) for part in table["slices"] if "error" in part]

@@ -8,7 +8,7 @@ import signal
 import socket
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,9 +27,6 @@ from worker.process.os_limits import usable_cores
 from worker.process.pool import WorkerPool
 from worker.settings import WorkerSettings, settings_problem
 
-AppFactory = Callable[[str], Any]
-"""Creates the ASGI application for a Redis URL."""
-
 _ANNOUNCE_PATIENCE = 50  # ticks of a tenth of a second
 _CLOSE_PATIENCE = 3  # seconds for open connections at the end
 
@@ -43,7 +40,6 @@ class ServeSettings:
     workers: int | None = None  # None: one per usable core
     redis_url: str | None = None  # None: an embedded Valkey
     data_dir: Path | None = None  # None: the platform's directory for user data
-    log_level: str | None = None  # None: as RPR_CUSPS_LOG_LEVEL says, else warnings
 
     @property
     def worker_count(self) -> int:
@@ -51,7 +47,7 @@ class ServeSettings:
         return usable_cores() if self.workers is None else self.workers
 
 
-def serve(settings: ServeSettings, app_factory: AppFactory | None = None) -> int:
+def serve(settings: ServeSettings) -> int:
     """Run the whole stack until SIGINT or SIGTERM; returns the exit status.
 
     Call it in the main thread. A second signal speeds up the shutdown.
@@ -59,7 +55,7 @@ def serve(settings: ServeSettings, app_factory: AppFactory | None = None) -> int
     signals = _Signals()
     try:
         with signals, ExitStack() as stack:
-            _run(settings, app_factory or _create_app, signals, stack)
+            _run(settings, signals, stack)
     except StackError as error:
         _say(str(error))
         return 1
@@ -70,9 +66,9 @@ def _say(text: str) -> None:
     print(f"rpr-cusps serve: {text}", file=sys.stderr)
 
 
-def _run(settings: ServeSettings, app_factory: AppFactory, signals: _Signals, stack: ExitStack) -> None:
+def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     worker_settings = _worker_settings()
-    level = (settings.log_level or worker_settings.log_level).upper()
+    level = worker_settings.log_level.upper()
     logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s")
     listener = stack.enter_context(_bind(settings.host, settings.port))
     valkey = None
@@ -88,7 +84,7 @@ def _run(settings: ServeSettings, app_factory: AppFactory, signals: _Signals, st
     pool.start()  # before the application is imported: the workers import at the same time
     _start_sweeper(url, worker_settings, stack)
     config = uvicorn.Config(
-        app_factory(url),
+        _create_app(url),
         log_config=None,
         log_level=level.lower(),
         access_log=False,

@@ -274,14 +274,7 @@ class CuspWorker(Worker):
             os.write(self._wake_w, b"s")
 
 
-def run_worker(
-    redis_url: str,
-    settings: WorkerSettings | None = None,
-    *,
-    name: str | None = None,
-    parent_pid: int | None = None,
-    burst: bool = False,
-) -> int:
+def run_worker(redis_url: str, *, name: str | None = None, parent_pid: int | None = None) -> int:
     """Run one worker until it is stopped; returns the exit status.
 
     With `parent_pid`, the worker ends at once when that parent process is gone.
@@ -290,7 +283,7 @@ def run_worker(
         ValidationError: a setting is invalid.
         WorkerError: Redis cannot be reached, or the connection is lost.
     """
-    settings = settings or WorkerSettings()
+    settings = WorkerSettings()
     logging.basicConfig(level=settings.log_level, format="%(asctime)s %(name)s %(levelname)s %(message)s")
     if parent_pid is not None:
         die_with_parent(parent_pid)
@@ -304,13 +297,13 @@ def run_worker(
         worker = CuspWorker(redis, settings, name, parent_pid)
         gc.collect()
         gc.freeze()  # the horses share this memory, and a collection would copy it
-        worker.work(burst=burst, logging_level=settings.log_level)
+        worker.work(logging_level=settings.log_level)
         if worker.is_stopping:
             # another signal must not interrupt the last steps of the process
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, signal.SIG_IGN)
         # RQ's loop also ends, and logs the reason, on errors
-        return 0 if burst or worker.is_stopping else 1
+        return 0 if worker.is_stopping else 1
     except KeyboardInterrupt:
         return 130
     except RedisError as error:
