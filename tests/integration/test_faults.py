@@ -73,7 +73,7 @@ def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, requ
     assert view.status == "failed"
     assert view.error == {
         "type": "timeout",
-        "detail": "The computation was stopped after the limit of 0.7 s.",
+        "detail": "The computation was stopped at the time limit of 0.7 s.",
     }
     assert descendants(worker.pid) == []
     # the same worker continues
