@@ -1,13 +1,13 @@
-"""Documents of cusp tables, censuses and cusp curves: fewer digits from more, parts of a range, CSV.
+"""Cuts from documents of cusp tables, censuses and cusp curves: fewer digits, a part of a range, CSV.
 
-They work on documents as JSON has them, so that an answer need not be computed again.
+The functions work on the JSON of a document, so that an answer need not be computed again.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -15,21 +15,21 @@ from rpr_solver.contract import check_digits
 from rpr_solver.exact.decimals import angle_text, shorten
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.slices.joint_points import coordinate_names
-from rpr_solver.transitions.length_range import LengthRange
+from rpr_solver.transitions.length_range import LengthRange, intervals_json
 
 
 def shorten_slice(slice_json: Mapping[str, Any], have_digits: int, digits: int) -> dict[str, Any] | None:
-    """A slice object rounded to fewer digits, or None where the digits that it has hide the answer.
+    """Rounds a slice object to fewer digits; None if its digits are insufficient to decide the rounding.
 
     Every number is correctly rounded, as if it had been computed with ``digits``.
 
     Args:
         slice_json: the contract's slice object (:meth:`SliceTable.to_json`).
-        have_digits: the significant digits that it has.
-        digits: those of the result, 15 to 10000.
+        have_digits: the significant digits of its numbers.
+        digits: the significant digits of the result, 15 to 10000.
 
     Raises:
-        InputError: ``digits`` is no integer or out of range.
+        InputError: ``digits`` is not an integer or out of range.
 
     >>> from rpr_solver import EXAMPLES, cusp_table
     >>> [more], [less] = (cusp_table(EXAMPLES["zein-flat"], 10, digits=digits) for digits in (30, 15))
@@ -40,20 +40,15 @@ def shorten_slice(slice_json: Mapping[str, Any], have_digits: int, digits: int) 
     if digits > have_digits:
         return None
     result = dict(slice_json)
-    for name in ("cusps", "degenerate_points"):
-        points = []
-        for point in slice_json.get(name, ()):
-            short = {key: _shorten(key, text, digits) for key, text in point.items()}
-            if None in short.values():
-                return None
-            points.append(short)
-        if name in slice_json:
-            result[name] = points
+    for name in {"cusps", "degenerate_points"} & slice_json.keys():
+        if (points := _short_points(slice_json[name], digits)) is None:
+            return None
+        result[name] = points
     return result
 
 
 def table_csv(table: Mapping[str, Any]) -> str:
-    """A cusp table document as CSV, a cusp a line; a slice without cusps, or with an error, has one line.
+    """A cusp table document as CSV: a line for each cusp, and one for a slice without cusps or with an error.
 
     >>> from rpr_solver import EXAMPLES, cusp_table, table_json
     >>> [table] = cusp_table(EXAMPLES["zein-flat"], "0.1", digits=15)
@@ -63,25 +58,20 @@ def table_csv(table: Mapping[str, Any]) -> str:
     <BLANKLINE>
     """
     leg = table["fixed_leg"]
-    names = coordinate_names(leg)
-    columns = [f"l{leg}", "count", "cusp", *names, "error"]
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(columns)
+    length = f"l{leg}"
+    records: list[Mapping[str, object]] = []
     for item in table["slices"]:
-        length = item[f"l{leg}"]
         if "error" in item:
-            writer.writerow([length, "", "", "", "", "", "", item["error"]["detail"]])
-            continue
-        if not item["cusps"]:
-            writer.writerow([length, item["count"], "", "", "", "", "", ""])
-        for number, cusp in enumerate(item["cusps"], 1):
-            writer.writerow([length, item["count"], number, *(cusp[name] for name in names), ""])
-    return out.getvalue()
+            records.append({length: item[length], "error": item["error"]["detail"]})
+        else:
+            head = {length: item[length], "count": item["count"]}
+            cusps = enumerate(item["cusps"], 1)
+            records += [{**head, "cusp": number, **cusp} for number, cusp in cusps] or [head]
+    return _csv([length, "count", "cusp", *coordinate_names(leg), "error"], records)
 
 
 def curves_csv(document: Mapping[str, Any]) -> str:
-    """A document of cusp curves as CSV: a point a line, curve by curve.
+    """A document of cusp curves as CSV: a line for each point, curve by curve.
 
     >>> from rpr_solver import EXAMPLES, CurveEnd, CurvePoint, CuspCurve, CuspCurves, cusp_table
     >>> from rpr_solver import LengthKind, LengthRange
@@ -95,30 +85,24 @@ def curves_csv(document: Mapping[str, Any]) -> str:
     <BLANKLINE>
     """
     leg = document["fixed_leg"]
-    columns = [f"l{leg}", "cusp", *coordinate_names(leg)]
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(["curve", *columns])
-    for curve in document["curves"]:
-        for point in curve["points"]:
-            writer.writerow([curve["name"], *(point[column] for column in columns)])
-    return out.getvalue()
+    records = [{"curve": curve["name"], **point} for curve in document["curves"] for point in curve["points"]]
+    return _csv(["curve", f"l{leg}", "cusp", *coordinate_names(leg)], records)
 
 
 def restrict_census(
     document: Mapping[str, Any], start: Exact | None, stop: Exact | None, digits: int | None = None
 ) -> dict[str, Any] | None:
-    """The part of a whole census document from ``start`` to ``stop``, with fewer digits.
+    """Cuts the part from ``start`` to ``stop`` out of a census document, and rounds it to fewer digits.
 
     Args:
         document: the contract's census document of all lengths (:meth:`Census.to_json`).
-        start: the lower end of the range, exact, in the user's unit; None is no end.
-        stop: the upper end; None is no end.
-        digits: significant digits of the result, 15 to 10000; None leaves them as they are.
+        start: the lower end of the range, exact, in the user's unit; None is an open end.
+        stop: the upper end; None is an open end.
+        digits: significant digits of the result, 15 to 10000; None keeps all digits.
 
     Returns:
-        The document, or None where the digits that there are cannot tell: a tie in rounding, or an end
-        within the last digit of a transition.
+        The document, or None if the digits of ``document`` are insufficient to decide: a tie in rounding, or
+        an end within the last digit of a transition.
 
     Raises:
         InputError: naming ``start``, ``stop`` or ``digits``.
@@ -136,17 +120,20 @@ def restrict_census(
     leg = f"l{document['fixed_leg']}"
     span = LengthRange.of(start, stop)
     low, high = span.start, span.stop
-    kept = []
+    inside = []
     for transition in document["transitions"]:
         length = Fraction(transition[leg])
         doubt = length / 10 ** (have - 1)
         if any(bound is not None and bound > 0 and abs(length - bound) <= doubt for bound in (low, high)):
             return None
         if low < length and (high is None or length < high):
-            kept.append(_short_transition(transition, leg, kept_digits))
-    if None in kept:
-        return None
-    inside = [t for t in kept if t is not None]
+            text, events = (
+                shorten(transition[leg], kept_digits),
+                _short_points(transition["events"], kept_digits),
+            )
+            if text is None or events is None:
+                return None
+            inside.append({**transition, leg: text, "events": events})
     counts = [_count_above(document, low), *(t["count_after"] for t in inside)]
     first, last = span.to_json().values()
     ends = [first, *(t[leg] for t in inside), last]
@@ -155,14 +142,12 @@ def restrict_census(
         "digits": kept_digits,
         "range": span.to_json(),
         "transitions": inside,
-        "intervals": [
-            {"from": a, "to": b, "count": count} for a, b, count in zip(ends, ends[1:], counts, strict=False)
-        ],
+        "intervals": intervals_json(ends, counts),
     }
 
 
 def census_csv(document: Mapping[str, Any]) -> str:
-    """A census document as CSV: an interval a line, with the transition at its end.
+    """A census document as CSV: a line for each interval, with the transition at its end.
 
     >>> from rpr_solver import EXAMPLES, census
     >>> print(census_csv(census(EXAMPLES["zein-flat"], start=38, stop=39, digits=15).to_json()))
@@ -171,29 +156,30 @@ def census_csv(document: Mapping[str, Any]) -> str:
     <BLANKLINE>
     """
     leg = f"l{document['fixed_leg']}"
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(["from", "to", "count", "transition_at_end"])
     kinds = {t[leg]: t["kind"] for t in document["transitions"]}
-    for item in document["intervals"]:
-        writer.writerow([item["from"], item["to"] or "", item["count"], kinds.get(item["to"], "")])
+    records = [{**item, "transition_at_end": kinds.get(item["to"])} for item in document["intervals"]]
+    return _csv(["from", "to", "count", "transition_at_end"], records)
+
+
+def _csv(columns: Sequence[str], records: Iterable[Mapping[str, object]]) -> str:
+    """A line for each record; members without a column are left out."""
+    out = io.StringIO()
+    writer = csv.DictWriter(out, columns, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(records)
     return out.getvalue()
 
 
-def _short_transition(transition: Mapping[str, Any], leg: str, digits: int) -> dict[str, Any] | None:
-    length = shorten(transition[leg], digits)
-    points = [
-        {key: _shorten(key, text, digits) for key, text in point.items()} for point in transition["events"]
-    ]
-    if length is None or any(None in point.values() for point in points):
-        return None
-    return {**transition, leg: length, "events": points}
-
-
 def _count_above(document: Mapping[str, Any], length: Fraction) -> int:
-    """The count of the interval that begins at ``length`` or holds it."""
+    """The count of the interval that begins at ``length`` or contains it."""
     counts = [i["count"] for i in document["intervals"] if Fraction(i["from"]) <= length]
     return int(counts[-1])
+
+
+def _short_points(points: Iterable[Mapping[str, str]], digits: int) -> list[dict[str, str | None]] | None:
+    """Points rounded to fewer digits; None if one of their numbers is a tie."""
+    short = [{key: _shorten(key, text, digits) for key, text in point.items()} for point in points]
+    return None if any(None in point.values() for point in short) else short
 
 
 def _shorten(key: str, text: str, digits: int) -> str | None:

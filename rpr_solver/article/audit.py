@@ -202,9 +202,8 @@ class _Audit:
             "working_bits": max((x.bits for x in points), default=0),
             "proofs": [x.proof for x in cusps],
         }
-        table = SliceTable(
-            1, self.length, self.digits, tuple(x.point for x in cusps), tuple(degenerate), certificate
-        )
+        own = tuple(x.point for x in cusps)
+        table = SliceTable(1, self.length, self.digits, own, tuple(degenerate), certificate)
         return ArticleTable(table, self._report(rows))
 
     def _report(self, rows: Sequence[_Row]) -> AuditReport:
@@ -317,5 +316,5 @@ def article_document(
     manipulator: Manipulator, l1: Sequence[Fraction], digits: int, progress: Progress = silent
 ) -> dict[str, Any]:
     """The table. A slice that the algorithm cannot answer says so in its place."""
-    slices = slices_json(lambda x: article_table(manipulator, x, digits=digits), l1, 1, progress)
+    slices = slices_json(lambda x: article_table(manipulator, x, digits=digits).to_json(), l1, 1, progress)
     return {**table_json(manipulator, 1, digits, slices), "method": METHOD}

@@ -18,7 +18,7 @@ from rpr_solver.exact.decimals import angle_text, digit_bits, round_ball, round_
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
-from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided, decided_or_none
+from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, all_decided, decided
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
 from rpr_solver.kinematics.closure import DEGREE, Closure, LinearSystem
@@ -72,7 +72,7 @@ class _Fibre:
     def solve(self) -> Fibre:
         sextic = self.closure.sextic
         if sextic.is_zero:
-            raise SolverError("the closure equations do not determine alpha: the locked machine moves")
+            raise SolverError("the manipulator is movable with all legs locked, so alpha is undetermined")
         if simple_and_finite(sextic, DEGREE):
             poses = self._by_balls(real_roots(sextic))
             if poses is not None:
@@ -80,18 +80,9 @@ class _Fibre:
         return self._exactly()
 
     def _by_balls(self, roots: Sequence[RealRoot]) -> list[DecimalPose] | None:
-        """The one regular pose above each simple root; None where balls do not come to an end."""
-        poses: list[DecimalPose] = []
-
-        def complete(bits: int) -> list[DecimalPose] | None:
-            for root in roots[len(poses) :]:
-                if (pose := self._ball_pose(root, bits)) is None:
-                    return None
-                poses.append(pose)
-            return poses
-
+        """The regular pose above each simple root; None if balls alone do not decide them."""
         start = self.digit_bits + 128
-        return decided_or_none(complete, start, TIMES_BEFORE_EXACT * start)
+        return all_decided(self._ball_pose, roots, start, TIMES_BEFORE_EXACT * start)
 
     def _ball_pose(self, root: RealRoot, bits: int) -> DecimalPose | None:
         t = root.refined(bits - 32)

@@ -11,7 +11,7 @@ from functools import cached_property
 from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypedDict
+from typing import Any
 
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_all, parse_exact
@@ -19,18 +19,8 @@ from rpr_solver.notebook import Point, html_table, svg_triangles
 
 CCW, CW = "ccw", "cw"
 _LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
-
-
-class Geometry(TypedDict):
-    """The arguments of :class:`Manipulator`."""
-
-    a2x: Fraction
-    a3x: Fraction
-    a3y: Fraction
-    d1: Fraction
-    d2: Fraction
-    d3: Fraction
-    orientation: str
+_FIELDS = (*_LENGTHS, "orientation")
+_MISSING = object()
 
 
 @dataclass(frozen=True)
@@ -46,12 +36,12 @@ class Manipulator:
         d1: the side |B1B2| of the platform, > 0.
         d2: the side |B2B3|.
         d3: the side |B3B1|.
-        orientation: ``"ccw"`` where B1B2B3 runs counter-clockwise, ``"cw"`` where clockwise; for a flat
-            platform both are the same manipulator.
+        orientation: ``"ccw"`` if B1B2B3 is counter-clockwise, ``"cw"`` if clockwise; for a flat platform
+            both are the same manipulator.
 
     Raises:
-        InputError: a length is no exact number, two base points coincide, a side is not positive, the
-            sides break the triangle inequality, or the orientation is unknown; every field is named.
+        InputError: naming every field at fault: a length is not an exact number, two base points coincide,
+            a side is not positive, the sides break the triangle inequality, or the orientation is unknown.
 
     >>> manipulator = Manipulator("15.91", 0, 10, "17.04", "16.54", "20.84")
     >>> manipulator.d1, manipulator == EXAMPLES["innocenti"]
@@ -88,7 +78,7 @@ class Manipulator:
 
     @classmethod
     def from_file(cls, path: str | PathLike[str]) -> Manipulator:
-        """Reads a JSON file with the contract's geometry object; every number is taken as it is written.
+        """Reads a JSON file with the contract's geometry object; numbers are taken exactly as written.
 
         Raises:
             InputError: naming the file: it cannot be read, or does not describe a manipulator.
@@ -118,7 +108,7 @@ class Manipulator:
         """Reads the contract's geometry object; numbers are exact (see :func:`parse_exact`).
 
         Raises:
-            InputError: naming every field that is missing, unknown or wrong.
+            InputError: naming every missing, unknown or invalid field.
 
         >>> Manipulator.from_json({"a2x": 20, "a3x": 6, "a3y": 0, "d1": 7, "d2": 9, "d3": 17})
         Traceback (most recent call last):
@@ -129,25 +119,26 @@ class Manipulator:
                 "geometry", f"{shown(obj)} is not an object with the fields {', '.join(_LENGTHS)}"
             )
         problems = [
-            FieldProblem(f"geometry.{name}", f"unknown field; known are {', '.join(_LENGTHS)}, orientation")
+            FieldProblem(f"geometry.{name}", f"unknown field; known are {', '.join(_FIELDS)}")
             for name in obj
-            if name not in (*_LENGTHS, "orientation")
+            if name not in _FIELDS
         ]
-        lengths: dict[str, Fraction] = {}
-        for name in _LENGTHS:
-            if name not in obj:
-                problems.append(FieldProblem(f"geometry.{name}", "is missing; give a number"))
-                continue
-            try:
-                lengths[name] = parse_exact(obj[name], f"geometry.{name}", max_digits=max_digits)  # type: ignore[arg-type]
-            except InputError as error:
-                problems.extend(error.problems)
+
+        def length(value: Any, field: str) -> Fraction:
+            if value is _MISSING:
+                raise InputError.of(field, "is missing; give a number")
+            return parse_exact(value, field, max_digits=max_digits)
+
+        try:
+            lengths = parse_all({f"geometry.{name}": obj.get(name, _MISSING) for name in _LENGTHS}, length)  # type: ignore[misc]
+        except InputError as error:
+            problems += error.problems
         if problems:
             raise InputError(problems)
-        return cls(**lengths, orientation=obj.get("orientation", CCW))  # type: ignore[arg-type]
+        return cls(*lengths.values(), orientation=obj.get("orientation", CCW))  # type: ignore[arg-type,misc]
 
     def to_json(self) -> dict[str, str]:
-        """The contract's geometry object, each number in its canonical text; :meth:`from_json` reads it.
+        """The contract's geometry object, with numbers in canonical text; :meth:`from_json` is its inverse.
 
         >>> EXAMPLES["innocenti"].to_json()["d1"]
         '17.04'
@@ -155,27 +146,19 @@ class Manipulator:
         lengths = {name: exact_str(getattr(self, name)) for name in _LENGTHS}
         return {**lengths, "orientation": self.orientation}
 
-    def to_dict(self) -> Geometry:
+    def to_dict(self) -> dict[str, Any]:
         """The constructor's arguments, exact: ``Manipulator(**m.to_dict()) == m``.
 
         >>> Manipulator(**{**EXAMPLES["innocenti"].to_dict(), "d1": "17.05"}).d1
         Fraction(341, 20)
         """
-        return {
-            "a2x": self.a2x,
-            "a3x": self.a3x,
-            "a3y": self.a3y,
-            "d1": self.d1,
-            "d2": self.d2,
-            "d3": self.d3,
-            "orientation": self.orientation,
-        }
+        return {name: getattr(self, name) for name in _FIELDS}
 
     def _repr_html_(self) -> str:
         return html_table("3-RPR manipulator", [self.to_json()])
 
     def _repr_svg_(self) -> str:
-        """The base and the platform at α = 0, with one centre, for the eye."""
+        """A sketch of the base and the platform at α = 0, with a common centre."""
         lengths = [getattr(self, name) for name in _LENGTHS]
         a2x, a3x, a3y, d1, d2, d3 = (float(x / max(map(abs, lengths))) for x in lengths)
         p = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1)
@@ -194,7 +177,7 @@ class Manipulator:
         return hash_of_canonical(self.to_json())
 
     def identity_json(self) -> dict[str, Any]:
-        """The geometry and its hash, with which every document begins."""
+        """The geometry and its hash, the head of every document."""
         return {"geometry": self.to_json(), "geometry_hash": self.geometry_hash}
 
     @property
@@ -238,7 +221,7 @@ class Manipulator:
 
 def hash_of_canonical(geometry: Mapping[str, str]) -> str:
     """The hash of a geometry as :meth:`Manipulator.to_json` gives it, without reading its numbers."""
-    text = ";".join(f"{name}={geometry[name]}" for name in (*_LENGTHS, "orientation"))
+    text = ";".join(f"{name}={geometry[name]}" for name in _FIELDS)
     return "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
 
 

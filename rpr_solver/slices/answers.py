@@ -1,13 +1,13 @@
 """Answers to slices as the contract's objects: one slice, several in turn, and the whole cusp table document.
 
-A slice without an answer says why in its own place and does not spoil its neighbours.
+A slice without an answer reports the error in its own entry; other slices are unaffected.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import Any, Protocol
+from typing import Any
 
 from rpr_solver.contract import (
     DEFAULT_DIGITS,
@@ -24,13 +24,8 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 
-
-class Answer(Protocol):
-    """The table of one slice."""
-
-    def to_json(self) -> dict[str, Any]:
-        """The contract's slice object."""
-        ...
+Solve = Callable[[Fraction], dict[str, Any]]
+"""The contract's slice object for a length of the fixed leg, in the user's unit."""
 
 
 def table_document(
@@ -43,17 +38,18 @@ def table_document(
 ) -> dict[str, Any]:
     """Solves slices of one manipulator and returns the contract's cusp table document.
 
-    A slice that has no answer, or a length that is not positive, has an ``error`` in its place.
+    The entry of a slice without an answer, or of a length that is not positive, is an ``error``.
 
     Args:
         manipulator: the geometry.
         lengths: one length of the fixed leg or several, exact, in the user's unit.
         fixed_leg: the leg that is held, 1, 2 or 3.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
-        progress: called as ``progress(done, total)``.
+        progress: callback ``progress(done, total)``.
 
     Raises:
-        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, or each length that is no exact number.
+        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, or each length that is not an exact
+            number.
 
     >>> from rpr_solver import EXAMPLES
     >>> document = table_document(EXAMPLES["zein-flat"], [10, "34.5", 0], digits=15)
@@ -63,7 +59,7 @@ def table_document(
     digits, leg = check_digits(digits), check_leg(fixed_leg)
     exact = list(parse_all(one_or_more(lengths, f"l{leg}")).values())
     eliminant = eliminate(manipulator, leg)
-    slices = slices_json(lambda x: solve_slice(eliminant, x, digits), exact, leg, progress)
+    slices = slices_json(lambda x: solve_slice(eliminant, x, digits).to_json(), exact, leg, progress)
     return table_json(manipulator, leg, digits, slices)
 
 
@@ -76,7 +72,7 @@ def slice_json(eliminant: Eliminant, length: Exact, digits: int = DEFAULT_DIGITS
         digits: significant digits of every printed number, 15 to 10000; all are proved.
 
     Raises:
-        InputError: naming ``eliminant``, or the leg whose length is no exact number.
+        InputError: naming ``eliminant``, or the leg whose length is not an exact number.
 
     >>> from rpr_solver import EXAMPLES, eliminate
     >>> slice_json(eliminate(EXAMPLES["zein-flat"]), "10.0", 15)["count"]
@@ -84,11 +80,13 @@ def slice_json(eliminant: Eliminant, length: Exact, digits: int = DEFAULT_DIGITS
     """
     check_type(eliminant, Eliminant, "eliminant")
     leg = eliminant.slice_map.fixed_leg
-    return answer_json(lambda x: solve_slice(eliminant, x, digits), parse_exact(length, f"l{leg}"), leg)
+    return answer_json(
+        lambda x: solve_slice(eliminant, x, digits).to_json(), parse_exact(length, f"l{leg}"), leg
+    )
 
 
 def slices_json(
-    solve: Callable[[Fraction], Answer], lengths: Sequence[Fraction], fixed_leg: int, progress: Progress
+    solve: Solve, lengths: Sequence[Fraction], fixed_leg: int, progress: Progress
 ) -> list[dict[str, Any]]:
     """The slice objects of several lengths, solved in turn."""
     slices = []
@@ -99,10 +97,10 @@ def slices_json(
     return slices
 
 
-def answer_json(solve: Callable[[Fraction], Answer], length: Fraction, fixed_leg: int) -> dict[str, Any]:
-    """The slice object of one length, with an ``error`` if ``solve`` refuses."""
+def answer_json(solve: Solve, length: Fraction, fixed_leg: int) -> dict[str, Any]:
+    """The slice object of one length, with an ``error`` if ``solve`` raises one."""
     try:
-        return solve(length).to_json()
+        return solve(length)
     except InputError as error:
         return slice_error_json(length, fixed_leg, "input-error", str(error))
     except SolverError as error:
@@ -110,16 +108,16 @@ def answer_json(solve: Callable[[Fraction], Answer], length: Fraction, fixed_leg
 
 
 def slice_error_json(length: Exact, fixed_leg: int, kind: str, detail: str) -> dict[str, Any]:
-    """The slice object of a slice that has no answer.
+    """The slice object of a slice without an answer.
 
     Args:
         length: of the fixed leg, exact, in the user's unit.
         fixed_leg: the leg that is held, 1, 2 or 3.
-        kind: what kind of error it is, such as ``"solver-error"``.
-        detail: what is wrong.
+        kind: the type of error, such as ``"solver-error"``.
+        detail: the error message.
 
     Raises:
-        InputError: naming ``fixed_leg``, or the leg whose length is no exact number.
+        InputError: naming ``fixed_leg``, or the leg whose length is not an exact number.
 
     >>> slice_error_json("5.0", 1, "solver-error", "not decided")
     {'l1': '5', 'error': {'type': 'solver-error', 'detail': 'not decided'}}

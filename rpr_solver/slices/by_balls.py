@@ -1,4 +1,4 @@
-"""From a root u of the eliminant to the pose, its joint point, and the proof that it is a cusp."""
+"""From a root u of the eliminant to the pose, its joint point, and the proof that it is a cusp, by balls."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class CuspProof:
 
 
 class SlicePoses:
-    """The slice of one *scaled* L at one working precision, ready to turn roots into poses."""
+    """The slice of one *scaled* L at one working precision: poses from roots."""
 
     def __init__(self, slice_map: SliceMap, length: Fraction, bits: int) -> None:
         self.slice_map = slice_map
@@ -56,7 +56,7 @@ class SlicePoses:
             self.omega = omega_ball(slice_map.radicand, bits)
 
     def alpha(self, u: arb) -> HalfTangent | None:
-        """tan(α/2) of the one pose above a simple root u; None if the precision does not tell."""
+        """tan(α/2) of the unique pose above a simple root u; None if the precision is insufficient."""
         j = [p(u) for p in self._singular]
         e = [p(u) for p in self._coalescence]
         return common_root(j, e)
@@ -67,7 +67,7 @@ class SlicePoses:
         return LocalMap.at(self.slice_map, pose, order)
 
     def cusp(self, u: arb, t: HalfTangent) -> CuspBalls | None:
-        """The cusp at (t, u), or None where a ball is still too wide."""
+        """The cusp at (t, u), or None if a ball is too wide to prove it."""
         local = self.local_map(u, t, 3)
         j = local.singularity()
         e = local.along(local.f, j)
@@ -77,7 +77,7 @@ class SlicePoses:
             transversal=local.along(local.f, e).value,
         )
         f, g = local.squared_lengths()
-        at_half_turn = t.denominator.contains(0)  # α = ±180° cannot be told apart by a ball
+        at_half_turn = t.denominator.contains(0)  # a ball cannot decide between 180° and −180°
         if at_half_turn or not (proof.holds and f > 0 and g > 0):
             return None
         return CuspBalls(

@@ -1,4 +1,4 @@
-"""Poses of a slice over real number fields: multiple roots, spurious coincidences, shared curves."""
+"""Poses of a slice over real number fields: for multiple roots, spurious factors and shared curves."""
 
 from __future__ import annotations
 
@@ -22,8 +22,7 @@ from rpr_solver.slices.shared_curves import SliceForms
 class ExactPose:
     """A classified pose, exact: tan(α/2), or None at α = 180°, tan(θ/2), and f, g in one field.
 
-    With ``theta_offset`` 180 the slice map is turned by half a turn, which makes L negative, so that u = 0 is
-    θ = 180°.
+    With ``theta_offset`` 180 the fixed leg is reversed (L negative), so that u = 0 is θ = 180°.
     """
 
     kind: PoseKind
@@ -51,7 +50,7 @@ class ExactPose:
             return alpha, theta, lengths[0], lengths[1]
 
     def exact_lengths(self) -> tuple[Fraction | None, Fraction | None]:
-        """The two free lengths in the user's unit where they are rational, else None."""
+        """The two free lengths in the user's unit; None for an irrational one."""
         first, second = (_rational_sqrt(x.rational) for x in (self.f, self.g))
         scale = self.slice_map.scale
         return first and first / scale, second and second / scale
@@ -84,7 +83,7 @@ def poses_at_half_turn(turned: SliceForms) -> Iterator[ExactPose]:
 def local_map(
     slice_map: SliceMap, length: Fraction, t: Algebraic | None, u: Algebraic, omega: Algebraic
 ) -> LocalMap[Algebraic]:
-    """The jets that tell a pose's kind; t is None at α = 180°."""
+    """The jets that determine a pose's kind; t is None at α = 180°."""
     field = u.field
     return LocalMap.at(slice_map, Pose(*cos_sin(t, field), *cos_sin(u, field), field(length), omega), 4)
 

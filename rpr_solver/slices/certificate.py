@@ -1,4 +1,4 @@
-"""How the table of a slice is proved."""
+"""The certificate of a slice's table."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TypedDict
 
 
 class Factor(TypedDict):
-    """A factor of the eliminant: its degree in u = tan(θ/2), its multiplicity, and why it is there."""
+    """A factor of the eliminant: its degree in u = tan(θ/2), its multiplicity and its origin."""
 
     degree: int
     multiplicity: int
@@ -16,11 +16,11 @@ class Factor(TypedDict):
 class SliceCertificate(TypedDict):
     """The proof of a slice's table.
 
-    ``eliminant_degree`` and ``real_roots`` belong to the factors whose origin is ``"cusps"``. ``method`` is
-    ``"balls"`` where all of their roots are simple, else ``"exact"``; by the article's algorithm it is
-    ``"article"``. ``working_bits`` is the largest precision that was needed. ``proofs`` has an object for
-    each cusp: balls that exclude zero, ``rank_1``, ``grad_J`` and ``v_grad_E`` (of scaled lengths), or the
-    degree of the number field in which the same was decided, ``field_degree``.
+    ``eliminant_degree`` and ``real_roots`` refer to the factors of origin ``"cusps"``. ``method`` is
+    ``"balls"`` if all of their roots are simple, else ``"exact"``; for the article's algorithm it is
+    ``"article"``. ``working_bits`` is the highest precision used. ``proofs`` has an object for each cusp: the
+    balls ``rank_1``, ``grad_J`` and ``v_grad_E`` (for scaled lengths), which exclude zero, or the
+    ``field_degree`` of the number field in which these conditions were decided.
     """
 
     eliminant_degree: int

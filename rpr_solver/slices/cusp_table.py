@@ -1,14 +1,15 @@
 """The cusp table of a slice: counted exactly, printed to proved digits, with its certificate.
 
-Two ways lead to a slice's cusps. If Q(u) is squarefree and prime to the spurious factors, each real
-root is one transversal crossing of J = 0 and E = 0, and balls settle everything. Otherwise the roots
-are taken apart exactly (by_fields.py) and each special pose is classified over a number field.
+There are two methods. If Q(u) is squarefree and prime to the spurious factors, each real root is one
+transversal intersection of J = 0 and E = 0, and ball arithmetic decides everything. Otherwise Q is factored,
+and each special pose is classified over a number field (by_fields.py).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from functools import cache, partial
 
 from flint import ctx, fmpz_poly
 
@@ -16,7 +17,7 @@ from rpr_solver.contract import DEFAULT_DIGITS, check_digits, check_leg, check_t
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.modular import simple_and_finite
-from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
+from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, all_decided
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.exact.real_roots import RealRoot, real_roots
@@ -48,18 +49,19 @@ def cusp_table(
 ) -> list[SliceTable]:
     """The cusps of the slices of a manipulator, counted by proof.
 
-    A slice holds one leg at a length. Its cusps are the joint vectors at which exactly three poses coalesce:
-    J = 0 (the article's equation 6) and E = 0 (there its equation 10), with proof that no more coalesce.
+    In a slice one leg has a fixed length. The cusps of a slice are the joint vectors at which exactly three
+    poses coalesce: J = 0 (the article's equation 6) and E = 0 (equivalent there to its equation 10), with
+    proof that no further pose coalesces.
 
     Args:
         manipulator: the geometry.
         lengths: one length of the fixed leg or several, exact (see :data:`Exact`), > 0, in the user's unit.
             A text is one number, never a sequence.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
-        fixed_leg: the leg that is held, 1, 2 or 3.
+        fixed_leg: the leg of fixed length, 1, 2 or 3.
 
     Returns:
-        A table for each length, in their order.
+        A table for each length, in the order of ``lengths``.
 
     Raises:
         InputError: naming each length at fault by the leg and its place (``l1[0]``), or ``digits``,
@@ -124,11 +126,11 @@ class _Slice:
         return self._touching() is None and simple_and_finite(q, DEGREE_U, apart_from=spurious)
 
     def _touching(self) -> fmpz_poly | None:
-        """The common root of both spurious factors (1 if it is u = ∞), or None if they share none.
+        """The common factor of both spurious factors (1 if they meet at u = ∞), or None if they do not meet.
 
-        Elsewhere a spurious pose that is no root of Q is an ordinary one: its whole intersection
-        number, 1, comes from ∇f = 0. Where leg f closes while stretched along its base line the two
-        factors meet, that count says less, and the poses are looked at exactly.
+        A zero of one spurious factor at which Q ≠ 0 is an ordinary pose: J and E meet there with multiplicity
+        1, which ∇f = 0 already accounts for. Where both factors vanish (leg f closes while stretched along
+        its base line), this argument fails, and the poses are classified exactly.
         """
         common = self._collinear.gcd(self._closed)
         if common.degree() > 0 or max(self._collinear.degree(), self._closed.degree()) < 2:
@@ -136,19 +138,12 @@ class _Slice:
         return None
 
     def _by_balls(self, roots: list[RealRoot]) -> list[ClassifiedPoint] | None:
-        """The cusps above simple roots; None where balls alone do not come to an end."""
-        cusps: list[ClassifiedPoint] = []
-
-        def complete(bits: int) -> list[ClassifiedPoint] | None:
-            poses = SlicePoses(self.slice_map, self.scaled, bits)
-            for root in roots[len(cusps) :]:
-                if (cusp := self._cusp(poses, root)) is None:
-                    return None
-                cusps.append(cusp)
-            return cusps
-
+        """The cusps above simple roots; None if balls alone do not decide them."""
         start = self.digit_bits + 192
-        return decided_or_none(complete, start, TIMES_BEFORE_EXACT * start)
+        poses = cache(partial(SlicePoses, self.slice_map, self.scaled))
+        return all_decided(
+            lambda root, bits: self._cusp(poses(bits), root), roots, start, TIMES_BEFORE_EXACT * start
+        )
 
     def _cusp(self, poses: SlicePoses, root: RealRoot) -> ClassifiedPoint | None:
         u = root.refined(poses.bits - 64)
@@ -160,7 +155,7 @@ class _Slice:
             return point_of_balls(cusp, self.slice_map.fixed_leg, self.digits, poses.bits)
 
     def _exactly(self, q: QuadraticPoly) -> SliceTable:
-        """Take every root apart over ℚ(ω); simple ones still go the way of balls where they can."""
+        """The table from the irreducible factors over ℚ(ω); balls still settle simple roots if they can."""
         spurious, touching = self._collinear * self._closed, self._touching()
         lengths = self.scaled, -self.scaled
         if not q.is_zero:
@@ -173,8 +168,8 @@ class _Slice:
         extra: list[ExactRoot] = []
         if touching is not None:
             extra = list(exact_roots(norm_factors(QuadraticPoly.rational(touching, q.radicand))))
-        known = [root.root.polynomial.a for root in roots]
-        for root in roots + [root for root in extra if root.root.polynomial.a not in known]:
+        factors_of_q = [root.root.polynomial.a for root in roots]
+        for root in roots + [root for root in extra if root.root.polynomial.a not in factors_of_q]:
             simple = root.multiplicity == 1 and not plane.shared
             if simple and spurious.gcd(root.root.polynomial.a).degree() == 0:
                 cusps = self._by_balls([root.root])
@@ -207,7 +202,6 @@ class _Slice:
         method: str,
         curves: Sequence[Mapping[str, str]] = (),
     ) -> SliceTable:
-        leg = self.slice_map.fixed_leg
         points = in_order(points)
         cusps, degenerate = cusps_and_degenerate(points)
         certificate: SliceCertificate = {
@@ -218,13 +212,12 @@ class _Slice:
             "working_bits": max((x.bits for x in points), default=0),
             "proofs": [x.proof for x in cusps],
         }
-        return SliceTable(
-            leg, self.length, self.digits, tuple(x.point for x in cusps), (*curves, *degenerate), certificate
-        )
+        leg, own = self.slice_map.fixed_leg, tuple(x.point for x in cusps)
+        return SliceTable(leg, self.length, self.digits, own, (*curves, *degenerate), certificate)
 
 
 def _factor_table(eliminant: Eliminant, cusp_factors: list[tuple[int, int]], *, shared: bool) -> list[Factor]:
-    """The factors of Res_t(J, E), a form of degree 48 in u, each with where it comes from."""
+    """The factors of Res_t(J, E), a form of degree 48 in u, with their origins."""
     cusps: list[Factor] = [
         {"degree": degree, "multiplicity": multiplicity, "origin": "cusps"}
         for degree, multiplicity in cusp_factors

@@ -1,13 +1,13 @@
 """The eliminant Q(u, L): every cusp of every slice, as one polynomial over ℤ[ω].
 
-Eliminating t = tan(α/2) gives (method.md section 3), with u = tan(θ/2) and all degrees formal,
+With t = tan(α/2), u = tan(θ/2) and all degrees formal, eliminating t from J and E gives
 
     Res_t(J, E) = c · w(u)² · (u²+1)⁹ · q(u, L) · Q(u, L),     48 = 4 + 18 + 2 + 24
 
-- w: the fixed leg lies along the base line to leg f; at both such poses ∇f = 0, so E = 0 says nothing;
+- w: the fixed leg lies along the base line to leg f; ∇f = 0 at both such poses, so E = 0 is no condition;
 - q: leg f has length 0; again ∇f = 0;
-- u² + 1: the circular points. As Laurent polynomials in exp(iα), exp(iθ), J and E have Newton
-  polygons so small that the resultant spans the exponents −15…15 of exp(iθ), not −24…24: a factor
+- u² + 1: the circular points. The Newton polygons of J and E, as Laurent polynomials in exp(iα) and exp(iθ),
+  are so small that the resultant has the exponents −15…15 of exp(iθ) instead of −24…24, hence a factor
   (u²+1)⁹ for every geometry;
 - Q: degree 24 in u, 10 in L.
 
@@ -40,17 +40,17 @@ DEGREE_L = 10
 
 @dataclass(frozen=True)
 class Eliminant:
-    """Q(u, L) of one manipulator and one fixed leg: every cusp of every slice is above a root of it.
+    """Q(u, L) of one manipulator and one fixed leg: every cusp of every slice is above one of its roots.
 
-    u = tan(θ/2), θ the fixed leg's angle, L its length times ``slice_map.scale``: a *scaled* length, not the
-    user's. Q = A + ω B has integer coefficients, degree 24 in u and 10 in L; it is the factor that the
-    article keeps (step 5), with L kept symbolic.
+    u = tan(θ/2), θ the fixed leg's angle, L its *scaled* length: the length in the user's unit times
+    ``slice_map.scale``. Q = A + ω B has integer coefficients, degree 24 in u and 10 in L; it is the factor
+    that the article keeps (step 5), for symbolic L.
 
     Attributes:
         manipulator: the geometry.
-        slice_map: the integer model of its slices; has the fixed leg, the scale and ω² (``radicand``).
-        a, b: A and B, matrices of 25 rows (powers of u) and 11 columns (powers of the scaled L). Their
-            common content is removed.
+        slice_map: the integer model of its slices, with the fixed leg, the scale and ω² (``radicand``).
+        a, b: A and B without common content, matrices of 25 rows (powers of u) and 11 columns (powers of
+            the scaled L).
 
     >>> from rpr_solver import EXAMPLES, eliminate
     >>> eliminate(EXAMPLES["zein-flat"])
@@ -74,7 +74,7 @@ class Eliminant:
         return QuadraticPoly(a, b, self.slice_map.radicand).primitive()
 
     def to_json(self) -> dict[str, Any]:
-        """A plain form to keep in a cache (about 100 kB); :meth:`from_json` reads it back."""
+        """A JSON form for caches (about 100 kB); :meth:`from_json` is its inverse."""
         return {
             "solver_version": SOLVER_VERSION,
             "geometry": self.manipulator.to_json(),
@@ -103,11 +103,11 @@ class Eliminant:
 
 
 def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
-    """Computes Q(u, L) of a manipulator and one fixed leg, once for all slices (0.1 s).
+    """Computes Q(u, L) of a manipulator and one fixed leg, to be shared by all slices (0.1 s).
 
     Args:
         manipulator: the geometry.
-        fixed_leg: the leg that is held, 1, 2 or 3.
+        fixed_leg: the leg of fixed length, 1, 2 or 3.
 
     Raises:
         InputError: naming ``manipulator`` or ``fixed_leg``.
@@ -127,7 +127,7 @@ def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
 
 @dataclass(frozen=True)
 class _Grid:
-    """The points (u, L) at which the resultant is taken; no known factor vanishes at any."""
+    """The points (u, L) at which the resultant is evaluated; no known factor vanishes at any of them."""
 
     slice_map: SliceMap
     us: tuple[int, ...]
@@ -140,17 +140,14 @@ class _Grid:
         along = slice_map.f.collinear()
         # one spare point in each direction checks the interpolation
         us = tuple(islice((u for u in count(2) if along(u) != 0), DEGREE_U + 2))
-        ls: list[int] = []
-        known: list[tuple[int, ...]] = []
-        for length in count(1):
+
+        def known(length: int) -> tuple[int, ...]:
             closed = slice_map.f.closed(Fraction(length))
-            row = tuple(int(closed(u) * along(u) ** 2 * fmpz(u * u + 1) ** 9) for u in us)
-            if all(row):
-                ls.append(length)
-                known.append(row)
-                if len(ls) == DEGREE_L + 2:
-                    return cls(slice_map, us, tuple(ls), tuple(known))
-        raise AssertionError("unreachable: the count is endless")
+            return tuple(int(closed(u) * along(u) ** 2 * fmpz(u * u + 1) ** 9) for u in us)
+
+        rows = ((length, row) for length in count(1) if all(row := known(length)))
+        ls, table = zip(*islice(rows, DEGREE_L + 2), strict=True)
+        return cls(slice_map, us, ls, table)
 
     def image(self, p: int, omega: int, check: bool) -> list[int] | None:
         """The coefficients of Q modulo p, powers of L first; None if p divides a known factor."""

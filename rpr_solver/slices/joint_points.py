@@ -1,4 +1,4 @@
-"""Points of a slice in decimals: from balls or exact poses to digits that are proved."""
+"""Points of a slice in decimals: from balls or exact poses to proved digits."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rpr_solver.slices.by_fields import ExactPose
 
 
 class _Coordinate:
-    """A coordinate under its name in documents, which depends on the fixed leg."""
+    """A coordinate by its name in documents, which depends on the fixed leg."""
 
     def __init__(self, meaning: str) -> None:
         self.__doc__ = meaning
@@ -87,13 +87,13 @@ class JointPoint:
 
     @classmethod
     def from_json(cls, obj: Mapping[str, str], fixed_leg: int) -> JointPoint:
-        """The inverse of :meth:`to_json`; other members are passed over."""
+        """The inverse of :meth:`to_json`; other members are ignored."""
         alpha, theta, first, second = (obj[name] for name in coordinate_names(fixed_leg))
         return cls(fixed_leg, (alpha, theta, first, second))
 
 
 def coordinate_names(fixed_leg: int) -> tuple[str, str, str, str]:
-    """How documents call a point's coordinates.
+    """The names of a point's coordinates in documents.
 
     >>> coordinate_names(2)
     ('alpha_deg', 'theta2_deg', 'l1', 'l3')
@@ -110,7 +110,7 @@ def free_legs(fixed_leg: int) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class ClassifiedPoint:
-    """A point of a slice, what it is, and what proves that; with its sort key (θ, α in degrees) as balls."""
+    """A point of a slice, its kind, and the proof of it; θ and α in degrees, as balls, are its sort key."""
 
     kind: PoseKind
     theta: arb
@@ -121,7 +121,7 @@ class ClassifiedPoint:
 
 
 def point_of_balls(cusp: CuspBalls, fixed_leg: int, digits: int, bits: int) -> ClassifiedPoint | None:
-    """A proved cusp in decimals; None where the balls, of working precision ``bits``, are too wide."""
+    """A proved cusp in decimals; None if the balls, of working precision ``bits``, are too wide."""
     balls = (cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second)
     texts = [round_ball(x, digits) for x in balls]
     if None in texts:
@@ -164,13 +164,11 @@ def cusps_and_degenerate(
     points: Iterable[ClassifiedPoint],
 ) -> tuple[list[ClassifiedPoint], list[dict[str, str]]]:
     """The cusps among classified points, and the others as the contract's objects."""
-    cusps, degenerate = [], []
+    cusps: list[ClassifiedPoint] = []
+    others: list[ClassifiedPoint] = []
     for x in points:
-        if x.kind is PoseKind.CUSP:
-            cusps.append(x)
-        else:
-            degenerate.append({"kind": x.kind.value, **x.point.to_json()})
-    return cusps, degenerate
+        (cusps if x.kind is PoseKind.CUSP else others).append(x)
+    return cusps, [{"kind": x.kind.value, **x.point.to_json()} for x in others]
 
 
 def joint_point(texts: Sequence[str | None], fixed_leg: int) -> JointPoint:

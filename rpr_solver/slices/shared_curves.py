@@ -1,7 +1,7 @@
-"""Curves on which J and E vanish together in a slice, as for congruent triangles (method.md section 6).
+"""Curves on which both J and E vanish in a slice, as for congruent triangles.
 
-There a whole curve of poses is degenerate and the eliminant vanishes identically. The curves are
-divided out; what remains has an eliminant of its own.
+A whole curve of poses is then degenerate, and the eliminant vanishes identically. J and E are divided by the
+curves, and the quotients have an eliminant without them.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Curve:
         return evaluate([row(u, u.field(1)) for row in rows], t).is_zero
 
     def equation(self, fixed_leg: int) -> str:
-        """The curve in words that a reader can check."""
+        """The equation of the curve in angles or half tangents, as documents print it."""
         if self.polynomial is None:
             return "alpha = 180 deg"
         if self.polynomial in (T, -T):
@@ -43,7 +43,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class SliceForms:
-    """J and E of one slice by coefficients of t (formal degrees), less the curves they share."""
+    """J and E of one slice by coefficients of t (formal degrees), without the curves they share."""
 
     slice_map: SliceMap
     length: Fraction
@@ -53,15 +53,15 @@ class SliceForms:
 
     @classmethod
     def of(cls, slice_map: SliceMap, length: Fraction) -> SliceForms:
-        """The slice of one *scaled* length, as it is."""
+        """The slice of one *scaled* length, with nothing divided out."""
         return cls(slice_map, length, slice_map.singular.at(length), slice_map.coalescence.at(length))
 
 
 def without_shared_curves(slice_map: SliceMap, length: Fraction) -> tuple[SliceForms, QuadraticPoly]:
-    """Divide J and E by the curves they share in the slice of a *scaled* length; the rest, and its eliminant.
+    """Divides J and E by the curves they share in the slice of a *scaled* length; also their new eliminant.
 
     Raises:
-        SolverError: they share a curve that is not rational.
+        SolverError: J and E share a curve that is not rational.
     """
     j, e = (
         BiForm.of_rows(form.at(length), form.degree_u) for form in (slice_map.singular, slice_map.coalescence)
@@ -74,7 +74,7 @@ def without_shared_curves(slice_map: SliceMap, length: Fraction) -> tuple[SliceF
     j, e, common = without_common_factors(j, e)
     shared += (curve for factor in common for curve in _real_curves(factor))
     resultant = j.joined.resultant(e.joined, "t")
-    # formal degrees: where only one loses degree in t, its zeros at t = ∞ meet the other's leading term
+    # formal degrees: where only one loses degree in t, its zeros at t = ∞ multiply the other's leading term
     resultant *= leading_coefficient(e.joined, 0) ** j.zeros_at_infinity
     resultant *= leading_coefficient(j.joined, 0) ** e.zeros_at_infinity
     [q] = BiForm.of(resultant, slice_map.radicand, 0, 0).primitive().rows
@@ -84,6 +84,6 @@ def without_shared_curves(slice_map: SliceMap, length: Fraction) -> tuple[SliceF
 
 
 def _real_curves(common: fmpz_mpoly) -> list[Curve]:
-    """The irreducible curves of a common factor, without t² + 1 and u² + 1, which are no poses."""
+    """The irreducible curves of a common factor, without t² + 1 and u² + 1, which have no real points."""
     imaginary = (T**2 + 1, U**2 + 1)
     return [Curve(factor) for factor, _ in common.factor()[1] if factor not in imaginary]

@@ -17,17 +17,17 @@ from rpr_solver.slices.joint_points import JointPoint
 class SliceTable:
     """All cusps of one slice, and its degenerate points.
 
-    Proved: that these are all cusps and each is one, and every printed digit.
+    Proved: these are exactly the cusps of the slice, and every printed digit is right.
 
     Attributes:
         fixed_leg: the leg that is held, 1, 2 or 3.
         length: its length, exact, in the user's unit.
         digits: the significant digits of every printed number.
         cusps: the cusps, sorted by the fixed leg's angle, then by α.
-        degenerate_points: poses that are no cusps, though more than two coalesce or the singular curve is
-            not smooth: each has its ``kind`` and the coordinates of a cusp. A whole curve of such poses has
-            the kind ``"curve"`` and an ``equation`` instead.
-        certificate: how it is proved.
+        degenerate_points: poses other than cusps at which more than two poses coalesce or the singular curve
+            is not smooth: each has its ``kind`` and the same coordinates as a cusp. A whole curve of such
+            poses has the kind ``"curve"`` and an ``equation`` instead.
+        certificate: how the table is proved.
 
     >>> from rpr_solver import EXAMPLES, cusp_table
     >>> [table] = cusp_table(EXAMPLES["zein-flat"], 10, digits=15)
@@ -67,10 +67,10 @@ class SliceTable:
         }
 
     def rows(self) -> list[Row]:
-        """A row for each cusp, then for each degenerate point, as for ``pandas.DataFrame(table.rows())``.
+        """A row for each cusp, then for each degenerate point, for ``pandas.DataFrame(table.rows())``.
 
         Lengths and angles are floats; ``l2_text`` has all digits of ``l2``, and so on. ``cusp`` is the
-        number of the cusp from 1, None for a degenerate point; ``kind`` is ``"cusp"``, or that of the point.
+        number of the cusp from 1, None for a degenerate point, whose ``kind`` is not ``"cusp"``.
         """
         return with_floats(self._records())
 

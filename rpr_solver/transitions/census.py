@@ -19,7 +19,7 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, html_table, shortened, svg_steps, with_floats
 from rpr_solver.slices.joint_points import JointPoint, joint_point
 from rpr_solver.transitions.event_types import Event, EventPose
-from rpr_solver.transitions.length_range import LengthRange
+from rpr_solver.transitions.length_range import LengthRange, intervals_json
 from rpr_solver.transitions.survey import Survey, survey
 
 
@@ -167,10 +167,7 @@ class Census:
     def _intervals(self) -> list[dict[str, Any]]:
         ends = [*self.range.to_json().values()]
         ends[1:1] = [t.length for t in self.transitions]
-        return [
-            {"from": start, "to": stop, "count": count}
-            for start, stop, count in zip(ends, ends[1:], self.counts, strict=False)
-        ]
+        return intervals_json(ends, self.counts)
 
     def _records(self) -> list[dict[str, object]]:
         kinds = [*(t.kind.value for t in self.transitions), None]

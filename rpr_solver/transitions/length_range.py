@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all
@@ -11,7 +13,7 @@ from rpr_solver.exact.rationals import Exact, exact_str, parse_all
 
 @dataclass(frozen=True)
 class LengthRange:
-    """The lengths of the fixed leg from ``start`` to ``stop``, in the user's unit; 0 and None are no ends.
+    """The lengths of the fixed leg from ``start`` to ``stop``, in the user's unit; 0 and None are open ends.
 
     >>> LengthRange.of(20, "61/2")
     LengthRange(start=Fraction(20, 1), stop=Fraction(61, 2))
@@ -24,13 +26,15 @@ class LengthRange:
     def of(
         cls, start: Exact | None, stop: Exact | None, names: tuple[str, str] = ("start", "stop")
     ) -> LengthRange:
-        """Reads the ends of a range; None is no end.
+        """Reads the ends of a range; None is an open end.
 
         Raises:
-            InputError: an end is no exact number or negative, or there is nothing between, by these names.
+            InputError: an end is negative or not an exact number, or the range is empty; ``names`` are the
+                fields of the ends.
         """
-        given = {name: end for name, end in zip(names, (start, stop), strict=True) if end is not None}
-        ends = parse_all(given)
+        ends = parse_all(
+            {name: end for name, end in zip(names, (start, stop), strict=True) if end is not None}
+        )
         low, high = ends.get(names[0], Fraction(0)), ends.get(names[1])
         problems = []
         if low < 0:
@@ -48,17 +52,16 @@ class LengthRange:
         return f"from {exact_str(self.start)}{'' if self.stop is None else f' to {exact_str(self.stop)}'}"
 
     def to_json(self) -> dict[str, str | None]:
-        """The contract's object: ``{"from": "0", "to": null}`` has no ends."""
+        """The contract's object; the range of all lengths is ``{"from": "0", "to": null}``."""
         return {
             "from": exact_str(self.start),
             "to": None if self.stop is None else exact_str(self.stop),
         }
 
 
-def check_range(start: Fraction, stop: Fraction | None, field: str = "range") -> None:
-    """Refuse what is no range in a document.
-
-    Raises:
-        InputError: naming the members ``from`` and ``to`` of ``field``.
-    """
-    LengthRange.of(start, stop, (f"{field}.from", f"{field}.to"))
+def intervals_json(ends: Sequence[str | None], counts: Sequence[int]) -> list[dict[str, Any]]:
+    """The contract's intervals: each number of cusps with the two ends between which it is constant."""
+    return [
+        {"from": start, "to": stop, "count": count}
+        for start, stop, count in zip(ends, ends[1:], counts, strict=False)
+    ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from typing import Any, TypeAlias, TypeVar
@@ -16,9 +16,7 @@ Bounds: TypeAlias = tuple[Fraction | None, Fraction | None]
 ExactBounds: TypeAlias = tuple[Exact | None, Exact | None]
 
 _T = TypeVar("_T")
-_FIELDS = ("fixed_leg", "range", "max_cusps", "min_cusps", "limits")
 _LEGS = {"l1": 1, "l2": 2, "l3": 3}
-_IN_DOCUMENTS = {"requirement.start": "requirement.range.from", "requirement.stop": "requirement.range.to"}
 
 
 @dataclass(frozen=True)
@@ -90,14 +88,14 @@ class Requirement:
     def __repr__(self) -> str:
         document = self.to_json()
         ends, limits = document.pop("range"), document.pop("limits")
-        given = {
+        arguments = {
             "fixed_leg": self.fixed_leg,
             "start": ends["from"],
             "stop": ends["to"],
             **document,
             "limits": {leg: (bounds["min"], bounds["max"]) for leg, bounds in limits.items()},
         }
-        values = (f"{name}={value!r}" for name, value in given.items() if value not in (None, {}))
+        values = (f"{name}={value!r}" for name, value in arguments.items() if value not in (None, {}))
         return f"Requirement({', '.join(values)})"
 
     @property
@@ -107,55 +105,28 @@ class Requirement:
 
     @classmethod
     def from_json(cls, obj: Mapping[str, Any], *, max_digits: int = MAX_DIGITS) -> Requirement:
-        """Reads ``{"fixed_leg", "range": {"from", "to"}, "max_cusps", "min_cusps", "limits"}``.
-
-        ``limits`` is ``{"l2": {"min", "max"}, "l3": …}``; every number is exact, every part optional.
+        """The inverse of :meth:`to_json`; a part that is missing has its default.
 
         Raises:
-            InputError: naming every field at fault.
+            InputError: naming every field at fault, as the constructor.
         """
-        if not isinstance(obj, Mapping):
-            raise InputError.of("requirement", f"{shown(obj)} is not an object")
-        unknown = [name for name in obj if name not in _FIELDS]
-        if unknown:
-            known = ", ".join(_FIELDS)
-            raise InputError(
-                [FieldProblem(f"requirement.{n}", f"unknown field; known are {known}") for n in unknown]
-            )
 
-        def number(value: Any, name: str) -> Fraction | None:
-            return None if value is None else parse_exact(value, f"requirement.{name}", max_digits=max_digits)
+        def numbers(part: Mapping[str, Any], name: str, *keys: str) -> Iterator[Fraction | None]:
+            for key in keys:
+                text = part.get(key)
+                field = f"requirement.{name}.{key}"
+                yield None if text is None else parse_exact(text, field, max_digits=max_digits)
 
-        def part(source: Mapping[str, Any], name: str, keys: tuple[str, str]) -> Bounds:
-            if not isinstance(source, Mapping) or any(key not in keys for key in source):
-                raise InputError.of(
-                    f"requirement.{name}", f'is {shown(source)}; give {{"{keys[0]}", "{keys[1]}"}}'
-                )
-            low, high = (number(source.get(key), f"{name}.{key}") for key in keys)
-            return low, high
-
-        def count(name: str) -> int | None:
-            value = number(obj.get(name), name)
-            if value is not None and value.denominator != 1:
-                raise InputError.of(f"requirement.{name}", f"is {exact_str(value)}; give a whole number")
-            return None if value is None else int(value)
-
-        start, stop = part(obj.get("range") or {}, "range", ("from", "to"))
-        raw = obj.get("limits") or {}
-        if not isinstance(raw, Mapping) or any(key not in _LEGS for key in raw):
-            raise InputError.of(
-                "requirement.limits", f"is {shown(raw)}; its keys are the free legs, such as l2 and l3"
-            )
-        limits = {key: part(value, f"limits.{key}", ("min", "max")) for key, value in raw.items()}
-        leg = obj.get("fixed_leg", 1)
-        try:
-            return cls(leg, start or Fraction(0), stop, count("max_cusps"), count("min_cusps"), limits)
-        except InputError as error:
-            named = [FieldProblem(_IN_DOCUMENTS.get(p.field, p.field), p.message) for p in error.problems]
-            raise InputError(named) from None
+        start, stop = numbers(obj.get("range") or {}, "range", "from", "to")
+        limits = {
+            leg: tuple(numbers(bounds, f"limits.{leg}", "min", "max"))
+            for leg, bounds in (obj.get("limits") or {}).items()
+        }
+        counts = obj.get("max_cusps"), obj.get("min_cusps")
+        return cls(obj.get("fixed_leg", 1), start or 0, stop, *counts, limits)  # type: ignore[arg-type]
 
     def to_json(self) -> dict[str, Any]:
-        """The inverse of :meth:`from_json`, numbers in canonical text."""
+        """The requirement of a check document, with numbers in canonical text."""
 
         def text(x: Fraction | None) -> str | None:
             return None if x is None else exact_str(x)
@@ -172,7 +143,7 @@ class Requirement:
         }
 
     def admits(self, count: int) -> bool:
-        """Whether a slice may have so many cusps within the limits."""
+        """Whether a slice may have this number of cusps within the limits."""
         return (self.max_cusps is None or count <= self.max_cusps) and (
             self.min_cusps is None or count >= self.min_cusps
         )

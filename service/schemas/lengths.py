@@ -16,9 +16,8 @@ from pydantic import (
     model_validator,
 )
 
-from rpr_solver import exact_str, parse_exact
+from rpr_solver import LengthRange, exact_str, parse_exact
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.transitions.length_range import check_range
 from service.schemas.document import Document, Source, part, unnamed
 from service.schemas.limits import LimitError, Limits
 from service.schemas.numbers import FIXED_LEGS, Exact, exact_number
@@ -68,7 +67,7 @@ class OpenRange(Document):
     @model_validator(mode="after")
     def _is_not_empty(self) -> Self:
         with unnamed("range"):
-            check_range(*self.ends)
+            LengthRange.of(*self.ends, ("range.from", "range.to"))
         return self
 
     @model_serializer

@@ -284,12 +284,6 @@ def test_what_is_no_requirement_is_refused_by_name(arguments: dict[str, Any], na
     assert fields(lambda: Requirement(**arguments)) == {f"requirement.{name}" for name in names}
 
 
-def test_in_documents_the_ends_have_their_names_there() -> None:
-    document = {"range": {"from": "-1"}, "max_cusps": 8, "min_cusps": 9}
-    found = fields(lambda: Requirement.from_json(document))
-    assert found == {"requirement.range.from", "requirement.max_cusps", "requirement.min_cusps"}
-
-
 # Manipulators
 
 
