@@ -7,7 +7,7 @@
 >>> table.cusps[0].theta1_deg, table.cusps[0].l2
 ('-69.1293760614883', '0.845282018280357')
 
-Every number given is exact (:data:`Exact`): an integer, a ``Fraction``, a ``Decimal``, or a text such as
+Every input number is exact (:data:`Exact`): an integer, a ``Fraction``, a ``Decimal``, or a text such as
 ``"14.98"`` or ``"749/50"``. Lengths are in the user's unit, angles in degrees.
 """
 

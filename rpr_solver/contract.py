@@ -1,4 +1,4 @@
-"""What all documents share: head, version, range of digits, progress; and the checks of arguments."""
+"""Common to all documents and questions: head, version, range of digits, progress, checks of arguments."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from typing import Any, Protocol
 from rpr_solver.errors import InputError, shown
 
 SOLVER_VERSION = "2"
-"""The version of the solver's answers, in every document and every cache key; raised whenever one changes."""
+"""The version of the solver's answers, in every document and cache key; raised whenever an answer changes."""
 
 DEFAULT_DIGITS = 90
-"""The significant digits of every printed number, unless others are asked for."""
+"""The default number of significant digits of printed numbers."""
 CHECK_DIGITS = 30
-"""The digits of a check, which proves a count: those of its lengths and examples."""
+"""The default number of significant digits of the lengths and examples of a check."""
 MIN_DIGITS, MAX_DIGITS = 15, 10_000
-"""The least and the greatest number of significant digits that can be asked for."""
+"""The least and the greatest number of significant digits of a request."""
 
 
 def check_digits(digits: int) -> int:
-    """A number of significant digits, as an ``int``.
+    """Returns a number of significant digits as an ``int``.
 
     Raises:
-        InputError: naming ``digits``: no integer, or out of range.
+        InputError: naming ``digits``: not an integer, or out of range.
     """
     number = check_integer(digits, "digits", f"{MIN_DIGITS} to {MAX_DIGITS}")
     if not MIN_DIGITS <= number <= MAX_DIGITS:
@@ -32,10 +32,10 @@ def check_digits(digits: int) -> int:
 
 
 def check_leg(fixed_leg: int, field: str = "fixed_leg") -> int:
-    """The number of a leg, as an ``int``.
+    """Returns the number of a leg as an ``int``.
 
     Raises:
-        InputError: naming ``field``: neither 1, 2 nor 3.
+        InputError: naming ``field``: not 1, 2 or 3.
     """
     if isinstance(fixed_leg, bool) or not isinstance(fixed_leg, Integral) or fixed_leg not in (1, 2, 3):
         raise InputError.of(field, f"{shown(fixed_leg)} is not a leg; give 1, 2 or 3")
@@ -43,10 +43,10 @@ def check_leg(fixed_leg: int, field: str = "fixed_leg") -> int:
 
 
 def check_integer(value: int, field: str, expected: str) -> int:
-    """Any kind of integer as an ``int``; ``True`` is none.
+    """Returns an integer of any type, except ``bool``, as an ``int``.
 
     Raises:
-        InputError: naming ``field``.
+        InputError: naming ``field``: not an integer; the message says what is ``expected``.
     """
     if isinstance(value, bool) or not isinstance(value, Integral):
         raise InputError.of(
@@ -56,25 +56,25 @@ def check_integer(value: int, field: str, expected: str) -> int:
 
 
 def check_type(value: object, kind: type, field: str) -> None:
-    """Refuse what is not an instance of a class.
+    """Checks that a value is an instance of a class.
 
     Raises:
-        InputError: naming ``field``.
+        InputError: naming ``field``: not an instance of ``kind``.
     """
     if not isinstance(value, kind):
         raise InputError.of(field, f"{shown(value)} is a {type(value).__name__}; give a {kind.__name__}")
 
 
 Progress = Callable[[int, int], None]
-"""A callback ``progress(done, total)``: steps done, and their number, which may grow."""
+"""A callback ``progress(done, total)``; ``total`` may grow."""
 
 
 def silent(_done: int, _total: int) -> None:
-    """The progress of a caller who asked for none."""
+    """A progress callback that does nothing."""
 
 
 class Identified(Protocol):
-    """A manipulator, as far as a document's head is concerned."""
+    """The part of a manipulator's interface that a document's head needs."""
 
     def identity_json(self) -> dict[str, Any]:
         """The geometry and its hash."""
@@ -82,11 +82,11 @@ class Identified(Protocol):
 
 
 def document_head(manipulator: Identified, digits: int, fixed_leg: int | None = None) -> dict[str, Any]:
-    """What a document begins with: about which manipulator and leg it is, and how it was computed."""
+    """The first members of every document: the manipulator, the fixed leg, digits and solver version."""
     leg = {} if fixed_leg is None else {"fixed_leg": fixed_leg}
     return {**manipulator.identity_json(), **leg, **about_answer(digits)}
 
 
 def about_answer(digits: int) -> dict[str, Any]:
-    """How an answer was computed."""
+    """The digits and the solver version of an answer."""
     return {"digits": digits, "solver_version": SOLVER_VERSION}

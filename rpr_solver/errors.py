@@ -1,14 +1,14 @@
-"""What can go wrong in the solver.
+"""The errors of the solver.
 
 ValueError
-└── InputError          the caller gave something that is no manipulator, slice or number
+└── InputError          an argument is not a valid manipulator, length, number, …
 Exception
-└── SolverError         the input is right, and this version has no answer
-    └── Unproved        the answer, or a step to it, was still open at the highest precision
+└── SolverError         the input is valid, but this version has no answer
+    └── Unproved        the answer, or a step to it, is still undecided at the highest precision
 
-A plain SolverError is a case that is not supported (an eliminant that vanishes identically), or an identity
-that failed and should be reported, such as ``DivisionError`` (exact/quadratic.py). ``NotGeneric``
-(transitions) and ``LostError`` (curves) are signals between modules that no caller sees.
+A plain SolverError is an unsupported case (an eliminant that vanishes identically), or a failed identity that
+should be reported, such as ``DivisionError`` (exact/quadratic.py). ``NotGeneric`` (transitions) and
+``LostError`` (curves) are internal control flow and never reach a caller.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _SHOWN = 40
 
 @dataclass(frozen=True)
 class FieldProblem:
-    """One thing wrong with one input field: its dotted name, and what would be right.
+    """A problem with one input field: its dotted name, and a message that says what is expected.
 
     >>> FieldProblem("digits", "is 3; give 15 to 10000")
     FieldProblem(field='digits', message='is 3; give 15 to 10000')
@@ -32,10 +32,10 @@ class FieldProblem:
 
 
 class InputError(ValueError):
-    """Bad input, reported before anything is computed.
+    """Invalid input, reported before anything is computed.
 
     ``problems`` names every field at fault: an argument by its name (``digits``), the length of a leg by
-    the leg (``l2``), a part of a document by its path (``geometry.d3``). The text is one line.
+    the leg (``l2``), a member of a document by its path (``geometry.d3``). The text is one line.
 
     >>> error = InputError([FieldProblem("l2", "is 0; a leg length must be > 0")])
     >>> str(error), error.problems[0].field
@@ -63,7 +63,7 @@ class SolverError(Exception):
 
 
 class Unproved(SolverError):  # noqa: N818 - a verdict, not a fault
-    """What the text names could not be proved at any precision up to the limit (exact/precision.py).
+    """A step of the proof, named by the text, is undecided at every precision up to the limit.
 
     >>> issubclass(Unproved, SolverError)
     True
@@ -71,6 +71,6 @@ class Unproved(SolverError):  # noqa: N818 - a verdict, not a fault
 
 
 def shown(value: object) -> str:
-    """A value as an error message quotes it: short, whatever was sent."""
+    """A value as error messages quote it, shortened if it is long."""
     text = repr(value)
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}… ({len(text)} characters)"

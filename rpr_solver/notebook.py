@@ -1,6 +1,6 @@
-"""What a notebook shows: rows for data frames, HTML tables and small SVG pictures, made of plain data.
+"""Notebook output: rows for data frames, HTML tables and small SVG pictures of plain data.
 
-Floats here are for the eye and for data frames; nothing is decided by them.
+Floats occur only here, for display and data frames; nothing is decided by them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _WIDTH, _HEIGHT, _MARGIN = 320, 200, 24
 def with_floats(records: Iterable[Mapping[str, object]]) -> list[Row]:
     """Rows for a data frame: each length and angle as a float, and its text beside it as ``<name>_text``.
 
-    An open end, None, is infinite.
+    None, an open end, becomes infinity.
 
     >>> with_floats([{"cusp": 1, "l2": "0.845282018280357"}])
     [{'cusp': 1, 'l2': 0.845282018280357, 'l2_text': '0.845282018280357'}]
@@ -42,7 +42,7 @@ def with_floats(records: Iterable[Mapping[str, object]]) -> list[Row]:
 
 
 def shortened(text: str, digits: int = 8) -> str:
-    """A decimal cut after so many significant digits, with an ellipsis; never before its decimal point.
+    """A decimal cut after ``digits`` significant digits, but not before the decimal point, with an ellipsis.
 
     >>> shortened("50.678560496513"), shortened("-0.000123456789"), shortened("1.23456789e+20", 3)
     ('50.678560…', '-0.00012345678…', '1.23…e+20')
@@ -59,7 +59,7 @@ def shortened(text: str, digits: int = 8) -> str:
 
 
 def counted(number: int, noun: str) -> str:
-    """A number of things.
+    """A number with its noun, in the plural unless the number is 1.
 
     >>> counted(1, "cusp"), counted(0, "cusp")
     ('1 cusp', '0 cusps')

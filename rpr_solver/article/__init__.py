@@ -1,1 +1,1 @@
-"""The article's own algorithm, as an audit of the solver's."""
+"""The article's own algorithm, as an audit of the solver's method."""

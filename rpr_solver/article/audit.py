@@ -1,9 +1,9 @@
 """The article's own algorithm, as an audit of the solver's: steps 1–7, and 5'–6' for its conjecture.
 
-It eliminates t from (6) and (10) instead of J and E, takes the eliminant of degree 96 apart
-(eliminant.py), and follows every real root of every factor to its couples (t, u), each of which
-is kept as a cusp, reported as a degenerate point, or rejected with the reason. Only leg 1 is fixed, as
-in the article.
+It eliminates t from (6) and (10) instead of J and E, factors the eliminant of degree 96 (eliminant.py), and
+for every real root of every factor determines the couples (α, θ1): the article's common solutions (t, u) of
+its two equations. Each couple is kept as a cusp, reported as a degenerate point, or rejected with a reason.
+As in the article, only leg 1 is fixed.
 
 :meth:`ArticleTable.to_json` is the slice object with two more members::
 
@@ -17,7 +17,7 @@ in the article.
               "conjecture": {"holds": true, "answer": …}}
 
 A real root that two factors share is listed with Q, or else with the first of them.
-``rejected_in_step_6`` counts solutions of (13) that fail (14); null where that was not counted.
+``rejected_in_step_6`` counts the solutions of (13) that violate (14); null if they were not counted.
 """
 
 from __future__ import annotations
@@ -30,7 +30,6 @@ from typing import Any
 from flint import arb, ctx
 
 from rpr_solver.article.couples import (
-    Couple,
     adjugate_stands,
     count_real,
     couple_by_balls,
@@ -38,7 +37,7 @@ from rpr_solver.article.couples import (
     rejected_by_balls,
 )
 from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, KnownFactor, article_forms
-from rpr_solver.article.report import AuditReport, FactorReport
+from rpr_solver.article.report import AuditReport, CoupleReport, FactorReport
 from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, silent
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import BiForm
@@ -74,11 +73,11 @@ _Q_REASON = "all that is left: degree 24 (13 and 14 hold, and the adjugate does 
 class ArticleTable:
     """A slice's table by the article's algorithm, with the audit of its eliminant.
 
-    Proved: the same as of :class:`SliceTable`, and every verdict on a couple (α, θ1).
+    Proved: what :class:`SliceTable` proves, and every verdict on a couple (α, θ1).
 
     Attributes:
         table: the cusps and degenerate points, with the certificate of this algorithm.
-        audit: the factors of the eliminant of degree 96, with what each of their real roots gave.
+        audit: the factors of the eliminant of degree 96, with the couples above their real roots.
 
     >>> from rpr_solver import EXAMPLES, article_table
     >>> audit = article_table(EXAMPLES["innocenti"], "14.98", digits=15)
@@ -121,7 +120,7 @@ def article_table(manipulator: Manipulator, l1: Exact, *, digits: int = DEFAULT_
 
     Args:
         manipulator: the geometry.
-        l1: the length of leg 1, exact, > 0, in the user's unit; in the article leg 1 is the fixed one.
+        l1: the length of leg 1, exact, > 0, in the user's unit; the article always fixes leg 1.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
 
     Raises:
@@ -139,25 +138,25 @@ def article_table(manipulator: Manipulator, l1: Exact, *, digits: int = DEFAULT_
 
 @dataclass
 class _Row:
-    """A factor of the eliminant with what its real roots gave."""
+    """A factor of the eliminant with the couples and points above its real roots."""
 
     factor: KnownFactor
     irreducible: list[tuple[int, int]]
     real_roots: int = 0
     rejected_in_step_6: int | None = 0
-    couples: list[Couple] = field(default_factory=list)
+    couples: list[CoupleReport] = field(default_factory=list)
     points: list[ClassifiedPoint] = field(default_factory=list)
 
-    def add(self, couple: Couple, point: ClassifiedPoint | None) -> None:
-        """A couple of (13) and (14), and the point if it is not rejected."""
+    def add(self, couple: CoupleReport, point: ClassifiedPoint | None) -> None:
+        """Records a couple of (13) and (14), and its point unless it is rejected."""
         self.couples.append(couple)
         if point is not None:
             self.points.append(point)
 
     def reject(self, real: int | None, kept: int) -> None:
-        """Count the real solutions of (13) above a root that do not satisfy (14); None: not counted."""
-        known = self.rejected_in_step_6
-        self.rejected_in_step_6 = None if real is None or known is None else known + real - kept
+        """Counts the real solutions of (13) above a root that violate (14); None if they are not counted."""
+        before = self.rejected_in_step_6
+        self.rejected_in_step_6 = None if real is None or before is None else before + real - kept
 
     def to_json(self) -> FactorReport:
         return {
@@ -168,7 +167,7 @@ class _Row:
             "reason": self.factor.reason,
             "real_roots": self.real_roots,
             "rejected_in_step_6": self.rejected_in_step_6,
-            "couples": [couple.to_json() for couple in self.couples],
+            "couples": self.couples,
         }
 
 
@@ -183,7 +182,7 @@ class _Audit:
 
     def table(self) -> ArticleTable:
         q = KnownFactor(self.eliminant.q, 1, _Q, _Q_REASON)
-        last = self._row(q)  # first, so that a root shared with another factor is its own
+        last = self._row(q)  # computed first, so that a root shared with another factor is listed with Q
         rows = [*map(self._row, self.eliminant.known), last]
         points = in_order(x for row in rows for x in row.points)
         cusps, degenerate = cusps_and_degenerate(points)
@@ -248,13 +247,13 @@ class _Audit:
         return row
 
     def _new(self, key: object) -> bool:
-        """Whether a root is seen for the first time."""
-        known = key in self._seen
+        """Whether a root occurs for the first time."""
+        new = key not in self._seen
         self._seen.add(key)
-        return not known
+        return new
 
     def _by_balls(self, row: _Row, root: ExactRoot) -> bool:
-        """The one couple above a simple root, proved a cusp or none; False where balls do not tell."""
+        """Decides the unique couple above a simple root; False if the balls do not decide it."""
         flat = self.eliminant.flat
         if flat and row.factor.origin != _Q:
             return False
@@ -266,7 +265,7 @@ class _Audit:
                 f1, e1 = (
                     [c.ball(bits)(u) for c in form.rows] for form in (self.eliminant.f1, self.eliminant.e1)
                 )
-                # for h = 0 (14) is void; above a root of Q it is J and E that have one common root
+                # for h = 0 (14) is no condition; above a root of Q, J and E have one common root
                 t = poses.alpha(u) if flat else common_root(f1, e1)
                 if t is None or not self._decided(row, poses, u, t):
                     return None
@@ -293,7 +292,7 @@ class _Audit:
         return True
 
     def _exactly(self, row: _Row, root: ExactRoot, forms: tuple[BiForm, BiForm], length: Fraction) -> None:
-        """All couples above one root, classified over a number field; ``length`` is −L1 for θ1 = 180°."""
+        """Decides all couples above one root over a number field; ``length`` is −L1 for θ1 = 180°."""
         flat, (f1, e1) = self.eliminant.flat, forms
         second = self.slice_map.coalescence.at(length) if flat else e1.rows
         u, omega = root.in_field()
@@ -315,6 +314,6 @@ class _Audit:
 def article_document(
     manipulator: Manipulator, l1: Sequence[Fraction], digits: int, progress: Progress = silent
 ) -> dict[str, Any]:
-    """The table. A slice that the algorithm cannot answer says so in its place."""
+    """The document of several slices; a slice without an answer reports the error in its own entry."""
     slices = slices_json(lambda x: article_table(manipulator, x, digits=digits).to_json(), l1, 1, progress)
     return {**table_json(manipulator, 1, digits, slices), "method": METHOD}

@@ -1,9 +1,11 @@
-"""Step 7 of the article's algorithm: is a couple (t, u) that solves (13) and (14) a cusp, and why not?"""
+"""Step 7 of the article's algorithm: whether a couple (α, θ1) that solves (13) and (14) is a cusp, and why.
+
+The article calls a common solution (t, u) of its two equations a couple.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -26,37 +28,24 @@ _TRIPLE = "three direct kinematic solutions coincide"
 _SHOWN_DIGITS = 15
 
 
-@dataclass(frozen=True)
-class Couple:
-    """A solution couple with its verdict."""
-
-    alpha_deg: str
-    theta1_deg: str
-    verdict: str
-    reason: str
-
-    def to_json(self) -> CoupleReport:
-        """The audit's object."""
-        return {
-            "alpha_deg": self.alpha_deg,
-            "theta1_deg": self.theta1_deg,
-            "verdict": self.verdict,
-            "reason": self.reason,
-        }
+def _report(alpha: str, theta1: str, verdict: str, reason: str) -> CoupleReport:
+    return {"alpha_deg": alpha, "theta1_deg": theta1, "verdict": verdict, "reason": reason}
 
 
-def couple_by_balls(cusp: CuspBalls) -> Couple:
+def couple_by_balls(cusp: CuspBalls) -> CoupleReport:
     """The couple of a proved cusp."""
     alpha, theta = (round_ball(x, _SHOWN_DIGITS) or x.str(5) for x in (cusp.alpha_deg, cusp.theta_deg))
-    return Couple(alpha, theta, KEPT, _TRIPLE)
+    return _report(alpha, theta, KEPT, _TRIPLE)
 
 
-def rejected_by_balls(local: LocalMap[arb], u: arb, t: HalfTangent, closed_leg: int | None) -> Couple | None:
-    """A couple that is proved not to be triple, with the reason; None where balls do not tell.
+def rejected_by_balls(
+    local: LocalMap[arb], u: arb, t: HalfTangent, closed_leg: int | None
+) -> CoupleReport | None:
+    """Rejects a couple for which E ≠ 0 is proved, with the reason; None if the balls do not decide it.
 
-    The couple must satisfy (13) and (14). If E ≠ 0 there, (10) holds only since a row or column of
-    (8) vanishes; where exactly the kᵢ that are not proved to differ from 0 are needed for that, they
-    are 0. ``closed_leg`` is a leg whose length is known to be zero.
+    The couple must satisfy (13) and (14). If E ≠ 0 there, (10) can only hold because the first row or column
+    of (8) vanishes; if that needs every kᵢ that is not proved to be nonzero, these kᵢ are 0.
+    ``closed_leg`` is a leg of length zero.
     """
     j = local.singularity()
     if all(local.along(leg, j).value.contains(0) for leg in (local.f, local.g)):
@@ -69,11 +58,11 @@ def rejected_by_balls(local: LocalMap[arb], u: arb, t: HalfTangent, closed_leg: 
     if None in texts or t.denominator.contains(0):
         return None
     reasons = [] if closed_leg is None else [f"leg {closed_leg} has length zero"]
-    return Couple(str(texts[0]), str(texts[1]), REJECTED, _because(reasons, zero))
+    return _report(str(texts[0]), str(texts[1]), REJECTED, _because(reasons, zero))
 
 
 def adjugate_stands(local: LocalMap[arb]) -> bool:
-    """Proof that neither the first row nor the first column of (8) vanishes: then (10) is (7)."""
+    """Proves that neither the first row nor the first column of (8) vanishes; then (10) is (7)."""
     adj = adjugate(_legs(local, arb(1)).k)
     row, column = adj[0], [line[0] for line in adj]
     return all(any(not x.contains(0) for x in part) for part in (row, column))
@@ -81,10 +70,10 @@ def adjugate_stands(local: LocalMap[arb]) -> bool:
 
 def exact_couple(
     slice_map: SliceMap, length: Fraction, t: Algebraic | None, u: Algebraic, omega: Algebraic, digits: int
-) -> tuple[Couple, ClassifiedPoint | None]:
-    """Classify a couple in a number field; the point, unless it is rejected.
+) -> tuple[CoupleReport, ClassifiedPoint | None]:
+    """Classifies a couple in a number field; also its point, unless it is rejected.
 
-    ``t`` is None at α = 180°; ``length`` is −L1 where θ1 is turned by half a turn (by_fields.py).
+    ``t`` is None at α = 180°; ``length`` is −L1 for a couple with θ1 = 180° (by_fields.py).
     """
     local = local_map(slice_map, length, t, u, omega)
     kind = classify(local)
@@ -92,13 +81,13 @@ def exact_couple(
     shown = point_of_pose(exact, _SHOWN_DIGITS).point
     if kind is PoseKind.ORDINARY:
         reason = _why(_legs(local, omega.field(1)), exact.f, exact.g)
-        return Couple(shown.alpha_deg, shown.theta1_deg, REJECTED, reason), None
+        return _report(shown.alpha_deg, shown.theta1_deg, REJECTED, reason), None
     verdict, reason = (KEPT, _TRIPLE) if kind is PoseKind.CUSP else (DEGENERATE, kind.value)
-    return Couple(shown.alpha_deg, shown.theta1_deg, verdict, reason), point_of_pose(exact, digits)
+    return _report(shown.alpha_deg, shown.theta1_deg, verdict, reason), point_of_pose(exact, digits)
 
 
 def count_real(coefficients: Sequence[arb]) -> int | None:
-    """The number of real roots of a polynomial with simple roots; None if the balls do not tell."""
+    """The number of real roots of a polynomial with simple roots; None if the balls do not decide it."""
     if not coefficients or coefficients[-1].contains(0):
         return None
     try:

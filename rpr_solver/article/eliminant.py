@@ -1,13 +1,13 @@
-"""Steps 1–4 of the article's algorithm: F1, E1, the eliminant of degree 96, and what its factors are.
+"""Steps 1–4 of the article's algorithm: F1, E1, the eliminant of degree 96, and its factors.
 
 With t = tan(α/2), u = tan(θ1/2) and h kept symbolic (as a multiple of ω), F1 has degree 4 and E1
 degree 12 in both t and u, and the eliminant of t is, up to a constant, for every geometry and L1,
 
     (u²+1)¹⁸ · q2² · q3² · w⁴ · s² · b1² · b3⁺² · b3⁻² · Q,    96 = 36 + 4 + 4 + 8 + 8 + 4 + 4 + 4 + 24
 
-On a singular pose the adjugate (8) has rank 1, so (10) is the true condition for three coalescing
-poses times u1 v1², where u1 and v1 vanish with the adjugate's first row and column; and where a leg
-closes, its angle says nothing. All factors but Q are those poses, in closed form:
+At a singular pose the adjugate (8) has rank 1, so (10) is the condition for three coalescing poses times
+u1 v1², where u1 and v1 vanish with the adjugate's first row and column; if a leg has length zero, its angle
+is undetermined. The factors other than Q are the poses of these two kinds, in closed form:
 
 - q2, q3: leg 2 or leg 3 has length zero;
 - w: legs 1 and 3 lie on the line A1A3 (k2 = k4 = 0);
@@ -15,11 +15,11 @@ closes, its angle says nothing. All factors but Q are those poses, in closed for
 - b1: the leg lines meet in B1, legs 2 and 3 along its platform sides (k2 = k5 = 0);
 - b3±: the leg lines meet in B3, |A1B3| = |L1 ± d3| (k1 = k4 = 0).
 
-Hence Q holds every cusp: the article's conjecture, and here the reason.
+Hence every cusp is above a root of Q, which explains the article's conjecture.
 
 For a flat platform (h = 0) the constraint Jacobian (5) is singular in every pose, (14) follows from
 (13), and their resultant is 0. It then matters that h is a symbol until step 5: the eliminant is a
-polynomial in h, and the coefficient of its lowest power of h is what remains when h is divided out.
+polynomial in h, and the coefficient of its lowest power of h takes its place.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _ONE_T, _ONE_U = 1 + T**2, 1 + U**2
 
 @dataclass(frozen=True)
 class KnownFactor:
-    """A factor in closed form: a form in u, what it is, and why it holds no cusp."""
+    """A factor in closed form: a form in u, its origin, and the reason why it has no cusps."""
 
     form: Form
     multiplicity: int
@@ -63,7 +63,7 @@ class ArticleEliminant:
     f1: BiForm
     e1: BiForm
     flat: bool
-    """h = 0, so that (14) follows from (13) and says nothing."""
+    """h = 0, so that (14) follows from (13) and is no condition."""
     whole: Form
     known: tuple[KnownFactor, ...]
     q: Form
@@ -154,29 +154,22 @@ def known_factors(slice_map: SliceMap, length: Fraction) -> tuple[KnownFactor, .
         turn = -(cos * f.ay - sin * f.ax) * q
         return angle(dot_m, cross_m, to_a1_a2, turn)
 
-    def factor(
-        polynomial: QuadraticPoly | fmpz_poly,
-        degree: int,
-        multiplicity: int,
-        origin: str,
-        reason: str,
-        closed_leg: int | None = None,
-    ) -> KnownFactor:
+    def form(polynomial: QuadraticPoly | fmpz_poly, degree: int = 2) -> Form:
         if isinstance(polynomial, fmpz_poly):
             polynomial = QuadraticPoly.rational(polynomial, slice_map.radicand)
-        return KnownFactor(Form(polynomial.primitive(), degree), multiplicity, origin, reason, closed_leg)
+        return Form(polynomial.primitive(), degree)
 
     row, column = "the adjugate's first row vanishes", "the adjugate's first column vanishes"
     meets = "the three leg lines meet in"
     return (
-        factor(one, 2, 18, "circular points", "u² = −1 is no angle"),
-        factor(f.closed(length), 2, 2, "L2 = 0", "leg 2 has length zero", 2),
-        factor(g.closed(length), 2, 2, "L3 = 0", "leg 3 has length zero", 3),
-        factor(g.collinear(), 2, 4, "legs 1 and 3 on line A1A3", f"k2 = k4 = 0: {column}"),
-        factor(along, 4, 2, "legs 2 and 3 on line A2A3", f"k1 = k3 = 0: {column}"),
-        factor(at_b1, 2, 2, f"{meets} B1", f"k2 = k5 = 0: {row}"),
-        factor(at_b3(length + d3), 2, 2, f"{meets} B3, |A1B3| = L1 + d3", f"k1 = k4 = 0: {column}"),
-        factor(at_b3(length - d3), 2, 2, f"{meets} B3, |A1B3| = |L1 - d3|", f"k1 = k4 = 0: {column}"),
+        KnownFactor(form(one), 18, "circular points", "u² = −1 is no angle"),
+        KnownFactor(form(f.closed(length)), 2, "L2 = 0", "leg 2 has length zero", 2),
+        KnownFactor(form(g.closed(length)), 2, "L3 = 0", "leg 3 has length zero", 3),
+        KnownFactor(form(g.collinear()), 4, "legs 1 and 3 on line A1A3", f"k2 = k4 = 0: {column}"),
+        KnownFactor(form(along, 4), 2, "legs 2 and 3 on line A2A3", f"k1 = k3 = 0: {column}"),
+        KnownFactor(form(at_b1), 2, f"{meets} B1", f"k2 = k5 = 0: {row}"),
+        KnownFactor(form(at_b3(length + d3)), 2, f"{meets} B3, |A1B3| = L1 + d3", f"k1 = k4 = 0: {column}"),
+        KnownFactor(form(at_b3(length - d3)), 2, f"{meets} B3, |A1B3| = |L1 - d3|", f"k1 = k4 = 0: {column}"),
     )
 
 

@@ -1,4 +1,4 @@
-"""What the article's algorithm reports of a slice beside its cusps."""
+"""The report of the article's algorithm on a slice, beside its cusps."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class CoupleReport(TypedDict):
 
 
 class FactorReport(TypedDict):
-    """A factor of the eliminant: its origin, the reason for it, and what its real roots gave.
+    """A factor of the eliminant: its origin, the reason for it, and the couples above its real roots.
 
-    ``rejected_in_step_6`` counts real solutions of (13) that fail (14), None where that was not counted.
+    ``rejected_in_step_6`` counts the real solutions of (13) that violate (14); None if they were not counted.
     """
 
     origin: str

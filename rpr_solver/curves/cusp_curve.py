@@ -1,4 +1,4 @@
-"""One cusp curve: its ends, and points of it."""
+"""One cusp curve: its ends and points."""
 
 from __future__ import annotations
 
@@ -22,13 +22,14 @@ class CurveEnd:
     """Where a cusp curve begins or ends.
 
     Attributes:
-        length: of the fixed leg, a correctly rounded decimal in the user's unit; ``"0"``, or None for a curve
-            without end.
-        kind: that of the transition; ``OPEN`` at 0 and without end; ``UNDECIDED`` at a degenerate length
-            where it is not proved which cusps pass, so that curves are cut there.
-        joins: the name of the curve that meets this one there, where that is proved: both are parts of one
+        length: of the fixed leg, a correctly rounded decimal in the user's unit or ``"0"``; None if the curve
+            extends to infinity.
+        kind: that of the transition; ``OPEN`` at 0 and infinity; ``UNDECIDED`` at a degenerate length at
+            which curves are cut because it is not proved which cusps continue.
+        joins: the name of the curve that meets this one there, if that is proved: both are parts of one
             smooth curve in (α, θ, L), which turns back in L.
-        events: the degenerate poses of the transition; a single one is the end point of the curve.
+        events: the degenerate poses of the transition; if there is only one, it is the end point of the
+        curve.
 
     >>> CurveEnd("26.7863808708888", PoseKind.BEAK_TO_BEAK, joins="C19")
     <CurveEnd at 26.786380…: beak-to-beak, joins C19>
@@ -87,10 +88,10 @@ class CuspCurve:
     """A curve of cusps over the lengths of the fixed leg between its ends.
 
     Attributes:
-        name: ``"C1"``, ``"C2"``, …; it belongs to the manipulator and its fixed leg, whatever is sampled.
-        start: where it begins, at the smaller length.
-        stop: where it ends.
-        points: points of it, ascending in length.
+        name: ``"C1"``, ``"C2"``, …; it depends on the manipulator and its fixed leg only, not on the samples.
+        start: the end of smaller length.
+        stop: the end of greater length.
+        points: the sampled points of the curve, ascending in length.
 
     >>> born = CurveEnd("0.829977410", PoseKind.SWALLOWTAIL)
     >>> CuspCurve("C1", born, CurveEnd(None, LengthKind.OPEN), points=())
@@ -107,6 +108,6 @@ class CuspCurve:
         return f"<CuspCurve {self.name} from {ends}: {counted(len(self.points), 'point')}>"
 
     def meets(self, span: LengthRange) -> bool:
-        """Whether the curve has points in a range, as far as its decimals tell."""
+        """Whether the curve has points in a range, within the accuracy of its decimals."""
         begins, ends = Fraction(self.start.length or 0), self.stop.length
         return (span.stop is None or begins < span.stop) and (ends is None or Fraction(ends) > span.start)

@@ -1,8 +1,8 @@
 """Cusp curves: each cusp followed from the transition where it is born to the one where it dies.
 
 Along a curve α, θ and the two free legs are analytic functions of the fixed length L. The curves are named
-C1, C2, … in the order in which they begin, and by the fixed leg's angle where several begin together; the
-names belong to the manipulator and its fixed leg, and do not depend on what range or samples are asked for.
+C1, C2, … in the order in which they begin, and by the fixed leg's angle if several begin together; the names
+depend on the manipulator and its fixed leg only, not on the range or the samples of a request.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ from rpr_solver.transitions.survey import Survey, survey
 class CuspCurves:
     """The cusp curves of a manipulator that meet a range of lengths of the fixed leg.
 
-    Proved: that these are all curves, which cusp of a slice lies on which, and every printed digit.
+    Proved: these are all curves, and the curve of each cusp and every printed digit is right.
 
     Attributes:
         manipulator: the geometry.
-        fixed_leg: the leg whose length changes along the curves.
+        fixed_leg: the leg whose length varies along the curves.
         digits: significant digits of every printed number.
         curves: the curves, in the order of their names.
         range: the lengths of the fixed leg, in the user's unit.
@@ -149,7 +149,7 @@ class CuspCurves:
 
         Args:
             start: the lower end, exact, in the user's unit, included.
-            stop: the upper end, included; None is no end.
+            stop: the upper end, included; None is an open end.
 
         Raises:
             InputError: naming ``start`` or ``stop``.
@@ -165,14 +165,13 @@ class CuspCurves:
     def spread(self, count: int, start: Exact = 0, stop: Exact | None = None) -> list[Fraction]:
         """``count`` lengths in each interval of a range between ends of curves, denser near these ends.
 
-        They are short decimals. Beyond the last end of all curves a range without end is sampled up to twice
-        that length. An interval too narrow for the digits of its ends gets the length of the points that the
-        curves have there.
+        They are short decimals. An open range is sampled up to twice the length of the last end of a curve.
+        In an interval too narrow for the digits of its ends, the lengths are those of the present points.
 
         Args:
             count: the number of lengths in an interval, > 0.
             start: the lower end of the range, exact, in the user's unit.
-            stop: the upper end; None is no end.
+            stop: the upper end; None is an open end.
 
         Raises:
             InputError: naming ``count``, ``start`` or ``stop``.
@@ -180,7 +179,7 @@ class CuspCurves:
         count = check_integer(count, "count", "1 or more")
         if count < 1:
             raise InputError.of("count", f"is {count}; give 1 or more")
-        found: set[Fraction] = set()
+        lengths: set[Fraction] = set()
         for low, high in pairwise(self._borders(LengthRange.of(start, stop))):
             if not any(curve.meets(LengthRange(low, high)) for curve in self.curves):
                 continue
@@ -189,12 +188,12 @@ class CuspCurves:
             while step > width / (16 * count**2):
                 step /= 10
             if step > doubt:
-                # hints only: wherever they lie, they are lengths
+                # floats are harmless here: any lengths will do
                 shares = (Fraction((1 - cos(pi * (2 * i + 1) / (2 * count))) / 2) for i in range(count))
-                found |= {round((low + share * width) / step) * step for share in shares}
+                lengths |= {round((low + share * width) / step) * step for share in shares}
             else:
-                found |= {p.length for curve in self.curves for p in curve.points if low < p.length < high}
-        return sorted(found)
+                lengths |= {p.length for curve in self.curves for p in curve.points if low < p.length < high}
+        return sorted(lengths)
 
     def sampled(
         self,
@@ -205,13 +204,13 @@ class CuspCurves:
     ) -> CuspCurves:
         """The same curves with their points at other lengths of the fixed leg.
 
-        The cusps set out from the points that the curves have now; every curve must have one between any
-        two neighbouring ends of curves, as :func:`cusp_curves` makes them.
+        Cusps are followed from the present points; every curve must have one between any two neighbouring
+        ends of curves, as in the result of :func:`cusp_curves`.
 
         Args:
             lengths: one length or several, exact, > 0, in the user's unit.
-            eliminant: of the manipulator and the fixed leg, where it is known.
-            progress: called as ``progress(done, total)``.
+            eliminant: of the manipulator and the fixed leg; computed if it is None.
+            progress: callback ``progress(done, total)``.
 
         Raises:
             InputError: naming each length at fault by the leg and its place (``l1[0]``).
@@ -235,8 +234,8 @@ class CuspCurves:
         return replace(
             self,
             curves=tuple(
-                replace(curve, points=tuple(sorted(found, key=lambda p: p.length)))
-                for curve, found in zip(self.curves, points, strict=True)
+                replace(curve, points=tuple(sorted(samples, key=lambda p: p.length)))
+                for curve, samples in zip(self.curves, points, strict=True)
             ),
         )
 
@@ -251,14 +250,14 @@ class CuspCurves:
     ) -> CuspCurves:
         """The curves that meet a range, with their points at other lengths.
 
-        Without ``lengths`` and ``samples`` the points of the range stay as they are.
+        Without ``lengths`` and ``samples`` the points in the range are kept.
 
         Args:
             start: the lower end of the range, exact, in the user's unit.
-            stop: the upper end; None is no end.
+            stop: the upper end; None is an open end.
             lengths: one length or several, exact, > 0, in the user's unit.
-            samples: how many more points each curve has in every interval (see :meth:`spread`).
-            progress: called as ``progress(done, total)``.
+            samples: the number of further points of each curve in every interval (see :meth:`spread`).
+            progress: callback ``progress(done, total)``.
 
         Raises:
             InputError: naming ``start``, ``stop``, each length at fault, or the ``count`` of samples.
@@ -287,14 +286,15 @@ def cusp_curves(
 ) -> CuspCurves:
     """Every cusp curve of the slices of one leg over all lengths > 0, with a point in each interval.
 
-    Between two transitions a cusp moves on a smooth curve; it is followed through tubes that hold one curve
-    alone, by Krawczyk's test, and matched with the whole tables of slices. Nothing is decided by nearness.
+    Between two transitions a cusp moves on a smooth curve. It is followed through tubes that contain a single
+    curve, by Krawczyk's test, and matched with the complete tables of slices; nothing is decided by
+    proximity.
 
     Args:
         manipulator: the geometry.
-        fixed_leg: the leg whose length changes along the curves, 1, 2 or 3.
+        fixed_leg: the leg whose length varies along the curves, 1, 2 or 3.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
-        progress: called as ``progress(done, total)``; ``total`` may grow.
+        progress: callback ``progress(done, total)``; ``total`` may grow.
 
     Raises:
         InputError: naming ``manipulator``, ``fixed_leg`` or ``digits``.
@@ -307,13 +307,13 @@ def cusp_curves(
     """
     digits, fixed_leg = check_digits(digits), check_leg(fixed_leg)
     report = progress or silent
-    found = survey(
+    result = survey(
         manipulator, fixed_leg, lambda done, of: report(done, 2 * of - ELIMINATION_STEPS), digits=digits
     )
-    tracker, steps = Tracker(found.eliminant, digits, found.slices), len(found.slices)
+    tracker, steps = Tracker(result.eliminant, digits, result.slices), len(result.slices)
     total = ELIMINATION_STEPS + 2 * steps
-    named = tracks(found, tracker, lambda done, _: report(total - steps + done, total))
-    cuts = [_end(found, k, digits) for k in range(len(found.groups))]
+    named = tracks(result, tracker, lambda done, _: report(total - steps + done, total))
+    cuts = [_end(result, k, digits) for k in range(len(result.groups))]
     ends = [CurveEnd("0", LengthKind.OPEN), *cuts, CurveEnd(None, LengthKind.OPEN)]
 
     def end(k: int, other: int | None) -> CurveEnd:
@@ -325,7 +325,7 @@ def cusp_curves(
     for number, track in enumerate(named.tracks):
         start = end(min(track.cusps), track.born_with)
         stop = end(max(track.cusps) + 1, track.dies_with)
-        points = (_point(tracker, found.slices[k].length, index) for k, index in track.cusps.items())
+        points = (_point(tracker, result.slices[k].length, index) for k, index in track.cusps.items())
         curves.append(CuspCurve(_name(number), start, stop, tuple(points)))
     return CuspCurves(manipulator, fixed_leg, digits, tuple(curves), LengthRange())
 
@@ -338,9 +338,10 @@ def _point(tracker: Tracker, length: Fraction, index: int) -> CurvePoint:
     return CurvePoint(length, index + 1, tracker.table(length).cusps[index])
 
 
-def _end(found: Survey, k: int, digits: int) -> CurveEnd:
-    """The end of curves at the group of events k."""
-    transition = transition_at(found, k, digits)
+def _end(result: Survey, k: int, digits: int) -> CurveEnd:
+    """The end of curves at the k-th group of events."""
+    transition = transition_at(result, k, digits)
     if transition is not None:
         return CurveEnd(transition.length, transition.kind, events=transition.events)
-    return CurveEnd(length_text(found.eliminant.slice_map, found.groups[k], digits), LengthKind.UNCLASSIFIED)
+    length = length_text(result.eliminant.slice_map, result.groups[k], digits)
+    return CurveEnd(length, LengthKind.UNCLASSIFIED)

@@ -1,7 +1,7 @@
-"""To which cusp of another slice a cusp comes: tubes, matched with whole tables.
+"""The cusp of another slice to which a cusp leads: tubes, matched with complete tables.
 
-A table lists every cusp of its slice. So a tube's box that is apart from all cusps of a table but one has
-come to that one; nothing is decided by nearness.
+A table lists every cusp of its slice. So if the box of a tube is disjoint from all cusps of a table but one,
+it contains that one; nothing is decided by proximity.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from rpr_solver.slices.slice_table import SliceTable
 
 _TUBES_A_TURN = 16
 _PATIENCE, _GREAT_PATIENCE = 512, 1 << 13
-"""Tubes spent on one cusp: between slices chosen well, and wherever slices may lie."""
+"""The budget of tubes for one cusp: between slices of a survey, and between arbitrary slices."""
 _FIRST_BITS = 128
 
 Cusp = tuple[Fraction, int]
-"""A cusp by the length of its slice and its place in the table, from 0."""
+"""A cusp by the length of its slice and its index in the table, from 0."""
 
 
 class Tracker:
-    """The slices of one eliminant, with so many digits at least, and the ways of their cusps.
+    """The slices of one eliminant, with at least ``digits`` digits, and the followers of their cusps.
 
-    ``known`` are slices with just so many digits, which need not be solved again.
+    ``known`` are slices solved to exactly this number of digits, which need not be solved again.
     """
 
     def __init__(self, eliminant: Eliminant, digits: int, known: Iterable[SliceTable] = ()) -> None:
@@ -43,14 +43,14 @@ class Tracker:
         self._tables = {(table.length, digits): table for table in known}
 
     def table(self, length: Fraction, digits: int = 0) -> SliceTable:
-        """A slice, kept."""
+        """The table of a slice, cached."""
         key = length, max(digits, self.digits)
         if key not in self._tables:
             self._tables[key] = solve_slice(self.eliminant, *key)
         return self._tables[key]
 
     def follower(self, cusp: Cusp, *, upwards: bool) -> Follower:
-        """Sets out from a cusp to larger or to smaller lengths."""
+        """The follower of a cusp towards greater or smaller lengths."""
         length, index = cusp
 
         def start(bits: int) -> Place:
@@ -66,10 +66,10 @@ class Tracker:
         *,
         until_full: Fraction | None = None,
     ) -> dict[int, Cusp]:
-        """To which cusp of two slices each follower comes first, without leaving the lengths between.
+        """The first cusp of two slices that each follower reaches, without leaving the lengths between.
 
-        Who does not come to either is missing. With ``until_full`` no more is done once all cusps of that
-        slice are met, and much until then.
+        Followers that reach neither slice are omitted. With ``until_full``, stop as soon as every cusp of
+        that slice has been matched, and spend a larger budget until then.
         """
         patience = _PATIENCE if until_full is None else _GREAT_PATIENCE
         met: dict[int, Cusp] = {}
@@ -80,12 +80,13 @@ class Tracker:
         while waiting and still_free != 0:
             name, follower, spent = waiting.popleft()
             try:
-                found = follower.walk(scaled_low, scaled_high, _TUBES_A_TURN)
+                arrival = follower.walk(scaled_low, scaled_high, _TUBES_A_TURN)
             except LostError:
                 continue
-            if found is not None:
-                length = ends[found[0]]
-                met[name] = length, self._index(found[1], length)
+            if arrival is not None:
+                scaled, place = arrival
+                length = ends[scaled]
+                met[name] = length, self._index(place, length)
                 if still_free is not None and length == until_full:
                     still_free -= 1
             elif spent < patience:
@@ -114,7 +115,7 @@ class Tracker:
 
 
 def _half_tangent(degrees: str, digits: int) -> HalfTangent:
-    """An angle that was rounded to so many digits."""
+    """The ball of an angle that was rounded to ``digits`` digits."""
     angle = ball_of(Fraction(degrees))
     angle = arb(angle.mid(), angle.rad() + abs(angle) * arb(10) ** (1 - digits)) * arb.pi() / 360
     return HalfTangent(angle.sin(), angle.cos())

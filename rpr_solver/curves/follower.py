@@ -1,10 +1,9 @@
 """A cusp followed by proof along its curve J = E = 0 in (α, θ, L), from tube to tube.
 
-Tubes lead through swallowtails, lips and beaks as well, where the curve turns back in L. All along it is a
-curve of cusps, but for these: a zero at which neither ∇f = 0 nor v·∇E = 0 nor ∇J = 0 is a cusp, and poses
-with ∇f = 0 come in curves of their own, which a tube would hold beside the cusps'. E may be taken along
-either leg; it is taken along the one with the larger gradient, for a cusp may pass a pose at which the
-other gradient vanishes.
+Tubes also lead through swallowtails, lips and beaks, where the curve turns back in L. All its other points
+are cusps: a zero is a cusp unless ∇f = 0, v·∇E = 0 or ∇J = 0, and poses with ∇f = 0 form separate curves,
+which would be a second curve in the tube. E can be taken along either leg; it is taken along the leg with
+the larger gradient, since a cusp may pass a pose at which the other gradient vanishes.
 """
 
 from __future__ import annotations
@@ -24,13 +23,13 @@ _FIRST_REACH = Fraction(1, 32)
 
 
 class LostError(Exception):
-    """A signal between modules, no error of the user's: no tube leads on at any precision tried."""
+    """Control flow between modules: no tube continues the curve at any precision up to the limit."""
 
 
 class Follower:
-    """A cusp of a slice on its way up, or down, along its curve.
+    """A cusp of a slice, moving up or down in L along its curve.
 
-    ``start`` gives a box that holds the cusp, and no other zero, as small as a precision in bits allows.
+    ``start`` gives a box that contains the cusp and no other zero, as small as a precision in bits allows.
     Lengths are scaled.
     """
 
@@ -44,13 +43,13 @@ class Follower:
         self._tube: Tube | None = None
 
     def walk(self, low: Fraction, high: Fraction, tubes: int) -> tuple[Fraction, Place] | None:
-        """Go on, above ``low`` and below ``high``, to the first of these two slices that the curve meets.
+        """Continues between ``low`` and ``high`` to the first of these two slices that the curve meets.
 
         Returns:
-            The slice that was met and the box there; None when so many new tubes lead to neither.
+            The length of that slice and the box there; None if ``tubes`` new tubes reach neither.
 
         Raises:
-            LostError: no tube leads on.
+            LostError: no tube continues the curve.
         """
         for _ in range(tubes + 1):
             if self._tube:

@@ -1,4 +1,4 @@
-"""The cusps of many slices named: each is followed from slice to slice."""
+"""Names for the cusps of many slices: each cusp is followed from slice to slice."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ from rpr_solver.transitions.survey import Survey
 class Track:
     """One cusp through the slices of a survey.
 
-    ``cusps`` gives its place in the table of each slice, by the slice's number. ``born_with`` and
-    ``dies_with`` are the numbers of the tracks into which the curve turns back at its ends, where known.
+    ``cusps`` gives its index in the table of each slice, by the slice's number. ``born_with`` and
+    ``dies_with`` are the numbers of the tracks into which the curve turns back at its ends, if that is
+    proved.
     """
 
     cusps: dict[int, int]
@@ -33,26 +34,26 @@ class Track:
 class Tracks:
     """All cusps of a survey.
 
-    ``undecided`` are the groups of events at which tracks end and begin, alone, that may be the same.
+    ``undecided`` are the groups of events at which tracks end and others begin that may be the same.
     """
 
     tracks: tuple[Track, ...]
     undecided: frozenset[int]
 
 
-def tracks(found: Survey, tracker: Tracker, progress: Progress) -> Tracks:
-    """Follow every cusp of a survey from slice to slice."""
+def tracks(survey: Survey, tracker: Tracker, progress: Progress) -> Tracks:
+    """Follows every cusp of a survey from slice to slice."""
     everything: list[Track] = []
     undecided = set()
     alive: dict[int, Follower] = {}
 
     def begin(k: int, indices: Sequence[int]) -> None:
         for index in indices:
-            alive[len(everything)] = tracker.follower((found.slices[k].length, index), upwards=True)
+            alive[len(everything)] = tracker.follower((survey.slices[k].length, index), upwards=True)
             everything.append(Track({k: index}))
 
-    begin(0, range(found.slices[0].count))
-    for k, (below, above) in enumerate(pairwise(found.slices)):
+    begin(0, range(survey.slices[0].count))
+    for k, (below, above) in enumerate(pairwise(survey.slices)):
         names = {everything[name].cusps[k]: name for name in alive}
         met = tracker.destinations(alive, below.length, above.length)
         for name, (length, index) in met.items():
@@ -68,15 +69,15 @@ def tracks(found: Survey, tracker: Tracker, progress: Progress) -> Tracks:
         for track, index in zip(everything[first:], born, strict=True):
             sibling = _sibling(tracker, below.length, (above.length, index))
             track.born_with = None if sibling is None else first + born.index(sibling)
-        from_nowhere = any(track.born_with is None for track in everything[first:])
-        if from_nowhere and len(met) < len(names) and not _only(tracker, found.groups[k], len(taken)):
+        unpaired = any(track.born_with is None for track in everything[first:])
+        if unpaired and len(met) < len(names) and not _only(tracker, survey.groups[k], len(taken)):
             undecided.add(k)
-        progress(k + 2, len(found.slices))
+        progress(k + 2, len(survey.slices))
     return Tracks(tuple(everything), frozenset(undecided))
 
 
 def _only(tracker: Tracker, group: Sequence[Event], passing: int) -> bool:
-    """Proof that no more than so many cusps pass events: there are no more at their very length."""
+    """Proves that at most ``passing`` cusps continue through events: their slice itself has no more."""
     exact = next((x.rational for e in group if (x := e.exact_length) and x.rational is not None), None)
     if exact is None:
         return False
@@ -97,19 +98,18 @@ def name_cusps(
 
     Args:
         tracker: of the manipulator.
-        starts: for each slice where names are known, its cusps' places in the table by name.
-        lengths: the slices in question.
+        starts: for each slice with known names, the indices of its cusps in the table by name.
+        lengths: the slices to name.
 
     Yields:
-        Each length, in no order, with its cusps' places in the table by name.
+        Each length, in arbitrary order, with the indices of its cusps in the table by name.
 
     Raises:
-        Unproved: a cusp of some slice could not be given its name.
+        Unproved: a cusp of some slice could not be named.
     """
-    known = sorted(starts)
-    wanted = sorted(set(lengths))
-    for low, high in pairwise([None, *known, None]):
-        inside = [x for x in wanted if (low is None or low < x) and (high is None or x < high)]
+    targets = sorted(set(lengths))
+    for low, high in pairwise([None, *sorted(starts), None]):
+        inside = [x for x in targets if (low is None or low < x) and (high is None or x < high)]
         names: dict[Fraction, dict[int, int]] = {length: {} for length in inside}
         for start, order in ((low, inside), (high, inside[::-1])):
             if start is not None:
@@ -118,7 +118,7 @@ def name_cusps(
             if len(names[length]) < tracker.table(length).count:
                 raise Unproved(f"not all cusps of the slice {exact_str(length)} could be followed to it")
             yield length, names[length]
-    yield from ((length, dict(starts[length])) for length in wanted if length in starts)
+    yield from ((length, dict(starts[length])) for length in targets if length in starts)
 
 
 def _pass(
@@ -128,7 +128,7 @@ def _pass(
     order: Sequence[Fraction],
     names: Mapping[Fraction, dict[int, int]],
 ) -> None:
-    """Follow the cusps of one slice through others, nearest first, as far as these lack names."""
+    """Follows the cusps of one slice through others, nearest first, until one has all names."""
     alive: dict[int, Follower] | None = None
     for length in order:
         if len(names[length]) == tracker.table(length).count:

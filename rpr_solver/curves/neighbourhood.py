@@ -1,13 +1,12 @@
 """J = E = 0 about one of its points, expanded exactly in local coordinates.
 
-The coordinates are x = tan(δα/2), y = tan(δθ/2) and z = δL/L, numbered 0, 1, 2: turning the half angles moves
-any pose to x = y = 0, so none of them is at infinity.
+The coordinates are x = tan(δα/2), y = tan(δθ/2) and z = δL/L, numbered 0, 1, 2. Rotating the half angles
+moves the point to x = y = 0, so it is never at infinity.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 from flint import arb, arb_mat, arb_poly
 
@@ -34,7 +33,7 @@ class Place:
     theta: HalfTangent
 
     def apart(self, other: Place) -> bool:
-        """Proof that two boxes do not meet."""
+        """Whether two boxes are proved to be disjoint."""
         pairs = ((self.alpha, other.alpha), (self.theta, other.theta))
         crossed = (a.numerator * b.denominator - b.numerator * a.denominator for a, b in pairs)
         return any(not x.contains(0) for x in crossed)
@@ -59,7 +58,7 @@ class CuspForms:
         return self._known[bits]
 
     def steeper(self, place: Place, length: arb, bits: int) -> int:
-        """0 or 1: the leg, f or g, whose gradient is the larger by its size."""
+        """0 for leg f or 1 for leg g: the leg with the larger gradient in proportion to its size."""
         omega = omega_ball(self.slice_map.radicand, bits)
         pose = pose_of(_middle(place.alpha), _middle(place.theta), length, omega)
         local = LocalMap.at(self.slice_map, pose, 1)
@@ -81,7 +80,7 @@ def _balls(form: BiForm, bits: int) -> Expansion:
 
 @dataclass(frozen=True)
 class Frame:
-    """Where local coordinates begin: half angles as (sin, cos), exact and all but normed, and L."""
+    """The origin of local coordinates: half angles as exact (sin, cos), nearly normalized, and L."""
 
     alpha: Two
     theta: Two
@@ -89,7 +88,7 @@ class Frame:
 
     @classmethod
     def about(cls, place: Place, length: arb) -> Frame:
-        """With its origin in the middle of a box."""
+        """The frame whose origin is the midpoint of a box."""
 
         def origin(t: HalfTangent) -> Two:
             n, d = t.numerator.mid(), t.denominator.mid()
@@ -108,7 +107,7 @@ class Frame:
         return x, y, self.of_length(length)
 
     def of_length(self, length: arb) -> arb:
-        """z."""
+        """The coordinate z of a length."""
         return (length - self.length) / self.length
 
     def outside(self, x: arb, y: arb) -> Place:
@@ -119,14 +118,8 @@ class Frame:
     def expanded(self, form: Expansion) -> Expansion:
         """A form by powers of z, those of x down and of y across."""
         left, right = _moved(self.alpha).transpose(), _moved(self.theta)
-        form = [c * self.length**k for k, c in enumerate(form)]
-        c0, c1, *rest = form
-        if rest:
-            [c2] = rest
-            coefficients = [c0 + c1 + c2, c1 + c2 * 2, c2]
-        else:
-            coefficients = [c0 + c1, c1, c1 * 0]
-        return [left * c * right for c in coefficients]
+        c0, c1, c2 = [c * self.length**k for k, c in enumerate((*form, form[0] * 0)[:3])]
+        return [left * c * right for c in (c0 + c1 + c2, c1 + c2 * 2, c2)]
 
 
 def _moved(origin: Two) -> arb_mat:
@@ -142,7 +135,7 @@ def _moved(origin: Two) -> arb_mat:
 
 @dataclass(frozen=True)
 class Neighbourhood:
-    """The neighbourhood of a point of the curve: J and E in local coordinates, and a box for the point."""
+    """The neighbourhood of a point of the curve: J and E in local coordinates, and a box about the point."""
 
     frame: Frame
     forms: tuple[Expansion, Expansion]
@@ -151,16 +144,17 @@ class Neighbourhood:
 
     @classmethod
     def at(cls, forms: CuspForms, place: Place, length: arb, bits: int) -> Neighbourhood:
-        """About the point of the curve that a box holds."""
+        """The neighbourhood of the point of the curve in a box."""
         frame = Frame.about(place, length)
         singular, coalescence = forms.at(bits)
         e = coalescence[forms.steeper(place, length, bits)]
         return cls(frame, (frame.expanded(singular), frame.expanded(e)), frame.inside(place, length), bits)
 
     def heading(self, axis: int, forwards: bool) -> tuple[int, bool, bool | None] | None:
-        """The best parameter, and whether it and L grow on the way on which coordinate ``axis`` does so.
+        """The best parameter, and whether it and L increase along the curve in a given direction.
 
-        None where the balls do not tell; in place of the last where they do not tell that.
+        The direction is that in which coordinate ``axis`` increases (``forwards``) or decreases. None if the
+        balls do not decide it; the last entry is None if they do not decide it for L.
         """
         tangent = self._tangent()
         best = max(range(3), key=lambda i: abs(tangent[i].mid()))
@@ -193,9 +187,8 @@ def at_parameter(form: Expansion, r: arb) -> arb_mat:
 def value(form: arb_mat, p: arb, q: arb) -> arb:
     """The value at (p, q)."""
     rows, columns = form.nrows(), form.ncols()
-    product: Any = arb_mat(1, rows, _powers(p, rows)) * form * arb_mat(columns, 1, _powers(q, columns))
-    found: arb = product[0, 0]
-    return found
+    product = arb_mat(1, rows, _powers(p, rows)) * form * arb_mat(columns, 1, _powers(q, columns))
+    return product[0, 0]
 
 
 def values(form: arb_mat, p: arb, q: arb) -> arb_mat:

@@ -1,12 +1,12 @@
-"""Tubes that hold the curve J = E = 0 alone.
+"""Tubes that contain a single curve J = E = 0.
 
 One of the coordinates x, y, z, in which the curve is not too steep, is its parameter r; p and q are the other
-two. Multiplied by the inverse of its Jacobian matrix, (J, E) becomes G = (p, q) + N(p, q, r). A parabola
-(p̂(r), q̂(r)) follows the curve to second order, and where for all |r| ≤ h
+two. The inverse of the Jacobian matrix times (J, E) is G = (p, q) + N(p, q, r). A parabola (p̂(r), q̂(r))
+approximates the curve to second order, and if for all |r| ≤ h
 
     |G(p̂(r), q̂(r), r)| + |N′| ρ < ρ,        N′ = ∂N/∂(p, q) over the tube of radii ρ round the parabola,
 
-each r has exactly one zero of J = E = 0 in the tube (Krawczyk's test).
+then for each r the tube contains exactly one zero of J = E = 0 (Krawczyk's test).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _TRIALS = 3
 
 @dataclass(frozen=True)
 class Tube:
-    """Where |r| ≤ reach: all within ``radii`` of the parabola, in p and in q."""
+    """For |r| ≤ reach, all points within ``radii`` of the parabola in p and in q."""
 
     frame: Frame
     axis: int
@@ -49,7 +49,7 @@ class Tube:
     radii: Two
 
     def meets(self, low: Fraction, high: Fraction) -> Fraction | None:
-        """Which of two lengths the tube leads to, with L as parameter."""
+        """The length, of two, that the tube contains and leads to, with L as parameter; else None."""
         if self.axis != ALONG_L:
             return None
         length = high if self.forwards else low
@@ -80,7 +80,7 @@ class Tube:
         return all(low < height - radius and height + radius < high for height in heights)
 
     def advance(self, axis: int) -> arb:
-        """How far the tube leads in another coordinate, nearly."""
+        """The approximate extent of the tube in another coordinate."""
         return abs(self.slopes[axis] * self.reach).mid()
 
     def _last(self) -> arb:
@@ -96,8 +96,8 @@ class Tube:
 def build(around: Neighbourhood, axis: int, forwards: bool, reach: arb, between: Two | None) -> Tube | None:
     """A tube with one coordinate as parameter, of the given reach or less.
 
-    With ``between`` the way forwards through it stays strictly between two lengths. None where no tube
-    can be built at this precision.
+    With ``between`` the curve in the tube stays strictly between two lengths. None if no tube can be built at
+    this precision.
     """
     first, second = (_by_power(form, axis) for form in around.forms)
     nonlinear = _preconditioned(first, second)
@@ -136,7 +136,7 @@ def _by_power(form: Expansion, axis: int) -> Expansion:
 
 
 def _preconditioned(j: Expansion, e: Expansion) -> tuple[Expansion, Expansion] | None:
-    """N: (nearly) the inverse of the Jacobian matrix at the origin times (J, E), less (p, q)."""
+    """N: an approximate inverse of the Jacobian matrix at the origin times (J, E), minus (p, q)."""
     (a, b), (c, d) = ((m[0][1, 0].mid(), m[0][0, 1].mid()) for m in (j, e))
     det = a * d - b * c
     if det.contains(0):
@@ -178,7 +178,7 @@ class _Bounds:
     slopes: Two
     bends: Two
     errors: tuple[Two, ...]
-    """What is left of the terms in r and r² on the parabola."""
+    """The residues of the terms in r and r² on the parabola."""
 
     @classmethod
     def of(cls, nonlinear: tuple[Expansion, Expansion], slopes: Two, bends: Two) -> _Bounds:
@@ -190,7 +190,7 @@ class _Bounds:
         return cls((first, second), _absolute(slopes), _absolute(bends), errors)
 
     def radii(self, reach: arb, off: Two) -> Two | None:
-        """Radii of p and q, greater than ``off``, that pass Krawczyk's test; None if none were found."""
+        """Radii of p and q, greater than ``off``, that pass Krawczyk's test; None if no trial passes."""
         p, q = _on_parabola(self.slopes, self.bends, reach)
         sizes = [at_parameter(size, reach) for size in self.sizes]
         least = []
@@ -209,7 +209,7 @@ class _Bounds:
                 and least[1] + c * wide[0] + d * wide[1] < wide[1]
             ):
                 return wide[0], wide[1]
-            # what would pass by half as much again, if the derivatives stayed as they are
+            # 3/2 times the radii that would just pass if the derivatives did not change
             det = (1 - a) * (1 - d) - b * c
             if not (a < 1 and det > 0):
                 return None
@@ -230,7 +230,7 @@ def _absolute(pair: Two) -> Two:
 
 
 def _contracted(nonlinear: tuple[Expansion, Expansion], r: arb, box: Two) -> Two:
-    """The part of a box in which zeros can lie, by interval Newton steps."""
+    """The part of a box that can contain zeros, by interval Newton steps."""
     forms = [at_parameter(n, r) for n in nonlinear]
     for _ in range(_NEWTON_STEPS):
         p, q = box

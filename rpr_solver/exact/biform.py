@@ -1,8 +1,8 @@
 """Forms over ℤ[ω] in two half tangents: A + ω B with A and B in ℤ[t, u, L], as quadratic.py in one variable.
 
-The degrees in t = tan(α/2) and u = tan(θ/2) are formal: they are those of a homogeneous form in the sine and
-cosine of the half angle, and what a polynomial lacks in actual degree are zeros at α = 180° or θ = 180°.
-Formal degrees add up in products, and stay the same where a coefficient happens to vanish.
+The degrees in t = tan(α/2) and u = tan(θ/2) are formal: those of a homogeneous form in the sine and cosine
+of the half angle. If the actual degree is smaller, the difference is the number of zeros at α = 180° or θ =
+180°. Formal degrees are additive in products, and independent of coefficients that happen to vanish.
 """
 
 from __future__ import annotations
@@ -136,9 +136,9 @@ class BiForm(Quadratic[fmpz_mpoly]):
 
 
 def without_common_factors(j: BiForm, e: BiForm) -> tuple[BiForm, BiForm, list[fmpz_mpoly]]:
-    """Two forms less the rational factors that they share, and these.
+    """Divides two forms by the rational factors that they share; also these factors.
 
-    j loses every power of such a factor: one more than e holds must not come back as an isolated zero.
+    j is divided by every power of such a factor, lest a power beyond those of e reappear as isolated zeros.
     """
     common = []
     while (factor := _common(j.a, j.b, e.a, e.b)) is not None:

@@ -1,4 +1,4 @@
-"""Balls to decimal strings: every printed digit is proved, or nothing is printed."""
+"""Decimal strings from balls and rationals: every printed digit is proved, or there is no string."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ def _power_of_ten(n: int) -> fmpz:
 
 
 def round_ball(x: arb, digits: int) -> str | None:
-    """``x`` rounded to ``digits`` significant digits, or None if the ball is too wide to tell.
+    """``x`` rounded to ``digits`` significant digits, or None if the ball is too wide to decide them.
 
-    An exact zero is ``"0"``. Uses the working precision of the caller.
+    An exact zero is ``"0"``. The working precision is that of the caller.
 
     >>> round_ball(arb(2).sqrt(), 10), round_ball(arb(1, 0.6), 10)
     ('1.414213562', None)
@@ -72,7 +72,7 @@ def angle_text(text: str) -> str:
 
 
 def sorted_by_balls(items: Iterable[T], balls: Callable[[T], Sequence[arb]]) -> list[T]:
-    """Items in the order of their first balls, then of the next; balls that overlap count as equal."""
+    """Items in lexicographic order of their balls; overlapping balls count as equal."""
 
     def compare(x: T, y: T) -> int:
         for first, second in zip(balls(x), balls(y), strict=True):
@@ -102,7 +102,7 @@ def place_digits(significant: str, place: int, *, negative: bool) -> str:
 
 
 def shorten(text: str, digits: int) -> str | None:
-    """A correctly rounded decimal rounded again to fewer digits; None on a tie, which hides the truth.
+    """A correctly rounded decimal rounded again to fewer digits; None on a tie, which cannot be decided.
 
     >>> shorten("14.9849", 3), shorten("-0.0999999", 2), shorten("1.2500", 2)
     ('15.0', '-0.10', None)
@@ -113,22 +113,22 @@ def shorten(text: str, digits: int) -> str | None:
         return text
     if short != _rounding(digits, ROUND_HALF_DOWN).plus(x):
         return None
-    plain = str(short)  # mostly the text already, and whole tables are shortened at a time
+    plain = str(short)  # fast path: this is almost always the text, and whole tables are shortened
     return _text(short, digits) if "E" in plain else plain
 
 
 @lru_cache(maxsize=64)
 def _rounding(digits: int, rounding: str) -> Context:
-    """Decimals of so many digits and any size."""
+    """The context of decimals with this number of digits and of any size."""
     return Context(prec=digits, rounding=rounding, Emin=MIN_EMIN, Emax=MAX_EMAX)
 
 
 def _text(x: Decimal, digits: int) -> str:
-    """The text of a number that has no more than so many digits and is not 0, filled up with zeros."""
+    """The text of a nonzero number of at most ``digits`` digits, padded with zeros."""
     significant, _, place = f"{x.copy_abs():.{digits - 1}e}".partition("e")
     return place_digits(significant.replace(".", ""), int(place), negative=x.is_signed())
 
 
 def digit_bits(digits: int) -> int:
-    """Bits that hold so many decimal digits, with a few to spare."""
+    """The bits that hold this number of decimal digits, with a few to spare."""
     return digits * 3322 // 1000 + 16

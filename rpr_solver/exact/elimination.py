@@ -1,8 +1,8 @@
-"""Res_t of two forms in (t, u) over ℤ[ω], less factors that are known, from its values modulo primes.
+"""Res_t of two forms in (t, u) over ℤ[ω], divided by known factors, from its values modulo primes.
 
-All degrees are formal, so that zeros at t = ∞ and u = ∞ count. The values are taken on as many points u as
-the quotient has coefficients, and on a spare one, which checks that the known factors divide. Enough primes
-are taken to exceed a proved bound on the coefficients.
+All degrees are formal, so that zeros at t = ∞ and u = ∞ count. The quotient is interpolated from as many
+points u as it has coefficients, and a spare point checks that the known factors divide. The product of the
+primes exceeds a proved bound on the coefficients.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ def resultant(
 ) -> Form:
     """Res_t(first, second) / ((u²+1)^circular · known^exponent), primitive; zero where it vanishes.
 
-    The quotient is multiplied by the conjugate of ``known``, so that only a primitive rational
-    polynomial is divided by, and the coefficients stay in ℤ[ω].
+    Numerator and denominator are multiplied by the conjugate of ``known``, so that the divisor is a primitive
+    rational polynomial and the coefficients stay in ℤ[ω].
 
     Raises:
         SolverError: a known factor does not divide.

@@ -1,7 +1,7 @@
 """The irreducible factors over ℚ(ω) of a polynomial A + ω B, and its real roots in number fields.
 
-Roots that balls cannot decide, such as multiple ones, are taken apart here: above an exact root "is it zero?"
-has an exact answer. The factors are read off those of the norm, which FLINT factors over ℚ.
+They serve where balls cannot decide, as at multiple roots: above an exact root, equality with zero is decided
+exactly. The factors are derived from those of the norm, which FLINT factors over ℚ.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class NormFactor:
 
     @property
     def shape(self) -> list[tuple[int, int]]:
-        """(degree, multiplicity) of the factors of A + ω B that M stands for."""
+        """(degree, multiplicity) of the factors of A + ω B that divide M."""
         degree = int(self.polynomial.degree())
         if not self.extra:
             return [(degree, self.common)]
@@ -80,9 +80,9 @@ def norm_factors(polynomial: QuadraticPoly) -> list[NormFactor]:
 
 
 def simple_and_other_roots(polynomial: QuadraticPoly) -> tuple[list[RealRoot], list[ExactRoot]]:
-    """The real roots of A + ω B that are simple even in the norm, and the others.
+    """The real roots of A + ω B that are simple roots of the norm too, and the others.
 
-    Only the others need irreducible factors, which for a norm of high degree take long.
+    Only the others need the irreducible factors, which are expensive for a norm of high degree.
     """
     simple: list[RealRoot] = []
     factors = []
@@ -96,22 +96,22 @@ def simple_and_other_roots(polynomial: QuadraticPoly) -> tuple[list[RealRoot], l
 
 
 def exact_counterparts(roots: Sequence[RealRoot], polynomial: QuadraticPoly) -> list[ExactRoot]:
-    """Some of the real roots of A + ω B, exactly; no other factor of the norm is looked at."""
+    """The exact roots of A + ω B equal to some of its real roots; other factors of the norm are not used."""
     balls = [root.refined(_APART_BITS) for root in roots]
 
-    def wanted(root: RealRoot) -> bool:
+    def matches(root: RealRoot) -> bool:
         own = root.refined(_APART_BITS)
         return any(own.overlaps(ball) for ball in balls)
 
     factors = [
         _norm_factor(polynomial, factor, exponent)
         for factor, exponent in _irreducible(polynomial.norm)
-        if any(map(wanted, real_roots(QuadraticPoly.rational(factor))))
+        if any(map(matches, real_roots(QuadraticPoly.rational(factor))))
     ]
-    found = [root for root in exact_roots(factors) if wanted(root.root)]
-    if len(found) != len(roots):
+    counterparts = [root for root in exact_roots(factors) if matches(root.root)]
+    if len(counterparts) != len(roots):
         raise Unproved("a root was lost between balls and exact arithmetic")
-    return found
+    return counterparts
 
 
 def _irreducible(norm: fmpz_poly) -> Iterator[tuple[fmpz_poly, int]]:
@@ -121,7 +121,7 @@ def _irreducible(norm: fmpz_poly) -> Iterator[tuple[fmpz_poly, int]]:
 
 
 def _is_root(polynomial: QuadraticPoly, root: RealRoot) -> bool:
-    """Whether a simple root of the norm is one of A + ω B, and not of A − ω B."""
+    """Whether a simple root of the norm is a root of A + ω B rather than of A − ω B."""
     if not polynomial.b:
         return True
     conjugate = polynomial.conjugate

@@ -30,19 +30,16 @@ def primes(radicand: int) -> Iterator[tuple[int, int]]:
 
 @lru_cache(maxsize=1024)
 def _next_prime(above: int, radicand: int) -> tuple[int, int]:
-    root = fmpz(radicand)
-    for p in count(above - 4, -4):  # p ≡ 3 (mod 4)
-        prime = fmpz(p)
-        if prime.is_prime() and root.jacobi(prime) == 1:
-            return p, 1 if radicand == 1 else int((root % prime).sqrtmod(prime))
-    raise AssertionError("unreachable: the count is endless")
+    root, candidates = fmpz(radicand), map(fmpz, count(above - 4, -4))  # p ≡ 3 (mod 4)
+    p = next(p for p in candidates if p.is_prime() and root.jacobi(p) == 1)
+    return int(p), 1 if radicand == 1 else int((root % p).sqrtmod(p))
 
 
 def simple_and_finite(polynomial: QuadraticPoly, degree: int, *, apart_from: fmpz_poly = _ONE) -> bool:
-    """Proof modulo a prime that a form of this formal degree has no multiple root and none at infinity.
+    """Proves modulo a prime that a form of this formal degree has no multiple root and none at infinity.
 
-    With ``apart_from`` none is a root of that polynomial either. False where it is not so, and where the few
-    primes that are tried do not prove it.
+    With ``apart_from`` also that it shares no root with that polynomial. False if none of a few primes gives
+    a proof.
     """
     for p, omega in islice(primes(polynomial.radicand), _CHECK_PRIMES):
         image = polynomial.residue(p, omega)
@@ -55,7 +52,7 @@ def simple_and_finite(polynomial: QuadraticPoly, degree: int, *, apart_from: fmp
 def reconstruct(radicand: int, image: Image, bound: int) -> tuple[list[fmpz], list[fmpz]]:
     """The coefficients of A and B, where A + ω B has the given images and ``bound`` bounds |A|, |B|.
 
-    The common content of all coefficients is removed.
+    The result is primitive: without the common content of all coefficients.
     """
     images: list[tuple[int, list[int]]] = []
     modulus = 1
@@ -77,10 +74,7 @@ def reconstruct(radicand: int, image: Image, bound: int) -> tuple[list[fmpz], li
         if modulus > 2 * bound:
             break
     values = _chinese_remainder(images, modulus)
-    content = fmpz(0)
-    for x in values:
-        content = content.gcd(x)
-    if content:
+    if content := fmpz_poly(values).content():
         values = [x // content for x in values]
     half_way = len(values) // 2
     return values[:half_way], values[half_way:]
@@ -124,7 +118,7 @@ def interpolated(
 
 @lru_cache(maxsize=4)
 def _inverse_vandermonde(points: tuple[int, ...], p: int) -> nmod_mat:
-    """The matrix from values to coefficients; kept, since one prime serves several values of ω."""
+    """The matrix from values to coefficients; cached, since one prime serves several values of ω."""
     n = len(points)
     return nmod_mat(n, n, [pow(x, k, p) for x in points for k in range(n)], p).inv()
 

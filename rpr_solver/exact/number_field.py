@@ -1,7 +1,7 @@
 """Real algebraic numbers, exactly: a number field with one real embedding.
 
-For the rare poses that balls cannot decide (a multiple root, an angle of exactly 180°). An element
-is a polynomial in the field's generator, so "is it zero?" has an exact answer, and its sign a proof.
+For the rare poses that balls cannot decide (a multiple root, an angle of exactly 180°). An element is a
+polynomial in the field's generator, so equality with zero is decided exactly, and the sign by proof.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ class Algebraic:
 
     @property
     def rational(self) -> Fraction | None:
-        """The value, if it is seen to be rational."""
+        """The value if it is rational, else None."""
         if self.poly.degree() > 0:
             return None
         value = self.poly[0]
@@ -140,6 +140,20 @@ def trimmed(coefficients: Sequence[Algebraic]) -> Polynomial:
     while result and result[-1].is_zero:
         result.pop()
     return result
+
+
+def poly_sum(a: Sequence[Algebraic], b: Sequence[Algebraic]) -> Polynomial:
+    """a + b."""
+    short, long = sorted((a, b), key=len)
+    return trimmed([*(x + y for x, y in zip(short, long, strict=False)), *long[len(short) :]])
+
+
+def poly_product(a: Sequence[Algebraic], b: Sequence[Algebraic]) -> Polynomial:
+    """a b."""
+    total: list[Algebraic] = []
+    for x in reversed(a):
+        total = poly_sum([x.field(0), *total], [x * y for y in b])
+    return total
 
 
 def poly_mod(a: Polynomial, b: Polynomial) -> tuple[Polynomial, Polynomial]:
@@ -216,8 +230,9 @@ def common_roots(
 ) -> list[tuple[Algebraic | None, list[Algebraic]]] | None:
     """The real common roots t of two forms over a field, given by ascending coefficients.
 
-    None stands for t = ∞ and comes first, the others ascend. With each come the elements ``carried`` (one
-    at least) of the old field in its own. No list at all: both forms are zero, and every t is a root.
+    None stands for t = ∞ and comes first, the others ascend. Each root comes with the images of the elements
+    ``carried`` (at least one) of the old field in its own. Returns None if both forms are zero, so that every
+    t is a root.
     """
     common = poly_gcd(trimmed(first), trimmed(second))
     if not common:
@@ -301,20 +316,10 @@ def _as_polynomial_in_old_generator(polynomial: Polynomial, w: Algebraic, shift:
     """polynomial(w − shift x) as a polynomial in x over the field of w."""
     field = w.field
     total: Polynomial = []
-    step = [w, field(-shift)]
     for c in reversed(polynomial):
-        product = [field(0)] * (len(total) + 1)
-        for i, a in enumerate(total):
-            for k, b in enumerate(step):
-                product[i + k] = product[i + k] + a * b
-        constant = [field(a) for a in c.poly.coeffs()]
-        size = max(len(product), len(constant))
-        zero = field(0)
-        total = [
-            (product[i] if i < len(product) else zero) + (constant[i] if i < len(constant) else zero)
-            for i in range(size)
-        ]
-    return trimmed(total)
+        product = poly_product(total, [w, field(-shift)])
+        total = poly_sum(product, [field(a) for a in c.poly.coeffs()])
+    return total
 
 
 def _linear_root(polynomial: Polynomial) -> Algebraic:

@@ -1,10 +1,11 @@
-"""Polynomials over ℤ[ω], ω² a positive integer: A + ω B with A and B in ℤ[x], which knows its field.
+"""Polynomials over ℤ[ω], ω² a positive integer: A + ω B with A and B in ℤ[x], and the radicand ω².
 
-The height of a platform is a rational multiple of ω = √radicand, so ℤ[ω] holds every coefficient of this
-solver. Where the height is rational the radicand is 1, ω is 1, and B is kept 0: ℚ itself is the field.
+The height of a platform is a rational multiple of ω = √radicand, so every coefficient of this solver lies in
+ℤ[ω]. If the height is rational, the radicand and ω are 1 and B is 0: the field is ℚ.
 
-The conjugate A − ω B and the norm A² − ω² B² = (A + ω B)(A − ω B) lead back to rational polynomials, where
-FLINT factors and divides: a root of A + ω B is one of the norm, and P/S is P S̄ over the norm of S.
+Factoring and division are reduced to rational polynomials, for which FLINT has them, by the conjugate A − ω B
+and the norm A² − ω² B² = (A + ω B)(A − ω B): a root of A + ω B is a root of the norm, and P/S is P S̄ over
+the norm of S.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ def univariate(terms: Mapping[int, int | fmpz]) -> fmpz_poly:
 
 @dataclass(frozen=True)
 class Quadratic(Generic[P]):
-    """A + ω B over a ring of rational polynomials: what one and several variables have in common."""
+    """A + ω B over a ring of polynomials with integer coefficients, in one or several variables."""
 
     a: P
     b: P
@@ -169,7 +170,7 @@ class QuadraticPoly(Quadratic[fmpz_poly]):
         )
 
     def ball(self, bits: int) -> arb_poly:
-        """The polynomial with coefficients as balls of ``bits`` bits, kept for all its roots."""
+        """The polynomial with coefficients as balls of ``bits`` bits, cached for all its roots."""
         if bits not in self._balls:
             with ctx.workprec(bits):
                 whole = arb_poly(self.a)
@@ -188,7 +189,7 @@ def _horner(polynomial: fmpz_poly, x: Any) -> Any:
 
 @dataclass(frozen=True)
 class Form:
-    """A polynomial in u with a formal degree: what it lacks in actual degree are zeros at u = ∞."""
+    """A polynomial in u with a formal degree; the excess over its actual degree counts zeros at u = ∞."""
 
     polynomial: QuadraticPoly
     degree: int

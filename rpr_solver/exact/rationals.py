@@ -1,4 +1,4 @@
-"""Exact rationals in and out: what the user wrote is what is computed with."""
+"""Reading and printing exact rationals: computations use the number exactly as the user wrote it."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ _QUOTIENT = re.compile(r"([+-]?\d+)/(\d+)", re.ASCII)
 def parse_exact(value: Exact, field: str, *, max_digits: int = MAX_DIGITS) -> Fraction:
     """Reads a number exactly: an integer, a decimal as written, or a quotient ``"p/q"``.
 
-    A binary float is refused, since 17.04 would already have been changed to 17.03999…; decode JSON with
+    A binary float is refused, since 17.04 would already have become 17.03999…; decode JSON with
     ``parse_float=decimal.Decimal``. Integers and rationals of other libraries are read like Python's.
 
     Args:
         value: the number; a text may be ``"17.04"``, ``"1.704e1"`` or ``"426/25"``.
-        field: the name that an error message uses.
-        max_digits: limit on the digits of numerator and denominator; a ``Fraction`` is taken as it is.
+        field: the name of the number in an error message.
+        max_digits: limit on the digits of numerator and denominator; it does not apply to a ``Fraction``.
 
     Raises:
         InputError: naming ``field``: not an exact number, not finite, or too long.
@@ -80,7 +80,7 @@ def parse_positive(
     """Reads a number > 0 exactly.
 
     Raises:
-        InputError: naming ``field``; what is not positive is told what is ``expected``.
+        InputError: naming ``field``; for a number ≤ 0 the message ends with ``expected``.
     """
     number = parse_exact(value, field, max_digits=max_digits)
     if number <= 0:
@@ -109,7 +109,7 @@ def parse_all(
 
 
 def one_or_more(values: Exact | Iterable[Exact], field: str) -> dict[str, Exact]:
-    """The numbers of a sequence by name, ``l1[0]``, ``l1[1]``, …; a single number, or a text, is one.
+    """The numbers of a sequence by name, ``l1[0]``, ``l1[1]``, …; a single number or text is named ``l1``.
 
     >>> one_or_more(["3", 4], "l1"), one_or_more("27", "l1")
     ({'l1[0]': '3', 'l1[1]': 4}, {'l1': '27'})
@@ -120,7 +120,7 @@ def one_or_more(values: Exact | Iterable[Exact], field: str) -> dict[str, Exact]
 
 
 def exact_str(x: Exact) -> str:
-    """The canonical text of an exact number: plain digits where its decimal ends, else ``"p/q"``.
+    """The canonical text of an exact number: a decimal if it terminates, else ``"p/q"``.
 
     Raises:
         InputError: naming ``x``: not an exact number.
@@ -129,7 +129,7 @@ def exact_str(x: Exact) -> str:
     ('14.98', '-1/3', '10')
     """
     x = parse_exact(x, "x")
-    denominator, places = x.denominator, 0
+    denominator = x.denominator
     twos = (denominator & -denominator).bit_length() - 1
     odd, fives = denominator >> twos, 0
     while odd % 5 == 0:

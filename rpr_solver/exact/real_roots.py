@@ -1,7 +1,7 @@
-"""Certified real roots of polynomials over ℤ[ω], to any accuracy (method.md section 4).
+"""Certified real roots of polynomials over ℤ[ω], to any accuracy.
 
-A root is called real only by proof: it is alone in a disc, and the mirror image of the disc meets
-no other root's disc, so the root is its own conjugate. Precision doubles until every root is decided.
+A root is proved real if its isolating disc, reflected in the real axis, meets the disc of no other root: then
+the root is its own conjugate. The precision doubles until every root is decided.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ def ball_of(x: Fraction) -> arb:
 
 @dataclass(frozen=True)
 class RealRoot:
-    """One simple real root: the polynomial, and a ball that holds this root and no other."""
+    """One simple real root: the polynomial, and a ball that contains this root and no other."""
 
     polynomial: QuadraticPoly
     ball: arb
 
     def refined(self, bits: int) -> arb:
-        """A ball round the root with ``bits`` correct bits, by interval Newton steps; 0 is exact.
+        """A ball round the root with ``bits`` correct bits, by interval Newton steps; a root 0 is exact.
 
         Raises:
             Unproved: the accuracy cannot be reached within the precision limit.
         """
         if not (self.polynomial.a[0] or self.polynomial.b[0]) and self.ball.contains(0):
             return arb(0)
-        # from low precision up: a wide ball is best evaluated by the scheme that FLINT uses there
+        # from low precision up, where FLINT evaluates wide balls by a tighter scheme
         x, last = self.ball, bits + 64
         for work in precisions(min(_FIRST_BITS, last), GREATEST_BITS, stop_at=last):
             polynomial = self.polynomial.ball(work)
@@ -55,7 +55,7 @@ class RealRoot:
                     if y.is_finite() and y.rel_accuracy_bits() >= bits:
                         return y
                     if not (y.is_finite() and 2 * y.rad() < x.rad()):
-                        # the slope varies much across the ball, as in a cluster of roots: halve instead
+                        # the slope varies too much across the ball, as in a cluster of roots: bisect
                         half = _half(x, value, slope(x))
                         if half is None:
                             break
@@ -77,13 +77,13 @@ def real_roots(polynomial: QuadraticPoly) -> list[RealRoot]:
     The leading coefficient must not be zero.
 
     Raises:
-        Unproved: the roots cannot be told apart within the precision limit.
+        Unproved: the roots cannot be separated within the precision limit.
     """
     if polynomial.degree < 1:
         return []
 
     def isolated(bits: int) -> list[RealRoot] | None:
-        # the first discs that FLINT finds are cheap and often good enough
+        # FLINT's first discs are cheap and often good enough
         for tolerance_bits in (0, bits // 4) if bits == _FIRST_BITS else (bits // 4,):
             roots = _isolate(polynomial, bits, tolerance_bits)
             if roots is not None:
@@ -99,10 +99,10 @@ def real_roots(polynomial: QuadraticPoly) -> list[RealRoot]:
 
 
 def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:
-    """Intervals round all real roots, one in each, ascending; None where the precision does not decide.
+    """Isolating intervals of all real roots, ascending; None if the precision is insufficient.
 
-    Descartes' rule of signs on halves: no sign change of the coefficients transformed to an
-    interval proves no root in it, a single one proves exactly one. Newton's steps contract each.
+    Descartes' rule of signs with bisection: if the coefficients transformed to an interval have no sign
+    change, it has no root; if they have one, it has exactly one, and a Newton step contracts the interval.
     """
     with ctx.workprec(bits):
         n = polynomial.degree()
@@ -114,7 +114,7 @@ def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:
         while not arb(2) ** exponent > bound:
             exponent += 1
         edge = arb(2) ** exponent
-        slope, found = polynomial.derivative(), []
+        slope, intervals = polynomial.derivative(), []
         todo = [(-edge, edge, 0)]
         while todo:
             low, high, depth = todo.pop()
@@ -122,12 +122,12 @@ def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:
             if changes is None or depth > bits + exponent:
                 return None
             if changes == 1 and (x := _contracted(polynomial, slope, low.union(high))) is not None:
-                found.append(x)
+                intervals.append(x)
             elif changes:
-                # not the middle, which is a root more often than others; and elsewhere at another precision
+                # not the middle, which is the likeliest point to be a root; another point at each precision
                 cut = low + (high - low) * (450 + bits * 7919 % 127) / 1024
                 todo += [(low, cut.mid(), depth + 1), (cut.mid(), high, depth + 1)]
-        return sorted(found, key=lambda x: x.mid())
+        return sorted(intervals, key=lambda x: x.mid())
 
 
 def _contracted(polynomial: arb_poly, slope: arb_poly, x: arb) -> arb | None:
@@ -152,9 +152,9 @@ def _sign_changes(polynomial: arb_poly, low: arb, high: arb) -> int | None:
 
 
 def _sharpened(polynomial: arb_poly, slope: arb_poly, x: arb) -> arb | None:
-    """A smaller ball round the root in x, on which a plain evaluation shows that the slope is not zero.
+    """A smaller ball round the root in x, on which direct evaluation of the slope excludes zero.
 
-    The polynomial is expanded about the middle of x: there the slope on x is bounded much better.
+    The polynomial is expanded about the middle of x, where its slope on x has a much tighter enclosure.
     """
     shifted = polynomial(arb_poly([x.mid(), 1]))
     for _ in range(_SHARPENINGS):
@@ -169,7 +169,7 @@ def _sharpened(polynomial: arb_poly, slope: arb_poly, x: arb) -> arb | None:
 
 
 def _isolate(polynomial: QuadraticPoly, bits: int, tolerance_bits: int) -> list[RealRoot] | None:
-    """The real roots, or None where this precision does not decide."""
+    """The real roots, or None if this precision is insufficient."""
     ball = polynomial.ball(bits)
     with ctx.workprec(bits):
         try:
@@ -178,7 +178,7 @@ def _isolate(polynomial: QuadraticPoly, bits: int, tolerance_bits: int) -> list[
         except ValueError:
             return None
         slope = ball.derivative()
-        found = []
+        real = []
         for i, root in enumerate(roots):
             if not root.imag.contains(0):
                 continue
@@ -188,6 +188,5 @@ def _isolate(polynomial: QuadraticPoly, bits: int, tolerance_bits: int) -> list[
             x = root.real if not slope(root.real).contains(0) else _sharpened(ball, slope, root.real)
             if x is None:
                 return None
-            found.append(RealRoot(polynomial, x))
-        found.sort(key=lambda r: r.ball.mid())
-        return found
+            real.append(RealRoot(polynomial, x))
+        return sorted(real, key=lambda r: r.ball.mid())

@@ -4,7 +4,7 @@ With leg 1 fixed, X = B1 and v = R(α) m − a for each other leg, the squared l
 
     |X|² = s₁,    |X + v|² = s   ⟺   2 v·X = s − s₁ − |v|²,
 
-two equations linear in X. Solved for X and put into |X|² = s₁ they leave one form of degree 6 in
+two equations linear in X. Their solution, substituted into |X|² = s₁, gives one form of degree 6 in
 t = tan(α/2). Only squares of the leg lengths occur.
 """
 
@@ -15,35 +15,34 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import lcm
-from typing import Any, Generic, TypeVar
+from typing import Any
 
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.model.slice_map import Leg, SliceMap
 
 DEGREE = 6
-R = TypeVar("R")
 
 
 @dataclass(frozen=True)
-class LinearSystem(Generic[R]):
+class LinearSystem:
     """``weight`` · vᵢ·X = cᵢ for the two moving legs, at one α, in any ring."""
 
-    first: tuple[R, R]
-    second: tuple[R, R]
-    right: tuple[R, R]
+    first: tuple[Any, Any]
+    second: tuple[Any, Any]
+    right: tuple[Any, Any]
     weight: int
 
     @property
-    def determinant(self) -> R:
+    def determinant(self) -> Any:
         """v₂ × v₃: zero where the two equations are dependent."""
         (a, b), (c, d) = self.first, self.second
-        return _any(a) * d - _any(b) * c  # type: ignore[no-any-return]
+        return a * d - b * c
 
     @property
-    def numerators(self) -> tuple[R, R]:
+    def numerators(self) -> tuple[Any, Any]:
         """``weight`` · determinant · X."""
         (a, b), (c, d), (e, f) = self.first, self.second, self.right
-        return _any(e) * d - _any(f) * b, _any(f) * a - _any(e) * c
+        return e * d - f * b, f * a - e * c
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ class Closure:
         """A common denominator of the squares."""
         return lcm(*(s.denominator for s in self.squares))
 
-    def linear(self, cos: Any, sin: Any, one: Any, omega: Any) -> LinearSystem[Any]:
+    def linear(self, cos: Any, sin: Any, one: Any, omega: Any) -> LinearSystem:
         """The linear system at α, where cos α : sin α : 1 = ``cos`` : ``sin`` : ``one``."""
         den = self.denominator
         s1, *others = self.squares
@@ -86,13 +85,9 @@ class Closure:
         """A(t) + ω B(t), primitive and of formal degree 6; a lower degree is a root at α = 180°."""
         radicand, den = self.slice_map.radicand, self.denominator
         cos, sin, one = (QuadraticPoly.rational(c, radicand) for c in ([1, 0, -1], [0, 2], [1, 0, 1]))
-        system: LinearSystem[QuadraticPoly] = self.linear(cos, sin, one, QuadraticPoly.omega(radicand))
+        system = self.linear(cos, sin, one, QuadraticPoly.omega(radicand))
         x, y = system.numerators
-        determinant = system.determinant / one.a
-        # both terms hold 1 + t² once: X is isotropic at t = ±i
-        norm = (x * x + y * y) / one.a
+        determinant: QuadraticPoly = system.determinant / one.a
+        # both terms are divisible by 1 + t² once: X is isotropic at t = ±i
+        norm: QuadraticPoly = (x * x + y * y) / one.a
         return (norm - one * determinant * determinant * (4 * den * int(den * self.squares[0]))).primitive()
-
-
-def _any(x: object) -> Any:
-    return x

@@ -1,9 +1,9 @@
 """All real poses of one joint vector: exactly counted, each with its exact multiplicity.
 
-Where the sixth-degree form has six simple finite roots, each real one is a single regular pose and
-balls settle everything. Otherwise its roots are taken apart over number fields: the form's
-multiplicity at an α is shared by the poses that have this α, and a pose's own multiplicity is the
-intersection number of L2² = const and L3² = const there.
+If the sixth-degree form has six simple finite roots, each real one is a single regular pose, and ball
+arithmetic decides everything. Otherwise the form is factored and its roots lie in number fields: the
+multiplicity of an α is the sum over the poses with this α of the intersection numbers of L2² = const and
+L3² = const.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, all_decided, decided
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
-from rpr_solver.kinematics.closure import DEGREE, Closure, LinearSystem
+from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.model.classify import cos_sin
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
@@ -41,9 +41,9 @@ class DecimalPose:
 
 @dataclass(frozen=True)
 class Fibre:
-    """What lies over a joint vector.
+    """The fibre of direct kinematics over a joint vector.
 
-    ``circle_at`` is the α at which a whole circle of poses is translated into each other, 0 or 180.
+    ``circle_at`` is the α, 0 or 180, at which B1 can be anywhere on a circle; None if there is none.
     """
 
     poses: tuple[DecimalPose, ...]
@@ -94,10 +94,9 @@ class _Fibre:
             if determinant.contains(0):
                 return None
             x, y = (n / determinant for n in system.numerators)
-            (v2x, v2y), (v3x, v3y) = system.first, system.second
             alpha = HalfTangent(t, arb(1)).degrees()
-            angles = [_degrees(x, y), _degrees(x + v2x / one, y + v2y / one)]
-            angles.append(_degrees(x + v3x / one, y + v3y / one))
+            others = ((x + vx / one, y + vy / one) for vx, vy in (system.first, system.second))
+            angles = [_degrees(*vector) for vector in ((x, y), *others)]
             scale = self.slice_map.scale_ball()
             balls = (alpha, *angles, x / scale, y / scale)
             texts = [round_ball(ball, self.digits) for ball in balls]
@@ -137,8 +136,8 @@ class _Fibre:
         omega: Algebraic,
         order: int,
     ) -> list[DecimalPose] | None:
-        """The poses at one α, a root of this order; None if a whole circle of them."""
-        system: LinearSystem[Algebraic] = self.closure.linear(*trig, omega)
+        """The poses at one α, a root of this order; None if they form a whole circle."""
+        system = self.closure.linear(*trig, omega)
         determinant = system.determinant
         if not determinant.is_zero:
             inverse = (determinant * system.weight).inverse()
@@ -212,11 +211,10 @@ class _ExactPose:
 
 
 def _shared(closure: Closure, poses: Sequence[_ExactPose], order: int) -> tuple[int, ...]:
-    """How two poses with one α share the multiplicity of α."""
+    """The multiplicities of the poses with one α; they add up to that of α, the ``order``."""
     if order == 2:
         return (1, 1)
-    known = [_local_multiplicity(closure, pose) for pose in poses]
-    first, second = known
+    first, second = (_local_multiplicity(closure, pose) for pose in poses)
     if first is None and second is not None:
         first = order - second
     if first is None:
@@ -252,7 +250,7 @@ def _turned(leg: Leg, cos: Algebraic, sin: Algebraic, omega: Algebraic) -> tuple
 
 
 def _degrees(x: arb, y: arb) -> arb:
-    """The direction of (x, y); useless, but true, where a ball meets the negative x-axis."""
+    """The direction of (x, y); a ball that meets the negative x-axis has a valid but wide result."""
     return arb.atan2(y, x) * 180 / arb.pi()
 
 
@@ -275,10 +273,10 @@ def _decimal_pose(
     alpha: arb, theta: arb, texts: Sequence[str | None], multiplicity: int, bits: int
 ) -> DecimalPose | None:
     """The pose, if all its digits are proved."""
-    known = [text for text in texts if text is not None]
-    if len(known) < len(texts):
+    proved = [text for text in texts if text is not None]
+    if len(proved) < len(texts):
         return None
-    return DecimalPose(alpha, theta, (*map(angle_text, known[:4]), *known[4:]), multiplicity, bits)
+    return DecimalPose(alpha, theta, (*map(angle_text, proved[:4]), *proved[4:]), multiplicity, bits)
 
 
 def _sorted(poses: Sequence[DecimalPose]) -> tuple[DecimalPose, ...]:

@@ -13,7 +13,7 @@ The document of :meth:`PoseTable.to_json`::
                      "working_bits": …}}
 
 Poses are sorted by α, then θ1. A pose's multiplicity is the number of poses that coalesce in it:
-1 regular, 2 on a singular curve, 3 at a cusp. ``curves`` is empty but for congruent triangles
+1 regular, 2 on a singular curve, 3 at a cusp. ``curves`` is empty except for congruent triangles
 with equal legs; ``count`` is then the number of isolated poses.
 """
 
@@ -44,9 +44,9 @@ class PoseFactor(TypedDict):
 
 
 class PoseCertificate(TypedDict):
-    """The proof of a table of poses: the sextic's factors, and the precision that told its roots apart.
+    """The proof of a table of poses: the factors of the sextic, and the highest precision used.
 
-    ``method`` is ``"balls"`` where all roots are simple, else ``"exact"``.
+    ``method`` is ``"balls"`` if all roots are simple, else ``"exact"``.
     """
 
     method: str
@@ -62,7 +62,7 @@ class PlatformPose:
         alpha_deg: the orientation of the platform, the angle of B1B2; angles are in degrees in (−180, 180].
         theta1_deg, theta2_deg, theta3_deg: the angles of the legs.
         b1_x, b1_y: the point B1, in the user's unit.
-        multiplicity: how many poses coalesce in it: 1 regular, 2 on a singular curve, 3 at a cusp.
+        multiplicity: the number of poses that coalesce in it: 1 regular, 2 on a singular curve, 3 at a cusp.
 
     >>> from rpr_solver import EXAMPLES, poses
     >>> poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15).poses[0]
@@ -90,11 +90,11 @@ class PlatformPose:
 class DirectPolynomial:
     """A(t) + ω B(t) = 0, t = tan(α/2): the sixth-degree polynomial of direct kinematics, exact.
 
-    A form of degree 6: where the leading coefficients are 0, α = 180° is a root.
+    The degree 6 is formal: if the leading coefficients are 0, α = 180° is a root.
 
     Attributes:
-        a, b: the seven integer coefficients of A and of B, from the constant term; B is zero where the
-            height of the platform is rational.
+        a, b: the seven integer coefficients of A and of B, from the constant term; B is zero if the height
+            of the platform is rational.
         radicand: ω².
 
     >>> from rpr_solver import EXAMPLES, poses
@@ -108,7 +108,7 @@ class DirectPolynomial:
 
     @classmethod
     def of(cls, sextic: QuadraticPoly) -> DirectPolynomial:
-        """Always seven coefficients, ascending."""
+        """From the sextic of the closure equations."""
         a, b = (tuple(int(part[i]) for i in range(DEGREE + 1)) for part in (sextic.a, sextic.b))
         return cls(a, b, sextic.radicand)
 
@@ -133,17 +133,17 @@ class DirectPolynomial:
 class PoseTable:
     """All real poses of one joint vector.
 
-    Proved: that these are all real poses, their multiplicities, and every printed digit.
+    Proved: these are all real poses, and every multiplicity and every printed digit is right.
 
     Attributes:
         manipulator: the geometry.
         squares: L1², L2², L3², exact, in the user's unit.
         digits: significant digits of every printed number.
         poses: the poses by α, then by θ1.
-        curves: empty, but for congruent triangles with equal legs, which can move with all legs locked: the
-            curves of such poses. ``count`` is then the number of isolated poses.
+        curves: the curves of poses of congruent triangles with equal legs, which are movable with all legs
+            locked; ``count`` is then the number of isolated poses. Empty for any other manipulator.
         polynomial: the sextic in tan(α/2).
-        certificate: how it is proved.
+        certificate: how the table is proved.
 
     >>> from rpr_solver import EXAMPLES, poses
     >>> poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15)
@@ -176,7 +176,7 @@ class PoseTable:
 
     @property
     def count_with_multiplicity(self) -> int:
-        """The number of real poses, each counted as often as poses coalesce in it."""
+        """The number of real poses, counted with multiplicity."""
         return sum(pose.multiplicity for pose in self.poses)
 
     def to_json(self) -> dict[str, Any]:
@@ -237,7 +237,7 @@ def poses_of_squares(
     *,
     digits: int = DEFAULT_DIGITS,
 ) -> PoseTable:
-    """As :func:`poses`, for exact squares of the leg lengths: the legs may then be irrational.
+    """As :func:`poses`, from the exact squares of leg lengths, which may be irrational.
 
     Args:
         manipulator: the geometry.
@@ -262,15 +262,19 @@ def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -
     digits = check_digits(digits)
     s1, s2, s3 = squares
     closure = Closure.of(SliceMap.of(manipulator), squares)
-    found = fibre(closure, digits)
+    solution = fibre(closure, digits)
     return PoseTable(
         manipulator,
         (s1, s2, s3),
         digits,
-        tuple(_platform_pose(pose) for pose in found.poses),
-        _curves(found, s1),
+        tuple(map(_platform_pose, solution.poses)),
+        _curves(solution, s1),
         DirectPolynomial.of(closure.sextic),
-        _certificate(found),
+        {
+            "method": solution.method,
+            "factors": [{"degree": degree, "multiplicity": times} for degree, times in solution.factors],
+            "working_bits": max((pose.bits for pose in solution.poses), default=0),
+        },
     )
 
 
@@ -279,21 +283,13 @@ def _platform_pose(pose: DecimalPose) -> PlatformPose:
     return PlatformPose(alpha, theta1, theta2, theta3, x, y, pose.multiplicity)
 
 
-def _curves(found: Fibre, s1: Fraction) -> tuple[Mapping[str, str], ...]:
-    if found.circle_at is None:
+def _curves(solution: Fibre, s1: Fraction) -> tuple[Mapping[str, str], ...]:
+    if solution.circle_at is None:
         return ()
     description = (
         f"the platform is translated with B1 anywhere on the circle of radius {_length_text(s1)} about A1"
     )
-    return ({"kind": PoseKind.CURVE.value, "alpha_deg": str(found.circle_at), "description": description},)
-
-
-def _certificate(found: Fibre) -> PoseCertificate:
-    return {
-        "method": found.method,
-        "factors": [{"degree": degree, "multiplicity": times} for degree, times in found.factors],
-        "working_bits": max((pose.bits for pose in found.poses), default=0),
-    }
+    return ({"kind": PoseKind.CURVE.value, "alpha_deg": str(solution.circle_at), "description": description},)
 
 
 def _length_text(square: Fraction) -> str:

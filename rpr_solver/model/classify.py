@@ -1,4 +1,4 @@
-"""The kinds of poses, and which of them a pose is, decided by exact arithmetic."""
+"""The kinds of poses, and the classification of a pose by exact arithmetic."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from rpr_solver.model.jets import LocalMap
 
 
 class Kind(StrEnum):
-    """A name in documents; it is a string, and looks like one."""
+    """A name in documents: a string, also in its ``repr``."""
 
     __repr__ = str.__repr__
 
 
 class PoseKind(Kind):
-    """What a pose of a slice is, by its defining conditions.
+    """The kinds of poses of a slice, by their defining conditions.
 
     f and g are the squares of the free legs as functions of α and θ, the fixed leg having the length L. A
     pose is singular where J = f_α g_θ − f_θ g_α = 0. There v = (−f_θ, f_α) or (−g_θ, g_α), whichever is not
@@ -27,7 +27,7 @@ class PoseKind(Kind):
     """
 
     ORDINARY = ""
-    """Not singular, or on a fold (J = 0, E ≠ 0: two poses coalesce). It is in no document."""
+    """Regular, or on a fold (J = 0, E ≠ 0: two poses coalesce). Never in a document."""
     CUSP = "cusp"
     """∇J ≠ 0 and v·∇E ≠ 0: exactly three poses coalesce, at a smooth point of the singular curve."""
     SWALLOWTAIL = "swallowtail"
@@ -47,9 +47,9 @@ class PoseKind(Kind):
     """∇f = ∇g = 0, and the Hessians of f and g, as quadratic forms, have no common zero: exactly four poses
     coalesce."""
     HIGHER = "higher"
-    """None of these, and not ordinary: more poses coalesce, or more conditions meet, than at any of them."""
+    """Degenerate, but of none of these kinds: more poses coalesce, or more conditions hold."""
     CURVE = "curve"
-    """Not one pose but a whole curve of them, given by its equation; none of its poses is listed."""
+    """A whole curve of degenerate poses, given by its equation; its poses are not listed."""
 
 
 def classify(local: LocalMap[Algebraic]) -> PoseKind:

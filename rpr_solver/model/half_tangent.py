@@ -41,12 +41,12 @@ def pose_of(alpha: HalfTangent, theta: HalfTangent, length: arb, omega: arb) -> 
 
 
 def common_root(j: Sequence[arb], e: Sequence[arb]) -> HalfTangent | None:
-    """The common root t of two forms that share exactly one; None if the precision does not tell."""
+    """The common root t of two forms that share exactly one; None if the precision is insufficient."""
     return _finite_common_root(j, e) or _inverse(_finite_common_root(j[::-1], e[::-1]))
 
 
 def _finite_common_root(j: Sequence[arb], e: Sequence[arb]) -> HalfTangent | None:
-    """t = −s0/s1 from the first subresultant s1 t + s0, where s1 is proved not to vanish."""
+    """t = −s0/s1 from the first subresultant s1 t + s0, if s1 ≠ 0 is proved."""
     size = len(j) + len(e) - 4
     full = sylvester(j, e, arb(0))
     # t^(n−2)J … J, t^(m−2)E … E: one row less of each, and the columns t^(m+n−2) … 1

@@ -1,7 +1,7 @@
 """Partial derivatives of a slice's map at a pose, over any ring: balls or an algebraic number field.
 
 The squared length of a leg is a sum of three sinusoids (slice_map.py), so its derivatives are closed
-formulas; those of J, E and beyond follow by the product rule. Nothing is expanded.
+formulas; those of J, E and further functions follow by the product rule. No polynomial is expanded.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from rpr_solver.model.slice_map import Leg, SliceMap
 
 
 class Ring(Protocol):
-    """What a jet's entries must offer."""
+    """The operations of a jet's entries."""
 
     def __add__(self, other: Any, /) -> Any: ...
     def __sub__(self, other: Any, /) -> Any: ...
@@ -24,6 +24,7 @@ class Ring(Protocol):
 
 
 R = TypeVar("R", bound=Ring)
+S = TypeVar("S", bound=Ring)
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Jet(Generic[R]):
 
     @property
     def order(self) -> int:
-        """The highest derivative known."""
+        """The order of the highest derivatives."""
         return len(self.table) - 1
 
     @property
@@ -50,7 +51,7 @@ class Jet(Generic[R]):
     @property
     def alpha(self) -> Jet[R]:
         """∂/∂α."""
-        return Jet(tuple(row for row in self.table[1:]))
+        return Jet(self.table[1:])
 
     @property
     def theta(self) -> Jet[R]:
@@ -74,13 +75,6 @@ class Jet(Generic[R]):
         order = min(self.order, other.order)
         return Jet.build(order, lambda i, j: self.table[i][j] - other.table[i][j])
 
-    def __add__(self, other: Jet[R]) -> Jet[R]:
-        order = min(self.order, other.order)
-        return Jet.build(order, lambda i, j: self.table[i][j] + other.table[i][j])
-
-    def __neg__(self) -> Jet[R]:
-        return Jet.build(self.order, lambda i, j: -self.table[i][j])
-
 
 @dataclass(frozen=True)
 class Pose(Generic[R]):
@@ -92,6 +86,11 @@ class Pose(Generic[R]):
     sin_theta: R
     length: R
     omega: R
+
+    def mapped(self, function: Callable[[R], S]) -> Pose[S]:
+        """The image of the pose in another ring."""
+        angles = self.cos_alpha, self.sin_alpha, self.cos_theta, self.sin_theta
+        return Pose(*map(function, (*angles, self.length, self.omega)))
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ With leg i fixed at length L and its direction e(θ), the pose is X = L e(θ), p
     f = |X + R(α) m − a|²,     m = its platform point, a = its base point, both seen from leg i.
 
 A pose is singular where J = f_α g_θ − f_θ g_α vanishes (the article's eq. 6), and three poses
-coalesce where also E = v·∇J does, v = (−f_θ, f_α) being tangent to f = const (eq. 10 on J = 0;
-method.md section 2).
+coalesce where E = v·∇J vanishes too, with v = (−f_θ, f_α) tangent to f = const (on J = 0 equivalent to the
+article's eq. 10).
 
 Everything is scaled to integers: lengths are multiplied by ``scale``, and the height of the
 platform is a rational multiple of ω = √``radicand``, so all coefficients lie in ℤ[ω].
@@ -55,11 +55,11 @@ class Leg:
         return self.ax**2 + self.ay**2
 
     def collinear(self) -> fmpz_poly:
-        """The quadratic whose roots u put the fixed leg along the base line to this one."""
+        """The quadratic in u of the poses with the fixed leg along the base line to this leg."""
         return fmpz_poly([self.ay, -2 * self.ax, -self.ay])
 
     def closed(self, length: Fraction) -> fmpz_poly:
-        """The quadratic in u of the poses in which this leg has length 0 (times the denominator²)."""
+        """The quadratic in u of the poses with this leg of length 0, times the squared denominator of L."""
         n, d = length.numerator, length.denominator
         even = n * n + d * d * (self.base2 - self.platform2)
         return fmpz_poly([even - 2 * n * d * self.ax, -4 * n * d * self.ay, even + 2 * n * d * self.ax])
@@ -69,8 +69,8 @@ class Leg:
 class SliceMap:
     """The integer model of a manipulator with one leg fixed.
 
-    ``scale`` × a length in the user's unit is the length used here; ``radicand`` is ω²,
-    and 1 when the height of the platform is rational.
+    ``scale`` times a length in the user's unit is the *scaled* length used here. ``radicand`` is ω²; it is 1
+    if the height of the platform is rational.
     """
 
     fixed_leg: int
@@ -81,10 +81,10 @@ class SliceMap:
 
     @classmethod
     def of(cls, manipulator: Manipulator, fixed_leg: int = 1) -> SliceMap:
-        """Build the model.
+        """Builds the model.
 
         Raises:
-            InputError: ``manipulator`` is none, or ``fixed_leg`` is not 1, 2 or 3.
+            InputError: ``manipulator`` is not a manipulator, or ``fixed_leg`` is not 1, 2 or 3.
         """
         check_type(manipulator, Manipulator, "manipulator")
         fixed_leg = check_leg(fixed_leg)
@@ -107,17 +107,17 @@ class SliceMap:
 
     @property
     def rational(self) -> bool:
-        """Whether ω is rational, and ℚ itself is the field of coefficients."""
+        """Whether ω is rational, so that ℚ is the field of coefficients."""
         return self.radicand == 1
 
     @cached_property
     def singular(self) -> BiForm:
-        """J / (4 L): degrees 4 in t and u, 1 in L (method.md section 3)."""
+        """J / (4 L): degrees 4 in t and u, 1 in L."""
         return half_angles(self.trigonometric[0], (2, 2), self.radicand)
 
     @cached_property
     def coalescence(self) -> BiForm:
-        """E, up to a factor: degrees 6 in t and u, 2 in L (method.md section 3)."""
+        """E, up to a constant factor: degrees 6 in t and u, 2 in L."""
         return half_angles(self.trigonometric[1], (3, 3), self.radicand)
 
     def scale_ball(self) -> arb:
@@ -169,7 +169,7 @@ def d_theta(p: fmpz_mpoly) -> fmpz_mpoly:
 
 
 def reduced(p: fmpz_mpoly, radicand: int) -> fmpz_mpoly:
-    """With cos² = 1 − sin² and ω² = radicand, so that the degree is the true one."""
+    """The normal form modulo cos² + sin² = 1 and ω² = radicand, whose degree is the true one."""
     cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
     return p % (cos_a**2 + sin_a**2 - 1) % (cos_t**2 + sin_t**2 - 1) % (omega**2 - radicand)
 
@@ -177,8 +177,8 @@ def reduced(p: fmpz_mpoly, radicand: int) -> fmpz_mpoly:
 def half_angles(p: fmpz_mpoly, orders: tuple[int, int], radicand: int) -> BiForm:
     """The numerator of a trigonometric polynomial of the given degrees in α and in θ.
 
-    It is made homogeneous, for cos : sin : 1 = 1 − t² : 2 t : 1 + t². Derivatives were taken before, on
-    cosines and sines, so no term of the chain rule is lost (method.md section 7).
+    It is made homogeneous, since cos : sin : 1 = 1 − t² : 2 t : 1 + t². Derivatives must be taken before, of
+    cosines and sines: d/dα and d/dt differ by the factor dt/dα.
     """
     a, b = orders
     terms = {(i, j, a - i - j, k, m, b - k - m, *rest): c for (i, j, k, m, *rest), c in p.to_dict().items()}

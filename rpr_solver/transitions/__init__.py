@@ -1,1 +1,1 @@
-"""All lengths of one leg: where the number of cusps changes, and what follows from it."""
+"""All lengths of one leg: the transitions at which the number of cusps changes, and proofs based on them."""

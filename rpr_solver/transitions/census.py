@@ -1,4 +1,4 @@
-"""The census: every L at which the number of cusps changes, and the proved number between (survey.py)."""
+"""The census: every L at which the number of cusps changes, and the proved numbers between (survey.py)."""
 
 from __future__ import annotations
 
@@ -24,28 +24,28 @@ from rpr_solver.transitions.survey import Survey, survey
 
 
 class LengthKind(Kind):
-    """What a transition or the end of a curve of cusps is, where no kind of pose names it.
+    """The kind of a transition, or of the end of a curve of cusps, to which no kind of pose applies.
 
     >>> LengthKind.OPEN == "open"
     True
     """
 
     SEVERAL = "several"
-    """Degenerate poses of different kinds have this one length."""
+    """Degenerate poses of different kinds share this length."""
     UNCLASSIFIED = "unclassified"
-    """The number of cusps changes, or may change, but no pose is known that is degenerate."""
+    """The number of cusps changes, or may change, but no degenerate pose is known."""
     UNDECIDED = "undecided"
-    """Curves are cut here: which cusps pass this length, and which end and begin at it, is not proved."""
+    """Curves are cut here: it is not proved which cusps continue through this length and which end there."""
     OPEN = "open"
-    """No transition: the length 0, or no end at all."""
+    """No transition: the length 0, or infinity."""
 
 
 class CensusCertificate(TypedDict):
-    """How a census is proved.
+    """The proof of a census.
 
-    ``method`` is ``"events"`` where the degenerate poses of all slices are isolated, else
-    ``"discriminant"``: of the eliminant in u, as for similar triangles. ``lengths_examined`` counts the
-    lengths that were found so; the cusps are counted in exact slices between neighbours.
+    ``method`` is ``"events"`` if the degenerate poses of all slices are isolated, else ``"discriminant"``,
+    that of the eliminant in u, as for similar triangles. ``lengths_examined`` is the number of candidate
+    lengths from this method; the cusps are counted in exact slices between neighbouring ones.
     """
 
     method: str
@@ -75,11 +75,11 @@ class TransitionEvent:
 
 @dataclass(frozen=True)
 class Transition:
-    """A length of the fixed leg at which cusps are born or die, or a degenerate pose is passed.
+    """A length of the fixed leg at which cusps are born or die, or which has a degenerate pose.
 
     Attributes:
         length: a correctly rounded decimal, in the user's unit.
-        kind: that of its events, where they have one.
+        kind: the common kind of its events, or why there is none.
         count_before: the number of cusps of the slices just below.
         count_after: the number of cusps of the slices just above.
         events: the degenerate poses.
@@ -101,17 +101,17 @@ class Transition:
 
 @dataclass(frozen=True)
 class Census:
-    """Every transition of the slices of one leg, and the number of cusps between.
+    """Every transition of the slices of one leg, and the numbers of cusps between.
 
-    Proved: that these are all transitions in the range, every count, and every printed digit.
+    Proved: these are all transitions in the range, and every count and every printed digit is right.
 
     Attributes:
         manipulator: the geometry.
-        fixed_leg: the leg whose length changes from slice to slice.
+        fixed_leg: the leg whose length varies from slice to slice.
         digits: significant digits of every printed number.
         transitions: all transitions strictly within the range, ascending.
         counts: the number of cusps in each interval between, one entry more than ``transitions``.
-        certificate: how it is proved.
+        certificate: how the census is proved.
         range: the lengths of the fixed leg, in the user's unit.
 
     >>> from rpr_solver import EXAMPLES, census
@@ -159,8 +159,8 @@ class Census:
     def rows(self) -> list[Row]:
         """A row for each interval, for ``pandas.DataFrame(table.rows())``.
 
-        ``from`` and ``to`` are floats, infinite where there is no end; ``from_text`` and ``to_text`` have all
-        digits. ``transition_at_end`` is the kind of the transition at which it ends, None at the range's end.
+        ``from`` and ``to`` are floats, infinite for an open end; ``from_text`` and ``to_text`` have all
+        digits. ``transition_at_end`` is the kind of the transition at ``to``, None at the end of the range.
         """
         return with_floats(self._records())
 
@@ -180,7 +180,7 @@ class Census:
         return html_table(repr(self)[1:-1], self._records())
 
     def _repr_svg_(self) -> str:
-        """The number of cusps against the length of the fixed leg, for the eye."""
+        """A sketch of the number of cusps against the length of the fixed leg."""
         rows = self.rows()
         ends = [row["from"] for row in rows]
         ends.append(rows[-1]["to"] if self.range.stop is not None else 1.1 * ends[-1] or 1.0)
@@ -199,16 +199,16 @@ def census(
     """Every transition of the slices of one leg, over all lengths > 0 or a range, and the counts between.
 
     Cusps are born and die only at poses where four poses coalesce (swallowtails) or the singular curve is
-    not smooth (lips, beak-to-beak). Their lengths are real algebraic numbers, found by elimination: there is
-    no step, and no window too narrow.
+    not smooth (lips, beak-to-beak). The lengths of these poses are real algebraic numbers, computed by
+    elimination rather than sampling, so that no interval is too narrow.
 
     Args:
         manipulator: the geometry.
-        fixed_leg: the leg whose length changes from slice to slice, 1, 2 or 3.
+        fixed_leg: the leg whose length varies from slice to slice, 1, 2 or 3.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
-        start: the lower end of the range, exact, in the user's unit, itself left out; 0 is no end.
-        stop: its upper end, itself left out; None is no end.
-        progress: called as ``progress(done, total)``; ``total`` may grow.
+        start: the lower end of the range, exact, in the user's unit, excluded; 0 is an open end.
+        stop: its upper end, excluded; None is an open end.
+        progress: callback ``progress(done, total)``; ``total`` may grow.
 
     Raises:
         InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, ``start`` or ``stop``.
@@ -220,38 +220,38 @@ def census(
     """
     digits, fixed_leg = check_digits(digits), check_leg(fixed_leg)
     span = LengthRange.of(start, stop)
-    found = survey(manipulator, fixed_leg, progress or silent, start=span.start, stop=span.stop)
-    kept = {
-        k: transition for k in range(len(found.groups)) if (transition := transition_at(found, k, digits))
+    result = survey(manipulator, fixed_leg, progress or silent, start=span.start, stop=span.stop)
+    transitions = {
+        k: transition for k in range(len(result.groups)) if (transition := transition_at(result, k, digits))
     }
     certificate: CensusCertificate = {
-        "method": found.method,
-        "lengths_examined": len(found.groups),
+        "method": result.method,
+        "lengths_examined": len(result.groups),
         "counts_by": "exact slices between neighbours",
     }
     return Census(
         manipulator,
         fixed_leg,
         digits,
-        tuple(kept.values()),
-        (found.slices[0].count, *(found.slices[k + 1].count for k in kept)),
+        tuple(transitions.values()),
+        (result.slices[0].count, *(result.slices[k + 1].count for k in transitions)),
         certificate,
         span,
     )
 
 
-def transition_at(found: Survey, k: int, digits: int) -> Transition | None:
-    """The transition at one of the lengths examined; None if the cusps pass it as if nothing was there."""
-    group = found.groups[k]
-    before, after = found.slices[k].count, found.slices[k + 1].count
+def transition_at(result: Survey, k: int, digits: int) -> Transition | None:
+    """The transition at one of the candidate lengths; None if no pose is degenerate and no count changes."""
+    group = result.groups[k]
+    before, after = result.slices[k].count, result.slices[k + 1].count
     poses = [event.pose for event in group if event.pose]
     if before == after and not poses:
         return None
-    leg = found.eliminant.slice_map.fixed_leg
+    leg = result.eliminant.slice_map.fixed_leg
     events = tuple(TransitionEvent(pose.kind, _point(pose, leg, digits)) for pose in poses)
     kinds = {pose.kind for pose in poses}
     kind = LengthKind.UNCLASSIFIED if not kinds else kinds.pop() if len(kinds) == 1 else LengthKind.SEVERAL
-    length = length_text(found.eliminant.slice_map, group, digits)
+    length = length_text(result.eliminant.slice_map, group, digits)
     return Transition(length, kind, before, after, events)
 
 
@@ -285,7 +285,7 @@ def _rounded(balls: Callable[[int], Sequence[arb]], digits: int, limit: int) -> 
         values = balls(bits)
         with ctx.workprec(bits):
             rounded = [round_ball(x, digits) for x in values]
-        known = [text for text in rounded if text is not None]
-        return known if len(known) == len(values) else None
+        proved = [text for text in rounded if text is not None]
+        return proved if len(proved) == len(values) else None
 
     return decided(texts, digit_bits(digits) + 128, limit, "the digits of a transition could not be decided")

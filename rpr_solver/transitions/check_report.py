@@ -1,14 +1,14 @@
-"""Requirements checked: passed or failed by proof.
+"""Checks of requirements: passed or failed by proof.
 
-A range of slices is cut at every transition, at its own ends, and, where the other legs have joint
-limits, at every length at which a cusp stands on a limit (event_systems.limit_system). Between two
-neighbouring cuts the number of cusps within the limits is constant, and one exact slice tells it.
+A range of slices is cut at every transition and, if the other legs have joint limits, at every length at
+which a cusp reaches a limit (event_systems.limit_system). Between two neighbouring cuts the number of cusps
+within the limits is constant, and one exact slice gives it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from itertools import groupby
@@ -46,11 +46,11 @@ class CheckedInterval:
     """An interval of lengths whose slices all have one number of cusps within the limits.
 
     Attributes:
-        start, stop: its ends in the user's unit: exact texts of the range's own, correctly rounded decimals
-            else; None is no end.
+        start, stop: its ends in the user's unit: exact texts for the ends of the range, else correctly
+            rounded decimals; None is an open end.
         count: the number of cusps within the limits in each of its slices.
-        example: the length of one slice inside, exact, in the user's unit.
-        cusps: its cusps within the limits.
+        example: the length of one of its slices, exact, in the user's unit.
+        cusps: the cusps of that slice within the limits.
 
     >>> CheckedInterval("31.8632047694475", "31.8635738939382", 8, Fraction("31.8633"), cusps=())
     <CheckedInterval 31.863204… to 31.863573…: 8 cusps>
@@ -69,15 +69,16 @@ class CheckedInterval:
 
 @dataclass(frozen=True)
 class CheckReport:
-    """Whether a requirement holds, and where it does not.
+    """Whether a requirement holds, and the intervals in which it does not.
 
     Proved: the number of cusps in every interval, and so whether the requirement holds.
 
     Attributes:
         manipulator: the geometry.
-        requirement: what is required.
+        requirement: the requirement.
         digits: significant digits of lengths and cusps.
-        intervals: the whole range in intervals of one number of cusps within the limits, ascending.
+        intervals: the intervals of constant number of cusps within the limits; ascending, they fill the
+        range.
 
     >>> from rpr_solver import EXAMPLES, Requirement, check
     >>> check(EXAMPLES["zein-flat"], Requirement(start=30, stop=40, max_cusps=6), digits=15)
@@ -96,16 +97,16 @@ class CheckReport:
 
     @property
     def violations(self) -> tuple[CheckedInterval, ...]:
-        """The intervals that the requirement does not admit, ascending."""
+        """The intervals whose slices violate the requirement, ascending."""
         return tuple(x for x in self.intervals if not self.requirement.admits(x.count))
 
     @property
     def passed(self) -> bool:
-        """Whether every slice of the range is admitted."""
+        """Whether every slice of the range satisfies the requirement."""
         return not self.violations
 
     def to_json(self) -> dict[str, Any]:
-        """A plain document; lengths are decimals of ``digits`` digits."""
+        """The contract's check document; lengths are decimals of ``digits`` digits."""
         leg = self.requirement.fixed_leg
         counts = [x.count for x in self.intervals]
         return {
@@ -128,7 +129,7 @@ class CheckReport:
     def rows(self) -> list[Row]:
         """A row for each interval, with ``admitted``, for ``pandas.DataFrame(report.rows())``.
 
-        Ends are floats, infinite where there is none; ``from_text`` and ``to_text`` have all digits.
+        Ends are floats, infinite for an open end; ``from_text`` and ``to_text`` have all digits.
         """
         return with_floats(self._records())
 
@@ -148,19 +149,18 @@ def check(
 ) -> CheckReport:
     """Proves or refutes a requirement on the number of cusps over a range of lengths.
 
-    The range is cut at every transition, and at every length at which a cusp stands on a joint limit; one
-    exact slice between two neighbouring cuts gives the number of cusps of all.
+    The range is cut at every transition, and at every length at which a cusp reaches a joint limit; one exact
+    slice between two neighbouring cuts gives the number of cusps of all slices there.
 
     Args:
         manipulator: the geometry.
         requirement: the fixed leg, the range, the numbers of cusps and the joint limits.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
-        progress: called as ``progress(done, total)``; ``total`` may grow.
+        progress: callback ``progress(done, total)``; ``total`` may grow.
 
     Raises:
         InputError: naming ``manipulator``, ``requirement`` or ``digits``.
-        SolverError: a cut could not be decided, or joint limits are asked of a degenerate geometry
-            whose cusps this version cannot follow.
+        SolverError: a cut could not be decided, or joint limits are not supported for a degenerate geometry.
 
     >>> from rpr_solver import EXAMPLES
     >>> report = check(EXAMPLES["zein-flat"], Requirement(start=30, stop=40, max_cusps=6), digits=15)
@@ -170,7 +170,7 @@ def check(
     check_type(requirement, Requirement, "requirement")
     digits = check_digits(digits)
     low, high = requirement.start, requirement.stop
-    found = survey(
+    result = survey(
         manipulator,
         requirement.fixed_leg,
         progress or silent,
@@ -180,14 +180,14 @@ def check(
         more=partial(_limit_cuts, requirement),
     )
     limited = any(bound for bounds in requirement.limits.values() for bound in bounds)
-    if limited and found.method == "discriminant" and any(table.count for table in found.slices):
+    if limited and result.method == "discriminant" and any(table.count for table in result.slices):
         raise SolverError("joint limits are not supported for this degenerate geometry")
-    slice_map = found.eliminant.slice_map
-    cuts = [length_text(slice_map, group, digits) for group in found.groups]
+    slice_map = result.eliminant.slice_map
+    cuts = [length_text(slice_map, group, digits) for group in result.groups]
     ends = [exact_str(low), *cuts, None if high is None else exact_str(high)]
     intervals = []
-    for start, stop, table in zip(ends, ends[1:], found.slices, strict=False):
-        cusps = _within(found.eliminant, table, requirement)
+    for start, stop, table in zip(ends, ends[1:], result.slices, strict=False):
+        cusps = _within(result.eliminant, table, requirement)
         intervals.append(CheckedInterval(str(start), stop, len(cusps), table.length, cusps))
     return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)))
 
@@ -209,7 +209,7 @@ def _limit_cuts(
 
 
 def _within(eliminant: Eliminant, table: SliceTable, requirement: Requirement) -> tuple[JointPoint, ...]:
-    """The cusps of a slice strictly within the limits; none of them stands on one."""
+    """The cusps of a slice strictly within the limits; no cusp of the slice is at a limit."""
     legs = free_legs(requirement.fixed_leg)
 
     def within(digits: int) -> tuple[JointPoint, ...] | None:
@@ -230,7 +230,7 @@ def _within(eliminant: Eliminant, table: SliceTable, requirement: Requirement) -
 
 
 def _side(text: str, bounds: Bounds, digits: int) -> bool | None:
-    """Whether a rounded length lies within, or None if its digits do not tell."""
+    """Whether a rounded length lies within the bounds, or None if its digits are insufficient."""
     x = Fraction(text)
     doubt = x / 10 ** (digits - 1)
     low, high = bounds
@@ -240,10 +240,10 @@ def _side(text: str, bounds: Bounds, digits: int) -> bool | None:
 
 
 def _merged(intervals: list[CheckedInterval]) -> Iterator[CheckedInterval]:
-    """Neighbours of equal count joined: a cut that changes nothing is not shown."""
+    """The intervals with neighbours of equal count merged."""
     for _, same in groupby(intervals, key=lambda x: x.count):
         run = list(same)
-        yield CheckedInterval(run[0].start, run[-1].stop, run[0].count, run[0].example, run[0].cusps)
+        yield replace(run[0], stop=run[-1].stop)
 
 
 def _span(x: CheckedInterval) -> dict[str, object]:

@@ -1,8 +1,8 @@
 """Candidate lengths from the discriminant of Q(u, L), for manipulators whose events are not isolated.
 
-For similar, congruent and flat triangles Q(u, L) falls into factors of low degree over ℚ. Where no two of
-their real roots meet and none goes to infinity, the roots move without collision, and the number of simple
-ones, which are the cusps, stays.
+For similar, congruent and flat triangles Q(u, L) splits into factors of low degree over ℚ. Between lengths at
+which two of their real roots meet or one is infinite, the number of simple real roots, which are the cusps,
+is constant.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _UNSUPPORTED = "the census of this degenerate geometry is not supported: its eli
 
 
 def candidate_lengths(eliminant: Eliminant) -> Iterator[Landmark]:
-    """The positive scaled L at which roots of Q(u, L) can meet or leave for infinity.
+    """The positive scaled L at which two roots of Q(u, L) can meet, or one can be infinite.
 
     Raises:
         SolverError: the factors are too large, or J and E share an irrational curve at every L.
@@ -41,8 +41,8 @@ def candidate_lengths(eliminant: Eliminant) -> Iterator[Landmark]:
         (factor.discriminant("u") for factor in in_u if factor.degrees()[_U] > 1),
         (first.resultant(second, "u") for first, second in combinations(in_u, 2)),
     )
-    found = {str(f): f for polynomial in meetings for f, _ in _in_length(polynomial).factor()[1]}
-    for factor in found.values():
+    different = {str(f): f for polynomial in meetings for f, _ in _in_length(polynomial).factor()[1]}
+    for factor in different.values():
         yield from positive_roots(factor)
 
 
@@ -57,7 +57,7 @@ def _norm(eliminant: Eliminant) -> fmpz_mpoly:
 
 
 def _divided_norm(slice_map: SliceMap) -> fmpz_mpoly:
-    """The norm of Res_t(J, E) after J and E were divided by what they share, times their leading terms."""
+    """The norm of Res_t(J, E), J and E divided by their common factors, times their leading coefficients."""
     j, e, _ = without_common_factors(slice_map.singular, slice_map.coalescence)
     first, second = j.joined, e.joined
     resultant = first.resultant(second, "t")

@@ -1,19 +1,19 @@
-"""The poses at which cusps are born or die as the fixed leg's length L passes (method.md section 5).
+"""The poses at which cusps are born or die as the fixed leg's length L varies.
 
-J is linear in L: J = J0 + L J1, so L = −J0/J1 on the singularity slice_map, and a degenerate pose is an
+J is linear in L: J = J0 + L J1, so L = −J0/J1 on the singularity surface, and a degenerate pose is an
 isolated point of the torus (α, θ):
 
 - ∇J = 0 (lips, beak-to-beak): M1 = M2 = 0, the Wronskians of J0 and J1 in α and in θ;
-- v·∇E = 0 (swallowtail): C = W = 0, where E = F_θ C / J1² and v·∇E = J0 F_θ² W / J1³ with L put in.
+- v·∇E = 0 (swallowtail): C = W = 0, where E = F_θ C / J1² and v·∇E = J0 F_θ² W / J1³ for this L.
 
 In half tangents (t, u) their bidegrees are (6, 6), (6, 6), (10, 8) and (8, 8). With all degrees formal,
 
     Res_t(C, W)   = (u²+1)¹⁶ · Y⁴ · P,    144 = 32 + 48 + 64
     Res_t(M1, M2) = (u²+1)¹⁰ · Z · P,      72 = 20 + 16 + 36
 
-where Z = Res_t(J0, J1) / (u²+1)² belongs to the poses that are singular for every L, and
-Y = Z / A, A = Res_t(F_θ, G_θ) / (u²+1)² for those of them with three parallel legs. P is what remains.
-These are identities in the parameters; a spare point checks them modulo each prime.
+where the roots of Z = Res_t(J0, J1) / (u²+1)² are the poses that are singular for every L, those of
+A = Res_t(F_θ, G_θ) / (u²+1)² are the ones among them with three parallel legs, Y = Z / A, and P is the
+quotient. These are identities in the parameters; a spare point checks them modulo each prime.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ from rpr_solver.model.slice_map import TRIG, Leg, SliceMap, d_alpha, d_theta, ha
 from rpr_solver.transitions.shared_angles import SharedAngles, constant_lengths
 
 ELIMINATION_STEPS = 4
-"""How many steps :meth:`EventSystems.of` reports."""
+"""The number of progress steps of :meth:`EventSystems.of`."""
 
 
 class NotGeneric(Exception):  # noqa: N818 - a signal between modules; no error of the user's
-    """An eliminant vanishes identically: the events of this geometry are not all isolated."""
+    """An eliminant vanishes identically: not all events of this geometry are isolated."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class System:
         known: Form | None = None,
         exponent: int = 0,
     ) -> System:
-        """Eliminate t and divide by (u²+1)^circular · known^exponent.
+        """Eliminates t and divides by (u²+1)^circular · known^exponent.
 
         Raises:
             NotGeneric: the resultant vanishes identically.
@@ -74,10 +74,10 @@ class System:
     def without_shared_angles(
         cls, slice_map: SliceMap, first: BiForm, second: BiForm, *, circular: int, known: Form, exponent: int
     ) -> tuple[System, BiForm | None]:
-        """As :meth:`of`, without the angles α that the two forms share; and these angles.
+        """As :meth:`of`, without the angles α at which both forms vanish for every u; also these angles.
 
         Raises:
-            NotGeneric: they share more than that.
+            NotGeneric: the forms share another factor.
         """
         try:
             return cls.of(slice_map, first, second, circular=circular, known=known, exponent=exponent), None
@@ -90,23 +90,23 @@ class System:
 
 @dataclass(frozen=True)
 class EventSystems:
-    """Everything about events that depends on the geometry only."""
+    """The equations of the events of one manipulator and one fixed leg."""
 
     slice_map: SliceMap
     swallowtails: System
     critical: System
     beside: tuple[System, ...]
-    """Where cusps may meet poses that are degenerate along a whole angle α."""
+    """Where cusps may meet poses of an angle α at which every pose is degenerate for its own L."""
     levels: tuple[Algebraic, ...]
     """The lengths (scaled) at which all poses of an angle α have ∇J = 0."""
     permanent: System
     """J0 = J1 = 0 and Z(u): the poses that are singular for every L."""
     not_parallel: Form
-    """Y(u): those of them without three parallel legs."""
+    """Y(u): those of the permanent poses without three parallel legs."""
 
     @classmethod
     def of(cls, slice_map: SliceMap, progress: Progress = silent) -> EventSystems:
-        """Derive and eliminate; ``progress`` is told the steps done and their number.
+        """Derives the equations and eliminates t; ``progress`` is a callback ``progress(done, total)``.
 
         Raises:
             NotGeneric: an eliminant vanishes identically.
@@ -131,10 +131,11 @@ class EventSystems:
 
 
 def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
-    """Where a cusp has the squared free leg ``square`` (scaled): C and (f − square) J1², L put in.
+    """The equations of a cusp with squared free leg ``square`` (scaled): C and (f − square) J1² at L =
+    −J0/J1.
 
-    Their eliminant of t is (u²+1)²⁰ · (Y Z)² · P, with P of degree 48; where C was divided by angles that
-    it shares, it is taken as it is.
+    Eliminating t from them gives (u²+1)²⁰ · (Y Z)² · P, with P of degree 48. If C was divided by shared
+    angles, the factors before P are not removed.
 
     Raises:
         NotGeneric: the eliminant vanishes identically.
@@ -192,10 +193,8 @@ class _Trig:
     def on_surface(self, coefficients: Sequence[fmpz_mpoly]) -> fmpz_mpoly:
         """Σ cₖ Lᵏ with L = −J0/J1, times J1 to the degree."""
         top = len(coefficients) - 1
-        total = TRIG.gen(0) * 0
-        for k, c in enumerate(coefficients):
-            total += c * (-self.j0) ** k * self.j1 ** (top - k)
-        return total
+        terms = (c * (-self.j0) ** k * self.j1 ** (top - k) for k, c in enumerate(coefficients))
+        return sum(terms, TRIG.gen(0) * 0)
 
 
 def _swallowtail_forms(trig: _Trig, j0: BiForm, f_theta: BiForm) -> tuple[BiForm, BiForm]:

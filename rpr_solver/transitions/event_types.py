@@ -1,4 +1,4 @@
-"""What an event is: a length of the fixed leg to look at on both sides, and its degenerate pose, if any."""
+"""Events: lengths of the fixed leg at which the number of cusps may change, with their degenerate poses."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ Coordinates = tuple[arb, arb, arb, arb]
 
 @dataclass(frozen=True)
 class EventPose:
-    """The degenerate pose of an event: its kind, and its coordinates as balls from a precision in bits."""
+    """The degenerate pose of an event: its kind, and its coordinates as balls at a precision in bits."""
 
     kind: PoseKind
     coordinates: Callable[[int], Coordinates]
     exact: Callable[[], EventPose | None] | None = None
-    """The same pose in a number field, where it is given by balls; None where it is in one."""
+    """The same pose in a number field; None if the pose is already in one."""
 
 
 class Event(Protocol):
-    """A place on the axis of L at which the number of cusps may change (scaled units inside)."""
+    """A length L at which the number of cusps may change (scaled units)."""
 
     @property
     def pose(self) -> EventPose | None:
-        """The degenerate pose; None where the length alone matters."""
+        """The degenerate pose; None if only the length is known."""
         ...
 
     @property
     def exact_length(self) -> Algebraic | None:
-        """L (scaled) as an algebraic number, where it is known as one."""
+        """L (scaled) as an algebraic number, or None if it is only known by balls."""
         ...
 
     def scaled_length(self, bits: int) -> arb:
@@ -45,7 +45,7 @@ class Event(Protocol):
 
 @dataclass(frozen=True)
 class Landmark:
-    """A length to look at on both sides, without a degenerate pose of its own."""
+    """A length at which the number of cusps may change, without a degenerate pose."""
 
     exact_length: Algebraic
     pose: None = None

@@ -1,18 +1,18 @@
 """The events of a manipulator: each pose at which cusps of the slices meet, with its L, proved.
 
 An event is a real common zero of one of the systems of event_systems.py with L = −J0/J1 > 0, or a pose
-that is singular at every L and degenerate at some. Simple ones are settled by balls; the others, and
+that is singular for every L and degenerate for some L. Simple ones are decided by balls; the others, and
 poses that are always singular, exactly (exact_events.py).
 
-Complete by the implicit function theorem: where no pose of a slice is degenerate, every cusp is a
-transversal zero of (J, E) and goes on to the neighbouring slices. A degenerate pose with ∇f ≠ 0,
-J1 ≠ 0 satisfies M1 = M2 = 0 or C = W = 0; J1 = 0 makes it always singular (or L infinite); ∇f = 0
-makes it always singular too, or has leg f closed: there the fibre's order is even, so that such a
-pose is degenerate only where leg f closes while stretched along its base line (:func:`stretched_closings`).
+The events are complete by the implicit function theorem: if no pose of a slice is degenerate, every cusp is a
+transversal zero of (J, E) and continues to the neighbouring slices. A degenerate pose with ∇f ≠ 0 and
+J1 ≠ 0 satisfies M1 = M2 = 0 or C = W = 0. If J1 = 0, it is singular for every L (or L is infinite). If
+∇f = 0, it is singular for every L too, or leg f is closed: then the order of the fibre is even, so that the
+pose is degenerate only if leg f closes while stretched along its base line (:func:`stretched_closings`).
 
-Where C and W share an angle α, its poses are degenerate at their L and never cusps; divided by it, C = 0
-still holds all cusps, and one of them can meet such a pose only where C vanishes there. Where M1 and M2
-share an angle, L is constant along it. Both are lengths to look at on both sides (shared_angles.py).
+If C and W share an angle α, its poses are degenerate at their L and never cusps; C divided by the angle still
+vanishes at all cusps, and a cusp can meet such a pose only where this quotient vanishes. If M1 and M2 share
+an angle, L is constant along it. Both kinds of length are events without a pose (shared_angles.py).
 """
 
 from __future__ import annotations
@@ -45,28 +45,24 @@ from rpr_solver.transitions.exact_events import (
 
 _START_BITS = 256
 Namer = Callable[[LocalMap[arb]], PoseKind | None]
-"""The kind of an event from the jets at its pose; None where the balls do not prove it."""
+"""The kind of an event from the jets at its pose; None if the balls do not prove it."""
 
 
 @dataclass(frozen=True)
 class BallEvent:
-    """An event above a simple root of an eliminant, refined on demand; without a kind only L matters."""
+    """An event above a simple root of an eliminant, refined on demand; without a kind only L is an answer."""
 
     system: System
     root: RealRoot
     kind: PoseKind | None
+    exact_length: None = None
 
     @property
     def pose(self) -> EventPose | None:
-        """The degenerate pose, if its kind is known."""
+        """The degenerate pose, if the event has a kind."""
         if self.kind is None:
             return None
         return EventPose(self.kind, self.coordinates, lambda: self.exact().pose)
-
-    @property
-    def exact_length(self) -> None:
-        """Not known as an algebraic number."""
-        return None
 
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""
@@ -81,7 +77,7 @@ class BallEvent:
             return t.degrees(), HalfTangent(u, arb(1)).degrees(), f.sqrt() / scale, g.sqrt() / scale
 
     def exact(self) -> Event:
-        """The same event in a number field, for what balls cannot show: an angle of exactly 0, say."""
+        """The same event in a number field, for equalities that balls cannot prove, such as an angle of 0."""
         [root] = exact_counterparts([self.root], self.system.eliminant.polynomial)
         [event] = _exact_events(self.system, root, named=self.kind is not None)
         return event
@@ -97,7 +93,7 @@ class BallEvent:
 
 
 def events(systems: EventSystems) -> Iterator[Event]:
-    """All events with L > 0, in no order.
+    """All events with L > 0, in arbitrary order.
 
     Raises:
         NotGeneric: the events are not isolated.
@@ -112,14 +108,13 @@ def events(systems: EventSystems) -> Iterator[Event]:
 
 
 def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[Event]:
-    """The lengths L > 0 at which a cusp has the squared free leg ``square`` (scaled), or may have.
+    """The lengths L > 0 at which a cusp has, or may have, the squared free leg ``square`` (scaled).
 
     Raises:
         NotGeneric: these lengths are not isolated.
     """
     yield from _system_events(limit_system(systems, leg, square), None)
-    for length in permanent_limits(systems.permanent, leg, square):
-        yield Landmark(length)
+    yield from map(Landmark, permanent_limits(systems.permanent, leg, square))
 
 
 def stretched_closings(leg: Leg) -> Iterator[Landmark]:
@@ -139,7 +134,7 @@ def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
 
 
 def _system_events(system: System, name: Namer | None) -> Iterator[Event]:
-    """The events of one system, named; or their lengths alone."""
+    """The events of one system, with their kinds if ``name`` gives them, else their lengths alone."""
     eliminant = system.eliminant.polynomial
     if simple_and_finite(eliminant, system.eliminant.degree):
         proved = [_prove(system, root, name) for root in real_roots(eliminant)]
@@ -151,11 +146,10 @@ def _system_events(system: System, name: Namer | None) -> Iterator[Event]:
     simple, others = simple_and_other_roots(eliminant)
     undecided = []
     for root in simple:
-        here = _prove(system, root, name)
-        if here is None:
+        if (proof := _prove(system, root, name)) is None:
             undecided.append(root)
         else:
-            yield from here
+            yield from proof
     if undecided:
         others += exact_counterparts(undecided, eliminant)
     for exact in others:
@@ -166,12 +160,11 @@ def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Ite
     if named:
         yield from events_above(system, root)
     else:
-        for pose in located_poses(system, root):
-            yield Landmark(pose.length)
+        yield from (Landmark(pose.length) for pose in located_poses(system, root))
 
 
 def _prove(system: System, root: RealRoot, name: Namer | None) -> tuple[BallEvent, ...] | None:
-    """The event above a simple root; none where L < 0; None where balls do not tell."""
+    """The event above a simple root, an empty tuple if L < 0; None if balls do not decide it."""
 
     def event(bits: int) -> tuple[BallEvent, ...] | None:
         located = _located(system, root, bits)
@@ -191,7 +184,7 @@ def _prove(system: System, root: RealRoot, name: Namer | None) -> tuple[BallEven
 
 
 def _located(system: System, root: RealRoot, work: int) -> tuple[HalfTangent, arb, arb] | None:
-    """t, u and L above a root, or None where the precision does not tell."""
+    """t, u and L above a root, or None if the precision is insufficient."""
     u = root.refined(work - 64)
     with ctx.workprec(work):
         first, second = ([row.ball(work)(u) for row in form.rows] for form in (system.first, system.second))

@@ -1,8 +1,7 @@
-"""Events that balls cannot settle, by exact arithmetic: multiple roots, and poses singular at every L.
+"""Events that balls cannot decide, by exact arithmetic: multiple roots, and poses singular for every L.
 
-Both kinds of pose are the common zeros of two forms in (t, u) above a root u (or u = ∞) of their
-eliminant, found in a number field; J0 and J1, or E and v·∇E as polynomials in L, then say at which L
-the pose is an event.
+Both kinds of pose are common zeros, in a number field, of two forms in (t, u) above a root u (or u = ∞) of
+their eliminant. The L of an event follows from J0 and J1, or from E and v·∇E as polynomials in L.
 """
 
 from __future__ import annotations
@@ -19,12 +18,13 @@ from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.number_field import (
     Algebraic,
     Extension,
-    Field,
     Polynomial,
     adjoin_real_roots,
     common_roots,
     poly_gcd,
     poly_mod,
+    poly_product,
+    poly_sum,
     squarefree_part,
     trimmed,
 )
@@ -100,14 +100,14 @@ def permanent_events(permanent: System) -> Iterator[ExactEvent]:
     for pose in _permanent_poses(permanent):
         for extension in _degenerate_lengths(permanent.slice_map, pose):
             if extension.root.sign > 0:
-                lifted = _lifted(extension, pose)
-                yield from _event(permanent.slice_map, replace(lifted, length=extension.root))
+                lifted = replace(pose.mapped(extension.lift), length=extension.root)
+                yield from _event(permanent.slice_map, lifted)
 
 
 def permanent_limits(permanent: System, leg: Leg, square: Fraction) -> Iterator[Algebraic]:
     """The L > 0 at which a cusp passes a pose that is singular for every L, with leg² = square there.
 
-    That hardly ever happens, and balls mostly prove it does not; then nothing is given.
+    There are hardly ever any; mostly balls prove that there are none.
     """
     index = (permanent.slice_map.f, permanent.slice_map.g).index(leg)
     for pose in _permanent_poses(permanent):
@@ -123,13 +123,13 @@ def permanent_limits(permanent: System, leg: Leg, square: Fraction) -> Iterator[
 
 
 def _without_zero(p: Sequence[Algebraic]) -> list[Algebraic]:
-    """Without the roots at 0."""
+    """Divided by every power of the variable that divides."""
     first = next((i for i, c in enumerate(p) if not c.is_zero), len(p))
     return list(p[first:])
 
 
 def _apart(p: Sequence[Algebraic], q: Sequence[Algebraic]) -> bool:
-    """Proof by balls that two polynomials have no common root; False where balls do not prove it."""
+    """Proves by balls that two polynomials have no common root; False if they give no proof."""
     if len(p) == 1 or len(q) == 1:
         return True
     if not p or not q:
@@ -147,16 +147,6 @@ def _permanent_poses(permanent: System) -> Iterator[Pose[Algebraic]]:
         yield from _common_poses(permanent, root)
 
 
-def _lifted(extension: Extension, pose: Pose[Algebraic]) -> Pose[Algebraic]:
-    """The pose in the larger field."""
-    cos_a, sin_a, cos_t, sin_t, length, omega = (extension.lift(x) for x in _entries(pose))
-    return Pose(cos_a, sin_a, cos_t, sin_t, length, omega)
-
-
-def _entries(pose: Pose[Algebraic]) -> tuple[Algebraic, ...]:
-    return pose.cos_alpha, pose.sin_alpha, pose.cos_theta, pose.sin_theta, pose.length, pose.omega
-
-
 def _event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[ExactEvent]:
     local = LocalMap.at(slice_map, pose, 4)
     kind = classify(local)
@@ -165,7 +155,7 @@ def _event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[ExactEvent]:
 
 
 def _common_poses(system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:
-    """The real poses above a root; their length is a placeholder."""
+    """The real poses above a root; their length 1 is a placeholder."""
     cos_t, sin_t, omega, (a, b) = _place(system, root)
     roots = common_roots(a, b, cos_t, sin_t, omega)
     if roots is None:
@@ -204,30 +194,29 @@ def _degenerate_lengths(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[
         conditions.append([e.value, local.along(leg, e).value])
     slopes = [poly_gcd(*(x.value.coefficients for x in (leg.alpha, leg.theta))) for leg in (local.f, local.g)]
     if not all(slopes):
-        # ∇f = 0 at every L: only the other leg tells
+        # one leg has gradient 0 for every L: only the other one gives conditions
         conditions = [conditions[0]] + [c for c, s in zip(conditions[1:], slopes, strict=True) if s]
         slopes = [s for s in slopes if s]
-    found: list[Polynomial] = []
+    factors: list[Polynomial] = []
     for vanishing, condition in zip([[], *slopes], conditions, strict=True):
         common = poly_gcd(*(x.coefficients for x in condition))
         if not common:
             raise NotGeneric
-        for known in ([field(0), field(1)], vanishing, *found):
-            common = _without(common, known)
-        found.append(common)
+        for factor in ([field(0), field(1)], vanishing, *factors):
+            common = _without(common, factor)
+        factors.append(common)
         yield from adjoin_real_roots(field, squarefree_part(common))
 
 
 def _in_length(slice_map: SliceMap, pose: Pose[Algebraic]) -> LocalMap[Any]:
     """The jets at a pose as polynomials in L."""
     field = pose.omega.field
-    cos_a, sin_a, cos_t, sin_t, _, omega = (_InLength([x]) for x in _entries(pose))
-    symbolic = Pose(cos_a, sin_a, cos_t, sin_t, _InLength([field(0), field(1)]), omega)
-    return LocalMap.at(slice_map, symbolic, 3)
+    constant = pose.mapped(lambda x: _InLength([x]))
+    return LocalMap.at(slice_map, replace(constant, length=_InLength([field(0), field(1)])), 3)
 
 
 def _without(p: Polynomial, factor: Polynomial) -> Polynomial:
-    """p less all that it shares with a factor."""
+    """p divided by everything that it shares with a factor."""
     while factor and len(common := poly_gcd(p, factor)) > 1:
         p = poly_mod(p, common)[0]
     return p
@@ -253,12 +242,9 @@ class _InLength:
 
     def __add__(self, other: _InLength | int) -> _InLength:
         if isinstance(other, int):
-            constant = self.coefficients[0] + other if self.coefficients else None
-            if constant is None:
-                raise TypeError("an integer needs a field to be added in")
-            return _InLength([constant, *self.coefficients[1:]])
-        a, b = sorted((self.coefficients, other.coefficients), key=len)
-        return _InLength([x + y for x, y in zip(a, b, strict=False)] + list(b[len(a) :]))
+            constant, *rest = self.coefficients
+            return _InLength([constant + other, *rest])
+        return _InLength(poly_sum(self.coefficients, other.coefficients))
 
     def __neg__(self) -> _InLength:
         return _InLength([-x for x in self.coefficients])
@@ -269,11 +255,4 @@ class _InLength:
     def __mul__(self, other: _InLength | int) -> _InLength:
         if isinstance(other, int):
             return _InLength([x * other for x in self.coefficients])
-        if not self.coefficients or not other.coefficients:
-            return _InLength([])
-        field: Field = self.coefficients[0].field
-        total = [field(0)] * (len(self.coefficients) + len(other.coefficients) - 1)
-        for i, x in enumerate(self.coefficients):
-            for k, y in enumerate(other.coefficients):
-                total[i + k] = total[i + k] + x * y
-        return _InLength(total)
+        return _InLength(poly_product(self.coefficients, other.coefficients))

@@ -1,7 +1,7 @@
-"""Events in the order of L, and which of them share one L exactly.
+"""Events in the order of L, grouped by exactly equal L.
 
-Events of a symmetric machine come in pairs at one L. No precision shows that two numbers are equal:
-equality is proved by minimal polynomials, or by the machine's own mirror symmetry.
+Events of a symmetric manipulator come in pairs of equal L. No precision shows that two numbers are equal:
+equality is proved by minimal polynomials, or by the mirror symmetry of the manipulator.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cmp_to_key
 
-from flint import acb, arb, ctx, fmpq_mat, fmpq_poly
+from flint import acb, ctx, fmpq_mat, fmpq_poly
 
 from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.exact.precision import LENGTH_BITS, decided, decided_or_none
@@ -26,7 +26,7 @@ def grouped(events: Sequence[Event]) -> list[list[Event]]:
     """The events by ascending L, those of equal L together.
 
     Raises:
-        Unproved: two lengths could be neither separated nor proved equal.
+        Unproved: two lengths can be neither separated nor proved equal.
     """
 
     def compare(x: Event, y: Event) -> int:
@@ -60,8 +60,7 @@ def _equal(x: Event, y: Event, events: Sequence[Event]) -> bool:
         return _same_number(x.exact_length, y.exact_length)
     if isinstance(x, BallEvent) and isinstance(y, BallEvent):
         return _isosceles(x.system.slice_map) and _mirror_images(x, y, events)
-    exact = [e.exact().exact_length if isinstance(e, BallEvent) else e.exact_length for e in (x, y)]
-    first, second = exact
+    first, second = (e.exact().exact_length if isinstance(e, BallEvent) else e.exact_length for e in (x, y))
     return first is not None and second is not None and _same_number(first, second)
 
 
@@ -99,14 +98,14 @@ def _isosceles(slice_map: SliceMap) -> bool:
 
 
 def _mirror_images(x: BallEvent, y: BallEvent, events: Sequence[Event]) -> bool:
-    """Whether the mirror image of x, which is an event of the same L, can be no event but y."""
+    """Whether the mirror image of x, which is an event of the same L, can only be y."""
     image = _mirrored(x, _FIRST_BITS)
     near = [
         other
         for other in events
         if isinstance(other, BallEvent)
         and other.system is x.system
-        and all(_overlap(a, b) for a, b in zip(image, _directions(other, _FIRST_BITS), strict=True))
+        and all(a.overlaps(b) for a, b in zip(image, _directions(other, _FIRST_BITS), strict=True))
     ]
     return near == [y]
 
@@ -123,12 +122,7 @@ def _mirrored(event: BallEvent, bits: int) -> tuple[acb, acb]:
 
 
 def _directions(event: BallEvent, bits: int) -> tuple[acb, acb]:
+    """exp(iα) and exp(iθ)."""
     alpha, theta, _, _ = event.coordinates(bits)
     with ctx.workprec(bits):
-        to_radians = arb.pi() / 180
-        a, t = alpha * to_radians, theta * to_radians
-        return acb(a.cos(), a.sin()), acb(t.cos(), t.sin())
-
-
-def _overlap(a: acb, b: acb) -> bool:
-    return bool(a.real.overlaps(b.real) and a.imag.overlaps(b.imag))
+        return acb(alpha / 180).exp_pi_i(), acb(theta / 180).exp_pi_i()

@@ -21,15 +21,15 @@ _LEGS = {"l1": 1, "l2": 2, "l3": 3}
 
 @dataclass(frozen=True)
 class Requirement:
-    """How many cusps the slices of a range may have, or must have, strictly within joint limits.
+    """Bounds on the number of cusps, strictly within joint limits, in every slice of a range.
 
     Args:
-        fixed_leg: the leg whose length runs over the range, 1, 2 or 3.
-        start: the lower end of the range, exact, in the user's unit like all lengths; 0 is no end.
-        stop: its upper end; None is no end.
-        max_cusps: the greatest number of cusps in any slice (0: cusp-free), or None.
-        min_cusps: the least number, or None. A single length at which cusps merge is no violation.
-        limits: for the other legs their least and greatest lengths, exact, None where there is none:
+        fixed_leg: the leg whose length varies over the range, 1, 2 or 3.
+        start: the lower end of the range, exact, in the user's unit like all lengths; 0 is an open end.
+        stop: its upper end; None is an open end.
+        max_cusps: the maximum number of cusps in any slice (0: cusp-free), or None.
+        min_cusps: the minimum number, or None. A single length at which cusps merge is not a violation.
+        limits: the minimum and maximum lengths of the other legs, exact, None for an open end:
             ``{"l2": (5, "20.5"), "l3": (None, 30)}``, or with the legs' numbers as keys.
 
     Raises:

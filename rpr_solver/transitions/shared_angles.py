@@ -1,7 +1,7 @@
-"""Angles α = const at which two forms in (t, u) vanish for every u: found, divided out, and kept apart.
+"""Angles α = const at which two forms in (t, u) vanish for every u: their detection and removal.
 
-For some symmetric and right-angled machines all poses of one α (0 or 180 degrees, mostly) are degenerate at
-their L, or all of them have ∇J = 0 at one and the same L.
+For some symmetric and right-angled manipulators all poses of one α (mostly 0 or 180 degrees) are degenerate
+at their L, or all of them have ∇J = 0 at the same L.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from rpr_solver.exact.real_roots import real_roots
 
 @dataclass(frozen=True)
 class SharedAngles:
-    """Two forms without the angles that they shared, and these: the zeros of a form in t alone."""
+    """Two forms divided by the angles that they shared, and these angles as the zeros of a form in t."""
 
     first: BiForm
     second: BiForm
@@ -35,7 +35,7 @@ class SharedAngles:
 
     @classmethod
     def of(cls, first: BiForm, second: BiForm) -> SharedAngles | None:
-        """Divide every power of the shared angles out of both forms; None if they share none."""
+        """Divides both forms by every power of the shared angles; None if they share none."""
         field = _omega_field(first.radicand)
         common: Polynomial = []
         for column in (*_columns(first, field), *_columns(second, field)):
@@ -75,7 +75,7 @@ def _omega(field: Field) -> Algebraic:
 
 
 def constant_lengths(j0: BiForm, j1: BiForm, angles: BiForm) -> Iterator[Algebraic]:
-    """L = −J0/J1 (scaled) at each real angle of a form in t alone, where L depends on the angle only."""
+    """L = −J0/J1 (scaled) at each real zero of a form in t, where L depends on the angle only."""
     field = _omega_field(angles.radicand)
     [polynomial] = _columns(angles, field)
     for extension in adjoin_real_roots(field, trimmed(polynomial)):

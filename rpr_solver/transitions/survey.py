@@ -1,8 +1,8 @@
-"""The axis of L in intervals of constant number of cusps: its events in order, and a slice in each interval.
+"""Intervals of L with a constant number of cusps: the events in order, and a slice in each interval.
 
-Between two neighbouring events no pose of a slice is degenerate, so the cusps of one exact slice there stand
-for those of the whole interval (events.py says why the events are complete). Where events are not isolated,
-as for similar or congruent triangles, the discriminant of Q(u, L) takes their place (discriminant.py).
+Between two neighbouring events no pose of a slice is degenerate, so the number of cusps of one exact slice is
+that of the whole interval (for the completeness of the events see events.py). If events are not isolated, as
+for similar or congruent triangles, the discriminant of Q(u, L) takes their place (discriminant.py).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _WIDE = 16
 class Survey:
     """Events by ascending L, those of equal L together, and a slice before, between and after them.
 
-    ``slices`` has one entry more than ``groups``. ``method`` says how the events were found.
+    ``slices`` has one entry more than ``groups``. ``method`` is ``"events"`` or ``"discriminant"``.
     """
 
     eliminant: Eliminant
@@ -61,29 +61,29 @@ def survey(
 
     Args:
         manipulator: the geometry.
-        fixed_leg: the leg that is held.
-        progress: told the steps done and their number.
-        start, stop: the range in the user's unit; None is no end.
-        digits: those of the slices.
-        more: further lengths to look at on both sides, by slice map and event systems (None without such).
+        fixed_leg: the leg of fixed length.
+        progress: callback ``progress(done, total)``; ``total`` may grow.
+        start, stop: the range in the user's unit; None is an open end.
+        digits: the significant digits of the slices.
+        more: gives further events from the slice map and the event systems, None if events are not isolated.
 
     Raises:
         InputError: ``fixed_leg`` is not 1, 2 or 3.
-        SolverError: an event could not be decided; nothing was guessed.
+        SolverError: an event could not be decided.
     """
     eliminant = eliminate(manipulator, fixed_leg)
     slice_map = eliminant.slice_map
-    found, systems = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
+    isolated, systems = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
     low, high = (Landmark(Field.rationals()(end * slice_map.scale)) if end else None for end in (start, stop))
     ends = [end for end in (low, high) if end is not None]
-    groups = grouped([*found, *ends, *(more(slice_map, systems) if more else ())])
+    groups = grouped([*isolated, *ends, *(more(slice_map, systems) if more else ())])
     first = 0 if low is None else _position(groups, low) + 1
     last = len(groups) if high is None else _position(groups, high)
     inside = tuple(map(tuple, groups[first:last]))
     slices = []
     for length in _sample_lengths(slice_map, low, [group[0] for group in inside], high):
         table = solve_slice(eliminant, length, digits)
-        # the discriminant governs simple roots of Q only
+        # the discriminant only shows where simple roots of Q meet
         if systems is None and _cusps_at_multiple_roots(table):
             raise SolverError(
                 "the census of this degenerate geometry is not supported: cusps at multiple roots"
@@ -94,7 +94,7 @@ def survey(
 
 
 def _events(eliminant: Eliminant, progress: Progress) -> tuple[list[Event], EventSystems | None]:
-    """Every length at which the count can change; without systems where events are not isolated."""
+    """All events with their systems, or those of the discriminant and None if events are not isolated."""
     try:
         systems = EventSystems.of(eliminant.slice_map, progress)
         return list(events(systems)), systems
@@ -103,7 +103,7 @@ def _events(eliminant: Eliminant, progress: Progress) -> tuple[list[Event], Even
 
 
 def _cusps_at_multiple_roots(table: SliceTable) -> bool:
-    """Whether some cusp may lie above a multiple root: one was settled exactly, and there is such a root."""
+    """Whether some cusp may lie above a multiple root: Q has one, and a cusp was decided exactly."""
     certificate = table.certificate
     multiple = any(x["origin"] == "cusps" and x["multiplicity"] > 1 for x in certificate["factors"])
     return multiple and any("field_degree" in proof for proof in certificate["proofs"])
@@ -116,7 +116,7 @@ def _position(groups: Sequence[Sequence[Event]], landmark: Landmark) -> int:
 def _sample_lengths(
     slice_map: SliceMap, low: Event | None, places: Sequence[Event], high: Event | None
 ) -> Iterator[Fraction]:
-    """A short length (user's unit) in each interval between neighbours; None are the ends 0 and ∞."""
+    """A short decimal (user's unit) in each interval between neighbours; None stands for the ends 0 and ∞."""
     for below, above in pairwise([low, *places, high]):
         if above is not None:
             yield _short_between(*(x / slice_map.scale for x in _gap(below, above)))
@@ -128,7 +128,7 @@ def _sample_lengths(
 
 
 def _gap(below: Event | None, above: Event) -> tuple[Fraction, Fraction]:
-    """Two rationals between neighbours, at almost the whole distance of these."""
+    """Two rationals between neighbours, almost as far apart as these."""
 
     def gap(bits: int) -> tuple[Fraction, Fraction] | None:
         low, high = (Fraction(0), Fraction(0)) if below is None else _bounds(below, bits)
