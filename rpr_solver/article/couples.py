@@ -80,7 +80,10 @@ def exact_couple(
     exact = ExactPose.of(kind, t, u, local)
     shown = point_of_pose(exact, _SHOWN_DIGITS).point
     if kind is PoseKind.ORDINARY:
-        reason = _why(_legs(local, omega.field(1)), exact.f, exact.g)
+        squares = {2: exact.f, 3: exact.g}
+        closed = [f"leg {leg} has length zero" for leg, square in squares.items() if square.is_zero]
+        k = _legs(local, omega.field(1)).k
+        reason = _because(closed, {i for i, x in k.items() if x.is_zero})
         return _report(shown.alpha_deg, shown.theta1_deg, REJECTED, reason), None
     verdict, reason = (KEPT, _TRIPLE) if kind is PoseKind.CUSP else (DEGENERATE, kind.value)
     return _report(shown.alpha_deg, shown.theta1_deg, verdict, reason), point_of_pose(exact, digits)
@@ -106,8 +109,7 @@ def _legs(local: LocalMap[Any], one: Any) -> Legs:
     b1 = pose.length * pose.cos_theta, pose.length * pose.sin_theta
 
     def vector(leg: Leg) -> Vector:
-        x = cos * leg.m - sin * (omega * leg.n)
-        y = sin * leg.m + cos * (omega * leg.n)
+        x, y = leg.rotated(cos, sin, omega)
         return b1[0] + x - leg.ax, b1[1] + y - leg.ay
 
     f, g = local.slice_map.f, local.slice_map.g
@@ -121,13 +123,8 @@ def _vanishing(zero: Collection[int]) -> list[str]:
     return [name for name, entries in parts.items() if not any(entries)]
 
 
-def _why(legs: Legs, f: Algebraic, g: Algebraic) -> str:
-    """Why (14) holds without three solutions coinciding."""
-    closed = [f"leg {leg} has length zero" for leg, square in ((2, f), (3, g)) if square.is_zero]
-    return _because(closed, {i for i, k in legs.k.items() if k.is_zero})
-
-
 def _because(reasons: list[str], zero: Collection[int]) -> str:
+    """Why (14) holds without three solutions coinciding: the given reasons, else the kᵢ that are 0."""
     parts = _vanishing(zero)
     if parts and not reasons:
         where = ", ".join(LEG_ALONG[i] for i in sorted(zero))

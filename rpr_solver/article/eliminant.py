@@ -58,8 +58,6 @@ class KnownFactor:
 class ArticleEliminant:
     """F1 and E1 as forms in t and u, their eliminant, and its factors."""
 
-    slice_map: SliceMap
-    length: Fraction
     f1: BiForm
     e1: BiForm
     flat: bool
@@ -88,7 +86,7 @@ class ArticleEliminant:
         for factor in known:
             for _ in range(factor.multiplicity):
                 q = q.quotient(factor.form)
-        return cls(slice_map, length, f1, e1, flat, whole, known, q)
+        return cls(f1, e1, flat, whole, known, q)
 
 
 def article_forms(slice_map: SliceMap, length: Fraction) -> tuple[BiForm, BiForm]:

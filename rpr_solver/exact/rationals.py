@@ -6,14 +6,18 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from fractions import Fraction
-from math import isfinite
+from math import isfinite, isqrt
 from numbers import Rational, Real
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 from rpr_solver.errors import FieldProblem, InputError, shown
 
 Exact: TypeAlias = int | str | Decimal | Fraction
 """An exact number: an integer, a fraction, or a text or decimal as written (``"17.04"``, ``"426/25"``)."""
+
+K = TypeVar("K")
+V = TypeVar("V")
+T = TypeVar("T")
 
 MAX_DIGITS = 400
 """Default limit on the decimal digits of an input's numerator and of its denominator."""
@@ -88,24 +92,32 @@ def parse_positive(
     return number
 
 
-def parse_all(
-    values: Mapping[str, Exact], parse: Callable[[Exact, str], Fraction] = parse_exact
-) -> dict[str, Fraction]:
-    """Reads numbers by the names of their fields.
+def parse_all(values: Mapping[K, V], parse: Callable[[V, K], T]) -> dict[K, T]:
+    """Reads values by their keys, mostly numbers by the names of their fields.
 
     Raises:
-        InputError: naming every field at fault.
+        InputError: with the problems of all values.
     """
-    numbers: dict[str, Fraction] = {}
+    results: dict[K, T] = {}
     problems: list[FieldProblem] = []
-    for field, value in values.items():
+    for key, value in values.items():
         try:
-            numbers[field] = parse(value, field)
+            results[key] = parse(value, key)
         except InputError as error:
             problems += error.problems
     if problems:
         raise InputError(problems)
-    return numbers
+    return results
+
+
+def rational_sqrt(x: Fraction) -> Fraction | None:
+    """The square root of a rational ≥ 0, or None if it is irrational.
+
+    >>> rational_sqrt(Fraction(4, 9)), rational_sqrt(Fraction(2))
+    (Fraction(2, 3), None)
+    """
+    root = Fraction(isqrt(x.numerator), isqrt(x.denominator))
+    return root if root * root == x else None
 
 
 def one_or_more(values: Exact | Iterable[Exact], field: str) -> dict[str, Exact]:

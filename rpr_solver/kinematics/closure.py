@@ -69,8 +69,7 @@ class Closure:
         s1, *others = self.squares
 
         def equation(leg: Leg, square: Fraction) -> tuple[tuple[Any, Any], Any]:
-            n = omega * leg.n
-            x, y = cos * leg.m - sin * n, sin * leg.m + cos * n
+            x, y = leg.rotated(cos, sin, omega)
             constant = int(den * (square - s1 - leg.platform2 - leg.base2))
             right = one * constant + (x * leg.ax + y * leg.ay) * (2 * den)
             return (x - one * leg.ax, y - one * leg.ay), right

@@ -25,7 +25,6 @@ from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.model.classify import cos_sin
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
-from rpr_solver.model.slice_map import Leg
 
 
 @dataclass(frozen=True)
@@ -172,7 +171,7 @@ class _Fibre:
         cos, sin = pose.cos_sin()
         vectors = [(pose.x, pose.y)]
         for leg in (self.slice_map.f, self.slice_map.g):
-            mx, my = _turned(leg, cos, sin, pose.omega)
+            mx, my = leg.rotated(cos, sin, pose.omega)
             vectors.append((pose.x + mx - leg.ax, pose.y + my - leg.ay))
         angles = [_exact_degrees(*vector) for vector in vectors]
         scale = self.slice_map.scale
@@ -242,11 +241,6 @@ def _local_multiplicity(closure: Closure, pose: _ExactPose) -> int | None:
                 return multiplicity
             j = local.along(leg, j)
     return None
-
-
-def _turned(leg: Leg, cos: Algebraic, sin: Algebraic, omega: Algebraic) -> tuple[Algebraic, Algebraic]:
-    n = omega * leg.n
-    return cos * leg.m - sin * n, sin * leg.m + cos * n
 
 
 def _degrees(x: arb, y: arb) -> arb:

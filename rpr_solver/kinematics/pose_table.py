@@ -22,12 +22,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
-from math import isqrt
 from typing import Any, TypedDict
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
 from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
+from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, rational_sqrt
 from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.kinematics.fibre import DecimalPose, Fibre, fibre
 from rpr_solver.model.classify import PoseKind
@@ -293,6 +292,5 @@ def _curves(solution: Fibre, s1: Fraction) -> tuple[Mapping[str, str], ...]:
 
 
 def _length_text(square: Fraction) -> str:
-    n, d = square.numerator, square.denominator
-    root = Fraction(isqrt(n), isqrt(d))
-    return exact_str(root) if root * root == square else f"sqrt({exact_str(square)})"
+    root = rational_sqrt(square)
+    return f"sqrt({exact_str(square)})" if root is None else exact_str(root)

@@ -132,7 +132,7 @@ def _variable_part(leg: Leg, pose: Pose[R], order: int) -> Jet[R]:
     n = pose.omega * leg.n
     cos, sin = ca * ct + sa * st, sa * ct - ca * st
     both = _sinusoid(pose.length * (cos * leg.m - n * sin), pose.length * (-(sin * leg.m) - n * cos))
-    x, y = ca * leg.m - n * sa, sa * leg.m + n * ca
+    x, y = leg.rotated(ca, sa, pose.omega)
     platform = _sinusoid(x * leg.ax + y * leg.ay, x * leg.ay - y * leg.ax)
     base = _sinusoid(pose.length * (ct * leg.ax + st * leg.ay), pose.length * (ct * leg.ay - st * leg.ax))
 

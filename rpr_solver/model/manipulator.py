@@ -63,7 +63,7 @@ class Manipulator:
         self, a2x: Exact, a3x: Exact, a3y: Exact, d1: Exact, d2: Exact, d3: Exact, orientation: str = CCW
     ) -> None:
         values = zip(_LENGTHS, (a2x, a3x, a3y, d1, d2, d3), strict=True)
-        lengths = parse_all({f"geometry.{name}": value for name, value in values})
+        lengths = parse_all({f"geometry.{name}": value for name, value in values}, parse_exact)
         for name, length in zip(_LENGTHS, lengths.values(), strict=True):
             object.__setattr__(self, name, length)
         object.__setattr__(self, "orientation", orientation)
@@ -130,7 +130,7 @@ class Manipulator:
             return parse_exact(value, field, max_digits=max_digits)
 
         try:
-            lengths = parse_all({f"geometry.{name}": obj.get(name, _MISSING) for name in _LENGTHS}, length)  # type: ignore[misc]
+            lengths = parse_all({f"geometry.{name}": obj.get(name, _MISSING) for name in _LENGTHS}, length)
         except InputError as error:
             problems += error.problems
         if problems:
@@ -187,35 +187,28 @@ class Manipulator:
         return (d1 + d2 + d3) * (-d1 + d2 + d3) * (d1 - d2 + d3) * (d1 + d2 - d3)
 
     def _problems(self) -> list[FieldProblem]:
-        problems = []
+        problems: list[FieldProblem] = []
+
+        def problem(name: str, message: str) -> None:
+            problems.append(FieldProblem(f"geometry.{name}", message))
+
         if self.a2x == 0:
-            problems.append(FieldProblem("geometry.a2x", "is 0, so A1 and A2 coincide; give a2x ≠ 0"))
+            problem("a2x", "is 0, so A1 and A2 coincide; give a2x ≠ 0")
         if self.a3x == 0 and self.a3y == 0:
-            problems.append(FieldProblem("geometry.a3x", "A1 and A3 coincide; give a3x ≠ 0 or a3y ≠ 0"))
+            problem("a3x", "A1 and A3 coincide; give a3x ≠ 0 or a3y ≠ 0")
         if self.a3x == self.a2x != 0 and self.a3y == 0:
-            problems.append(FieldProblem("geometry.a3x", "A2 and A3 coincide; give a3x ≠ a2x or a3y ≠ 0"))
+            problem("a3x", "A2 and A3 coincide; give a3x ≠ a2x or a3y ≠ 0")
         sides = {"d1": self.d1, "d2": self.d2, "d3": self.d3}
         for name, side in sides.items():
             if side <= 0:
-                problems.append(
-                    FieldProblem(f"geometry.{name}", f"is {_short(side)}; a side of the platform must be > 0")
-                )
-        if not problems:
-            for name, side in sides.items():
-                others = sum(sides.values()) - side
-                if side > others:
-                    rest = " + ".join(n for n in sides if n != name)
-                    problems.append(
-                        FieldProblem(
-                            f"geometry.{name}",
-                            f"{name} = {_short(side)} breaks the triangle inequality:"
-                            f" it must be at most {rest} = {_short(others)}",
-                        )
-                    )
+                problem(name, f"is {_short(side)}; a side of the platform must be > 0")
+        whole, longest = sum(sides.values()), max(sides, key=lambda name: sides[name])
+        if not problems and 2 * (side := sides[longest]) > whole:
+            limit = f"{' + '.join(name for name in sides if name != longest)} = {_short(whole - side)}"
+            broken = f"{longest} = {_short(side)} breaks the triangle inequality"
+            problem(longest, f"{broken}: it must be at most {limit}")
         if self.orientation not in (CCW, CW):
-            problems.append(
-                FieldProblem("geometry.orientation", f'{shown(self.orientation)} is neither "ccw" nor "cw"')
-            )
+            problem("orientation", f'{shown(self.orientation)} is neither "ccw" nor "cw"')
         return problems
 
 

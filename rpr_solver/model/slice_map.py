@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import gcd, isqrt, lcm
+from typing import Any
 
 from flint import arb, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
@@ -53,6 +54,11 @@ class Leg:
     def base2(self) -> int:
         """|a|²: the squared side of the base."""
         return self.ax**2 + self.ay**2
+
+    def rotated(self, cos: Any, sin: Any, omega: Any) -> tuple[Any, Any]:
+        """R(α) m, the platform point turned by α, in any ring."""
+        n = omega * self.n
+        return cos * self.m - sin * n, sin * self.m + cos * n
 
     def collinear(self) -> fmpz_poly:
         """The quadratic in u of the poses with the fixed leg along the base line to this leg."""
@@ -150,8 +156,7 @@ def _split_square(n: int) -> tuple[int, int]:
 def slopes(leg: Leg) -> tuple[fmpz_mpoly, fmpz_mpoly]:
     """f_α / 2 and f_θ / (2 L) of one leg."""
     cos_a, sin_a, cos_t, sin_t, length, omega = TRIG.gens()
-    m, n = leg.m, leg.n * omega
-    x, y = m * cos_a - n * sin_a, m * sin_a + n * cos_a
+    x, y = leg.rotated(cos_a, sin_a, omega)
     x_alpha, y_alpha = -y, x
     along = length * (cos_t * x_alpha + sin_t * y_alpha) - (leg.ax * x_alpha + leg.ay * y_alpha)
     across = cos_t * (y - leg.ay) - sin_t * (x - leg.ax)

@@ -57,7 +57,7 @@ def table_document(
     [4, 8, 'input-error']
     """
     digits, leg = check_digits(digits), check_leg(fixed_leg)
-    exact = list(parse_all(one_or_more(lengths, f"l{leg}")).values())
+    exact = list(parse_all(one_or_more(lengths, f"l{leg}"), parse_exact).values())
     eliminant = eliminate(manipulator, leg)
     slices = slices_json(lambda x: solve_slice(eliminant, x, digits).to_json(), exact, leg, progress)
     return table_json(manipulator, leg, digits, slices)

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import arb, ctx, fmpz
+from flint import arb, ctx
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.factors import ExactRoot
 from rpr_solver.exact.number_field import Algebraic, common_roots
+from rpr_solver.exact.rationals import rational_sqrt
 from rpr_solver.model.classify import PoseKind, classify, cos_sin
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
@@ -51,7 +52,7 @@ class ExactPose:
 
     def exact_lengths(self) -> tuple[Fraction | None, Fraction | None]:
         """The two free lengths in the user's unit; None for an irrational one."""
-        first, second = (_rational_sqrt(x.rational) for x in (self.f, self.g))
+        first, second = (x.rational and rational_sqrt(x.rational) for x in (self.f, self.g))
         scale = self.slice_map.scale
         return first and first / scale, second and second / scale
 
@@ -86,12 +87,3 @@ def local_map(
     """The jets that determine a pose's kind; t is None at α = 180°."""
     field = u.field
     return LocalMap.at(slice_map, Pose(*cos_sin(t, field), *cos_sin(u, field), field(length), omega), 4)
-
-
-def _rational_sqrt(x: Fraction | None) -> Fraction | None:
-    if x is None or x < 0:
-        return None
-    n, d = fmpz(x.numerator), fmpz(x.denominator)
-    if not (n.is_square() and d.is_square()):
-        return None
-    return Fraction(int(n.isqrt()), int(d.isqrt()))

@@ -143,7 +143,7 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     slice_map = systems.slice_map
     trig = _Trig.of(slice_map)
     cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
-    x, y = leg.m * cos_a - leg.n * omega * sin_a, leg.m * sin_a + leg.n * omega * cos_a
+    x, y = leg.rotated(cos_a, sin_a, omega)
     both = cos_t * x + sin_t * y - leg.ax * cos_t - leg.ay * sin_t
     n, d = square.numerator, square.denominator
     on_surface = (

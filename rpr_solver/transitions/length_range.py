@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.exact.rationals import Exact, exact_str, parse_all
+from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact
 
 
 @dataclass(frozen=True)
@@ -32,9 +32,8 @@ class LengthRange:
             InputError: an end is negative or not an exact number, or the range is empty; ``names`` are the
                 fields of the ends.
         """
-        ends = parse_all(
-            {name: end for name, end in zip(names, (start, stop), strict=True) if end is not None}
-        )
+        pairs = zip(names, (start, stop), strict=True)
+        ends = parse_all({name: end for name, end in pairs if end is not None}, parse_exact)
         low, high = ends.get(names[0], Fraction(0)), ends.get(names[1])
         problems = []
         if low < 0:

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, TypeVar
 
 from rpr_solver.contract import check_integer, check_leg
 from rpr_solver.errors import FieldProblem, InputError, shown
-from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_exact
+from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_all, parse_exact
 from rpr_solver.transitions.length_range import LengthRange
 
 Bounds: TypeAlias = tuple[Fraction | None, Fraction | None]
@@ -158,23 +158,16 @@ def _count(value: int | None, field: str) -> int | None:
     return count
 
 
-def _limits(
-    limits: Mapping[int, ExactBounds] | Mapping[str, ExactBounds], fixed_leg: int
-) -> dict[int, Bounds]:
+def _limits(limits: Mapping[Any, ExactBounds], fixed_leg: int) -> dict[int, Bounds]:
     field = "requirement.limits"
     if not isinstance(limits, Mapping):
         raise InputError.of(field, f"is {shown(limits)}; its keys are the free legs, such as l2 and l3")
-    problems: list[FieldProblem] = []
-    result: dict[int, Bounds] = {}
-    for key, bounds in limits.items():
-        try:
-            leg = _LEGS[key] if isinstance(key, str) and key in _LEGS else check_leg(key, field)  # type: ignore[arg-type]
-            result[leg] = _bounds(bounds, leg, fixed_leg)
-        except InputError as error:
-            problems += error.problems
-    if problems:
-        raise InputError(problems)
-    return result
+
+    def read(bounds: ExactBounds, key: Any) -> tuple[int, Bounds]:
+        leg = _LEGS[key] if isinstance(key, str) and key in _LEGS else check_leg(key, field)
+        return leg, _bounds(bounds, leg, fixed_leg)
+
+    return dict(parse_all(limits, read).values())
 
 
 def _bounds(bounds: ExactBounds, leg: int, fixed_leg: int) -> Bounds:

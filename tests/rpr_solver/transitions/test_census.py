@@ -38,7 +38,7 @@ def count_at(document: Census, length: Fraction) -> int:
 
 
 def test_the_first_manipulators_largest_transitions() -> None:
-    """method.md section 5, and the article's IV.3: four cusps for every L1 beyond 31."""
+    """The article's section IV.3: four cusps for every L1 beyond 31."""
     known = [
         ("26.7863808709", 6, 8), ("28.0948944789", 8, 10), ("28.1074306006", 10, 8), ("28.2578652083", 8, 6),
         ("30.7403750266", 6, 8), ("30.7792617125", 8, 6), ("30.9469140343", 6, 4),
