@@ -78,7 +78,6 @@ class Identified(Protocol):
 
     def identity_json(self) -> dict[str, Any]:
         """The geometry and its hash."""
-        ...
 
 
 def document_head(manipulator: Identified, digits: int, fixed_leg: int | None = None) -> dict[str, Any]:

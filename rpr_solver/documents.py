@@ -134,7 +134,8 @@ def restrict_census(
             if text is None or events is None:
                 return None
             inside.append({**transition, leg: text, "events": events})
-    counts = [_count_above(document, low), *(t["count_after"] for t in inside)]
+    below = [interval["count"] for interval in document["intervals"] if Fraction(interval["from"]) <= low]
+    counts = [below[-1], *(t["count_after"] for t in inside)]
     first, last = span.to_json().values()
     ends = [first, *(t[leg] for t in inside), last]
     return {
@@ -168,12 +169,6 @@ def _csv(columns: Sequence[str], records: Iterable[Mapping[str, object]]) -> str
     writer.writeheader()
     writer.writerows(records)
     return out.getvalue()
-
-
-def _count_above(document: Mapping[str, Any], length: Fraction) -> int:
-    """The count of the interval that begins at ``length`` or contains it."""
-    counts = [i["count"] for i in document["intervals"] if Fraction(i["from"]) <= length]
-    return int(counts[-1])
 
 
 def _short_points(points: Iterable[Mapping[str, str]], digits: int) -> list[dict[str, str | None]] | None:

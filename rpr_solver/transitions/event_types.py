@@ -31,16 +31,13 @@ class Event(Protocol):
     @property
     def pose(self) -> EventPose | None:
         """The degenerate pose; None if only the length is known."""
-        ...
 
     @property
     def exact_length(self) -> Algebraic | None:
         """L (scaled) as an algebraic number, or None if it is only known by balls."""
-        ...
 
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""
-        ...
 
 
 @dataclass(frozen=True)

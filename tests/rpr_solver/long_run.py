@@ -4,10 +4,10 @@
 
 Every case is a random manipulator, fixed leg and length. Its table must agree with that of its mirror
 image at another scale, and every cusp that floating-point Newton finds must be in it (Newton may lose
-cusps, so it is not asked for more). Beside a transition, a part in 1e30 of the length away, the count
+cusps, so the converse is not required). Beside a transition, at a relative distance of 1e-30, the count
 must be that of the census on that side. Censuses of 20 manipulators, every degenerate family among them,
 must agree with slices at 1,000 random lengths and in the middle of every interval, and cusp curves must name
-every cusp of a part of these slices. Prints what went wrong, and then ends with status 1.
+every cusp of some of these slices. Prints all failures and then exits with status 1.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def kinds(table: SliceTable) -> Counter[str]:
 
 
 def random_case(rng: random.Random) -> str | None:
-    """What is wrong with one random slice, or None."""
+    """The failure of one random slice, or None."""
     m, leg = manipulator(rng), rng.choice([1, 2, 3])
     length = Fraction(rng.randint(1, 6000), 100)
     table = solve_slice(eliminate(m, leg), length, 20)
@@ -79,7 +79,7 @@ def random_case(rng: random.Random) -> str | None:
 
 
 def beside_transitions(rng: random.Random, wanted: int) -> list[str]:
-    """What is wrong beside transitions of random manipulators."""
+    """Failures beside transitions of random manipulators."""
     wrong, done = [], 0
     while done < wanted:
         m, leg = manipulator(rng), rng.choice([1, 2, 3])
@@ -104,7 +104,7 @@ def beside_transitions(rng: random.Random, wanted: int) -> list[str]:
 
 
 def censuses_against_slices(rng: random.Random, manipulators: int, lengths: int) -> list[str]:
-    """Where a census and a slice disagree."""
+    """Disagreements between a census and slices."""
     wrong = []
     names = list(FAMILIES)[:manipulators]
     chosen = [family(name) for name in names]
@@ -131,7 +131,7 @@ def censuses_against_slices(rng: random.Random, manipulators: int, lengths: int)
 
 
 def curves_against_slices(m: Manipulator, leg: int, lengths: list[Fraction]) -> list[str]:
-    """Where the cusp curves that pass a slice are not as many as its cusps."""
+    """Slices passed by another number of cusp curves than they have cusps."""
     try:
         curves = cusp_curves(m, fixed_leg=leg, digits=30).sampled(lengths)
     except SolverError as error:
@@ -151,7 +151,7 @@ def curves_against_slices(m: Manipulator, leg: int, lengths: list[Fraction]) -> 
 
 
 def main() -> int:
-    """Run it."""
+    """Runs all cases."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cases", type=int, default=2000)
     parser.add_argument("--transitions", type=int, default=200)

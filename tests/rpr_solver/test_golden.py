@@ -1,4 +1,4 @@
-"""Answers do not change unless SOLVER_VERSION, which is part of every cache key, says so."""
+"""Answers change only together with SOLVER_VERSION, which is part of every cache key."""
 
 import pytest
 

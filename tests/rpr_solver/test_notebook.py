@@ -1,4 +1,4 @@
-"""What a notebook and a data frame see of answers: short reprs, HTML, pictures, rows, typed certificates."""
+"""Answers in a notebook and a data frame: short reprs, HTML, pictures, rows, typed certificates."""
 
 import inspect
 import json
@@ -37,7 +37,7 @@ LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
 def parts(answer: object) -> list[object]:
-    """An answer and what it is made of."""
+    """An answer and its parts."""
     inside = (
         "cusps",
         "transitions",

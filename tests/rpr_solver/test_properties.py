@@ -1,4 +1,4 @@
-"""What must hold for every manipulator and every slice."""
+"""Invariants of every manipulator and every slice."""
 
 import math
 from collections import Counter
@@ -48,7 +48,7 @@ def mirrored(m: Manipulator) -> Manipulator:
 
 
 def swapped_legs_2_and_3(m: Manipulator, side: Fraction) -> Manipulator:
-    """Legs 2 and 3 renamed, and all turned so that A1A3, of length `side`, lies on the x-axis."""
+    """Legs 2 and 3 exchanged, and everything rotated so that A1A3, of length `side`, lies on the x-axis."""
     cos, sin = m.a3x / side, m.a3y / side
     orientation = "cw" if m.orientation == "ccw" else "ccw"
     return Manipulator(side, m.a2x * cos, -m.a2x * sin, m.d3, m.d2, m.d1, orientation)
@@ -90,7 +90,7 @@ def test_mirror(m: Manipulator, length: Fraction, leg: int) -> None:
 @given(ANY_MANIPULATOR, st.integers(-9, 9), st.integers(0, 9), ANY_LENGTH, LEGS)
 @examples(40)
 def test_renaming_legs(m: Manipulator, p: int, q: int, length: Fraction, leg: int) -> None:
-    """Pythagorean triples bring bases whose side A1A3 is rational, so that it can be turned to the x-axis."""
+    """Pythagorean triples give bases with a rational side A1A3, which can be rotated to the x-axis."""
     assume((p, q) != (0, 0))
     a3x, a3y, side = (Fraction(x, 4) for x in (p * p - q * q, 2 * p * q, p * p + q * q))
     assume((a3x, a3y) != (m.a2x, 0))
@@ -117,7 +117,7 @@ def test_renaming_legs(m: Manipulator, p: int, q: int, length: Fraction, leg: in
 @given(manipulators(), lengths())
 @examples(25)
 def test_the_three_choices_of_fixed_leg_agree(m: Manipulator, length: Fraction) -> None:
-    """A cusp of the slice L1 = c at (L2, L3) is one of the slice L2 = that, within the digits of that."""
+    """A cusp of the slice L1 = c at (L2, L3) is a cusp of the slice with this L2, to the digits of L2."""
     for cusp in solve(m, length, 1, 60).cusps[:2]:
         for leg, own, other in ((2, cusp.l2, cusp.l3), (3, cusp.l3, cusp.l2)):
             nearby = solve(m, parse_exact(own, f"l{leg}"), leg).cusps
@@ -142,7 +142,7 @@ def test_every_cusp_satisfies_the_articles_equations(m: Manipulator, length: Fra
 @given(manipulators(size=20), lengths(size=30))
 @examples(12)
 def test_nothing_that_floating_point_newton_finds_is_missing(m: Manipulator, length: Fraction) -> None:
-    """Newton may lose cusps; whatever it finds must be in the table, and no more than that is asked of it."""
+    """Newton's method may miss cusps; every cusp that it finds must be in the table."""
     table = solve(m, length)
     ours = [(math.radians(float(c.alpha_deg)), math.radians(float(c.theta1_deg))) for c in table.cusps]
     for point in count_cusps(m, float(length), starts=10):

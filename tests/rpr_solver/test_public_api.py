@@ -1,4 +1,4 @@
-"""The door of the library: how its functions read numbers and name what is wrong."""
+"""The public interface: how its functions read numbers and name the fields at fault."""
 
 import json
 from collections.abc import Callable
@@ -51,7 +51,7 @@ LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 @Integral.register
 class NumpyLikeInteger:
-    """As an integer of numpy: registered, but no ``int``."""
+    """Like an integer of numpy: registered, but not an ``int``."""
 
     numerator, denominator = 10, 1
 
@@ -66,7 +66,7 @@ class NumpyLikeInteger:
 
 @Real.register
 class NumpyLikeFloat:
-    """As a float of numpy: registered, but no ``float``."""
+    """Like a float of numpy: registered, but not a ``float``."""
 
     def __float__(self) -> float:
         return 15.91
@@ -76,7 +76,7 @@ class NumpyLikeFloat:
 
 
 def fields(call: Callable[[], object]) -> set[str]:
-    """The fields that a call finds at fault."""
+    """The fields that the InputError of a call names."""
     with pytest.raises(InputError) as caught:
         call()
     return {problem.field for problem in caught.value.problems}
@@ -116,7 +116,7 @@ NUMBER_TAKERS: dict[str, tuple[str, Callable[[Any], Any]]] = {
 BAD: list[object] = [10.5, float("nan"), NumpyLikeFloat(), True, b"27", "", "ten", "1/0", "nan", {"l1": 3}]
 SPELLINGS = ["10", "10.0", "20/2", "1e1", Decimal(10), Decimal("1E+1"), Fraction(10), NumpyLikeInteger()]
 OPEN_END = ("part", "within", "spread", "restrict", "LengthRange", "Requirement")
-"""Where None is an open end."""
+"""The parameters for which None is an open end."""
 
 
 @pytest.mark.parametrize(
@@ -128,7 +128,7 @@ OPEN_END = ("part", "within", "spread", "restrict", "LengthRange", "Requirement"
         if bad is not None or not name.startswith(OPEN_END)
     ],
 )
-def test_what_is_no_exact_number_is_refused_by_name(name: str, bad: object) -> None:
+def test_an_inexact_number_is_refused_by_name(name: str, bad: object) -> None:
     field, call = NUMBER_TAKERS[name]
     assert fields(lambda: call(bad)) == {field}
 
@@ -280,7 +280,7 @@ def test_limits_by_number_and_by_name_are_the_same() -> None:
         ({"max_cusps": 1, "limits": {2: (1.5, None), 3: (None, 2.5)}}, {"limits.l2.min", "limits.l3.max"}),
     ],
 )  # fmt: skip
-def test_what_is_no_requirement_is_refused_by_name(arguments: dict[str, Any], names: set[str]) -> None:
+def test_an_invalid_requirement_is_refused_by_name(arguments: dict[str, Any], names: set[str]) -> None:
     assert fields(lambda: Requirement(**arguments)) == {f"requirement.{name}" for name in names}
 
 

@@ -1,4 +1,4 @@
-"""What `import rpr_solver` offers is what is listed here, and each part says what it is."""
+"""The public names of `rpr_solver` are those listed here, each with a docstring."""
 
 import doctest
 import inspect

@@ -1,4 +1,4 @@
-"""Threads share python-flint's working precision: they may disturb one another, but never a digit."""
+"""Threads share python-flint's working precision: they may disturb each other, but never change a digit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DIGITS = (15, 300)
 
 @pytest.fixture
 def _close_turns() -> Iterator[None]:
-    """Threads take turns a hundred times as often, and what they leave behind is put right."""
+    """Threads switch a hundred times as often; the precision is restored afterwards."""
     interval, precision = sys.getswitchinterval(), ctx.prec
     sys.setswitchinterval(1e-4)
     yield

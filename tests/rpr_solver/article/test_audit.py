@@ -1,4 +1,4 @@
-"""The article's algorithm: its equations derived anew, its eliminant, and agreement with the solver."""
+"""The article's algorithm: an independent derivation of its equations, its eliminant, the solver's cusps."""
 
 from fractions import Fraction
 from typing import Any
@@ -39,7 +39,7 @@ VECTORS = [
 
 
 class TestEquations:
-    """(1) → (5), (6), (8), (9), (10), (11): SymPy derives, the solver's formulas must be the same."""
+    """(1) → (5), (6), (8), (9), (10), (11): the solver's formulas against a derivation by SymPy."""
 
     lengths = sp.symbols("L1:4", positive=True)
     thetas = sp.symbols("theta1:4", real=True)
@@ -94,7 +94,7 @@ class TestEquations:
         assert all(self.same(printed[i], 2 * k) for i, k in self.legs.k.items())
 
     def test_the_adjugate_is_equation_8(self) -> None:
-        """But for one sign, a misprint: the entry in row 2, column 3 is −k3 k6."""
+        """Equal except for one sign, a misprint: the entry in row 2, column 3 is −k3 k6."""
         k = dict(zip(range(1, 7), sp.symbols("k1:7"), strict=True))
         matrix = sp.Matrix([[k[6], k[5], 0], [0, k[1], k[3]], [k[4], 0, k[2]]])
         assert (matrix.adjugate() - sp.Matrix(adjugate(k))).expand().is_zero_matrix
@@ -162,7 +162,7 @@ def test_13_and_14_are_6_and_10_with_half_angles_put_in(name: str) -> None:
 
 
 def test_the_eliminant_is_the_resultant() -> None:
-    """The modular one against FLINT's own, over ℤ[ω] with ω a symbol."""
+    """The modular eliminant against FLINT's resultant over ℤ[ω] with ω a symbol."""
     ring = fmpz_mpoly_ctx.get(("t", "u", "omega"), "lex")
     slice_map = SliceMap.of(Manipulator(*map(Fraction, (10, 5, 8, 6, 7, 7))))
     length = Fraction(9) * slice_map.scale

@@ -35,7 +35,7 @@ slow = partial(pytest.param, marks=pytest.mark.slow)
 
 
 def alive(curves: CuspCurves, length: Fraction) -> int:
-    """How many curves pass a length, by their ends alone."""
+    """The number of curves that pass a length, by their ends."""
     return sum(
         Fraction(c.start.length or 0) < length and (c.stop.length is None or length < Fraction(c.stop.length))
         for c in curves.curves
@@ -43,7 +43,7 @@ def alive(curves: CuspCurves, length: Fraction) -> int:
 
 
 def check_ends(curves: CuspCurves) -> None:
-    """Who joins whom is told by both, at one length; names are unique and in the order of birth."""
+    """Joins are mutual and at one length; names are unique and in the order of birth."""
     by_name = {c.name: c for c in curves.curves}
     assert list(by_name) == [f"C{i + 1}" for i in range(len(curves.curves))]
     starts = [Fraction(c.start.length or 0) for c in curves.curves]
@@ -82,7 +82,7 @@ def test_generic_curves_begin_and_end_in_pairs(name: str, fixed_leg: int) -> Non
 
 
 def test_the_first_manipulators_curves() -> None:
-    """Twelve pairs are born; four cusps stay for every L1 beyond the last transition."""
+    """Twelve pairs are born; four cusps remain for every L1 beyond the last transition."""
     curves = curves_of(INNOCENTI)
     assert len(curves.curves) == 24
     assert [c.name for c in curves.curves if c.stop.length is None] == ["C2", "C8", "C16", "C18"]
@@ -105,7 +105,7 @@ def test_every_family_agrees_with_its_census(name: str, fixed_leg: int) -> None:
 
 @pytest.mark.slow
 def test_a_cusp_that_passes_a_degenerate_pose_begins_a_new_curve() -> None:
-    """Held at leg 2 the right-angled machine has six cusps about L2 = 16, and five and a node at 16."""
+    """With leg 2 fixed the right-angled manipulator has six cusps near L2 = 16, and five and a node at it."""
     curves = curves_of(family("right angles"), 2)
     ended = [c for c in curves.curves if c.stop.length == "16.0000000000000000000000000000"]
     begun = [c for c in curves.curves if c.start.length == "16.0000000000000000000000000000"]
@@ -151,7 +151,7 @@ def test_names_do_not_depend_on_what_is_asked_for() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("exponent", [12, 30, 60])
 def test_slices_right_beside_transitions(exponent: int) -> None:
-    """The cusps that merge there are followed to the last."""
+    """The cusps that merge there are followed as far as they are distinct."""
     precise = census_of(INNOCENTI, digits=80)
     whole = curves_of(INNOCENTI)
     for transition in (precise.transitions[-1], precise.transitions[-2], precise.transitions[2]):

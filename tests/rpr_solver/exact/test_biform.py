@@ -151,7 +151,7 @@ def test_the_leading_coefficient_in_a_variable() -> None:
 
 
 def test_common_factors_leave_both_forms() -> None:
-    """J loses every power, so that nothing of the shared curve stays isolated."""
+    """J is divided by every power, so that no point of the shared curve remains as an isolated zero."""
     j = BiForm.of((T - U) ** 3 * (OMEGA * T + U), 2, 4, 4)
     e = BiForm.of((T - U) * (T * U + OMEGA), 2, 2, 2)
     rest_j, rest_e, common = without_common_factors(j, e)

@@ -21,7 +21,7 @@ EXPONENTS = st.integers(-40, 40)
 
 
 def rounded(x: Fraction, digits: int) -> tuple[Fraction, Fraction]:
-    """The nearest number of so many digits, halves away from 0; and one unit of its last digit."""
+    """The nearest number of ``digits`` digits, halves away from 0; and one unit of its last digit."""
     place = 0
     while abs(x) >= Fraction(10) ** (place + 1):
         place += 1

@@ -1,4 +1,4 @@
-"""Resultants from values modulo primes, against FLINT's own over ℤ[t, u, ω]."""
+"""Resultants from values modulo primes, against FLINT's resultants over ℤ[t, u, ω]."""
 
 from typing import Any
 
@@ -76,7 +76,7 @@ def test_a_factor_that_is_none_is_refused() -> None:
 
 
 def test_a_common_zero_at_infinity_counts() -> None:
-    """Where both leading terms in t vanish together, the resultant does, for any u."""
+    """If both leading terms in t vanish, so does the resultant, for any u."""
     first, second = BiForm.of(T + U, 2, 2, 1), BiForm.of(T - U, 2, 2, 1)
     assert resultant(first, second).polynomial.is_zero
     assert not resultant(BiForm.of(T + U, 2, 1, 1), second).polynomial.is_zero

@@ -1,4 +1,4 @@
-"""Factors over ℚ(ω) read off the norm, and real roots in number fields."""
+"""Factors over ℚ(ω) from those of the norm, and real roots in number fields."""
 
 from collections import Counter
 
@@ -53,7 +53,7 @@ def test_a_factor_without_its_conjugate() -> None:
 
 @given(st.lists(st.tuples(st.integers(-5, 5), st.integers(-5, 5)), min_size=1, max_size=3, unique=True))
 def test_every_root_is_a_zero_and_all_are_there(numbers: list[tuple[int, int]]) -> None:
-    """A product of x − a − b √2 has just these roots, wherever the conjugates fall."""
+    """The roots of a product of x − a − b √2, wherever their conjugates are."""
     p = constant(1)
     for a, b in numbers:
         p = p * (X - constant(a) - ROOT2 * b)

@@ -111,7 +111,7 @@ def test_roots_over_a_quadratic_field() -> None:
 
 
 def test_a_wide_isolating_ball_is_refined_at_any_precision() -> None:
-    """Evaluated at high precision, this ball's slope would be too wide to exclude zero."""
+    """Evaluated at high precision only, the slope over this ball is too wide to exclude zero."""
     eliminant = eliminate(EXAMPLES["innocenti"])
     factors = norm_factors(eliminant.at(Fraction("14.98") * eliminant.slice_map.scale))
     for root in exact_roots(factors):

@@ -1,4 +1,4 @@
-"""One rising precision for every question that balls may leave open, and one error beyond its limit."""
+"""Rising precision for questions that balls may leave open, and the error beyond its limit."""
 
 import doctest
 from itertools import pairwise

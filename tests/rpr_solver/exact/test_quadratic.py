@@ -31,7 +31,7 @@ def omega(radicand: int) -> Algebraic:
 
 
 def value(p: QuadraticPoly, x: int) -> Algebraic:
-    """At x + 2 ω, which is no rational number where the field is none of these."""
+    """At x + 2 ω, which is irrational unless the field is ℚ."""
     w = omega(p.radicand)
     return p(w * 2 + x, w)
 

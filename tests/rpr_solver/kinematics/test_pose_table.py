@@ -230,7 +230,7 @@ def test_a_cusp_is_a_triple_root_of_the_sextic(m: Manipulator, l1: str, cusp: Jo
 
 @pytest.mark.parametrize(("m", "l1", "cusp"), CUSPS)
 def test_beside_a_cusp_one_pose_and_three(m: Manipulator, l1: str, cusp: JointPoint) -> None:
-    """Step off the cusp across the kernel: on one side three poses are near, on the other one."""
+    """Off the cusp across the kernel there are three neighbouring poses on one side, and one on the other."""
     local = Slice(m, float(l1))
     at_cusp = math.radians(float(cusp.alpha_deg)), math.radians(float(cusp.theta1_deg))
     slopes = local.derivatives(0, at_cusp)
@@ -283,7 +283,7 @@ FLAT = manipulator(20, 6, 0, 7, 9, 16, "ccw")
 
 
 @pytest.mark.parametrize("side", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
-def test_a_flat_machine_has_quadruple_poses(side: tuple[int, int]) -> None:
+def test_a_flat_manipulator_has_quadruple_poses(side: tuple[int, int]) -> None:
     turn, leg = side
     b1 = Fraction(3 * leg)
     table = poses(FLAT, 3, abs(b1 + 7 * turn - 20), abs(b1 + 16 * turn - 6), digits=20)

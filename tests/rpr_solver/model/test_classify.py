@@ -36,7 +36,7 @@ def pose(*entries: int | Fraction) -> Pose[Algebraic]:
 
 
 MOVING = SliceMap.of(LIPS), pose(Fraction(4, 5), Fraction(3, 5), 0, 1, 6)
-"""A singular pose that leaves the singular curve as L varies; the length is that of the scaled map."""
+"""A pose that is singular at one (scaled) L only."""
 STANDING = SliceMap.of(NODE), pose(-1, 0, 1, 0, 13)
 """A pose that is singular at every L."""
 
@@ -122,7 +122,7 @@ def radians(degrees: str) -> mpf:
 
 
 def squared_legs(m: Manipulator, length: mpf) -> tuple[Function, Function]:
-    """L2² and L3² as functions of α and θ1, written down anew."""
+    """L2² and L3² as functions of α and θ1, independently of the solver."""
     p = (m.d1**2 + m.d3**2 - m.d2**2) / (2 * m.d1)
     h = mp.sqrt(number(m.d3**2 - p**2)) * (1 if m.orientation == "ccw" else -1)
 
@@ -138,7 +138,7 @@ def squared_legs(m: Manipulator, length: mpf) -> tuple[Function, Function]:
 
 
 def check_by_differences(kind: PoseKind, f: Function, g: Function, *at: mpf) -> None:
-    """The conditions of a kind by difference quotients of difference quotients."""
+    """The conditions of a kind by nested difference quotients."""
 
     def gradient(function: Function, *place: mpf) -> tuple[mpf, mpf]:
         return mp.diff(function, place, (1, 0)), mp.diff(function, place, (0, 1))

@@ -1,4 +1,4 @@
-"""The slice map's forms against the trigonometric functions that they stand for."""
+"""The slice map's forms against the trigonometric functions that they represent."""
 
 from fractions import Fraction
 

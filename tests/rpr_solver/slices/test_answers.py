@@ -1,4 +1,4 @@
-"""Slices as objects of a document, errors in their place."""
+"""Slices as objects of a document, errors in their own entries."""
 
 from fractions import Fraction
 

@@ -1,4 +1,4 @@
-"""Slices that are special: at transitions and beside them, degenerate families, extremes, bad input."""
+"""Special slices: at transitions and beside them, degenerate families, extremes, bad input."""
 
 import csv
 import io
@@ -43,7 +43,7 @@ def kinds(table: SliceTable) -> dict[str, int]:
 )
 @pytest.mark.parametrize("places", [9, pytest.param(30, marks=pytest.mark.slow)])
 def test_slices_beside_a_transition(low: str, high: str, counts: tuple[int, int], places: int) -> None:
-    """Bisection with exact counts closes in on the transition; the counts never waver."""
+    """Bisection with exact counts converges to the transition; the counts are monotonic."""
     eliminant = eliminate(INNOCENTI)
     a, b = Fraction(low), Fraction(high)
     assert (solve_slice(eliminant, a, 15).count, solve_slice(eliminant, b, 15).count) == counts
@@ -75,7 +75,7 @@ def test_congruent_isosceles_triangles() -> None:
     assert table.degenerate_points[0] == {"kind": "curve", "equation": "alpha = 0 deg"}
 
 
-def test_a_flat_machine_has_quadruple_poses_and_no_cusps() -> None:
+def test_a_flat_manipulator_has_quadruple_poses_and_no_cusps() -> None:
     flat = manipulator(20, 6, 0, 7, 9, 16, "ccw")
     for length in (3, 11, 30):
         table = solve_slice(eliminate(flat), Fraction(length))

@@ -92,7 +92,7 @@ SHARED_ANGLES = {
     "isosceles, equal bases": (Manipulator(*map(Fraction, (2, 1, -4, 2, 4, 4))), 1),
     "isosceles, equal bases, 180 deg": (Manipulator(*map(Fraction, (-4, -2, 5, 4, 2, 2))), 2),
 }
-"""Machines with an angle of the platform at which all poses are degenerate."""
+"""Manipulators with a platform angle at which all poses are degenerate."""
 
 
 @pytest.mark.parametrize("name", SHARED_ANGLES)
@@ -110,7 +110,7 @@ def test_degenerate_angles_leave_isolated_events(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["right angles", "similar, mirrored"])
 def test_the_discriminant_agrees(name: str) -> None:
-    """Where both ways lead to the lengths, the events are among the discriminant's."""
+    """If both methods apply, the events are among the lengths of the discriminant."""
     m, fixed_leg = SHARED_ANGLES[name]
     candidates = [x.scaled_length(300) for x in candidate_lengths(eliminant_of(m, fixed_leg))]
     found = survey(m, fixed_leg, lambda *_: None)
@@ -146,7 +146,7 @@ def test_non_cuspidal_families_have_no_cusp_at_any_length(name: str, fixed_leg: 
 
 
 def test_mirror_images_share_their_length() -> None:
-    """An isosceles machine held at its apex: events off the mirror come in pairs, four cusps at once."""
+    """An isosceles manipulator, the leg at its apex fixed: asymmetric events come in pairs of four cusps."""
     document = census_of(family("isosceles"), 3)
     pairs = [t for t in document.transitions if len(t.events) == 2]
     assert pairs

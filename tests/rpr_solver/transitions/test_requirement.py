@@ -114,7 +114,7 @@ def test_joint_limits(fixed_leg: int, limits: dict[int, tuple[Fraction | None, F
 @pytest.mark.parametrize(
     ("name", "fixed_leg"), [slow("right angles", 1), ("right angles", 3), ("both flat", 2)]
 )
-def test_joint_limits_of_degenerate_machines(name: str, fixed_leg: int) -> None:
+def test_joint_limits_of_degenerate_manipulators(name: str, fixed_leg: int) -> None:
     first, second = (leg for leg in (1, 2, 3) if leg != fixed_leg)
     limits = {first: (None, Fraction(9)), second: (Fraction(2), None)}
     requirement = Requirement(fixed_leg, max_cusps=0, limits=limits)
@@ -123,7 +123,7 @@ def test_joint_limits_of_degenerate_machines(name: str, fixed_leg: int) -> None:
         assert reported(report, length) == count_within(family(name), requirement, length)
 
 
-def test_limits_that_are_not_supported_are_said_to_be() -> None:
+def test_unsupported_limits_are_refused() -> None:
     requirement = Requirement(max_cusps=0, limits={2: (None, Fraction(9))})
     with pytest.raises(SolverError, match="joint limits are not supported"):
         check(family("congruent, mirrored"), requirement)

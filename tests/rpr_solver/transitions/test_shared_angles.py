@@ -1,4 +1,4 @@
-"""Angles at which two forms vanish for every u: taken out with all their powers, and kept."""
+"""Angles at which two forms vanish for every u: divided out with all their powers, and returned."""
 
 import pytest
 
