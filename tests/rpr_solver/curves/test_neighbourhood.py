@@ -1,0 +1,254 @@
+"""Local expansions and turned half angles, against J, E and their gradients by definition."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from itertools import product
+
+import mpmath as mp
+import pytest
+from flint import arb, arb_mat, ctx
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rpr_solver import EXAMPLES, Manipulator
+from rpr_solver.curves.neighbourhood import (
+    ALONG_L,
+    CuspForms,
+    Frame,
+    at_parameter,
+    value,
+    values,
+)
+from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.slice_map import SliceMap
+from tests.support.definitions import Conditions, Point
+from tests.support.families import family
+from tests.support.places import angle_of, ball, cusps_of, neighbourhood, number, place, scaled
+from tests.support.shared import census_of, eliminant_of
+from tests.support.strategies import examples
+
+BITS, DIGITS = 192, 50
+FLAT = EXAMPLES["zein-flat"]
+ANGLES = (-179, -90, -31, 0, 45, 150, 180)
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Iterator[None]:
+    with ctx.workprec(BITS), mp.workdps(DIGITS):
+        yield
+
+
+def same_angle(a: mp.mpf, b: mp.mpf) -> bool:
+    return abs(mp.sin((a - b) / 2)) < mp.mpf(10) ** (10 - DIGITS)
+
+
+class TestExpansions:
+    """J and E in local coordinates are the functions themselves, times (1+x²)³(1+y²)³ and one constant."""
+
+    OFFSETS = ((0.1, 0.0, 0.0), (0.3, -0.2, 0.1), (-1.5, 0.7, -0.4), (2.0, 3.0, 1.0))
+
+    @pytest.mark.parametrize(
+        ("m", "fixed_leg"),
+        [(FLAT, 1), (FLAT, 2), (EXAMPLES["twelve-cusps"], 3), (family("isosceles, irrational"), 1)],
+        ids=["flat", "flat, leg 2", "irrational, leg 3", "isosceles"],
+    )
+    def test_everywhere_and_about_any_pose(self, m: Manipulator, fixed_leg: int) -> None:
+        conditions, slice_map = Conditions(m, fixed_leg), SliceMap.of(m, fixed_leg)
+        singular, coalescence = CuspForms(slice_map).at(BITS)
+        ratios: list[list[mp.mpf]] = [[], [], []]
+        for alpha, theta in zip(ANGLES, ANGLES[::-1], strict=True):
+            alpha, theta, length = mp.radians(alpha), mp.radians(theta), mp.mpf(7)
+            frame = Frame.about(place(alpha, theta), scaled(slice_map, length))
+            for x, y, z in self.OFFSETS:
+                point = alpha + 2 * mp.atan(x), theta + 2 * mp.atan(y), length + length * z
+                _, _, j, *e = conditions.values(*point)
+                # J and E hold a factor L, which their forms lack
+                weight = ((1 + mp.mpf(x) ** 2) * (1 + mp.mpf(y) ** 2)) ** 3 / point[2]
+                expected = j * weight, *(w * weight for w in e)
+                for ratio, form, truth in zip(ratios, (singular, *coalescence), expected, strict=True):
+                    local = value(at_parameter(frame.expanded(form), arb(z)), arb(x), arb(y))
+                    ratio.append(number(local) / truth)
+        for ratio in ratios:
+            assert len(ratio) == 28
+            assert all(mp.almosteq(r, ratio[0], mp.mpf(10) ** (12 - DIGITS)) for r in ratio)
+
+    def test_the_parameter_z_has_as_many_powers_as_l(self) -> None:
+        singular, coalescence = CuspForms(SliceMap.of(FLAT)).at(BITS)
+        assert [len(form) for form in (singular, *coalescence)] == [2, 3, 3]
+        frame = Frame.about(place(mp.mpf(1), mp.mpf(2)), arb(100))
+        assert [len(frame.expanded(form)) for form in (singular, *coalescence)] == [3, 3, 3]
+
+    @given(
+        st.lists(st.lists(st.integers(-9, 9), min_size=3, max_size=3), min_size=2, max_size=4),
+        st.integers(-4, 4),
+        st.integers(-4, 4),
+    )
+    @examples(40)
+    def test_values_and_derivatives_are_those_of_the_sum(self, rows: list[list[int]], p: int, q: int) -> None:
+        def total(i: int, k: int) -> int:
+            """∂ⁱ/∂pⁱ ∂ᵏ/∂qᵏ for i, k ≤ 1."""
+            powers = ((a, b, c) for a, row in enumerate(rows) for b, c in enumerate(row) if a >= i and b >= k)
+            return sum(c * a**i * b**k * p ** (a - i) * q ** (b - k) for a, b, c in powers)
+
+        form = arb_mat(rows)
+        assert value(form, arb(p), arb(q)) == total(0, 0)
+        table = values(form, arb(p), arb(q))
+        assert [[table[i, k] for k in (0, 1)] for i in (0, 1)] == [
+            [total(i, k) for k in (0, 1)] for i in (0, 1)
+        ]
+
+    def test_an_expansion_at_its_parameter_is_a_polynomials_value(self) -> None:
+        form = [arb_mat([[1, 2]]), arb_mat([[3, 5]]), arb_mat([[7, 11]])]
+        assert at_parameter(form, arb(10)) == arb_mat([[731, 1152]])
+
+
+class TestFrames:
+    @pytest.mark.parametrize("alpha", ANGLES)
+    def test_local_coordinates_turn_half_angles(self, alpha: int) -> None:
+        origin, theta = mp.radians(alpha), mp.radians(20)
+        frame = Frame.about(place(origin, theta), arb(3))
+        for x, y in ((0.0, 0.0), (0.5, -2.0), (-30.0, 1.0)):
+            moved = frame.outside(arb(x), arb(y))
+            assert same_angle(angle_of(moved.alpha), origin + 2 * mp.atan(x))
+            assert same_angle(angle_of(moved.theta), theta + 2 * mp.atan(y))
+            back = frame.inside(moved, arb(6))
+            assert all(abs(b - w) < 1e-40 for b, w in zip(back, (x, y, 1), strict=True))
+
+    def test_the_middle_of_a_box_is_the_origin_whatever_its_angle(self) -> None:
+        for alpha in ANGLES:
+            box = place(mp.radians(alpha), mp.radians(-alpha), 1e-9)
+            x, y, z = Frame.about(box, arb(5, 0.5)).inside(box, arb(5, 0.5))
+            assert all(w.contains(0) for w in (x, y, z))
+            assert all(w.rad() < 1e-8 for w in (x, y))
+            assert abs(z.rad() - 0.1) < 1e-9
+
+    def test_a_box_in_local_coordinates_holds_the_box(self) -> None:
+        """A corner of the half angles' boxes lies in the image."""
+        alpha, theta, radius = mp.radians(178), mp.radians(-40), 0.05
+        box = place(alpha, theta, radius)
+        x, y, _ = Frame.about(box, arb(1)).inside(box, arb(1))
+        signs = (-1, 1)
+        for t, local, origin in ((box.alpha, x, alpha), (box.theta, y, theta)):
+            for a, b in product(signs, signs):
+                sin, cos = number(t.numerator) + a * radius, number(t.denominator) + b * radius
+                corner = mp.tan(mp.atan2(sin, cos) - origin / 2)
+                assert local.contains(ball(corner))
+
+    def test_z_is_the_relative_growth_of_the_length(self) -> None:
+        frame = Frame.about(place(mp.mpf(0), mp.mpf(0)), arb(8))
+        assert frame.of_length(arb(10)) == 0.25
+        assert frame.of_length(arb(8)) == 0
+        assert frame.of_length(arb(4)) == -0.5
+
+
+class TestPlaces:
+    def test_boxes_are_apart_if_one_angle_is(self) -> None:
+        here = place(mp.mpf(1), mp.mpf(2), 0.01)
+        assert here.apart(place(mp.mpf("1.1"), mp.mpf(2), 0.01))
+        assert here.apart(place(mp.mpf(1), mp.mpf("1.9"), 0.01))
+        assert not here.apart(place(mp.mpf("1.01"), mp.mpf("2.01"), 0.01))
+        assert not here.apart(here)
+
+    def test_half_a_turn_is_one_angle_from_either_side(self) -> None:
+        below, above = mp.radians(179.999), mp.radians(-179.999)
+        assert not place(below, mp.mpf(0), 1e-3).apart(place(above, mp.mpf(0), 1e-3))
+        assert place(below, mp.mpf(0), 1e-8).apart(place(above, mp.mpf(0), 1e-8))
+
+    def test_a_half_angle_and_its_opposite_are_one_place(self) -> None:
+        """tan has the period of half a turn: (n, d) and (−n, −d) are the same angle."""
+        here = place(mp.mpf(1), mp.mpf(2), 1e-9)
+        t = here.alpha
+        turned = replace(here, alpha=HalfTangent(-t.numerator, -t.denominator))
+        assert not here.apart(turned)
+        assert here.apart(replace(here, alpha=HalfTangent(-t.numerator, t.denominator)))
+
+
+class TestSteeperLeg:
+    """Where a leg and its platform side lie along its base line, the gradient of its square vanishes."""
+
+    def test_a_leg_without_gradient_is_not_taken(self) -> None:
+        forms = CuspForms(SliceMap.of(FLAT))  # base points (30, 0) and (11, 27), a flat platform
+        to_a3 = mp.atan2(27, 11)
+        along_f, along_g = place(mp.pi, mp.mpf(0)), place(to_a3, to_a3 + mp.pi)
+        length = scaled(forms.slice_map, mp.mpf(10))
+        assert forms.steeper(along_f, length, BITS) == 1
+        assert forms.steeper(along_g, length, BITS) == 0
+
+    @pytest.mark.parametrize("fixed_leg", [1, 2, 3])
+    def test_elsewhere_gradients_are_compared_by_the_sizes_of_the_legs(self, fixed_leg: int) -> None:
+        m = EXAMPLES["twelve-cusps"]
+        forms, conditions = CuspForms(SliceMap.of(m, fixed_leg)), Conditions(m, fixed_leg)
+        legs = forms.slice_map.f, forms.slice_map.g
+        length = scaled(forms.slice_map, mp.mpf(9))
+        taken = set()
+        for alpha, theta in product((-2.0, -1.0, 0.5, 1.5, 2.5), repeat=2):
+            gradients = conditions.gradients(mp.mpf(alpha), mp.mpf(theta), mp.mpf(9))[:2]
+            steep = [
+                (a * a + t * t) / (w.platform2 + w.base2)
+                for (a, t, _), w in zip(gradients, legs, strict=True)
+            ]
+            expected = 0 if steep[0] >= steep[1] else 1
+            assert forms.steeper(place(mp.mpf(alpha), mp.mpf(theta)), length, BITS) == expected
+            taken.add(expected)
+        assert taken == {0, 1}
+
+
+class TestHeading:
+    """The way of a curve, against the tangent ∇J × ∇E in (α, θ, L) by definition."""
+
+    @pytest.mark.parametrize("fixed_leg", [1, 3])
+    def test_parameter_and_directions_are_the_tangents(self, fixed_leg: int) -> None:
+        conditions = Conditions(FLAT, fixed_leg)
+        bests = set()
+        for length in ("9", "26.39", "31.86338", "34.6"):
+            for cusp in cusps_of(eliminant_of(FLAT, fixed_leg), Fraction(length), 40):
+                tangent = self.tangent(conditions, cusp)
+                best = max(range(3), key=lambda i: abs(tangent[i]))
+                around = neighbourhood(FLAT, cusp, BITS, fixed_leg)
+                for axis, forwards in product(range(3), (True, False)):
+                    way = 1 if (tangent[axis] > 0) == forwards else -1
+                    expected = best, way * tangent[best] > 0, way * tangent[ALONG_L] > 0
+                    assert around.heading(axis, forwards) == expected
+                bests.add(best)
+        assert len(bests) > 1
+
+    @staticmethod
+    def tangent(conditions: Conditions, cusp: Point) -> list[mp.mpf]:
+        """In x, y and z: half of dα, half of dθ, dL/L."""
+        _, _, j, e_f, e_g = conditions.gradients(*cusp)
+        f, g, *_ = conditions.gradients(*cusp)
+        e = e_f if mp.hypot(*f[:2]) > mp.hypot(*g[:2]) else e_g
+        cross = [j[(i + 1) % 3] * e[(i + 2) % 3] - j[(i + 2) % 3] * e[(i + 1) % 3] for i in range(3)]
+        return [cross[0] / 2, cross[1] / 2, cross[2] / cusp[2]]
+
+    def test_the_tangent_is_taken_where_the_box_is(self) -> None:
+        """On y = 0, x = z² the best parameter is z near the origin, and x where z = 1."""
+        zero, one, x, y = (
+            arb_mat(rows) for rows in ([[0, 0], [0, 0]], [[1, 0], [0, 0]], [[0, 0], [1, 0]], [[0, 1], [0, 0]])
+        )
+        forms = [y, zero, zero], [x, zero, -one]
+        frame = Frame.about(place(mp.mpf(1), mp.mpf(2)), arb(1))
+        for z, best in ((Fraction(1, 4), ALONG_L), (Fraction(1), 0), (Fraction(-1), 0)):
+            r = arb(z.numerator) / z.denominator
+            around = Neighbourhood(frame, forms, (r * r, arb(0), r), BITS)
+            grows = z > 0 or best == ALONG_L
+            assert around.heading(ALONG_L, True) == (best, grows, True)
+            assert around.heading(ALONG_L, False) == (best, not grows, False)
+
+    def test_where_the_curve_turns_back_the_way_in_l_is_not_told(self) -> None:
+        transition = census_of(FLAT).to_json()["transitions"][3]
+        event = transition["events"][0]
+        alpha, theta = (mp.radians(mp.mpf(event[name])) for name in ("alpha_deg", "theta1_deg"))
+        around = neighbourhood(FLAT, (alpha, theta, mp.mpf(transition["l1"])), BITS, radius=1e-20)
+        way = around.heading(0, True)
+        assert way is not None
+        assert way[0] != ALONG_L
+        assert way[2] is None
+        assert around.heading(ALONG_L, True) is None
+
+    def test_nothing_is_told_in_a_box_that_is_too_wide(self) -> None:
+        cusp = cusps_of(eliminant_of(FLAT), Fraction(9), 30)[0]
+        assert neighbourhood(FLAT, cusp, BITS, radius=0.5).heading(0, True) is None
