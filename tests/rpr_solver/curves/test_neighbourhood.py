@@ -18,6 +18,7 @@ from rpr_solver.curves.neighbourhood import (
     ALONG_L,
     CuspForms,
     Frame,
+    Neighbourhood,
     at_parameter,
     value,
     values,
