@@ -1,0 +1,373 @@
+"""A tube holds the curve and nothing else: Newton's points, Krawczyk's inequality, curves in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from functools import cache
+from itertools import product
+
+import mpmath as mp
+import pytest
+from flint import arb, arb_mat, ctx
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rpr_solver import EXAMPLES
+from rpr_solver.curves.neighbourhood import (
+    ALONG_L,
+    ORDER,
+    Expansion,
+    Frame,
+    Neighbourhood,
+    Place,
+    Three,
+    at_parameter,
+    value,
+    values,
+)
+from rpr_solver.curves.tubes import Tube, build
+from tests.support.definitions import Conditions, Point
+from tests.support.places import ball, cusps_of, neighbourhood, number, place, scaled
+from tests.support.shared import eliminant_of
+from tests.support.strategies import examples
+
+BITS, DIGITS = 192, 45
+REACH = arb(1) / 32
+FLAT = EXAMPLES["zein-flat"]
+SLICES = ((1, "9"), (1, "34.6"), (3, "28.11839"))
+"""Legs and lengths."""
+WHOLE = (-1, -0.7, -0.2, 0.35, 1)
+"""Shares of a tube's reach."""
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Iterator[None]:
+    with ctx.workprec(BITS), mp.workdps(DIGITS):
+        yield
+
+
+@cache
+def tubes_of_cusps() -> list[tuple[Conditions, Point, Tube]]:
+    """Tubes along each coordinate that will do, from cusps of the flat manipulator's slices."""
+    tubes = []
+    for fixed_leg, length in SLICES:
+        conditions = Conditions(FLAT, fixed_leg)
+        for cusp in cusps_of(eliminant_of(FLAT, fixed_leg), Fraction(length), 40):
+            around = neighbourhood(FLAT, cusp, BITS, fixed_leg)
+            for axis in range(3):
+                tube = build(around, axis, True, REACH, None)
+                if tube is not None:
+                    tubes.append((conditions, cusp, tube))
+    return tubes
+
+
+def origin(tube: Tube, conditions: Conditions) -> Point:
+    """Where the local coordinates of a tube begin, in radians and in the user's unit."""
+    slice_map = eliminant_of(conditions.manipulator, conditions.fixed_leg).slice_map
+    (s, c), (s2, c2) = tube.frame.alpha, tube.frame.theta
+    angles = (2 * mp.atan2(number(x), number(y)) for x, y in ((s, c), (s2, c2)))
+    length = number(tube.frame.length) * slice_map.scale.denominator / slice_map.scale.numerator
+    return *angles, length  # type: ignore[return-value]
+
+
+def outside(base: Point, local: list[mp.mpf]) -> Point:
+    x, y, z = local
+    return base[0] + 2 * mp.atan(x), base[1] + 2 * mp.atan(y), base[2] * (1 + z)
+
+
+def inside(base: Point, point: Point) -> list[mp.mpf]:
+    return [mp.tan((point[0] - base[0]) / 2), mp.tan((point[1] - base[1]) / 2), point[2] / base[2] - 1]
+
+
+def middle(tube: Tube, r: mp.mpf) -> list[mp.mpf]:
+    """The parabola's point, in the order x, y, z."""
+    p, q = (r * (number(s) + r * number(b)) for s, b in zip(tube.slopes, tube.bends, strict=True))
+    local = [p, q]
+    local.insert(tube.axis, r)
+    return local
+
+
+def on_curve(tube: Tube, conditions: Conditions, share: float) -> tuple[Point, list[mp.mpf]]:
+    """The zero of J and E at a share of the tube's reach: as it is, and in local coordinates."""
+    base = origin(tube, conditions)
+    start = outside(base, middle(tube, number(tube.reach) * share))
+    point = conditions.newton(start, held=tube.axis)
+    assert point is not None
+    return point, inside(base, point)
+
+
+def holds(box: Place, point: Point) -> bool:
+    return not place(point[0], point[1], 1e-36).apart(box)
+
+
+class TestOnCuspCurves:
+    def test_newtons_points_lie_in_the_tube(self) -> None:
+        axes = set()
+        for conditions, _, tube in tubes_of_cusps():
+            axes.add(tube.axis)
+            for share in WHOLE:
+                local = on_curve(tube, conditions, share)[1]
+                away = [abs(a - b) for a, b in zip(local, middle(tube, local[tube.axis]), strict=True)]
+                del away[tube.axis]
+                assert all(d < number(radius) for d, radius in zip(away, tube.radii, strict=True))
+        assert axes == {0, 1, 2}
+
+    def test_krawczyks_inequality_holds_all_along(self) -> None:
+        """With N′ from balls for p and q over the whole tube, not from sums of absolute values."""
+        for _, _, tube in tubes_of_cusps():
+            widths = [radius.mid() for radius in tube.radii]
+            for share in WHOLE:
+                r = tube.reach * share
+                p, q = (r * (s + r * b) for s, b in zip(tube.slopes, tube.bends, strict=True))
+                forms = [at_parameter(n, r) for n in tube.nonlinear]
+                residues = [abs(value(form, p, q) + w) for form, w in zip(forms, (p, q), strict=True)]
+                tables = [values(form, arb(p, widths[0]), arb(q, widths[1])) for form in forms]
+                for residue, table, width in zip(residues, tables, widths, strict=True):
+                    assert residue + abs(table[1, 0]) * widths[0] + abs(table[0, 1]) * widths[1] < width
+
+    def test_its_forms_are_j_and_e_made_ready(self) -> None:
+        """Both vanish on the curve, and their slopes across it are those of p and q."""
+        for conditions, _, tube in tubes_of_cusps():
+            local = on_curve(tube, conditions, 0.5)[1]
+            r = ball(local.pop(tube.axis))
+            p, q = map(ball, local)
+            for number_of, n in enumerate(tube.nonlinear):
+                assert abs(value(at_parameter(n, r), p, q) + (p, q)[number_of]) < 1e-35
+                assert abs(n[0][1, 0]) < 1e-35
+                assert abs(n[0][0, 1]) < 1e-35
+
+    def test_the_parabola_follows_to_the_second_order(self) -> None:
+        """At a tenth of the distance it is off by a thousandth."""
+        for conditions, _, tube in tubes_of_cusps():
+            off = []
+            for share in (1, 0.1):
+                local = on_curve(tube, conditions, share)[1]
+                along = middle(tube, local[tube.axis])
+                off.append(max(abs(a - b) for a, b in zip(local, along, strict=True)))
+            assert off[1] < off[0] / 300
+
+    def test_the_box_of_a_slice_holds_its_cusp_and_no_other(self) -> None:
+        eliminant, conditions = eliminant_of(FLAT), Conditions(FLAT)
+        length = Fraction("26.3901")
+        target = scaled(eliminant.slice_map, mp.mpf("26.3901"))
+        others = cusps_of(eliminant, length, 40)
+        met = []
+        for cusp in cusps_of(eliminant, Fraction("26.39"), 40):
+            tube = build(neighbourhood(FLAT, cusp, BITS), ALONG_L, True, REACH, None)
+            assert tube is not None
+            box = tube.place_at(target)
+            point = conditions.walk(cusp, mp.mpf("26.3901"), 2)
+            assert point is not None
+            assert holds(box, point)
+            [only] = [i for i, other in enumerate(others) if holds(box, other)]
+            met.append(only)
+        assert sorted(met) == list(range(len(others)))
+
+    def test_the_end_is_a_box_round_the_curve_near_the_end(self) -> None:
+        """No wider than the tube, and nearly always much smaller."""
+        widths = []
+        for conditions, cusp, _ in tubes_of_cusps():
+            if conditions.fixed_leg != 1:
+                continue
+            slice_map = eliminant_of(FLAT).slice_map
+            for axis, forwards in product(range(3), (True, False)):
+                tube = build(neighbourhood(FLAT, cusp, BITS), axis, forwards, REACH, None)
+                if tube is None:
+                    continue
+                point, local = on_curve(tube, conditions, 0.999 if forwards else -0.999)
+                box, length = tube.end()
+                assert holds(box, point)
+                assert abs(length.mid() - scaled(slice_map, point[2]).mid()) < length.rad() + 1e-36
+                x, y, _ = tube.frame.inside(box, length)
+                widths.append(max(x.rad(), y.rad()))
+                assert widths[-1] <= max(tube.radii) * 1.001
+                assert (local[axis] > 0) == forwards
+        assert sum(width < 1e-30 for width in widths) > len(widths) * 0.9
+
+
+Terms = Mapping[tuple[int, int, int], Fraction | int | arb]
+
+
+def expansion(terms: Terms) -> Expansion:
+    """Σ c xⁱ yʲ zᵏ."""
+    return [
+        arb_mat([[ball_of(terms.get((i, j, k), 0)) for j in range(ORDER + 1)] for i in range(ORDER + 1)])
+        for k in range(3)
+    ]
+
+
+def ball_of(x: Fraction | int | arb) -> arb:
+    return x if isinstance(x, arb) else arb(Fraction(x).numerator) / Fraction(x).denominator
+
+
+def artificial(
+    j: Terms,
+    e: Terms,
+    box: Three | None = None,
+) -> Neighbourhood:
+    """Any two polynomials in x, y, z in the place of J and E; the length at the origin is 1."""
+    small = arb(0, 1e-50)
+    frame = Frame.about(place(mp.mpf(1), mp.mpf(2)), arb(1))
+    return Neighbourhood(frame, (expansion(j), expansion(e)), box or (small, small, small), BITS)
+
+
+X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
+
+
+class TestCurvesInClosedForm:
+    coefficients = st.tuples(*(st.integers(-4, 4) for _ in range(6)))
+
+    @given(coefficients, st.integers(0, 2))
+    @examples(60)
+    def test_the_curve_stays_inside_along_any_coordinate(self, c: tuple[int, ...], axis: int) -> None:
+        """p = a r + b r², q = c r + d r², with factors 1 + e q and 1 + f p that vanish elsewhere."""
+        a, b, slope, bend, e, f = c
+        others = [i for i in range(3) if i != axis]
+
+        def power(p: int, q: int, r: int) -> tuple[int, int, int]:
+            of = {others[0]: p, others[1]: q, axis: r}
+            return of[0], of[1], of[2]
+
+        first = {
+            (1, 0, 0): 1,
+            (0, 0, 1): -a,
+            (0, 0, 2): -b,
+            (1, 1, 0): e,
+            (0, 1, 1): -a * e,
+            (0, 1, 2): -b * e,
+        }
+        second = {
+            (0, 1, 0): 1, (0, 0, 1): -slope, (0, 0, 2): -bend,
+            (1, 1, 0): f, (1, 0, 1): -slope * f, (1, 0, 2): -bend * f,
+        }  # fmt: skip
+        j, e_ = ({power(*k): v for k, v in form.items()} for form in (first, second))
+        tube = build(artificial(j, e_), axis, True, REACH, None)
+        assert tube is not None
+        for share in WHOLE:
+            r = tube.reach * share
+            for (s, t), (u, v), radius in zip(
+                zip(tube.slopes, tube.bends, strict=True), ((a, b), (slope, bend)), tube.radii, strict=True
+            ):
+                assert abs(r * (s - u) + r * r * (t - v)) < radius
+
+    @pytest.mark.parametrize("axis", [0, 1, 2])
+    def test_where_two_branches_cross_there_is_no_tube(self, axis: int) -> None:
+        """y² = z², x = 0: at the origin no coordinate tells the branches apart."""
+        assert build(artificial({X: 1}, {(0, 2, 0): 1, (0, 0, 2): -1}), axis, True, REACH, None) is None
+
+    @pytest.mark.parametrize("swapped", [False, True])
+    @pytest.mark.parametrize("where", [Fraction(1, 50), Fraction(1, 1000)])
+    def test_a_tube_ends_before_the_curve_is_crossed(self, where: Fraction, swapped: bool) -> None:
+        """On y = z, seen from a distance to the crossing with y = −2w − z; or x instead of y."""
+        j, e = {X: 1}, {Y: 2 * where, Z: -2 * where, (0, 2, 0): 1, (0, 0, 2): -1}
+        if swapped:
+            j, e = ({(y, x, z): c for (x, y, z), c in form.items()} for form in (j, e))
+        tube = build(artificial(j, e), ALONG_L, True, REACH, None)
+        assert tube is not None
+        assert tube.reach < ball_of(where)
+        i = 0 if swapped else 1
+        for share in WHOLE:
+            r = tube.reach * share
+            other = -2 * ball_of(where) - r
+            assert abs(other - r * (tube.slopes[i] + r * tube.bends[i])) > tube.radii[i]
+
+    @pytest.mark.parametrize(("first", "second"), [(0.01, 0), (0, 0.3), (0.01, 0.3)])
+    def test_every_curve_of_wide_coefficients_is_held(self, first: float, second: float) -> None:
+        """x = a z + b z², y = c z + d z², with a, b, c, d in balls."""
+        a, b, c, d = arb(1, first), arb(-2, second), arb(0.5, first), arb(3, second)
+        tube = build(
+            artificial({X: 1, Z: -a, (0, 0, 2): -b}, {Y: 1, Z: -c, (0, 0, 2): -d}), 2, True, REACH, None
+        )
+        assert tube is not None
+        r = tube.reach
+        for s, t, slope, bend, radius in zip(
+            (a, c), (b, d), tube.slopes, tube.bends, tube.radii, strict=True
+        ):
+            for corner in (r * (s.lower() + r * t.lower()), r * (s.upper() + r * t.upper())):
+                assert abs(corner - r * (slope + r * bend)) < radius
+
+    def test_where_there_is_no_curve_there_is_no_tube(self) -> None:
+        """1 + y + 2 y² has no zero."""
+        around = artificial({X: 1}, {(0, 0, 0): 1, Y: 1, (0, 2, 0): 2})
+        assert build(around, ALONG_L, True, REACH, None) is None
+
+    def test_a_tube_holds_the_box_that_it_starts_from(self) -> None:
+        """y (y − w) = 0: from a box on the branch y = w no tube follows y = 0."""
+        w = Fraction(1, 100)
+        for radius in (1e-50, 1e-3):
+            box = arb(0, radius), arb(ball_of(w).mid(), radius), arb(0, radius)
+            tube = build(artificial({X: 1}, {Y: -w, (0, 2, 0): 1}, box), ALONG_L, True, REACH, None)
+            assert tube is None or tube.radii[1] > ball_of(w)
+
+    def test_a_curve_beside_the_origin_is_held(self) -> None:
+        box = arb(0, 0.03), arb(0, 0.03), arb(0, 1e-9)
+        j, e = {X: 1, (0, 0, 0): Fraction(-1, 100)}, {Y: 1, (0, 0, 0): Fraction(1, 50)}
+        tube = build(artificial(j, e, box), ALONG_L, True, REACH, None)
+        assert tube is not None
+        assert tube.radii[0] > arb(1) / 100
+        assert tube.radii[1] > arb(1) / 50
+
+    def test_the_start_lies_within_reach(self) -> None:
+        small = arb(0, 1e-50)
+        around = artificial({X: 1}, {Y: 1}, (small, small, arb(0.01, 1e-9)))
+        tube = build(around, ALONG_L, True, REACH, None)
+        assert tube is not None
+        assert tube.reach > 0.01
+        assert build(around, ALONG_L, True, arb(0.005), None) is None
+
+    def test_balls_without_bound_give_no_tube(self) -> None:
+        around = artificial({X: 1}, {Y: 1}, (arb("nan"), arb(0), arb(0)))
+        assert build(around, ALONG_L, True, REACH, None) is None
+
+
+class TestBetweenTwoLengths:
+    """Along x, with the length 1 + z where z = s x + b x²."""
+
+    @staticmethod
+    def along(s: Fraction | int, b: int, forwards: bool, low: float, high: float) -> Tube | None:
+        around = artificial({Y: 1}, {Z: 1, X: -s, (2, 0, 0): -b})
+        return build(around, 0, forwards, REACH, (arb(low), arb(high)))
+
+    def test_it_ends_before_the_next_slice(self) -> None:
+        for forwards, low, high in ((True, 0.5, 1.01), (False, 0.99, 1.5)):
+            tube = self.along(1, 0, forwards, low, high)
+            assert tube is not None
+            assert 0.005 < tube.reach * 0.999 < 0.01
+
+    def test_the_other_way_does_not_matter(self) -> None:
+        for forwards, low, high in ((False, 0.5, 1.01), (True, 0.99, 1.5)):
+            tube = self.along(1, 0, forwards, low, high)
+            assert tube is not None
+            assert tube.reach == REACH.mid()
+
+    def test_a_turn_between_start_and_end_counts(self) -> None:
+        """z = x/8 − 4x² is 0 at both ends and 1/1024 between."""
+        over = self.along(Fraction(1, 8), -4, True, 0.5, 1 + 1 / 2000)
+        assert over is not None
+        assert over.reach * over.reach * -4 + over.reach / 8 < 1 / 2000
+        assert over.reach < 0.01
+        under = self.along(Fraction(1, 8), -4, True, 0.5, 1 + 1 / 900)
+        assert under is not None
+        assert under.reach == REACH.mid()
+
+    def test_a_start_beyond_the_lengths_is_refused(self) -> None:
+        assert self.along(1, 0, True, 1.001, 1.5) is None
+
+    def test_which_slice_is_met(self) -> None:
+        """With L as parameter, within reach and on the way; no other tube meets slices."""
+        low, high = Fraction(99, 100), Fraction(101, 100)
+        for forwards, expected in ((True, high), (False, low)):
+            tube = build(artificial({X: 1}, {Y: 1}), ALONG_L, forwards, REACH, None)
+            assert tube is not None
+            assert tube.meets(low, high) == expected
+            assert tube.meets(Fraction(24, 25), Fraction(26, 25)) is None
+        across = self.along(1, 0, True, 0.5, 1.5)
+        assert across is not None
+        assert across.meets(low, high) is None
+
+    def test_its_advance_in_another_coordinate(self) -> None:
+        tube = self.along(Fraction(-1, 4), 0, True, 0.5, 1.5)
+        assert tube is not None
+        assert abs(tube.advance(1) - tube.reach / 4) < 1e-9
+        assert tube.advance(0) == 0
