@@ -88,16 +88,43 @@ class Conditions:
                 return x[0], x[1], x[2]
         return None
 
-    def walk(self, point: Point, length: mp.mpf, steps: int) -> Point | None:
-        """The cusp followed to another length by small steps, each corrected by Newton's method."""
-        start = point[2]
-        for i in range(1, steps + 1):
-            here = (point[0], point[1], start + (length - start) * i / steps)
-            following = self.newton(here)
-            if following is None or distance(following, point) > mp.mpf(0.2):
-                return None
+    def trace(
+        self, point: Point, low: mp.mpf, high: mp.mpf, *, upwards: bool, step: float = 0.02
+    ) -> tuple[mp.mpf, Point]:
+        """The curve J = E = 0 followed from a cusp to the first of two lengths that it meets.
+
+        By a predictor along the tangent ∇J × ∇E and Newton's corrector, through turns in L as well.
+        """
+        way = self.tangent(point)
+        if (way[2] > 0) != upwards:
+            way = [-x for x in way]
+        while True:
+            held = max(range(3), key=lambda i: abs(way[i]))
+            guess = point[0] + step * way[0], point[1] + step * way[1], point[2] * (1 + step * way[2])
+            following = self.newton(guess, held=held)
+            assert following is not None
+            assert distance(following, guess) < step / 2
+            for end in (low, high):
+                if (point[2] - end) * (following[2] - end) < 0 or following[2] == end:
+                    share = (end - point[2]) / (following[2] - point[2])
+                    between = (p + share * (q - p) for p, q in zip(point[:2], following[:2], strict=True))
+                    last = self.newton((*between, end))  # type: ignore[arg-type]
+                    assert last is not None
+                    return end, last
+            tangent = self.tangent(following)
+            turned = sum(x * y for x, y in zip(way, tangent, strict=True)) < 0
+            way = [-x for x in tangent] if turned else tangent
             point = following
-        return point
+
+    def tangent(self, point: Point) -> list[mp.mpf]:
+        """∇J × ∇E in α, θ and log L, of length 1."""
+        f, g, j, *e = self.gradients(*point)
+        first, second = (
+            (a, b, c * point[2]) for a, b, c in (j, e[0 if mp.hypot(*f[:2]) >= mp.hypot(*g[:2]) else 1])
+        )
+        cross = [first[i - 2] * second[i - 1] - first[i - 1] * second[i - 2] for i in range(3)]
+        size = mp.sqrt(mp.fsum(x * x for x in cross))
+        return [x / size for x in cross]
 
 
 def distance(a: Point, b: Point) -> mp.mpf:

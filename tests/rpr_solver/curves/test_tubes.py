@@ -157,8 +157,7 @@ class TestOnCuspCurves:
             tube = build(neighbourhood(FLAT, cusp, BITS), ALONG_L, True, REACH, None)
             assert tube is not None
             box = tube.place_at(target)
-            point = conditions.walk(cusp, mp.mpf("26.3901"), 2)
-            assert point is not None
+            _, point = conditions.trace(cusp, mp.mpf(26), mp.mpf("26.3901"), upwards=True, step=0.001)
             assert holds(box, point)
             [only] = [i for i, other in enumerate(others) if holds(box, other)]
             met.append(only)
