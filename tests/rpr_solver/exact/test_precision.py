@@ -4,7 +4,7 @@ import doctest
 from itertools import pairwise
 
 import pytest
-from flint import arb, ctx, fmpz_poly
+from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,8 +12,6 @@ import rpr_solver
 from rpr_solver import SolverError, Unproved
 from rpr_solver.exact import precision
 from rpr_solver.exact.precision import decided, decided_or_none, precisions
-from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.exact.real_roots import real_roots
 
 STARTS = st.integers(1, 1000)
 
@@ -68,13 +66,6 @@ def test_a_number_is_decided_as_soon_as_its_ball_is_small() -> None:
     bits, side = decided(sign, 64, 1 << 14, "never")
     assert side == (1 if p * p < 2 * q * q else -1)
     assert bits == 2048 or (bits == 4096 and 2 * q.bit_length() > 2000)
-
-
-def test_roots_that_are_one_are_unproved(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A polynomial that is not squarefree, against the contract of real_roots."""
-    monkeypatch.setattr("rpr_solver.exact.real_roots.GREATEST_BITS", 1 << 10)
-    with pytest.raises(Unproved, match="could not be told apart"):
-        real_roots(QuadraticPoly.rational(fmpz_poly([-2, 0, 1]) ** 2))
 
 
 def test_the_module_s_examples() -> None:
