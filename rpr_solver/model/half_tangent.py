@@ -30,7 +30,7 @@ class HalfTangent:
         n, d = self.numerator, self.denominator
         if abs(n) < abs(d):
             return (n / d).atan() * 360 / arb.pi() + offset
-        side = 180 if n * d > 0 else -180
+        side = -180 if n * d < 0 else 180
         return side - (d / n).atan() * 360 / arb.pi() + offset
 
 
