@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, T, U
-from rpr_solver.exact.elimination import resultant
+from rpr_solver.exact.elimination import resultant, resultant_bound
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
 
 RADICANDS = (1, 2, 12)
@@ -43,6 +43,22 @@ def test_the_resultant(pair: tuple[BiForm, BiForm]) -> None:
     assert form.degree == 2 * 2 + 3 * 2
     ours, flint = form.polynomial, expected(first, second)
     assert ours in (flint, flint * -1)
+
+
+@given(pairs())
+@settings(max_examples=20)
+def test_the_bound_is_one_of_the_resultant(pair: tuple[BiForm, BiForm]) -> None:
+    first, second = pair
+    assume(not first.zeros_at_infinity)
+    whole = first.joined.resultant(second.joined, "t")
+    assert BiForm.of(whole, first.radicand, 0, 10).norm1() <= resultant_bound(first, second)
+
+
+def test_the_bound_is_reached() -> None:
+    """Res_t(3 t, 5 t³ + 7) is 3³ · 7 and Res_t(3, 5 t³ + 7) = 3³."""
+    second = BiForm.of(5 * T**3 + 7, 1, 3, 0)
+    assert resultant_bound(BiForm.of(3 * T, 1, 1, 0), second) == 3**3 * 12
+    assert resultant_bound(BiForm.of(3 + 0 * T, 1, 0, 0), second) == 3**3
 
 
 @given(pairs(), st.integers(1, 2))

@@ -1,12 +1,39 @@
+"""The eliminant against Res_t(J, E) itself: the whole of it, at every parameter, and within its bound."""
+
+import json
+from dataclasses import replace
 from fractions import Fraction
-from math import isqrt
+from math import gcd, isqrt
 
 import pytest
-from flint import fmpz_mat, fmpz_mpoly_ctx, fmpz_poly
+from flint import arb, arb_mat, ctx, fmpz, fmpz_mat, fmpz_mpoly_ctx, fmpz_poly
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, Eliminant, InputError, Manipulator, eliminate
+from rpr_solver import EXAMPLES, Eliminant, InputError, Manipulator, SolverError
 from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.modular import primes, sylvester
+from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.slices.eliminant import _coefficient_bound, _Grid
+from tests.support.shared import eliminant_of
+from tests.support.strategies import examples, manipulators
+
+BITS = 4096
+
+
+def manipulator(*values: int | str, orientation: str = "ccw") -> Manipulator:
+    return Manipulator(*map(Fraction, values), orientation=orientation)
+
+
+IRRATIONAL = manipulator(7, 3, 5, 4, 5, 6, orientation="cw")
+LARGE = manipulator(3 * 10**25 + 1, "-2.718281828459045235360287", 10**24 + 7, 10**25, 10**25 + 9, 17)
+"""A sharp platform with numbers of 25 and more digits."""
+ZEROS_ON_THE_GRID = {
+    "w at u = 2": (manipulator(30, 3, -4, 13, 9, 5), 3),
+    "q at u = 2, L = 7": (manipulator(15, 4, 9, 20, 26, 26), 1),
+}
+"""Where a known factor vanishes at small integers."""
 
 
 def exact_resultant(slice_map: SliceMap, length: Fraction) -> tuple[fmpz_poly, fmpz_poly]:
@@ -33,7 +60,7 @@ def exact_resultant(slice_map: SliceMap, length: Fraction) -> tuple[fmpz_poly, f
 @pytest.mark.parametrize("fixed_leg", [1, 2, 3])
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_the_resultant_is_the_known_factors_times_q(name: str, fixed_leg: int) -> None:
-    eliminant = eliminate(EXAMPLES[name], fixed_leg)
+    eliminant = eliminant_of(EXAMPLES[name], fixed_leg)
     slice_map = eliminant.slice_map
     for length in (Fraction(7, 3) * slice_map.scale, Fraction(20) * slice_map.scale):
         a, b = exact_resultant(slice_map, length)
@@ -52,30 +79,175 @@ def test_the_resultant_is_the_known_factors_times_q(name: str, fixed_leg: int) -
 
 
 def test_degrees_are_24_in_u_and_10_in_l() -> None:
-    eliminant = eliminate(EXAMPLES["innocenti"])
+    eliminant = eliminant_of(EXAMPLES["innocenti"])
     assert (eliminant.a.nrows(), eliminant.a.ncols()) == (25, 11)
     assert any(eliminant.a[24, k] for k in range(11))
     assert any(eliminant.a[k, 10] for k in range(25))
 
 
-def test_a_cached_eliminant_reads_back() -> None:
-    eliminant = eliminate(EXAMPLES["innocenti"])
-    again = Eliminant.from_json(eliminant.to_json())
-    assert (again.a, again.b, again.slice_map) == (eliminant.a, eliminant.b, eliminant.slice_map)
+# the identity in u and L at once
+
+
+def constant(eliminant: Eliminant, u: int, length: int) -> fmpz:
+    """c in Res_t(J, E) = c w² (u²+1)⁹ q Q at integers, with Sylvester's determinant in balls."""
+    slice_map = eliminant.slice_map
+    with ctx.workprec(BITS):
+        omega = omega_ball(slice_map.radicand, BITS)
+        j, e = (
+            [row(arb(u), omega) for row in form.at(Fraction(length))]
+            for form in (slice_map.singular, slice_map.coalescence)
+        )
+        whole = arb_mat(sylvester(j, e, arb(0))).det()
+        a, b = (
+            sum(part[k, i] * fmpz(u) ** k * fmpz(length) ** i for k in range(25) for i in range(11))
+            for part in (eliminant.a, eliminant.b)
+        )
+        known = (
+            slice_map.f.collinear()(u) ** 2 * fmpz(u * u + 1) ** 9 * slice_map.f.closed(Fraction(length))(u)
+        )
+        value = whole / (known * (a + omega * b))
+    integer = value.unique_fmpz()
+    assert value.is_finite()
+    assert integer is not None
+    return integer
+
+
+def constant_everywhere(eliminant: Eliminant) -> fmpz:
+    places = [(-5, 13), (11, 2), (4, 1009)]
+    first, *others = (constant(eliminant, u, length) for u, length in places)
+    assert others == [first, first]
+    assert first != 0
+    return first
+
+
+SMALL_MANIPULATORS = manipulators(size=6, denominators=(1, 2))
+
+
+@given(SMALL_MANIPULATORS, st.sampled_from([1, 2, 3]))
+@examples(8)
+def test_the_cofactor_is_one_integer_for_all_u_and_l(m: Manipulator, leg: int) -> None:
+    eliminant = eliminant_of(m, leg)
+    assume(any(eliminant.a.entries()) or any(eliminant.b.entries()))
+    constant_everywhere(eliminant)
+
+
+@pytest.mark.parametrize(("m", "leg"), ZEROS_ON_THE_GRID.values(), ids=ZEROS_ON_THE_GRID)
+def test_points_at_which_a_known_factor_vanishes_are_passed_over(m: Manipulator, leg: int) -> None:
+    eliminant = eliminant_of(m, leg)
+    along, closed = eliminant.slice_map.f.collinear(), eliminant.slice_map.f.closed
+    assert along(2) == 0 or closed(Fraction(7))(2) == 0
+    constant_everywhere(eliminant)
+    grid = _Grid.of(eliminant.slice_map)
+    assert (len(grid.us), len(grid.ls)) == (26, 12)
+    assert [len(row) for row in grid.known] == [26] * 12
+    assert all(
+        value == along(u) ** 2 * (u * u + 1) ** 9 * closed(Fraction(length))(u) != 0
+        for length, row in zip(grid.ls, grid.known, strict=True)
+        for u, value in zip(grid.us, row, strict=True)
+    )
+
+
+@pytest.mark.parametrize("m", [EXAMPLES["zein-flat"], IRRATIONAL, LARGE], ids=["flat", "small", "large"])
+def test_the_bound_holds_for_the_coefficients_before_their_content_is_removed(m: Manipulator) -> None:
+    eliminant = eliminant_of(m)
+    content = abs(constant_everywhere(eliminant))
+    largest = max(abs(x) for part in (eliminant.a, eliminant.b) for x in part.entries())
+    assert content * largest <= _coefficient_bound(eliminant.slice_map)
+    assert largest > 10**400 or m is not LARGE
+
+
+def test_no_common_content_is_left() -> None:
+    for m in (EXAMPLES["zein-flat"], IRRATIONAL):
+        eliminant = eliminant_of(m)
+        assert gcd(*map(int, (*eliminant.a.entries(), *eliminant.b.entries()))) == 1
+
+
+def test_factors_that_do_not_divide_are_noticed() -> None:
+    """At the first prime, by the spare point in either direction."""
+    grid = _Grid.of(SliceMap.of(EXAMPLES["zein-flat"]))
+    p, omega = next(primes(1))
+    assert grid.image(p, omega, True) is not None
+    in_u = [tuple(x * (u + 7) for x, u in zip(row, grid.us, strict=True)) for row in grid.known]
+    in_l = [tuple(x * (length + 7) for x in row) for row, length in zip(grid.known, grid.ls, strict=True)]
+    for known in (in_u, in_l):
+        with pytest.raises(SolverError, match="known factors"):
+            replace(grid, known=tuple(known)).image(p, omega, True)
+
+
+def test_a_prime_that_divides_a_known_factor_gives_no_image() -> None:
+    grid = _Grid.of(SliceMap.of(EXAMPLES["zein-flat"]))
+    p, omega = next(primes(1))
+    row = grid.known[3]
+    planted = (*grid.known[:3], (*row[:5], row[5] * p, *row[6:]), *grid.known[4:])
+    assert replace(grid, known=planted).image(p, omega, False) is None
+
+
+# one slice
+
+
+@given(st.fractions(min_value=Fraction(1, 50), max_value=90, max_denominator=50))
+@examples(20)
+def test_one_slice_is_the_primitive_value_at_its_length(length: Fraction) -> None:
+    eliminant = eliminant_of(IRRATIONAL)
+    q = eliminant.at(length)
+    parts = [
+        [sum(Fraction(int(part[k, i])) * length**i for i in range(11)) for k in range(25)]
+        for part in (eliminant.a, eliminant.b)
+    ]
+    own = [Fraction(int(x)) for p in (q.a, q.b) for x in (p[k] for k in range(25))]
+    ratio = next(x / y for x, y in zip(parts[0] + parts[1], own, strict=True) if y)
+    assert parts[0] + parts[1] == [ratio * x for x in own]
+    assert ratio > 0
+    assert gcd(*map(int, own)) == 1
+    assert q.radicand == eliminant.slice_map.radicand != 1
+
+
+def test_a_slice_in_which_j_and_e_share_a_curve_is_zero() -> None:
+    congruent = eliminant_of(manipulator(30, 0, 40, 30, 50, 40))
+    assert congruent.at(Fraction(5)).is_zero
+    assert not eliminant_of(EXAMPLES["zein-flat"]).at(Fraction(5)).is_zero
+
+
+# in a cache
+
+
+@pytest.mark.parametrize(
+    ("m", "leg"), [(EXAMPLES["zein-flat"], 3), (IRRATIONAL, 2), (LARGE, 1)], ids=["flat", "small", "large"]
+)
+def test_a_cached_eliminant_reads_back(m: Manipulator, leg: int) -> None:
+    eliminant = eliminant_of(m, leg)
+    again = Eliminant.from_json(json.loads(json.dumps(eliminant.to_json())))
+    assert again == eliminant
+    assert again.slice_map.fixed_leg == leg
+
+
+def test_a_geometry_beyond_the_limit_of_requests_reads_back() -> None:
+    """Whatever was once computed can be kept: here a length of 1,001 digits."""
+    m = manipulator(10**1000 + 7, 3, 5, 4, 5, 6)
+    zeros = fmpz_mat(25, 11)
+    stored = Eliminant(m, SliceMap.of(m), zeros, zeros).to_json()
+    assert Eliminant.from_json(stored).manipulator == m
+
+
+@pytest.mark.parametrize("change", [{"geometry": "innocenti"}, {"fixed_leg": "1"}, {"fixed_leg": None}])
+def test_what_is_no_eliminant_is_not_taken(change: dict[str, object]) -> None:
+    stored = eliminant_of(EXAMPLES["zein-flat"]).to_json()
+    with pytest.raises(ValueError, match="not an eliminant"):
+        Eliminant.from_json({**stored, **change})
 
 
 def test_an_eliminant_of_another_version_is_not_taken() -> None:
-    stored = eliminate(EXAMPLES["zein-flat"]).to_json()
+    stored = eliminant_of(EXAMPLES["zein-flat"]).to_json()
     with pytest.raises(ValueError, match="version"):
         Eliminant.from_json({**stored, "solver_version": "0"})
 
 
 def test_a_rational_height_needs_no_square_root() -> None:
     right = Manipulator.from_json({"a2x": 30, "a3x": 0, "a3y": 40, "d1": 15, "d2": 25, "d3": 20})
-    eliminant = eliminate(right)
+    eliminant = eliminant_of(right)
     assert eliminant.slice_map.rational
     assert eliminant.b == fmpz_mat(25, 11, [0] * 275)
-    assert not eliminate(EXAMPLES["innocenti"]).slice_map.rational
+    assert not eliminant_of(EXAMPLES["innocenti"]).slice_map.rational
 
 
 def test_the_radicand_is_the_square_of_the_height_up_to_a_rational_square() -> None:
@@ -90,4 +262,4 @@ def test_the_radicand_is_the_square_of_the_height_up_to_a_rational_square() -> N
 @pytest.mark.parametrize("leg", [0, 4, "1"])
 def test_only_three_legs(leg: int) -> None:
     with pytest.raises(InputError, match="fixed_leg"):
-        eliminate(EXAMPLES["innocenti"], leg)
+        eliminant_of(EXAMPLES["innocenti"], leg)
