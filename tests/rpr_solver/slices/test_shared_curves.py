@@ -1,0 +1,198 @@
+"""Curves that J and E share in a slice: those of congruent triangles, and curves that are put in."""
+
+from fractions import Fraction
+from math import gcd, prod
+
+import pytest
+from flint import fmpz, fmpz_mat, fmpz_mpoly, fmpz_poly, nmod_poly
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rpr_solver import EXAMPLES, Manipulator, SolverError
+from rpr_solver.exact.biform import OMEGA, BiForm, L, Rows, T, U
+from rpr_solver.exact.modular import primes, sylvester
+from rpr_solver.exact.number_field import Field
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.slices.shared_curves import Curve, SliceForms, without_shared_curves
+from tests.support.families import family
+from tests.support.shared import eliminant_of
+from tests.support.strategies import examples, lengths
+
+RATIONALS = Field.rationals()
+LENGTH = Fraction(5)
+
+
+def with_factors(
+    *factors: fmpz_mpoly,
+    only_j: fmpz_mpoly = T**0,
+    infinite: tuple[int, int] = (0, 0),
+    name: str = "zein-flat",
+) -> SliceMap:
+    """A slice map whose J and E are multiplied by polynomials in t and u, and have more zeros at t = ∞."""
+    slice_map = SliceMap.of(EXAMPLES[name])
+    extras = ((*factors, only_j), factors)
+    for which, extra, zeros in zip(("singular", "coalescence"), extras, infinite, strict=True):
+        form = getattr(slice_map, which)
+        product = prod(extra, start=form.joined)
+        (t, u, *_), (old_t, old_u, *_) = product.degrees(), form.joined.degrees()
+        degrees = form.degree_t + t - old_t + zeros, form.degree_u + u - old_u
+        vars(slice_map)[which] = BiForm.of(product, slice_map.radicand, *degrees)
+    return slice_map
+
+
+def formal_resultant(forms: SliceForms, u: int) -> int:
+    """Res_t at one u, for a rational height."""
+    j, e = ([row.a(fmpz(u)) for row in rows] for rows in (forms.singular, forms.coalescence))
+    return int(fmpz_mat(sylvester(j, e, fmpz(0))).det())
+
+
+def primitive(rows: Rows) -> list[QuadraticPoly]:
+    """A form up to a rational factor."""
+    content = gcd(*(int(c) for row in rows for part in (row.a, row.b) for c in part.coeffs()))
+    lead = next(c for row in reversed(rows) for part in (row.a, row.b) for c in reversed(part.coeffs()))
+    return [row / fmpz_poly([content if lead > 0 else -content]) for row in rows]
+
+
+def assert_plain(forms: SliceForms, q: QuadraticPoly) -> None:
+    """What is left when the factors are gone."""
+    plain, expected = without_shared_curves(SliceMap.of(EXAMPLES["zein-flat"]), LENGTH)
+    assert primitive(forms.singular) == primitive(plain.singular)
+    assert primitive(forms.coalescence) == primitive(plain.coalescence)
+    assert q in (expected, expected * -1)
+
+
+# a slice without such curves
+
+
+@given(lengths(40, (1, 2)))
+@examples(8)
+def test_where_nothing_is_shared_the_eliminant_has_all_its_factors(length: Fraction) -> None:
+    """The whole resultant: w² (u²+1)⁹ q Q, and the forms as they are."""
+    for m in (EXAMPLES["zein-flat"], Manipulator(*map(Fraction, (7, 3, 5, 4, 5, 6)))):
+        eliminant = eliminant_of(m)
+        slice_map, scaled = eliminant.slice_map, length * eliminant.slice_map.scale
+        forms, whole = without_shared_curves(slice_map, scaled)
+        assert forms == SliceForms.of(slice_map, scaled)
+        known = slice_map.f.collinear() ** 2 * fmpz_poly([1, 0, 1]) ** 9 * slice_map.f.closed(scaled)
+        expected = (eliminant.at(scaled) * (known / known.content())).primitive()
+        assert whole in (expected, expected * -1)
+
+
+def test_a_slice_s_forms_are_those_of_the_map() -> None:
+    slice_map = SliceMap.of(EXAMPLES["zein-flat"])
+    forms = SliceForms.of(slice_map, LENGTH)
+    assert (forms.slice_map, forms.length, forms.shared) == (slice_map, LENGTH, ())
+    assert (len(forms.singular), len(forms.coalescence)) == (5, 7)
+    p, _ = next(primes(1))
+    joined = slice_map.coalescence.joined
+    in_t = [nmod_poly(row.a, p) for row in forms.coalescence]
+    assert [int(sum(c(3) * pow(t, i, p) for i, c in enumerate(in_t))) for t in (0, 2)] == [
+        int(joined.compose(fmpz(t) + 0 * T, 3 + 0 * T, 5 + 0 * T, 1 + 0 * T)[0, 0, 0, 0] % p) for t in (0, 2)
+    ]
+
+
+# curves that are put in
+
+
+@pytest.mark.parametrize(
+    ("factor", "equation"),
+    [
+        (T, "alpha = 0 deg"),
+        (-T, "alpha = 0 deg"),
+        (T * U - 3, "t*u - 3 = 0 with t = tan(alpha/2), u = tan(theta1/2)"),
+    ],
+)
+def test_a_shared_curve_is_divided_out(factor: fmpz_mpoly, equation: str) -> None:
+    forms, q = without_shared_curves(with_factors(factor), LENGTH)
+    assert [curve.equation(1) for curve in forms.shared] == [equation]
+    assert_plain(forms, q)
+
+
+def test_several_curves_and_powers_are_divided_out_and_each_is_said_once() -> None:
+    """t² in J and in E, and two other curves; what is imaginary is divided out and no curve of poses."""
+    forms, q = without_shared_curves(with_factors(T, T, U - 2, T * U + 1, T**2 + 1, U**2 + 1), LENGTH)
+    assert sorted(str(curve.polynomial) for curve in forms.shared) == ["t", "t*u + 1", "u - 2"]
+    assert_plain(forms, q)
+
+
+def test_a_power_that_only_j_holds_is_no_isolated_zero() -> None:
+    forms, q = without_shared_curves(with_factors(T, only_j=T), LENGTH)
+    assert [curve.equation(1) for curve in forms.shared] == ["alpha = 0 deg"]
+    assert_plain(forms, q)
+
+
+@pytest.mark.parametrize("infinite", [(1, 1), (2, 2), (3, 1)])
+def test_a_half_turn_of_the_platform_is_a_curve_too(infinite: tuple[int, int]) -> None:
+    """J loses every power of it, as of other curves."""
+    forms, q = without_shared_curves(with_factors(infinite=infinite), LENGTH)
+    assert [curve.equation(1) for curve in forms.shared] == ["alpha = 180 deg"]
+    assert_plain(forms, q)
+
+
+@pytest.mark.parametrize("infinite", [(1, 0), (0, 1), (0, 2)])
+def test_zeros_at_infinity_of_one_form_alone_count(infinite: tuple[int, int]) -> None:
+    """The eliminant keeps the formal degrees in t."""
+    forms, q = without_shared_curves(with_factors(infinite=infinite), LENGTH)
+    assert forms.shared == ()
+    values = [(formal_resultant(forms, u), int(q.a(fmpz(u)))) for u in (2, 3, -5, 7)]
+    ratio = Fraction(values[0][0], values[0][1])
+    assert [Fraction(x) for x, _ in values] == [ratio * y for _, y in values]
+    assert ratio != 0
+
+
+def test_a_curve_that_is_not_rational_is_refused() -> None:
+    slice_map = with_factors(T * U - OMEGA, name="innocenti")
+    with pytest.raises(SolverError, match="not rational"):
+        without_shared_curves(slice_map, LENGTH)
+
+
+def test_a_curve_at_one_length_alone_is_found_there() -> None:
+    slice_map = with_factors(T * L - 5 + U * (L - 5))
+    at, beside = (without_shared_curves(slice_map, length)[0].shared for length in (Fraction(5), Fraction(6)))
+    assert [curve.equation(1) for curve in at] == ["t - 1 = 0 with t = tan(alpha/2), u = tan(theta1/2)"]
+    assert [str(curve.polynomial) for curve in beside] == ["6*t + u - 5"]
+
+
+# congruent triangles
+
+
+@pytest.mark.parametrize(("sign", "equation"), [(1, "alpha = 0 deg"), (-1, "alpha = 180 deg")])
+@pytest.mark.parametrize("leg", [1, 2, 3])
+def test_congruent_triangles_move_in_parallel(sign: int, equation: str, leg: int) -> None:
+    """Turned by half a turn, the platform is parallel to the base at α = 180°."""
+    m = Manipulator(*map(Fraction, (30 * sign, 0, 40 * sign, 30, 50, 40)))
+    slice_map = SliceMap.of(m, leg)
+    assert SliceForms.of(slice_map, LENGTH).shared == ()
+    forms, q = without_shared_curves(slice_map, LENGTH * slice_map.scale)
+    assert [curve.equation(leg) for curve in forms.shared] == [equation]
+    assert not q.is_zero
+    assert len(forms.singular) < 5
+
+
+def test_similar_triangles_share_no_curve() -> None:
+    slice_map = SliceMap.of(family("similar"))
+    assert without_shared_curves(slice_map, LENGTH)[0].shared == ()
+
+
+# which poses lie on a curve
+
+
+def test_an_equation_names_the_fixed_leg() -> None:
+    assert Curve(U - 2).equation(3) == "u - 2 = 0 with t = tan(alpha/2), u = tan(theta3/2)"
+
+
+@given(st.fractions(-9, 9, max_denominator=9), st.fractions(-9, 9, max_denominator=9))
+def test_a_pose_lies_on_a_curve_where_its_equation_holds(t: Fraction, u: Fraction) -> None:
+    at = RATIONALS(t), RATIONALS(u)
+    assert Curve(T * U - 6).holds(*at) == (t * u == 6)
+    assert Curve(T**2 * U - U - 3).holds(*at) == (t * t * u - u == 3)
+    assert Curve(T).holds(*at) == (t == 0)
+    assert not Curve(None).holds(*at)
+    if t:
+        assert Curve(T * U - 6).holds(RATIONALS(t), RATIONALS(6 / t))
+
+
+def test_a_half_turn_lies_on_its_own_curve_alone() -> None:
+    assert Curve(None).holds(None, RATIONALS(3))
+    assert not Curve(U - 3).holds(None, RATIONALS(3))
