@@ -2,10 +2,12 @@ from decimal import Decimal
 from fractions import Fraction
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rpr_solver import InputError, exact_str, parse_exact
+from rpr_solver.exact.rationals import rational_sqrt
+from tests.support.strategies import rationals
 
 
 @pytest.mark.parametrize(
@@ -65,3 +67,15 @@ def test_decimals_have_a_plain_canonical_text(x: Decimal) -> None:
     assert "/" not in text
     assert "e" not in text
     assert Decimal(text) == x
+
+
+@given(rationals(0, 30, (1, 2, 3, 7)), st.sampled_from([1, 2, Fraction(1, 3)]))
+@example(Fraction(0), 2)
+def test_square_roots_of_rationals(x: Fraction, factor: Fraction) -> None:
+    assert rational_sqrt(x * x) == x
+    assert rational_sqrt(x * x * factor) == (x if factor == 1 or x == 0 else None)
+
+
+def test_what_has_no_rational_root() -> None:
+    for x in (Fraction(4, 3), Fraction(3, 4)):
+        assert rational_sqrt(x) is None

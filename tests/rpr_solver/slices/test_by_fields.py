@@ -9,8 +9,6 @@ from math import isqrt
 import mpmath as mp
 import pytest
 from flint import arb, ctx, fmpz_poly
-from hypothesis import example, given
-from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator, PoseKind, SolverError
 from rpr_solver.exact.biform import T, U
@@ -21,7 +19,6 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.by_fields import (
     ExactPose,
-    _rational_sqrt,
     local_map,
     poses_above,
     poses_at_half_turn,
@@ -30,7 +27,6 @@ from rpr_solver.slices.shared_curves import Curve, SliceForms
 from tests.support.article import coalescence, pose, singularity
 from tests.support.families import family
 from tests.support.shared import eliminant_of
-from tests.support.strategies import rationals
 
 BITS = 200
 RATIONALS = Field.rationals()
@@ -207,18 +203,6 @@ def test_jets_at_a_rational_pose(leg: int, t: Fraction | None) -> None:
         across = y + sin_a * leg_map.m + cos_a * leg_map.n - leg_map.ay
         assert square.rational == along**2 + across**2
     assert local.f.order == local.g.order == 4
-
-
-@given(rationals(0, 30, (1, 2, 3, 7)), st.sampled_from([1, 2, Fraction(1, 3)]))
-@example(Fraction(0), 2)
-def test_square_roots_of_rationals(x: Fraction, factor: Fraction) -> None:
-    assert _rational_sqrt(x * x) == x
-    assert _rational_sqrt(x * x * factor) == (x if factor == 1 or x == 0 else None)
-
-
-def test_what_has_no_rational_root() -> None:
-    for x in (None, Fraction(-4), Fraction(4, 3), Fraction(3, 4)):
-        assert _rational_sqrt(x) is None
 
 
 def test_coordinates_hold_irrational_numbers() -> None:
