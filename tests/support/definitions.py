@@ -95,15 +95,22 @@ class Conditions:
 
         By a predictor along the tangent ∇J × ∇E and Newton's corrector, through turns in L as well.
         """
-        way = self.tangent(point)
+        start, way, longest = point, self.tangent(point), step
         if (way[2] > 0) != upwards:
             way = [-x for x in way]
         while True:
             held = max(range(3), key=lambda i: abs(way[i]))
             guess = point[0] + step * way[0], point[1] + step * way[1], point[2] * (1 + step * way[2])
             following = self.newton(guess, held=held)
-            assert following is not None
-            assert distance(following, guess) < step / 2
+            onwards = self.tangent(following or point)
+            turn = sum(x * y for x, y in zip(way, onwards, strict=True))
+            onwards = [-x for x in onwards] if turn < 0 else onwards
+            inside = following is not None and low < following[2] < high
+            turns_back = way[2] * onwards[2] < 0 and step > 1e-4  # it may meet an end unseen
+            if following is None or abs(turn) < 0.97 or turns_back or (point == start and not inside):
+                step /= 2
+                assert step > 1e-6
+                continue
             for end in (low, high):
                 if (point[2] - end) * (following[2] - end) < 0 or following[2] == end:
                     share = (end - point[2]) / (following[2] - point[2])
@@ -111,10 +118,8 @@ class Conditions:
                     last = self.newton((*between, end))  # type: ignore[arg-type]
                     assert last is not None
                     return end, last
-            tangent = self.tangent(following)
-            turned = sum(x * y for x, y in zip(way, tangent, strict=True)) < 0
-            way = [-x for x in tangent] if turned else tangent
-            point = following
+            way = onwards
+            point, step = following, min(2 * step, longest)
 
     def tangent(self, point: Point) -> list[mp.mpf]:
         """∇J × ∇E in α, θ and log L, of length 1."""

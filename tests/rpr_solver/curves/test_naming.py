@@ -1,0 +1,191 @@
+"""Names of cusps through many slices: complete, in order, with partners where curves turn back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from functools import cache
+
+import mpmath as mp
+import pytest
+
+from rpr_solver import EXAMPLES, Unproved
+from rpr_solver.contract import silent
+from rpr_solver.curves.destinations import Tracker
+from rpr_solver.curves.naming import Tracks, name_cusps, tracks
+from rpr_solver.transitions.survey import Survey, survey
+from tests.support.definitions import Conditions, distance
+from tests.support.families import family
+from tests.support.places import cusps_in
+
+DIGITS = 25
+FLAT = EXAMPLES["zein-flat"]
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Iterator[None]:
+    with mp.workdps(20):
+        yield
+
+
+@cache
+def surveyed() -> tuple[Survey, Tracker, Tracks, list[tuple[int, int]]]:
+    """All of the flat manipulator's cusps for leg 1, and the progress that was told."""
+    told: list[tuple[int, int]] = []
+    whole = survey(FLAT, 1, silent, digits=DIGITS)
+    tracker = Tracker(whole.eliminant, DIGITS, whole.slices)
+    return whole, tracker, tracks(whole, tracker, lambda *step: told.append(step)), told
+
+
+def leads_to(low: Fraction, high: Fraction, start: Fraction, index: int) -> tuple[Fraction, int]:
+    """The cusp at which the curve of a cusp leaves the lengths between two, in floating point."""
+    tracker = surveyed()[1]
+    ends = {mp.mpf(x.numerator) / x.denominator: x for x in (low, high)}
+    cusp = cusps_in(tracker.table(start))[index]
+    end, point = Conditions(FLAT).trace(cusp, *ends, upwards=start == low)
+    reached = [k for k, x in enumerate(cusps_in(tracker.table(ends[end]))) if distance(x, point) < 1e-10]
+    assert len(reached) == 1
+    return ends[end], reached[0]
+
+
+class TestTracks:
+    def test_every_cusp_of_every_slice_is_in_one_track(self) -> None:
+        whole, _, named, _ = surveyed()
+        for k, table in enumerate(whole.slices):
+            assert sorted(t.cusps[k] for t in named.tracks if k in t.cusps) == list(range(table.count))
+
+    def test_a_track_leaves_no_slice_out(self) -> None:
+        for track in surveyed()[2].tracks:
+            assert list(track.cusps) == list(range(min(track.cusps), max(track.cusps) + 1))
+
+    def test_tracks_are_in_the_order_of_birth_and_then_of_the_table(self) -> None:
+        births = [(k := min(track.cusps), track.cusps[k]) for track in surveyed()[2].tracks]
+        assert births == sorted(births)
+        assert len(set(births)) == len(births)
+
+    def test_partners_name_each_other_and_share_an_end(self) -> None:
+        whole, _, named, _ = surveyed()
+        for number, track in enumerate(named.tracks):
+            assert track.born_with is not None  # no cusp comes from L1 = 0
+            partner = named.tracks[track.born_with]
+            assert partner.born_with == number
+            assert min(partner.cusps) == min(track.cusps)
+            last = max(track.cusps)
+            assert (track.dies_with is None) == (last == len(whole.slices) - 1)
+            if track.dies_with is not None:
+                partner = named.tracks[track.dies_with]
+                assert partner.dies_with == number
+                assert max(partner.cusps) == last
+            assert number not in (track.born_with, track.dies_with)
+
+    def test_where_tracks_begin_and_end_the_curve_turns_back(self) -> None:
+        whole, _, named, _ = surveyed()
+        lengths = [table.length for table in whole.slices]
+        for number, track in enumerate(named.tracks):
+            first, last = min(track.cusps), max(track.cusps)
+            if track.born_with is not None and track.born_with > number:
+                here, partner = lengths[first], named.tracks[track.born_with].cusps[first]
+                assert leads_to(lengths[first - 1], here, here, track.cusps[first]) == (here, partner)
+            if track.dies_with is not None and track.dies_with > number:
+                here, partner = lengths[last], named.tracks[track.dies_with].cusps[last]
+                assert leads_to(here, lengths[last + 1], here, track.cusps[last]) == (here, partner)
+
+    @pytest.mark.parametrize("k", [5, 7])
+    def test_between_two_slices_a_track_follows_its_curve(self, k: int) -> None:
+        whole, _, named, _ = surveyed()
+        low, high = (table.length for table in whole.slices[k : k + 2])
+        passing = [track for track in named.tracks if {k, k + 1} <= set(track.cusps)]
+        assert len(passing) == 6
+        for track in passing:
+            assert leads_to(low, high, low, track.cusps[k]) == (high, track.cusps[k + 1])
+
+    def test_nothing_is_undecided_and_progress_is_told(self) -> None:
+        whole, _, named, told = surveyed()
+        assert named.undecided == frozenset()
+        assert told == [(k, len(whole.slices)) for k in range(2, len(whole.slices) + 1)]
+
+    @pytest.mark.slow
+    def test_a_cusp_alone_in_ending_and_another_alone_in_beginning_may_be_one(self) -> None:
+        """About a quadruple pose of the flat base, at an irrational length."""
+        whole = survey(
+            family("flat base"), 1, silent, start=Fraction("9.3"), stop=Fraction("10.6"), digits=DIGITS
+        )
+        named = tracks(whole, Tracker(whole.eliminant, DIGITS, whole.slices), silent)
+        alone = [t for t in named.tracks if len(t.cusps) == 1]
+        assert [min(t.cusps) for t in alone] == [0, 1]
+        assert all(t.born_with is None and t.dies_with is None for t in named.tracks)
+        assert named.undecided == {0}
+
+    @pytest.mark.slow
+    def test_at_a_rational_length_the_slice_itself_tells_that_they_are_not(self) -> None:
+        """Held at leg 2 the right-angled manipulator has six cusps about L2 = 16, and five at 16."""
+        whole = survey(
+            family("right angles"), 2, silent, start=Fraction("15.9"), stop=Fraction("16.1"), digits=DIGITS
+        )
+        named = tracks(whole, Tracker(whole.eliminant, DIGITS, whole.slices), silent)
+        assert [len(t.cusps) for t in named.tracks] == [2, 2, 2, 2, 2, 1, 1]
+        assert named.undecided == frozenset()
+
+
+class TestNames:
+    @staticmethod
+    def known(k: int) -> dict[Fraction, dict[int, int]]:
+        """The names in slice k of the survey."""
+        whole, _, named, _ = surveyed()
+        return {whole.slices[k].length: {i: t.cusps[k] for i, t in enumerate(named.tracks) if k in t.cusps}}
+
+    def test_names_are_those_of_the_tracks(self) -> None:
+        """From two slices the names of all between follow, of cusps that die or are born between as well."""
+        _, tracker, named, _ = surveyed()
+        starts = {**self.known(8), **self.known(9), **self.known(10)}
+        inside = [Fraction("29.5"), Fraction("31.8"), Fraction("32.5")]
+        names = dict(name_cusps(tracker, starts, inside))
+        assert set(names) == set(inside)
+        for length, of in names.items():
+            assert sorted(of.values()) == list(range(tracker.table(length).count))
+            for name, index in of.items():
+                below = max(x for x in starts if x < length)
+                above = min(x for x in starts if x > length)
+                if name in starts[below]:
+                    assert leads_to(below, length, length, index) == (below, starts[below][name])
+                else:
+                    assert leads_to(length, above, length, index) == (above, starts[above][name])
+            assert all(name < len(named.tracks) for name in of)
+
+    def test_slices_beyond_all_that_are_known(self) -> None:
+        whole, tracker, *_ = surveyed()
+        last = len(whole.slices) - 1
+        starts = self.known(last)
+        [start] = starts
+        lengths = [start + 10, start + 1, start - 1]
+        names = dict(name_cusps(tracker, starts, lengths))
+        assert set(names) == set(lengths)
+        for length, of in names.items():
+            low, high = sorted((start, length))
+            for name, index in of.items():
+                assert leads_to(low, high, start, starts[start][name]) == (length, index)
+
+    def test_names_that_are_known_are_given_back(self) -> None:
+        tracker = surveyed()[1]
+        starts = self.known(8)
+        [length] = starts
+        assert list(name_cusps(tracker, starts, [length, length])) == [(length, starts[length])]
+
+    def test_a_slice_without_cusps_has_no_names(self) -> None:
+        tracker = surveyed()[1]
+        assert dict(name_cusps(tracker, self.known(1), [Fraction("0.4")])) == {Fraction("0.4"): {}}
+
+    def test_cusps_that_nothing_known_leads_to_are_not_named(self) -> None:
+        """Two of eight are born between 29 and 31.86338."""
+        whole, tracker, *_ = surveyed()
+        assert [whole.slices[k].count for k in (8, 9)] == [6, 8]
+        with pytest.raises(Unproved, match=r"not all cusps of the slice 31\.86338"):
+            list(name_cusps(tracker, self.known(8), [whole.slices[9].length]))
+
+    def test_every_length_is_named_once_whatever_the_order(self) -> None:
+        tracker = surveyed()[1]
+        starts = self.known(8)
+        lengths = [Fraction(x) for x in ("29.2", "28.9", "29.1", "28.8", "29.2")]
+        once = dict(name_cusps(tracker, starts, lengths))
+        assert set(once) == set(lengths)
+        assert once == dict(name_cusps(tracker, starts, sorted(lengths)))

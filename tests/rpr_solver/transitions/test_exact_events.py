@@ -1,0 +1,236 @@
+"""Poses that are singular at every L, and events above multiple roots, against the definitions."""
+
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cache
+from itertools import product
+
+import mpmath as mp
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mpf
+
+from rpr_solver import EXAMPLES, Manipulator, PoseKind
+from rpr_solver.exact.factors import exact_roots, norm_factors
+from rpr_solver.exact.number_field import Algebraic, Field
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.model.jets import Pose
+from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.transitions.event_systems import EventSystems, NotGeneric
+from rpr_solver.transitions.exact_events import (
+    ExactEvent,
+    _apart,
+    _degrees,
+    _InLength,
+    _permanent_poses,
+    _without,
+    _without_zero,
+    events_above,
+    permanent_events,
+    permanent_limits,
+)
+from tests.support.conditions import DIGITS, Place, Slices, number, real, same_place
+from tests.support.families import family
+
+ZEIN = EXAMPLES["zein-flat"]
+CASES = [(ZEIN, 1), (family("flat base"), 1), (family("d1 = a2x"), 3), (family("right angles"), 2)]
+PERMANENT = [
+    ("flat base", 1, ["quadruple"]),
+    ("similar, mirrored", 2, ["node", "node"]),
+    ("right angles", 2, ["node", "quadruple"]),
+    ("isosceles", 3, ["swallowtail", "swallowtail"]),
+    ("folded flat platform", 1, ["swallowtail"]),
+    ("right angles", 1, []),
+]
+RATIONALS = Field.rationals()
+ROOT_TWO = Field.of_root(real_roots(QuadraticPoly.rational([-2, 0, 1]))[-1])
+
+
+@cache
+def systems_of(m: Manipulator, fixed_leg: int) -> EventSystems:
+    return EventSystems.of(SliceMap.of(m, fixed_leg))
+
+
+def place_of(pose: Pose[Algebraic], length: mpf) -> Place:
+    entries = (pose.cos_alpha, pose.sin_alpha, pose.cos_theta, pose.sin_theta)
+    cos_a, sin_a, cos_t, sin_t = (number(x.ball(256)) for x in entries)
+    return mp.atan2(sin_a, cos_a), mp.atan2(sin_t, cos_t), length
+
+
+def stretched(leg: Leg) -> list[tuple[mpf, mpf]]:
+    """α and θ with the fixed leg and the side of the platform along the base line: ∇f = 0 at every L."""
+    base = mp.atan2(leg.ay, leg.ax)
+    side = mp.atan2(leg.n * mp.sqrt(leg.radicand), leg.m)
+    return [(base - side + a, base + t) for a, t in product((0, mp.pi), repeat=2)]
+
+
+@pytest.mark.parametrize(("m", "fixed_leg"), CASES)
+def test_poses_that_are_singular_at_every_length(m: Manipulator, fixed_leg: int) -> None:
+    permanent, slices = systems_of(m, fixed_leg).permanent, Slices.of(m, fixed_leg)
+    with mp.workdps(DIGITS):
+        poses = [place_of(pose, mpf(1)) for pose in _permanent_poses(permanent)]
+        for (alpha, theta, _), length in product(poses, (mpf(3), mpf(7), mpf("-0.11"))):
+            assert abs(slices.values((alpha, theta, length), "j").j) < mpf("1e-50")
+        for leg in (permanent.slice_map.f, permanent.slice_map.g):
+            for alpha, theta in stretched(leg):
+                assert any(same_place((alpha, theta, mpf(1)), pose) for pose in poses)
+        apart = [same_place(x, y) for i, x in enumerate(poses) for y in poses[:i]]
+        assert not any(apart)
+
+
+@pytest.mark.parametrize(("name", "fixed_leg", "kinds"), PERMANENT)
+def test_the_lengths_at_which_they_are_degenerate(name: str, fixed_leg: int, kinds: list[str]) -> None:
+    m = family(name)
+    permanent, slices = systems_of(m, fixed_leg).permanent, Slices.of(m, fixed_leg)
+    own = list(permanent_events(permanent))
+    assert sorted(event.kind for event in own) == kinds
+    with mp.workdps(DIGITS):
+        for event in own:
+            alpha, theta, *legs = map(number, event.pose.coordinates(256))
+            length = number(event.scaled_length(256)) / real(permanent.slice_map.scale)
+            place = mp.radians(alpha), mp.radians(theta), length
+            assert length > 0
+            assert slices.kind(place) is event.pose.kind
+            assert event.exact_length.ball(256).overlaps(event.scaled_length(256))
+            assert abs(slices.values((*place[:2], length * 7 / 5), "j").j) < mpf("1e-50")
+            for leg, expected in zip(legs, slices.free_legs(place), strict=True):
+                assert abs(leg - expected) < mpf("1e-25") * real(slices.size)
+
+
+@pytest.mark.parametrize(("name", "fixed_leg"), [case[:2] for case in PERMANENT])
+def test_at_other_lengths_they_are_not_degenerate(name: str, fixed_leg: int) -> None:
+    m = family(name)
+    permanent, slices = systems_of(m, fixed_leg).permanent, Slices.of(m, fixed_leg)
+    with mp.workdps(DIGITS):
+        seen = {
+            slices.kind(place_of(pose, mpf(length)))
+            for pose in _permanent_poses(permanent)
+            for length in ("0.37", "8.11", "93.7")
+        }
+    assert seen <= {PoseKind.ORDINARY, PoseKind.CUSP}
+
+
+def test_poses_that_are_degenerate_at_every_length_are_not_isolated() -> None:
+    with pytest.raises(NotGeneric):
+        list(permanent_events(systems_of(family("both flat"), 1).permanent))
+
+
+def test_an_event_at_half_a_turn_of_the_fixed_leg() -> None:
+    """u = ∞ is no root of a polynomial, but a zero of the form."""
+    m = Manipulator(*(Fraction(x, 3) for x in (-16, 0, 12, 10, 4, 6)), orientation="cw")
+    system, slices = systems_of(m, 1).critical, Slices.of(m)
+    assert system.eliminant.zeros_at_infinity
+    [event] = events_above(system, None)
+    assert event.exact_length.rational == 2 * system.slice_map.scale
+    alpha, theta, *_ = map(number, event.coordinates(256))
+    assert (event.kind, theta) == (PoseKind.LIPS, 180)
+    with mp.workdps(DIGITS):
+        assert slices.kind((mp.radians(alpha), mp.pi, mpf(2))) is PoseKind.LIPS
+
+
+def test_events_above_exact_roots() -> None:
+    m = family("similar, mirrored")
+    system, slices = systems_of(m, 2).critical, Slices.of(m, 2)
+    roots = exact_roots(norm_factors(system.eliminant.polynomial))
+    own = [event for root in roots for event in events_above(system, root)]
+    assert sorted(event.kind for event in own) == ["beak-to-beak"] * 3 + ["lips"]
+    with mp.workdps(DIGITS):
+        for event in own:
+            length = number(event.scaled_length(256)) / real(system.slice_map.scale)
+            assert slices.kind(place_of(event.local.pose, length)) is event.kind
+
+
+def test_a_cusp_that_passes_such_a_pose_at_a_limit() -> None:
+    m = family("similar, mirrored")
+    permanent, slices = systems_of(m, 1).permanent, Slices.of(m, 1)
+    slice_map = permanent.slice_map
+    scaled = Fraction(27)
+    length = scaled / slice_map.scale
+    with mp.workdps(DIGITS):
+        poses = [place_of(pose, real(length)) for pose in _permanent_poses(permanent)]
+        cusps = [slices.free_legs(place) for place in poses if slices.kind(place) is PoseKind.CUSP]
+        assert cusps
+        squares = [[Fraction(int(mp.nint(leg**2))) for leg in legs] for legs in cusps]
+        assert all(
+            abs(leg**2 - real(square)) < mpf("1e-40")
+            for legs, own in zip(cusps, squares, strict=True)
+            for leg, square in zip(legs, own, strict=True)
+        )
+    for own in squares:
+        for leg, square in zip((slice_map.f, slice_map.g), own, strict=True):
+            here, elsewhere = (
+                [x.rational for x in permanent_limits(permanent, leg, s * slice_map.scale**2)]
+                for s in (square, square + 1)
+            )
+            assert scaled in here
+            assert scaled not in elsewhere
+
+
+@pytest.mark.parametrize(
+    ("cos", "sin", "degrees"),
+    [
+        (1, 0, 0),
+        (-1, 0, 180),
+        (0, 1, 90),
+        (0, -1, -90),
+        (Fraction(-4, 5), Fraction(-3, 5), -143.13010235415598),
+    ],
+)
+def test_angles_are_in_the_half_open_turn(cos: Fraction, sin: Fraction, degrees: float) -> None:
+    angle = _degrees(RATIONALS(Fraction(cos)), RATIONALS(Fraction(sin)), 128)
+    assert float(angle.mid()) == pytest.approx(degrees)
+    assert angle.is_exact() or sin
+
+
+def polynomial(field: Field, *coefficients: int) -> list[Algebraic]:
+    return [field(c) for c in coefficients]
+
+
+def plain(p: Sequence[Algebraic]) -> list[Fraction | None]:
+    return [c.rational for c in p]
+
+
+def test_what_polynomials_share_is_taken_out() -> None:
+    one, two = polynomial(RATIONALS, -1, 1), polynomial(RATIONALS, 2, -5, 4, -1)  # (1 − x)² (2 − x)
+    assert plain(_without(two, one)) == [2, -1]
+    assert plain(_without(two, polynomial(RATIONALS, 7, 1))) == plain(two)
+    assert plain(_without(two, [])) == plain(two)
+    assert plain(_without_zero(polynomial(RATIONALS, 0, 0, 3, 0, 1))) == [3, 0, 1]
+    assert _without_zero(polynomial(RATIONALS, 0, 0)) == []
+
+
+def test_polynomials_are_proved_to_be_apart() -> None:
+    root = [-ROOT_TWO.generator, ROOT_TWO(1)]
+    square = [ROOT_TWO(-2), ROOT_TWO(0), ROOT_TWO(1)]
+    assert not _apart(root, square)
+    assert _apart(root, [ROOT_TWO(-3), ROOT_TWO(0), ROOT_TWO(1)])
+    assert _apart([ROOT_TWO(5)], square)
+    assert not _apart([], square)
+
+
+@given(*[st.lists(st.integers(-9, 9), max_size=4)] * 3, st.integers(-9, 9), st.integers(-5, 5))
+def test_polynomials_in_the_length_are_a_ring(
+    first: list[int], second: list[int], third: list[int], factor: int, at: int
+) -> None:
+    def value(p: _InLength) -> Fraction:
+        assert not p.coefficients or not p.coefficients[-1].is_zero
+        return sum((c.rational * at**k for k, c in enumerate(p.coefficients)), Fraction(0))  # type: ignore[operator]
+
+    a, b, c = (_InLength(polynomial(RATIONALS, *x)) for x in (first, second, third))
+    x, y, z = (value(p) for p in (a, b, c))
+    assert value(a * b + c) == x * y + z
+    assert value(a - b * factor) == x - y * factor
+    assert value(-a) == -x
+    if a.coefficients:
+        assert value(a + factor) == x + factor
+
+
+def test_an_event_of_an_exact_pose_is_all_in_one_field() -> None:
+    [event, _] = permanent_events(systems_of(family("isosceles"), 3).permanent)
+    assert isinstance(event, ExactEvent)
+    p = event.local.pose
+    assert len({id(x.field) for x in (p.cos_alpha, p.sin_alpha, p.cos_theta, p.sin_theta, p.length)}) == 1
+    assert (p.cos_alpha * p.cos_alpha + p.sin_alpha * p.sin_alpha - 1).is_zero
+    assert event.pose.exact is None
