@@ -28,7 +28,12 @@ class WorkerSettings(BaseSettings):
         default=4096, ge=64, description="maximum address space of a work horse, in MiB"
     )
     max_losses: NonNegativeInt = Field(
-        default=2, description="maximum number of times a chunk is run again after its worker was lost"
+        default=2,
+        description="maximum number of times a slice or document is retried after its work horse died",
+    )
+    max_worker_losses: NonNegativeInt = Field(
+        default=10,
+        description="maximum number of times it is retried after it was lost together with its worker",
     )
 
     result_ttl: PositiveInt = Field(default=7 * 86400, description="lifetime of a result, in seconds")

@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 from redis import Redis
 
-from rpr_solver import EXAMPLES
-from tests.support.jobs import a_request, ended
+from tests.support.jobs import a_document, a_request, ended
 from tests.support.processes import (
     PATIENCE,
     Workers,
@@ -22,16 +21,12 @@ from tests.support.processes import (
     is_running,
     until,
 )
-from worker.answers import poses
 from worker.answers.requests import JobRequest
 from worker.jobs.queue import JobQueue
 from worker.jobs.records import JobView
 from worker.settings import WorkerSettings
 
-
-def a_document() -> JobRequest:
-    content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": "14.98", "l2": "15", "l3": "30"}
-    return JobRequest(poses.KIND, {**content, "digits": 20})
+SHORT = {"beat_interval": 0.2, "beat_ttl": 2, "sweep_interval": 0.2, "lost_grace": 0.2}
 
 
 both_kinds = pytest.mark.parametrize(
@@ -94,8 +89,6 @@ def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, requ
     [
         ("greedy", "resource-exhausted"),
         ("greedy_python", "resource-exhausted"),
-        ("crash", "worker-crashed"),
-        ("killed", "worker-crashed"),
         ("broken", "internal-error"),
     ],
 )
@@ -113,12 +106,40 @@ def test_a_failed_job_gives_its_reason(
     assert redis.zcard(queue.records.keys.active) == 0
 
 
+@pytest.mark.parametrize("task", ["crash", "killed", "leave"])
+def test_a_document_whose_horse_dies_each_time_fails(redis: Redis, workers: Workers, task: str) -> None:
+    worker = workers.start(max_losses=1, task=f"tests.support.hard_tasks.{task}")
+    queue = jobs(redis, task)
+    view = ended(queue, queue.submit(a_document()).id)
+    assert view.error is not None
+    assert (view.status, view.error["type"]) == ("failed", "worker-crashed")
+    assert "waitpid" not in view.error["detail"]
+    assert worker.poll() is None
+
+
+@pytest.mark.parametrize("task", ["crash", "killed", "leave"])
+def test_a_slice_whose_horse_dies_each_time_is_an_error_among_others(
+    redis: Redis, workers: Workers, task: str
+) -> None:
+    worker = workers.start(max_losses=1, task=f"tests.support.hard_tasks.{task}")
+    queue = jobs(redis, task)
+    view = ended(queue, queue.submit(a_request("1", "2", "13", "3")).id)
+    assert (view.status, view.done) == ("succeeded", 4)
+    table = queue.result(view.id)
+    assert table is not None
+    assert [s.get("error", {}).get("type") for s in table["slices"]] == [None, None, "worker-crashed", None]
+    pids = [s["certificate"]["pid"] for s in table["slices"] if "error" not in s]
+    assert pids[0] == pids[1] != pids[2]  # what was done is not done again
+    assert worker.poll() is None
+
+
 @pytest.mark.slow
 @both_kinds
 def test_another_worker_takes_over_from_a_dead_one(
     redis: Redis, workers: Workers, request_: JobRequest
 ) -> None:
     settings = {"task": "tests.support.hard_tasks.slow_once", "sweep_interval": 0.2, "lost_grace": 0.2}
+    settings["max_losses"] = 0  # it is not the chunk's fault
     first = workers.start(**settings)
     queue = jobs(redis, "slow_once")
     view = queue.submit(request_)
@@ -130,6 +151,34 @@ def test_another_worker_takes_over_from_a_dead_one(
     until(lambda: not is_running(horse))  # no orphan is left
     assert ended(queue, view.id).status == "succeeded"
     assert second.poll() is None
+
+
+@both_kinds
+def test_a_worker_that_stalled_gives_way(redis: Redis, workers: Workers, request_: JobRequest) -> None:
+    settings = {**SHORT, "task": "tests.support.hard_tasks.gated"}
+    first = workers.start(**settings)
+    queue = jobs(redis, "gated")
+    view = queue.submit(request_)
+    until(lambda: redis.llen("begun") == 1)
+    (horse,) = descendants(first.pid)
+    first.send_signal(signal.SIGSTOP)
+    try:
+        second = workers.start(**settings)
+        until(lambda: redis.llen("begun") == 2)
+    finally:
+        first.send_signal(signal.SIGCONT)
+    until(lambda: not is_running(horse))
+    redis.set("gate", 1)
+    done = ended(queue, view.id)
+    assert (done.status, done.done) == ("succeeded", done.total)
+    assert queue.result(view.id) is not None
+    assert redis.lrange("begun", 0, -1) == [b"0"] + [b"1"] * len(
+        request_.parts
+    )  # nothing ran twice after that
+    events = redis.xrange(queue.records.keys.job(view.id).events)
+    counts = [int(fields[b"done"]) for _, fields in events if b"done" in fields]
+    assert counts == sorted(counts) != []
+    assert first.poll() is second.poll() is None
 
 
 @both_kinds

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import signal
 import time
@@ -33,13 +34,18 @@ def greedy_python(**chunk: Any) -> None:
 
 
 def crash(**chunk: Any) -> None:
-    """A segmentation fault."""
-    _run(lambda: os.kill(os.getpid(), signal.SIGSEGV), chunk)
+    """A segmentation fault, of a document and of the slice at 13."""
+    _run_unlucky(lambda: os.kill(os.getpid(), signal.SIGSEGV), chunk)
 
 
 def killed(**chunk: Any) -> None:
     """Killed from outside, each time."""
-    _run(lambda: os.kill(os.getpid(), signal.SIGKILL), chunk)
+    _run_unlucky(lambda: os.kill(os.getpid(), signal.SIGKILL), chunk)
+
+
+def leave(**chunk: Any) -> None:
+    """Ends as if all were done."""
+    _run_unlucky(lambda: os._exit(0), chunk)
 
 
 def broken(**chunk: Any) -> None:
@@ -75,9 +81,31 @@ def slow_once(**chunk: Any) -> None:
     _run(lambda: chunk["attempt"] or flint.fmpz(HARD_PRIME).is_prime(), chunk)
 
 
-def _run(act: Callable[[], object], chunk: dict[str, Any]) -> None:
+def gated(**chunk: Any) -> None:
+    """Notes which attempt begins something, and goes on once the key `gate` is there; a document tells its
+    progress meanwhile."""
+    assert tasks._context is not None
+    redis = tasks._context.redis
+
+    def wait(progress: Callable[[int, int], None] = lambda _done, _total: None) -> None:
+        redis.rpush("begun", chunk["attempt"])
+        done = 0
+        while not redis.exists("gate"):
+            done += 1
+            progress(done, 10**6)
+            time.sleep(0.02)
+
+    _run(wait, chunk)
+
+
+def _run_unlucky(act: Callable[[], object], chunk: dict[str, Any]) -> None:
+    _run(act, chunk, only_slice="13")
+
+
+def _run(act: Callable[..., object], chunk: dict[str, Any], only_slice: str = "") -> None:
     def solve(_eliminant: object, l1: str, _request: object) -> dict[str, Any]:
-        act()
+        if only_slice in ("", l1):
+            act()
         return {
             "l1": l1,
             "count": 0,
@@ -86,8 +114,8 @@ def _run(act: Callable[[], object], chunk: dict[str, Any]) -> None:
             "certificate": {"pid": os.getpid()},
         }
 
-    def compute(*_: object) -> dict[str, Any]:
-        act()
+    def compute(_request: object, _store: object, progress: object) -> dict[str, Any]:
+        act(*([progress] if inspect.signature(act).parameters else []))
         return {"pid": os.getpid()}
 
     tasks.solve = solve  # type: ignore[assignment]

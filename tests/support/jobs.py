@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rpr_solver import EXAMPLES
 from tests.support.processes import until
-from worker.answers import tables
+from worker.answers import poses, tables
 from worker.answers.requests import JobRequest
 from worker.jobs.queue import JobQueue
 from worker.jobs.records import JobView
@@ -14,6 +14,11 @@ def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:
     geometry = EXAMPLES["innocenti"].to_json()
     content = {"geometry": geometry, "fixed_leg": fixed_leg, "digits": digits, "l1": list(l1)}
     return JobRequest(tables.KIND, content)
+
+
+def a_document() -> JobRequest:
+    content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": "14.98", "l2": "15", "l3": "30"}
+    return JobRequest(poses.KIND, {**content, "digits": 20})
 
 
 def ended(queue: JobQueue, job_id: str) -> JobView:

@@ -59,4 +59,9 @@ def solve(eliminant: Eliminant, l1: str, request: JobRequest) -> SliceJson:
         raise
     except Exception:
         log.exception("slice l1=%s of %s failed", l1, request.geometry_hash)
-        return rpr_solver.slice_error_json(Fraction(l1), request.fixed_leg, "internal-error", INTERNAL)
+        return error(request, l1, "internal-error", INTERNAL)
+
+
+def error(request: JobRequest, l1: str, kind: str, detail: str) -> SliceJson:
+    """A slice that has no answer."""
+    return rpr_solver.slice_error_json(Fraction(l1), request.fixed_leg, kind, detail)

@@ -12,6 +12,7 @@ from typing import Any, Literal, cast
 from redis import Redis
 from redis.commands.core import Script
 
+from worker.answers import tables
 from worker.answers.keys import ResultKeys
 from worker.answers.kinds import request_from_json
 from worker.answers.requests import JobRequest
@@ -21,6 +22,9 @@ from worker.jobs.keys import Keys
 from worker.settings import WorkerSettings
 
 Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
+Lost = Literal["", "horses", "workers"]
+"""What a chunk has lost: its work horse while its worker lived, its worker too, or nothing."""
+
 ACTIVE: frozenset[str] = frozenset({"queued", "running"})
 
 _FIELDS = ("run", "status", "done", "total", "created", "started", "finished", "error")
@@ -67,16 +71,19 @@ class ChunkEntry:
 
     ref: ChunkRef
     state: str
-    losses: int
+    horses_lost: int = 0
+    workers_lost: int = 0
+    offset: int = 0
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some parts of a request, and the position of the first one in the job."""
+    """Some parts of a request, the position of the first one in the job, and how many of them are done."""
 
     request: JobRequest
     parts: tuple[str, ...]
     first_position: int
+    offset: int = 0
 
 
 class JobRecords:
@@ -88,7 +95,9 @@ class JobRecords:
         self.keys = Keys(settings.key_prefix)
         self.result_keys = ResultKeys(settings.key_prefix)
         self._create = self._script(scripts.CREATE)
+        self._is_open = self._script(scripts.IS_OPEN)
         self._start = self._script(scripts.START)
+        self._solve = self._script(scripts.SOLVE)
         self._slice = self._script(scripts.SLICE)
         self._progress = self._script(scripts.PROGRESS)
         self._document = self._script(scripts.DOCUMENT)
@@ -140,12 +149,15 @@ class JobRecords:
         )
         if not reply:
             return None
-        raw, todo, size = reply
-        first = ref.index * int(size)
-        return Chunk(request_from_json(raw), tuple(json.loads(todo)[first : first + int(size)]), first)
+        return _chunk(ref, *reply)
+
+    def begin_slices(self, ref: ChunkRef) -> bool:
+        """Record that the chunk solves single slices from now on; returns False if this attempt is over."""
+        keys = self.keys.job(ref.job_id)
+        return bool(self._solve(keys=[keys.record, keys.chunks], args=[ref.run, ref.index, ref.attempt]))
 
     def put_slice(self, ref: ChunkRef, chunk: Chunk, offset: int, value: Mapping[str, Any]) -> bool:
-        """Keep and count the result of the chunk's slice `offset`; returns False if the job needs no more."""
+        """Keep and count the result of the chunk's slice `offset`; returns False if this attempt is over."""
         settings, request, l1 = self.settings, chunk.request, chunk.parts[offset]
         keys = self.keys.job(ref.job_id)
         geometry = request.geometry_hash, request.fixed_leg
@@ -156,26 +168,49 @@ class JobRecords:
                 *keys, self.keys.active,
             ],
             args=[
-                ref.job_id, ref.run, ref.index, int(offset == len(chunk.parts) - 1),
+                ref.job_id, ref.run, ref.index, ref.attempt, offset, int(offset == len(chunk.parts) - 1),
                 chunk.first_position + offset, l1, dump(value), int(failed), request.digits,
                 settings.error_ttl if failed else settings.result_ttl, settings.job_ttl,
             ],
         )  # fmt: skip
         return bool(reply == 1)
 
-    def put_progress(self, ref: ChunkRef, done: int, total: int) -> None:
-        """Record the progress of the job of a document."""
+    def put_slice_error(self, ref: ChunkRef, kind: str, detail: str) -> bool:
+        """Put an error for the slice that is being solved; returns False if there is none."""
         keys = self.keys.job(ref.job_id)
-        self._progress(keys=[keys.record, keys.events], args=[ref.run, done, total])
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.hget(keys.chunks, str(ref.index))
+            pipe.hmget(keys.record, ["request", "todo", "chunk_size"])
+            raw, fields = pipe.execute()
+        entry = raw and _entry(ref.job_id, ref.run.encode(), b"%d" % ref.index, raw)
+        if not entry or entry.ref != ref or entry.state != "solving" or None in fields:
+            return False
+        chunk = _chunk(ref, entry.offset, *fields)
+        error = tables.error(chunk.request, chunk.parts[entry.offset], kind, detail)
+        self.put_slice(ref, chunk, entry.offset, error)
+        return True
+
+    def put_progress(self, ref: ChunkRef, done: int, total: int) -> bool:
+        """Record the progress of the job of a document; returns False if this attempt is over."""
+        keys = self.keys.job(ref.job_id)
+        return bool(
+            self._progress(
+                keys=[keys.record, keys.chunks, keys.events],
+                args=[ref.run, ref.index, ref.attempt, done, total],
+            )
+        )
 
     def put_document(self, ref: ChunkRef, request: JobRequest, document: Mapping[str, Any]) -> None:
-        """Keep a document, and end its job if that is still active."""
+        """Keep a document, and end its job if this attempt is still open."""
         self._document(
             keys=[
                 self.result_keys.document(request.content_hash),
                 *self.keys.job(ref.job_id), self.keys.active,
             ],
-            args=[ref.job_id, ref.run, dump(document), self.settings.result_ttl, self.settings.job_ttl],
+            args=[
+                ref.job_id, ref.run, ref.index, ref.attempt, dump(document),
+                self.settings.result_ttl, self.settings.job_ttl,
+            ],
         )  # fmt: skip
 
     def fail(self, ref: ChunkRef, kind: str, detail: str) -> list[ChunkEntry] | None:
@@ -187,23 +222,23 @@ class JobRecords:
         """Cancel the job; returns its open chunks, or None if it was not active."""
         return self._finish(job_id, "canceled", "", "", "", "")
 
-    def reopen(self, ref: ChunkRef, *, lost: bool) -> ChunkRef | Literal["stale", "too-often"]:
-        """Open the next attempt at a chunk that was interrupted, or lost with its worker."""
+    def reopen(self, ref: ChunkRef, lost: Lost = "") -> ChunkRef | Literal["stale", "too-often"]:
+        """Open the next attempt at a chunk that was interrupted, or lost its work horse or worker."""
         keys = self.keys.job(ref.job_id)
+        settings = self.settings
+        bound = settings.max_worker_losses if lost == "workers" else settings.max_losses
         reply = self._reopen(
             keys=[keys.record, keys.chunks],
-            args=[ref.run, ref.index, ref.attempt, int(lost), self.settings.max_losses],
+            args=[ref.run, ref.index, ref.attempt, lost, bound],
         )
         if reply == -1:
             return "stale"
         return "too-often" if reply == -2 else ChunkRef(ref.job_id, ref.run, ref.index, int(reply))
 
-    def is_wanted(self, ref: ChunkRef) -> bool:
-        """Whether the run that this chunk belongs to is still active."""
-        run, status = cast(
-            "list[bytes | None]", self.redis.hmget(self.keys.job(ref.job_id).record, ["run", "status"])
-        )
-        return run == ref.run.encode() and (status or b"").decode() in ACTIVE
+    def is_open(self, ref: ChunkRef) -> bool:
+        """Whether this attempt is still the current one of a chunk that is not done, in an active job."""
+        keys = self.keys.job(ref.job_id)
+        return bool(self._is_open(keys=[keys.record, keys.chunks], args=[ref.run, ref.index, ref.attempt]))
 
     def open_chunks(self) -> list[ChunkEntry]:
         """Returns the chunks of all active jobs that are not done."""
@@ -238,8 +273,14 @@ class JobRecords:
 
 
 def _entry(job_id: str, run: bytes, index: bytes, entry: bytes) -> ChunkEntry:
-    state, attempt, losses = entry.decode().split(":")
-    return ChunkEntry(ChunkRef(job_id, run.decode(), int(index), int(attempt)), state, int(losses))
+    state, attempt, *counts = entry.decode().split(":")
+    return ChunkEntry(ChunkRef(job_id, run.decode(), int(index), int(attempt)), state, *map(int, counts))
+
+
+def _chunk(ref: ChunkRef, offset: int, request: bytes, todo: bytes, size: bytes) -> Chunk:
+    first = ref.index * int(size)
+    parts = tuple(json.loads(todo)[first : first + int(size)])
+    return Chunk(request_from_json(request), parts, first, offset)
 
 
 def _view(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:

@@ -1,10 +1,13 @@
 """The atomic steps of a job's life, as Lua scripts.
 
-A job's record has a token `run`, which changes whenever the job is restarted. Every script that changes a
-job names its run, and has no effect if the record has moved on or the job has ended; so a late caller (an
-old worker, a second sweeper) can never overwrite a newer state.
+A job's record has a token `run`, which changes whenever the job is restarted, and each of its chunks has the
+number of its attempt. Every script that changes a job names its run and attempt, and has no effect if the
+record has moved on or the job has ended; so a late caller (an old worker, a second sweeper) can never
+overwrite a newer state.
 
-A chunk's entry is `state:attempt:losses`; it is deleted when the chunk is done.
+A chunk's entry is `state:attempt:horses_lost:workers_lost:offset`; it is deleted when the chunk is done. The
+state is `queued`, `running`, or `solving` while it solves the slice `offset`; the slices before it are done.
+Losses are counted since the last slice was done. Entries of version 0.1.0 end after the first count.
 
 Each script begins with the names of its keys and arguments, in the order in which `records` passes them.
 """
@@ -16,6 +19,22 @@ local time = redis.call('TIME')
 local now = string.format('%d.%06d', time[1], time[2])
 
 local function is_active(status) return status == 'queued' or status == 'running' end
+
+-- Returns the entry of a chunk if this attempt of this run is open, else nil.
+local function open_chunk(record, chunks, run, index, attempt)
+    local job_run, status = unpack(redis.call('HMGET', record, 'run', 'status'))
+    if job_run ~= run or not is_active(status) then return nil end
+    local state, open_attempt, horses, workers, offset = string.match(
+        redis.call('HGET', chunks, index) or '', '(%a+):(%d+):(%d+):?(%d*):?(%d*)')
+    if open_attempt ~= attempt then return nil end
+    return {state = state, attempt = attempt, horses = horses,
+        workers = tonumber(workers) or 0, offset = tonumber(offset) or 0}
+end
+
+local function put_chunk(chunks, index, chunk)
+    redis.call('HSET', chunks, index, string.format('%s:%d:%d:%d:%d',
+        chunk.state, chunk.attempt, chunk.horses, chunk.workers, chunk.offset))
+end
 
 local function finish(record, chunks, bits, errors, events, active, job_id, status, problem, ttl)
     redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
@@ -43,37 +62,51 @@ if tonumber(todo_count) == 0 then
     finish(record, chunks, bits, errors, events, active, job_id, 'succeeded', '', ttl)
     return 1
 end
-for index = 0, chunk_count - 1 do redis.call('HSET', chunks, index, 'queued:0:0') end
+for index = 0, chunk_count - 1 do redis.call('HSET', chunks, index, 'queued:0:0:0:0') end
 redis.call('ZADD', active, now, job_id)
 redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued')
 return 1
 """
 
-# Returns {request, todo, chunk_size} if the chunk may start, nothing if it is out of date.
+# Returns 1 if the attempt is open.
+IS_OPEN = """
+return open_chunk(KEYS[1], KEYS[2], ARGV[1], ARGV[2], ARGV[3]) and 1 or 0
+"""
+
+# Returns {offset, request, todo, chunk_size} if the chunk may start, nothing if it is out of date.
 START = """
 local record, chunks, events = unpack(KEYS)
 local run, index, attempt = unpack(ARGV)
 
-local job_run, status, request, todo, chunk_size =
-    unpack(redis.call('HMGET', record, 'run', 'status', 'request', 'todo', 'chunk_size'))
-if job_run ~= run or not is_active(status) then return false end
-local chunk = redis.call('HGET', chunks, index)
+local chunk = open_chunk(record, chunks, run, index, attempt)
 if not chunk then return false end
-local state, open_attempt, losses = string.match(chunk, '(%a+):(%d+):(%d+)')
-if open_attempt ~= attempt then return false end
-redis.call('HSET', chunks, index, 'running:' .. attempt .. ':' .. losses)
-if status == 'queued' then
+chunk.state = 'running'
+put_chunk(chunks, index, chunk)
+if redis.call('HGET', record, 'status') == 'queued' then
     redis.call('HSET', record, 'status', 'running', 'started', now)
     redis.call('XADD', events, '*', 'type', 'status', 'status', 'running')
 end
-return {request, todo, chunk_size}
+return {chunk.offset, unpack(redis.call('HMGET', record, 'request', 'todo', 'chunk_size'))}
+"""
+
+# From now on the work horse, if it dies, dies of the slice `offset`. Returns 0 if the attempt is out of date.
+SOLVE = """
+local record, chunks = unpack(KEYS)
+local run, index, attempt = unpack(ARGV)
+
+local chunk = open_chunk(record, chunks, run, index, attempt)
+if not chunk then return 0 end
+chunk.state = 'solving'
+put_chunk(chunks, index, chunk)
+return 1
 """
 
 # Keeps the result in any case, since it is valid whatever the state of the job, then counts it once.
-# Returns 0 if the job no longer needs it, 1 if more slices remain, 2 if the job is done.
+# Returns 0 if the attempt is out of date, 1 if more slices remain, 2 if the job is done.
 SLICE = """
 local slice, known_digits, record, chunks, bits, errors, events, active = unpack(KEYS)
-local job_id, run, index, is_last, position, l1, json, is_error, digits, slice_ttl, job_ttl = unpack(ARGV)
+local job_id, run, index, attempt = unpack(ARGV)
+local offset, is_last, position, l1, json, is_error, digits, slice_ttl, job_ttl = unpack(ARGV, 5)
 is_last, is_error = is_last == '1', is_error == '1'
 
 if not redis.call('SET', slice, json, 'EX', slice_ttl, 'NX') and not is_error then
@@ -83,25 +116,31 @@ if not is_error then
     redis.call('SADD', known_digits, digits)
     redis.call('EXPIRE', known_digits, slice_ttl)
 end
-local job_run, status, total = unpack(redis.call('HMGET', record, 'run', 'status', 'total'))
-if job_run ~= run or not is_active(status) then return 0 end
+local chunk = open_chunk(record, chunks, run, index, attempt)
+if not chunk then return 0 end
 if is_error then redis.call('HSET', errors, l1, json) end
-if is_last then redis.call('HDEL', chunks, index) end
+if is_last then
+    redis.call('HDEL', chunks, index)
+elseif tonumber(offset) >= chunk.offset then
+    chunk.offset, chunk.horses, chunk.workers = offset + 1, 0, 0
+    put_chunk(chunks, index, chunk)
+end
 if redis.call('SETBIT', bits, position, 1) == 1 then return 1 end
-local done = redis.call('HINCRBY', record, 'done', 1)
+local done, total = redis.call('HINCRBY', record, 'done', 1), redis.call('HGET', record, 'total')
 redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'slice', 'l1', l1, 'done', done, 'total', total)
 if done < tonumber(total) then return 1 end
 finish(record, chunks, bits, errors, events, active, job_id, 'succeeded', '', job_ttl)
 return 2
 """
 
-# Records the progress of a job of one chunk that counts its own steps; it may restart after an interruption.
+# Records the progress of a job of one chunk that counts its own steps; after an interruption, only once the
+# new attempt is as far as the last one. Returns 0 if the attempt is out of date.
 PROGRESS = """
-local record, events = unpack(KEYS)
-local run, done, total = unpack(ARGV)
+local record, chunks, events = unpack(KEYS)
+local run, index, attempt, done, total = unpack(ARGV)
 
-local job_run, status = unpack(redis.call('HMGET', record, 'run', 'status'))
-if job_run ~= run or status ~= 'running' then return 0 end
+if not open_chunk(record, chunks, run, index, attempt) then return 0 end
+if tonumber(done) < tonumber(redis.call('HGET', record, 'done')) then return 1 end
 redis.call('HSET', record, 'done', done, 'total', total)
 redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'progress', 'done', done, 'total', total)
 return 1
@@ -110,14 +149,13 @@ return 1
 # Keeps a document in any case, the first of several, and ends the job that requested it.
 DOCUMENT = """
 local document, record, chunks, bits, errors, events, active = unpack(KEYS)
-local job_id, run, json, document_ttl, job_ttl = unpack(ARGV)
+local job_id, run, index, attempt, json, document_ttl, job_ttl = unpack(ARGV)
 
 if not redis.call('SET', document, json, 'EX', document_ttl, 'NX') then
     redis.call('EXPIRE', document, document_ttl)
 end
-local job_run, status, total = unpack(redis.call('HMGET', record, 'run', 'status', 'total'))
-if job_run ~= run or not is_active(status) then return 0 end
-redis.call('HSET', record, 'done', total)
+if not open_chunk(record, chunks, run, index, attempt) then return 0 end
+redis.call('HSET', record, 'done', redis.call('HGET', record, 'total'))
 finish(record, chunks, bits, errors, events, active, job_id, 'succeeded', '', job_ttl)
 return 2
 """
@@ -130,30 +168,27 @@ local job_id, status, problem, ttl, run, index, attempt = unpack(ARGV)
 
 local job_run, job_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if not is_active(job_status) then return false end
-if run ~= '' then
-    local chunk = redis.call('HGET', chunks, index)
-    if job_run ~= run or not chunk or string.match(chunk, ':(%d+):') ~= attempt then return false end
-end
+if run ~= '' and not open_chunk(record, chunks, run, index, attempt) then return false end
 local open = redis.call('HGETALL', chunks)
 table.insert(open, 1, job_run)
 finish(record, chunks, bits, errors, events, active, job_id, status, problem, ttl)
 return open
 """
 
-# Opens the next attempt at a chunk. A loss is counted only for a chunk that had started.
+# Opens the next attempt at a chunk; `lost` is 'horses', 'workers' or empty. A loss is counted only for a
+# chunk that had started.
 # Returns the new attempt's number, -1 if the chunk is out of date, -2 if it was lost too often.
 REOPEN = """
 local record, chunks = unpack(KEYS)
-local run, index, attempt, is_lost, max_losses = unpack(ARGV)
+local run, index, attempt, lost, max_losses = unpack(ARGV)
 
-local job_run, status = unpack(redis.call('HMGET', record, 'run', 'status'))
-if job_run ~= run or not is_active(status) then return -1 end
-local chunk = redis.call('HGET', chunks, index)
+local chunk = open_chunk(record, chunks, run, index, attempt)
 if not chunk then return -1 end
-local state, open_attempt, losses = string.match(chunk, '(%a+):(%d+):(%d+)')
-if open_attempt ~= attempt then return -1 end
-if is_lost == '1' and state == 'running' then losses = losses + 1 end
-if tonumber(losses) > tonumber(max_losses) then return -2 end
-redis.call('HSET', chunks, index, string.format('queued:%d:%d', attempt + 1, losses))
-return attempt + 1
+if lost ~= '' and chunk.state ~= 'queued' then
+    chunk[lost] = chunk[lost] + 1
+    if chunk[lost] > tonumber(max_losses) then return -2 end
+end
+chunk.state, chunk.attempt = 'queued', attempt + 1
+put_chunk(chunks, index, chunk)
+return chunk.attempt
 """

@@ -13,6 +13,7 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from worker.jobs.chunks import ChunkQueue
+from worker.jobs.interruption import run_again
 from worker.jobs.records import ChunkEntry, JobRecords
 from worker.settings import WorkerSettings
 
@@ -72,12 +73,6 @@ class Sweeper:
         return [e for e in missing if now - since.get(e.ref.rq_id, now) >= self.settings.lost_grace]
 
     def _put_back(self, entry: ChunkEntry) -> bool:
-        following = self.records.reopen(entry.ref, lost=True)
         self.chunks.discard(entry.ref)
-        if following == "too-often":
-            open_chunks = self.records.fail(entry.ref, "worker-lost", _LOST.format(entry.losses + 1))
-            self.chunks.withdraw(open_chunks or [])
-        elif following != "stale":
-            self.chunks.enqueue([following], bulk=False, at_front=True)
-            return True
-        return False
+        detail = _LOST.format(entry.workers_lost + 1)
+        return run_again(self.records, self.chunks, entry.ref, "workers", "worker-lost", detail)

@@ -5,12 +5,9 @@ from __future__ import annotations
 import signal
 from dataclasses import dataclass
 
+from worker.jobs.records import Lost
 from worker.process.os_limits import signal_name, signal_of
 from worker.settings import WorkerSettings
-
-# Signals from outside (an operator, the kernel when memory is short): the chunk may succeed another time.
-# All others come from the computation itself and would come again.
-_FROM_OUTSIDE = frozenset({signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT})
 
 
 @dataclass(frozen=True)
@@ -23,15 +20,18 @@ class Failed:
 
 @dataclass(frozen=True)
 class RunAgain:
-    """The chunk is run again. If it was lost too often, the job fails as described."""
+    """The chunk is run again. If it was lost too often, its slice or its job fails as described."""
 
-    lost: bool
+    lost: Lost = ""
     kind: str = ""
     detail: str = ""
 
 
 Outcome = Failed | RunAgain
 """The outcome of a chunk whose work horse could not record it."""
+
+UNANSWERED = RunAgain("horses", "worker-crashed", "The worker repeatedly ended without an answer.")
+"""The outcome of a work horse that ended normally, but left its chunk open."""
 
 
 def judge_exit(status: int | None, ended_for: str | None, settings: WorkerSettings) -> Outcome | None:
@@ -44,17 +44,15 @@ def judge_exit(status: int | None, ended_for: str | None, settings: WorkerSettin
     if ended_for == "deadline":
         return Failed("timeout", f"The computation was stopped at the time limit of {settings.deadline:g} s.")
     if ended_for == "shutdown":
-        return RunAgain(lost=False)
+        return RunAgain()
     if ended_for is not None:
         return Failed("", "")
     number = None if status is None else signal_of(status)
     if number is None:
-        return RunAgain(lost=True, kind="worker-crashed", detail="The worker crashed repeatedly.")
+        return RunAgain("horses", "worker-crashed", "The worker crashed repeatedly.")
     how = f"The worker was terminated by signal {number} ({signal_name(number)})"
     if number == signal.SIGABRT:
         limit = settings.memory_limit_mb
         of = f" of {limit} MiB" if limit else ""
         return Failed("resource-exhausted", f"{how}, most likely at the memory limit{of}.")
-    if number in _FROM_OUTSIDE:
-        return RunAgain(lost=True, kind="worker-crashed", detail=f"{how}, repeatedly.")
-    return Failed("worker-crashed", f"{how}.")
+    return RunAgain("horses", "worker-crashed", f"{how}, repeatedly.")

@@ -17,6 +17,7 @@ from worker.answers.kinds import compute, known_document
 from worker.answers.store import ResultStore
 from worker.answers.tables import INTERNAL, eliminant_of, solve
 from worker.jobs.chunks import ChunkQueue
+from worker.jobs.interruption import fail
 from worker.jobs.records import Chunk, ChunkRef, JobRecords
 from worker.process.os_limits import lift_memory_limit
 from worker.settings import WorkerSettings
@@ -24,6 +25,10 @@ from worker.settings import WorkerSettings
 log = logging.getLogger("rpr_cusps.worker")
 
 EXHAUSTED = "The computation ran out of memory."
+
+
+class AttemptOver(Exception):  # noqa: N818 - not an error
+    """The chunk was canceled, or given to another worker; what is left to do is theirs."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,8 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
         work = _solve_slices if chunk.request.kind.by_slices else _compute_document
         work(ref, chunk, records, store)
         return
+    except AttemptOver:
+        return
     except RedisError:
         raise  # nothing can be recorded; the sweeper finds the chunk
     except InputError as error:
@@ -68,18 +75,19 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
     except Exception:
         log.exception("job %s failed", job_id)
         kind, detail = "internal-error", INTERNAL
-    entries = records.fail(ref, kind, detail)
-    others = [entry for entry in entries or [] if entry.ref != ref]
-    ChunkQueue(_context.redis, _context.settings).withdraw(others)
+    fail(records, ChunkQueue(_context.redis, _context.settings), ref, kind, detail)
 
 
 def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
     eliminant: Eliminant | None = None
-    for offset, l1 in enumerate(chunk.parts):
+    for offset in range(chunk.offset, len(chunk.parts)):
+        l1 = chunk.parts[offset]
         value = store.get_slices(chunk.request, [l1]).get(l1)
         if value is None:
             if eliminant is None:
                 eliminant = eliminant_of(chunk.request, store)
+                if not records.begin_slices(ref):
+                    return
             value = solve(eliminant, l1, chunk.request)
         if not records.put_slice(ref, chunk, offset, value):
             return
@@ -87,7 +95,12 @@ def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: Resul
 
 def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
     request = chunk.request
-    progress = Throttle(lambda done, total: records.put_progress(ref, done, total))
+
+    def tell(done: int, total: int) -> None:
+        if not records.put_progress(ref, done, total):
+            raise AttemptOver
+
+    progress = Throttle(tell)
     document = known_document(request, store) or compute(request, store, progress)
     records.put_document(ref, request, document)
 

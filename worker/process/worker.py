@@ -28,9 +28,10 @@ from rq.worker import WorkerStatus
 import rpr_solver  # noqa: F401
 from worker.connection import connect
 from worker.jobs.chunks import ChunkQueue, queue_names
+from worker.jobs.interruption import fail, run_again
 from worker.jobs.records import ChunkRef, JobRecords
 from worker.jobs.sweeper import Sweeper
-from worker.process.horse_exit import Outcome, RunAgain, judge_exit
+from worker.process.horse_exit import UNANSWERED, Outcome, RunAgain, judge_exit
 from worker.process.os_limits import die_with_parent, limit_memory
 from worker.process.tasks import Context, set_context
 from worker.settings import WorkerSettings
@@ -52,7 +53,7 @@ class CuspWorker(Worker):
     - kills a work horse at the deadline, even inside C code, and records the deadline as the reason,
     - puts its running chunk back in the queue when it stops,
     - sends heartbeats for its chunk, and searches for chunks that other workers lost,
-    - notices the cancellation of its job by itself.
+    - notices by itself that its attempt is over: the job was canceled, or another worker runs the chunk.
     """
 
     def __init__(
@@ -116,7 +117,7 @@ class CuspWorker(Worker):
             self.prepare_execution(job)
             self.fork_work_horse(job, queue)
         except StopRequested:
-            self._settle(ref, job, RunAgain(lost=False))
+            self._settle(ref, job, RunAgain())
             raise
         self.monitor_work_horse(job, queue)
         self.set_state(WorkerStatus.IDLE)
@@ -194,17 +195,17 @@ class CuspWorker(Worker):
             elif moment >= next_beat:
                 next_beat = moment + settings.beat_interval
                 self._stop_requested = self._stop_requested or self._is_orphan()
-                if not self._is_wanted(ref, job):
+                if not self._is_still_open(ref, job):
                     ended_for = ended_for or "canceled"
             if ended_for is not None:
                 self.kill_horse()
 
-    def _is_wanted(self, ref: ChunkRef, job: Job) -> bool:
+    def _is_still_open(self, ref: ChunkRef, job: Job) -> bool:
         try:
             self._beat(ref)
             self.maintain_heartbeats(job)
             self.sweeper.sweep()
-            return self.records.is_wanted(ref)
+            return self.records.is_open(ref)
         except RedisError as error:
             log.warning("heartbeat failed: %s", error)
             return True
@@ -216,6 +217,8 @@ class CuspWorker(Worker):
     def _settle(self, ref: ChunkRef, job: Job, outcome: Outcome | None) -> None:
         """Record the outcome of a chunk whose work horse is gone."""
         try:
+            if outcome is None and self.records.is_open(ref):
+                outcome = UNANSWERED
             if outcome is not None:
                 self._discard(ref, job)
                 self._record(ref, outcome)
@@ -225,15 +228,9 @@ class CuspWorker(Worker):
 
     def _record(self, ref: ChunkRef, outcome: Outcome) -> None:
         if isinstance(outcome, RunAgain):
-            following = self.records.reopen(ref, lost=outcome.lost)
-            if isinstance(following, ChunkRef):
-                self.chunks.enqueue([following], bulk=False, at_front=True)
-                return
-            if following == "stale":
-                return
-        if outcome.kind:
-            open_chunks = self.records.fail(ref, outcome.kind, outcome.detail) or []
-            self.chunks.withdraw([entry for entry in open_chunks if entry.ref != ref])
+            run_again(self.records, self.chunks, ref, outcome.lost, outcome.kind, outcome.detail)
+        elif outcome.kind:
+            fail(self.records, self.chunks, ref, outcome.kind, outcome.detail)
 
     def _discard(self, ref: ChunkRef, job: Job) -> None:
         with self.connection.pipeline() as pipe:

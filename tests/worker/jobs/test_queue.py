@@ -9,10 +9,11 @@ from dataclasses import replace
 import pytest
 from redis import Redis
 
-from tests.support.jobs import a_request
+from tests.support.jobs import a_document, a_request
 from worker.answers.requests import JobRequest
+from worker.jobs.interruption import run_again
 from worker.jobs.queue import JobQueue
-from worker.jobs.records import ChunkEntry, ChunkRef
+from worker.jobs.records import ChunkEntry, ChunkRef, Lost
 from worker.jobs.sweeper import Sweeper
 from worker.settings import WorkerSettings
 
@@ -25,7 +26,9 @@ def work(queue: JobQueue, ref: ChunkRef, slices: int = 100, *, error: str = "") 
     """Process a chunk, or its first slices, as a worker does."""
     chunk = queue.records.start(ref)
     assert chunk is not None
-    for offset, l1 in enumerate(chunk.parts[:slices]):
+    assert queue.records.begin_slices(ref)
+    for offset in range(chunk.offset, min(chunk.offset + slices, len(chunk.parts))):
+        l1 = chunk.parts[offset]
         value: dict[str, object] = {"l1": l1, "count": 0, "cusps": []}
         if l1 == error:
             value = {"l1": l1, "error": {"type": "solver-error", "detail": "undecided"}}
@@ -154,11 +157,58 @@ def test_late_results_change_nothing(queue: JobQueue, table_request: JobRequest)
     queue.submit(table_request)
     assert not queue.records.put_slice(old, chunk, 0, {"l1": "1", "count": 0, "cusps": []})
     assert queue.records.fail(old, "worker-lost", "late") is None
-    assert queue.records.reopen(old, lost=True) == "stale"
+    assert queue.records.reopen(old, "workers") == "stale"
     view = queue.get(table_request.job_id)
     assert view is not None
     assert (view.status, view.done, view.error) == ("queued", 0, None)
     assert "1" in queue.store.get_slices(table_request)  # a valid result is kept
+
+
+def test_an_attempt_that_was_followed_by_another_changes_nothing(
+    queue: JobQueue, table_request: JobRequest
+) -> None:
+    queue.submit(table_request)
+    old = refs(queue)[0]
+    work(queue, old, 1)
+    chunk = queue.records.start(old)
+    assert chunk is not None
+    assert queue.records.is_open(old)
+    following = queue.records.reopen(old, "workers")
+    assert isinstance(following, ChunkRef)
+    assert not queue.records.is_open(old)
+    assert queue.records.is_open(following)
+    assert not queue.records.put_slice(old, chunk, 1, {"l1": "2", "count": 0, "cusps": []})
+    assert not queue.records.put_slice(old, chunk, 2, {"l1": "3", "error": {"type": "x", "detail": "y"}})
+    assert queue.records.fail(old, "worker-lost", "late") is None
+    view = queue.get(table_request.job_id)
+    assert view is not None
+    assert (view.status, view.done) == ("running", 1)
+    assert "2" in queue.store.get_slices(table_request)  # a valid result is kept
+    work(queue, following)
+    assert not queue.records.is_open(following)  # done
+
+
+def test_the_progress_of_a_document_never_runs_backwards(queue: JobQueue) -> None:
+    request = a_document()
+    queue.submit(request)
+    (old,) = refs(queue)
+    queue.records.start(old)
+    assert queue.records.put_progress(old, 17, 40)
+    following = queue.records.reopen(old, "workers")
+    assert isinstance(following, ChunkRef)
+    queue.records.start(following)
+    assert not queue.records.put_progress(old, 27, 40)
+    for done in (1, 16, 18):
+        assert queue.records.put_progress(following, done, 40)
+    queue.records.put_document(old, request, {"answer": 1})
+    view = queue.get(request.job_id)
+    assert view is not None
+    assert (view.status, view.done, view.total) == ("running", 18, 40)
+    assert queue.store.get_document(request) == {"answer": 1}
+    queue.records.put_document(following, request, {"answer": 1})
+    assert queue.result(request.job_id) == {"answer": 1}
+    events = queue.redis.xrange(queue.records.keys.job(request.job_id).events)
+    assert [fields[b"done"] for _, fields in events if b"done" in fields] == [b"17", b"18"]
 
 
 def test_a_slice_that_fails_leaves_the_others_unaffected(queue: JobQueue, table_request: JobRequest) -> None:
@@ -180,7 +230,7 @@ def test_a_slice_is_counted_once(queue: JobQueue, table_request: JobRequest) -> 
     queue.submit(table_request)
     first = refs(queue)[0]
     work(queue, first, 2)
-    again = queue.records.reopen(first, lost=True)
+    again = queue.records.reopen(first, "workers")
     assert isinstance(again, ChunkRef)
     assert queue.records.start(first) is None
     work(queue, again)
@@ -198,7 +248,7 @@ def test_a_chunk_that_no_worker_runs_is_put_back(queue: JobQueue, table_request:
     time.sleep(0.01)
     assert sweeper.sweep() == 2
     assert queue.depth() == 2
-    assert [(e.ref.attempt, e.losses) for e in queue.records.open_chunks()] == [(1, 0), (1, 0)]
+    assert [(e.ref.attempt, e.workers_lost) for e in queue.records.open_chunks()] == [(1, 0), (1, 0)]
     finish(queue)
     assert queue.result(table_request.job_id) is not None
 
@@ -218,7 +268,7 @@ def test_a_chunk_with_a_heartbeat_is_left_alone(queue: JobQueue) -> None:
 def test_a_chunk_lost_too_often_fails_its_job(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     sweeper = Sweeper(queue.redis, queue.settings)
-    for _ in range(2 * queue.settings.max_losses + 2):
+    for _ in range(2 * queue.settings.max_worker_losses + 2):
         queue.records.start(entry(queue).ref)
         queue.redis.ltrim(queue.chunks.small.key, 1, 0)
         queue.redis.lrem(queue.chunks.bulk.key, 1, entry(queue).ref.rq_id)
@@ -232,12 +282,89 @@ def test_a_chunk_lost_too_often_fails_its_job(queue: JobQueue, table_request: Jo
     assert queue.submit(table_request).status == "queued"
 
 
-@pytest.mark.parametrize("lost", [True, False])
-def test_a_chunk_that_has_not_started_cannot_be_lost(queue: JobQueue, lost: bool) -> None:
+def lose(queue: JobQueue, lost: Lost) -> bool:
+    """What follows when the first open chunk of the only job has lost its horse or worker."""
+    return run_again(queue.records, queue.chunks, refs(queue)[0], lost, "worker-crashed", "several times")
+
+
+@pytest.mark.parametrize("lost", ["horses", "workers"])
+def test_a_slice_that_kills_each_time_is_given_up_and_the_others_go_on(
+    queue: JobQueue, table_request: JobRequest, lost: Lost
+) -> None:
+    queue.submit(table_request)
+    bounds = {"horses": queue.settings.max_losses, "workers": queue.settings.max_worker_losses}
+    work(queue, refs(queue)[0], 1)
+    for attempt in range(1, bounds[lost] + 1):
+        assert lose(queue, lost)
+        assert (entry(queue).ref.attempt, entry(queue).offset) == (attempt, 1)
+        work(queue, entry(queue).ref, 0)
+    assert lose(queue, lost)
+    assert entry(queue).offset == 2
+    finish(queue)
+    view = queue.get(table_request.job_id)
+    assert view is not None
+    assert (view.status, view.done) == ("succeeded", 5)
+    table = queue.result(table_request.job_id)
+    assert table is not None
+    errors = {s["l1"]: s["error"] for s in table["slices"] if "error" in s}
+    assert errors == {"2": {"type": "worker-crashed", "detail": "several times"}}
+
+
+def test_the_last_slice_of_a_job_can_be_given_up(queue: JobQueue) -> None:
+    view = queue.submit(a_request("1"))
+    for _ in range(queue.settings.max_losses + 1):
+        work(queue, entry(queue).ref, 0)
+        more = lose(queue, "horses")
+    assert not more
+    done = queue.get(view.id)
+    assert done is not None
+    assert done.status == "succeeded"
+
+
+@pytest.mark.parametrize("lost", ["horses", "workers"])
+def test_losses_are_forgotten_when_a_slice_is_done(
+    queue: JobQueue, table_request: JobRequest, lost: Lost
+) -> None:
+    queue.submit(table_request)
+    for _ in range(2):
+        for _ in range(queue.settings.max_losses):
+            work(queue, entry(queue).ref, 0)
+            lose(queue, lost)
+        work(queue, entry(queue).ref, 1)
+    assert (entry(queue).offset, entry(queue).horses_lost, entry(queue).workers_lost) == (2, 0, 0)
+
+
+def test_a_loss_before_the_slices_is_of_the_whole_job(queue: JobQueue, table_request: JobRequest) -> None:
+    queue.submit(table_request)
+    for _ in range(queue.settings.max_losses + 1):
+        queue.records.start(entry(queue).ref)
+        lose(queue, "horses")
+    view = queue.get(table_request.job_id)
+    assert view is not None
+    assert (view.status, view.error) == ("failed", {"type": "worker-crashed", "detail": "several times"})
+
+
+def test_losses_with_the_worker_have_a_bound_of_their_own(queue: JobQueue) -> None:
+    view = queue.submit(a_document())
+    for _ in range(queue.settings.max_losses + 1):
+        queue.records.start(entry(queue).ref)
+        assert lose(queue, "workers")
+    for _ in range(queue.settings.max_losses):
+        queue.records.start(entry(queue).ref)
+        assert lose(queue, "horses")
+    queue.records.start(entry(queue).ref)
+    assert not lose(queue, "horses")
+    failed = queue.get(view.id)
+    assert failed is not None
+    assert failed.status == "failed"
+
+
+@pytest.mark.parametrize("lost", ["horses", "workers", ""])
+def test_a_chunk_that_has_not_started_cannot_be_lost(queue: JobQueue, lost: Lost) -> None:
     queue.submit(a_request("1"))
     ref = refs(queue)[0]
-    for attempt in range(1, 10):
-        following = queue.records.reopen(ref, lost=lost)
+    for attempt in range(1, 20):
+        following = queue.records.reopen(ref, lost)
         assert following == replace(ref, attempt=attempt)
         assert isinstance(following, ChunkRef)
         ref = following

@@ -20,7 +20,6 @@ def test_a_normal_exit() -> None:
     [
         (signal.SIGKILL, "deadline", "timeout"),
         (signal.SIGABRT, None, "resource-exhausted"),
-        (signal.SIGSEGV, None, "worker-crashed"),
         (signal.SIGKILL, "canceled", ""),
     ],
 )
@@ -31,11 +30,12 @@ def test_failures(status: int, ended_for: str | None, kind: str) -> None:
 
 
 def test_what_is_run_again() -> None:
-    assert judge_exit(int(signal.SIGKILL), "shutdown", SETTINGS) == RunAgain(lost=False)
-    killed = judge_exit(int(signal.SIGKILL), None, SETTINGS)
-    assert isinstance(killed, RunAgain)
-    assert killed.lost
-    assert "SIGKILL" in killed.detail
+    assert judge_exit(int(signal.SIGKILL), "shutdown", SETTINGS) == RunAgain()
+    for number in (signal.SIGKILL, signal.SIGSEGV):
+        killed = judge_exit(int(number), None, SETTINGS)
+        assert isinstance(killed, RunAgain)
+        assert (killed.lost, killed.kind) == ("horses", "worker-crashed")
+        assert number.name in killed.detail
     exited = judge_exit(1 << 8, None, SETTINGS)
     assert isinstance(exited, RunAgain)
-    assert exited.lost
+    assert exited.lost == "horses"
