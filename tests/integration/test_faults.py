@@ -208,6 +208,32 @@ def test_a_stopped_worker_finishes_a_short_chunk(redis: Redis, workers: Workers)
     assert done.status == "succeeded"
 
 
+@both_kinds
+@pytest.mark.parametrize("lost", [["chunks"], ["active"], ["bits"], ["suspects", "beat"], ["record"]])
+def test_no_job_hangs_when_redis_loses_a_key(
+    redis: Redis, workers: Workers, request_: JobRequest, lost: list[str]
+) -> None:
+    worker = workers.start(task="tests.support.hard_tasks.gated")
+    queue = jobs(redis, "gated")
+    view = queue.submit(request_)
+    until(lambda: redis.llen("begun") == 1)
+    (chunk,) = queue.records.open_chunks()
+    keys = queue.records.keys
+    names = {**keys.job(view.id)._asdict(), "active": keys.active, "suspects": keys.suspects}
+    names["beat"] = keys.beat(chunk.ref.rq_id)
+    redis.delete(*(names[name] for name in lost))
+
+    def has_ended() -> bool:
+        now = queue.get(view.id)
+        return now is None or now.is_terminal
+
+    redis.set("gate", 1)
+    until(has_ended)
+    assert ended(queue, queue.submit(request_).id).status == "succeeded"
+    assert queue.result(view.id) is not None
+    assert worker.poll() is None
+
+
 def test_a_second_signal_hurries(redis: Redis, workers: Workers) -> None:
     worker = workers.start(shutdown_grace=60)
     queue = jobs(redis, "endless")

@@ -42,6 +42,11 @@ class Keys:
         return f"{self.prefix}:suspects"
 
     @property
+    def walk(self) -> str:
+        """How far the search for active jobs among all keys has come."""
+        return f"{self.prefix}:walk"
+
+    @property
     def sweep_lock(self) -> str:
         """The lock that limits the search for lost chunks to one at a time in the whole installation."""
         return f"{self.prefix}:sweep-lock"

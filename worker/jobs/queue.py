@@ -32,11 +32,13 @@ class JobQueue:
         """Submit a request for a table or another document; returns its job.
 
         Joins a job that is queued or running, or has succeeded and still has its results. A job that failed,
-        was canceled, or whose results have expired is restarted.
+        was canceled, lost a part of its record, or whose results have expired is restarted.
         """
         seen = self.records.view(request.job_id)
         if seen is not None and not seen.is_terminal:
-            return seen
+            if self.records.reconcile(request.job_id):
+                return seen
+            seen = self.records.view(request.job_id)
         todo = missing_parts(request, self.store)
         if seen is not None and seen.status == "succeeded" and not todo:
             return seen

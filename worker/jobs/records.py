@@ -27,6 +27,10 @@ Lost = Literal["", "horses", "workers"]
 
 ACTIVE: frozenset[str] = frozenset({"queued", "running"})
 
+_INCOMPLETE = (
+    "The server lost a part of this job's record. Posting the request again computes what is missing."
+)
+
 _FIELDS = ("run", "status", "done", "total", "created", "started", "finished", "error")
 
 
@@ -103,6 +107,7 @@ class JobRecords:
         self._document = self._script(scripts.DOCUMENT)
         self._end = self._script(scripts.END)
         self._reopen = self._script(scripts.REOPEN)
+        self._reconcile = self._script(scripts.RECONCILE)
 
     def view(self, job_id: str) -> JobView | None:
         """Returns the current state of a job, or None if there is none."""
@@ -251,11 +256,44 @@ class JobRecords:
             replies = pipe.execute()
         entries: list[ChunkEntry] = []
         for job_id, run, chunks in zip(job_ids, replies[::2], replies[1::2], strict=True):
-            if run is None:
-                self.redis.zrem(self.keys.active, job_id)
+            if run is None or not chunks:
+                self.reconcile(job_id)
             else:
                 entries += [_entry(job_id, run, index, entry) for index, entry in chunks.items()]
         return entries
+
+    def reconcile(self, job_id: str) -> bool:
+        """Repair an active job that lost keys in Redis; returns False if it is not active (any more).
+
+        A job without its chunks fails, since no worker could ever end it.
+        """
+        problem = dump({"type": "worker-lost", "detail": _INCOMPLETE})
+        return bool(
+            self._reconcile(
+                keys=[*self.keys.job(job_id), self.keys.active],
+                args=[job_id, problem, self.settings.failure_ttl],
+            )
+        )
+
+    def adopt(self, count: int) -> None:
+        """Search about `count` of all keys for active jobs that are missing in the set of active jobs.
+
+        Each call continues where the previous one stopped, in whatever process.
+        """
+        before = cast("bytes | None", self.redis.get(self.keys.walk))
+        cursor, names = self.redis.scan(
+            int(before or 0), match=self.keys.job("*").record, count=count, _type="hash"
+        )
+        self.redis.set(self.keys.walk, cursor)
+        job_ids = [name.decode().rpartition(":job:")[2] for name in cast("list[bytes]", names)]
+        with self.redis.pipeline(transaction=False) as pipe:
+            for job_id in job_ids:
+                pipe.hget(self.keys.job(job_id).record, "status")
+                pipe.zscore(self.keys.active, job_id)
+            replies = pipe.execute()
+        for job_id, status, listed in zip(job_ids, replies[::2], replies[1::2], strict=True):
+            if listed is None and (status or b"").decode() in ACTIVE:
+                self.reconcile(job_id)
 
     def _script(self, text: str) -> Script:
         return self.redis.register_script(scripts.PRELUDE + text)

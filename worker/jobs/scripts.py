@@ -192,3 +192,23 @@ chunk.state, chunk.attempt = 'queued', attempt + 1
 put_chunk(chunks, index, chunk)
 return chunk.attempt
 """
+
+# Corrects the set of active jobs, and ends an active job that has no chunks and so could never end.
+# Returns 1 if the job is active.
+RECONCILE = """
+local record, chunks, bits, errors, events, active = unpack(KEYS)
+local job_id, problem, ttl = unpack(ARGV)
+
+local status = redis.call('HGET', record, 'status')
+if not is_active(status) then
+    redis.call('ZREM', active, job_id)
+    if not status then redis.call('DEL', chunks, bits, errors, events) end
+    return 0
+end
+if redis.call('EXISTS', chunks) == 0 then
+    finish(record, chunks, bits, errors, events, active, job_id, 'failed', problem, ttl)
+    return 0
+end
+redis.call('ZADD', active, 'NX', now, job_id)
+return 1
+"""

@@ -1,7 +1,8 @@
 """Finds chunks that no worker runs any more, and enqueues them again.
 
 A chunk that is not done must be in a queue or have a heartbeat. A chunk with neither (its worker was killed,
-or a process died between two steps) is suspected and, if it stays so, put back in the queue.
+or a process died between two steps) is suspected and, if it stays so, put back in the queue. A job that lost
+one of its keys in Redis is repaired, or fails.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from worker.jobs.chunks import ChunkQueue
 from worker.jobs.interruption import run_again
 from worker.jobs.records import ChunkEntry, JobRecords
 from worker.settings import WorkerSettings
+
+_WALK = 4000  # keys per sweep, about a millisecond of the server's time
 
 _LOST = "The worker crashed or was killed repeatedly ({} times). Post the request again to retry it."
 
@@ -37,6 +40,7 @@ class Sweeper:
             return 0
         # The order matters: a chunk that leaves the queue after this look has a heartbeat soon, and a chunk
         # opened after the look at the records is not among them.
+        self.records.adopt(_WALK)
         entries = self.records.open_chunks()
         waiting = self.chunks.waiting()
         missing = self._without_beat([e for e in entries if e.ref.rq_id not in waiting])

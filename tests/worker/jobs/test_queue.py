@@ -10,7 +10,9 @@ import pytest
 from redis import Redis
 
 from tests.support.jobs import a_document, a_request
+from tests.support.processes import until
 from worker.answers.requests import JobRequest
+from worker.jobs import sweeper as sweeper_module
 from worker.jobs.interruption import run_again
 from worker.jobs.queue import JobQueue
 from worker.jobs.records import ChunkEntry, ChunkRef, Lost
@@ -263,6 +265,74 @@ def test_a_chunk_with_a_heartbeat_is_left_alone(queue: JobQueue) -> None:
     for _ in range(3):
         time.sleep(0.01)
         assert sweeper.sweep() == 0
+
+
+def test_a_job_without_chunks_fails(queue: JobQueue, table_request: JobRequest) -> None:
+    view = queue.submit(table_request)
+    work(queue, refs(queue)[0], 1)
+    queue.redis.delete(queue.records.keys.job(view.id).chunks)
+    Sweeper(queue.redis, queue.settings).sweep()
+    failed = queue.get(view.id)
+    assert failed is not None
+    assert failed.error is not None
+    assert (failed.status, failed.error["type"]) == ("failed", "worker-lost")
+    assert queue.redis.zcard(queue.records.keys.active) == 0
+    assert queue.submit(table_request).done == 1
+    finish(queue)
+    assert queue.result(view.id) is not None
+
+
+def test_a_dead_job_is_not_joined(queue: JobQueue, table_request: JobRequest) -> None:
+    first = queue.submit(table_request)
+    queue.redis.delete(queue.records.keys.job(first.id).chunks)
+    again = queue.submit(table_request)
+    assert (again.status, again.run != first.run) == ("queued", True)
+    finish(queue)
+    assert queue.result(first.id) is not None
+
+
+def test_a_job_that_lost_its_place_is_found_again(
+    queue: JobQueue, table_request: JobRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However many other keys there are: each look goes on where the last one stopped, whoever made it."""
+    monkeypatch.setattr(sweeper_module, "_WALK", 10)
+    queue.redis.mset({f"other:{i}": i for i in range(300)})
+    view = queue.submit(table_request)
+    queue.redis.delete(queue.records.keys.active, queue.chunks.bulk.key)
+    until(lambda: Sweeper(queue.redis, queue.settings).sweep() == 2)
+    assert queue.redis.zscore(queue.records.keys.active, view.id) is not None
+    assert queue.depth() == 2
+    finish(queue)
+    assert queue.result(view.id) is not None
+
+
+def test_a_job_that_is_joined_gets_its_place_back(queue: JobQueue, table_request: JobRequest) -> None:
+    view = queue.submit(table_request)
+    queue.redis.delete(queue.records.keys.active)
+    assert queue.submit(table_request) == view
+    assert queue.redis.zscore(queue.records.keys.active, view.id) is not None
+
+
+def test_nothing_is_left_of_a_job_without_record(queue: JobQueue, table_request: JobRequest) -> None:
+    view = queue.submit(table_request)
+    work(queue, refs(queue)[0], 1)
+    queue.redis.delete(queue.records.keys.job(view.id).record)
+    Sweeper(queue.redis, queue.settings).sweep()
+    assert queue.redis.zcard(queue.records.keys.active) == 0
+    assert queue.redis.keys(f"{queue.records.keys.job(view.id).record}*") == []
+    assert queue.submit(table_request).done == 1
+
+
+def test_jobs_that_have_ended_stay_as_they_are(queue: JobQueue, table_request: JobRequest) -> None:
+    queue.submit(table_request)
+    finish(queue)
+    queue.cancel(queue.submit(a_request("7")).id)
+    before = [queue.get(table_request.job_id), queue.get(a_request("7").job_id)]
+    for _ in range(3):
+        Sweeper(queue.redis, queue.settings).sweep()
+        time.sleep(0.01)
+    assert before == [queue.get(table_request.job_id), queue.get(a_request("7").job_id)]
+    assert queue.redis.zcard(queue.records.keys.active) == 0
 
 
 def test_a_chunk_lost_too_often_fails_its_job(queue: JobQueue, table_request: JobRequest) -> None:
