@@ -45,10 +45,6 @@ class WorkerSettings(BaseSettings):
         default=600, description="lifetime of a slice's error, in seconds; until then other jobs reuse it"
     )
     eliminant_ttl: PositiveInt = Field(default=30 * 86400, description="lifetime of an eliminant, in seconds")
-    eliminant_lock: PositiveFloat = Field(
-        default=30.0,
-        description="maximum time for which workers wait for another worker's result, in seconds",
-    )
 
     beat_interval: PositiveFloat = Field(
         default=1.0, description="time between two heartbeats of a chunk, in seconds"

@@ -343,6 +343,19 @@ def test_workers_on_one_geometry_eliminate_once(redis: Redis, workers: Workers) 
     assert redis.get("eliminations") == b"1"
 
 
+def test_an_elimination_is_one_workers_as_long_as_it_takes(redis: Redis, workers: Workers) -> None:
+    workers.start()
+    queue = jobs(redis, "endless_elimination")
+    request = a_request("1")
+    queue.submit(request)
+    lock = queue.store.keys.eliminant_lock(request.geometry_hash, 1)
+    until(lambda: redis.exists(lock))
+    redis.expire(lock, 1000)
+    until(lambda: redis.ttl(lock) < 10)  # the beat has given it another short time
+    queue.cancel(request.job_id)
+    until(lambda: not redis.exists(lock))  # it does not outlive its holder
+
+
 def test_a_worker_without_its_server_says_so(tmp_path: Path) -> None:
     for url in (f"unix://{tmp_path}/nothing.sock", "nonsense://"):
         ended_worker = completed([sys.executable, "-m", "worker", "--redis-url", url], environment())

@@ -76,6 +76,12 @@ def counted(**chunk: Any) -> None:
     tasks.run_chunk(**chunk)
 
 
+def endless_elimination(**chunk: Any) -> None:
+    """An elimination in one long C call."""
+    rpr_solver.eliminate = lambda *_: flint.fmpz(HARD_PRIME).is_prime()
+    tasks.run_chunk(**chunk)
+
+
 def slow_once(**chunk: Any) -> None:
     """The first attempt is a long C call, a later one works."""
     _run(lambda: chunk["attempt"] or flint.fmpz(HARD_PRIME).is_prime(), chunk)

@@ -37,6 +37,10 @@ class ResultKeys:
         """Held while one worker computes a document that several jobs need."""
         return f"{self.prefix}:document-lock:{content_hash}"
 
+    def locks(self, holder: str) -> str:
+        """The locks of one holder."""
+        return f"{self.prefix}:locks:{holder}"
+
     def census_digits(self, content_hash: str) -> str:
         """The set of the digits of known whole censuses."""
         return f"{self.prefix}:census-digits:{content_hash}"

@@ -22,9 +22,11 @@ SliceJson = dict[str, Any]
 class ResultStore:
     """Slices, eliminants and documents. All state is in Redis; an instance is cheap and may be shared."""
 
-    def __init__(self, redis: Redis, settings: WorkerSettings | None = None) -> None:
+    def __init__(self, redis: Redis, settings: WorkerSettings | None = None, holder: str = "") -> None:
+        """The store; `holder` is the chunk in whose name locks are taken."""
         self.redis = redis
         self.settings = settings or WorkerSettings()
+        self.holder = holder
         self.keys = ResultKeys(self.settings.key_prefix)
 
     def slice_keys(self, request: JobRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
@@ -125,17 +127,28 @@ class ResultStore:
         """Try to lock the computation of the eliminant; gives False if another worker holds the lock."""
         return self._lock(self.keys.eliminant_lock(request.geometry_hash, request.fixed_leg))
 
+    def renew_locks(self) -> None:
+        """Renew the locks of `holder`; its worker does so, since the work horse may be inside a C call."""
+        locks = self.keys.locks(self.holder)
+        held = cast("set[bytes]", self.redis.smembers(locks))
+        for key in [locks.encode(), *held] if held else []:
+            self.redis.pexpire(key, int(self.settings.beat_ttl * 1000))
+
     @contextmanager
     def _lock(self, key: str) -> Iterator[bool]:
-        """The lock expires, so a worker that died with it does not block the others for long."""
+        """The lock lives as long as a heartbeat, and is renewed with it until its holder is done or dead."""
         from redis.exceptions import LockNotOwnedError
 
-        lock = self.redis.lock(key, timeout=self.settings.eliminant_lock, blocking=False)
+        lock = self.redis.lock(key, timeout=self.settings.beat_ttl, blocking=False)
         held = bool(lock.acquire())
+        if held:
+            self.redis.sadd(self.keys.locks(self.holder), key)
+            self.renew_locks()
         try:
             yield held
         finally:
             if held:
+                self.redis.srem(self.keys.locks(self.holder), key)
                 with suppress(LockNotOwnedError):  # it expired; another worker may hold it by now
                     lock.release()
 

@@ -56,7 +56,7 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
     chunk = records.start(ref)
     if chunk is None:
         return
-    store = ResultStore(_context.redis, _context.settings)
+    store = ResultStore(_context.redis, _context.settings, holder=ref.rq_id)
     try:
         work = _solve_slices if chunk.request.kind.by_slices else _compute_document
         work(ref, chunk, records, store)

@@ -26,6 +26,7 @@ from rq.utils import now
 from rq.worker import WorkerStatus
 
 import rpr_solver  # noqa: F401
+from worker.answers.store import ResultStore
 from worker.connection import connect
 from worker.jobs.chunks import ChunkQueue, queue_names
 from worker.jobs.interruption import fail, run_again
@@ -213,6 +214,7 @@ class CuspWorker(Worker):
     def _beat(self, ref: ChunkRef) -> None:
         ttl = int(self.settings.beat_ttl * 1000)
         self.connection.set(self.records.keys.beat(ref.rq_id), self.name, px=ttl)
+        ResultStore(self.connection, self.settings, holder=ref.rq_id).renew_locks()
 
     def _settle(self, ref: ChunkRef, job: Job, outcome: Outcome | None) -> None:
         """Record the outcome of a chunk whose work horse is gone."""

@@ -88,12 +88,25 @@ def test_one_worker_at_a_time_computes_an_eliminant(redis: Redis) -> None:
 
 
 def test_a_lock_expires_so_that_a_dead_worker_blocks_no_other(redis: Redis) -> None:
-    store = ResultStore(redis, WorkerSettings(eliminant_lock=30))
+    store = ResultStore(redis, WorkerSettings(beat_ttl=30))
     request = a_request("1")
     key = store.keys.eliminant_lock(request.geometry_hash, 1)
     with store.eliminant_lock(request):
         assert 0 < redis.pttl(key) <= 30_000
     assert not redis.exists(key)
+
+
+def test_a_lock_is_renewed_while_it_is_held(redis: Redis) -> None:
+    store, watcher = (ResultStore(redis, WorkerSettings(beat_ttl=30), holder="x") for _ in range(2))
+    request = a_request("1")
+    key = store.keys.eliminant_lock(request.geometry_hash, 1)
+    with store.eliminant_lock(request):
+        redis.expire(key, 1000)
+        watcher.renew_locks()
+        assert redis.ttl(key) <= 30
+        assert 0 < redis.ttl(store.keys.locks("x")) <= 30
+    watcher.renew_locks()
+    assert redis.keys("*lock*") == []
 
 
 def test_a_lock_that_expired_is_not_released_for_its_next_holder(redis: Redis) -> None:
