@@ -12,7 +12,8 @@ RuntimeError
 Exception
 ├── ProblemError            api.problems: answered as a problem document; all other errors become one
 ├── ServiceError            errors: the service refused, failed, or cannot be reached
-└── WorkerError             (the worker's) worker.process.worker: Redis cannot be reached
+├── UnreachableError        (the worker's) worker.connection: nobody answers at the address of Redis
+└── WorkerError             (the worker's) worker.process.start: the worker cannot start
 """
 
 from importlib.metadata import version
