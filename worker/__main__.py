@@ -8,7 +8,7 @@ import sys
 
 from pydantic import ValidationError
 
-from worker.process.worker import WorkerError, run_worker
+from worker.process.start import WorkerError, run_worker
 from worker.settings import settings_problem
 
 

@@ -16,7 +16,8 @@ class WorkerSettings(BaseSettings):
 
     key_prefix: str = Field(default="cusps", description="prefix of every Redis key")
     queue_name: str = Field(
-        default="cusps", description="RQ queue for jobs of one chunk; larger jobs go to NAME-bulk"
+        default="cusps",
+        description="name of the RQ queues; with the version of the solver they are NAME-2 and NAME-2-bulk",
     )
     task: str = Field(
         default="worker.process.tasks.run_chunk", description="dotted name of the function that runs a chunk"
@@ -61,7 +62,9 @@ class WorkerSettings(BaseSettings):
     shutdown_grace: NonNegativeFloat = Field(
         default=1.0, description="time that a stopping worker leaves its running chunk, in seconds"
     )
-    log_level: str = Field(default="WARNING", description="log level of the worker processes")
+    log_level: str | None = Field(
+        default=None, description="log level; without it INFO for a worker by itself, WARNING for `serve`"
+    )
 
 
 def settings_problem(error: ValidationError) -> str:

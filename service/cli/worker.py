@@ -7,7 +7,7 @@ import os
 import sys
 
 from rpr_solver.errors import InputError
-from worker.process.worker import WorkerError, run_worker
+from worker.process.start import WorkerError, run_worker
 
 DESCRIPTION, EXAMPLES = __doc__, None
 

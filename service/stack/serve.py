@@ -17,13 +17,12 @@ from typing import Any
 
 import uvicorn
 from pydantic import ValidationError
-from redis.exceptions import RedisError
 
 from service.stack.embedded_valkey import EmbeddedValkey
 from service.stack.errors import EmbeddedError, StackError
-from worker.connection import connect
+from worker.connection import UnreachableError, check, connect
 from worker.jobs.sweeper import Sweeper
-from worker.process.os_limits import usable_cores
+from worker.process.os_limits import on_stop_signals, usable_cores
 from worker.process.pool import WorkerPool
 from worker.settings import WorkerSettings, settings_problem
 
@@ -48,7 +47,7 @@ class ServeSettings:
 
 
 def serve(settings: ServeSettings) -> int:
-    """Run the whole stack until SIGINT or SIGTERM; returns the exit status.
+    """Run the whole stack until SIGINT, SIGTERM, SIGHUP or SIGQUIT; returns the exit status.
 
     Call it in the main thread. A second signal speeds up the shutdown.
     """
@@ -68,7 +67,7 @@ def _say(text: str) -> None:
 
 def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     worker_settings = _worker_settings()
-    level = worker_settings.log_level.upper()
+    level = (worker_settings.log_level or "WARNING").upper()
     logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s")
     listener = stack.enter_context(_bind(settings.host, settings.port))
     valkey = None
@@ -153,16 +152,15 @@ def _is_no_cut_connection(record: logging.LogRecord) -> bool:
 
 
 class _Signals:
-    """SIGINT and SIGTERM: the first signal starts an orderly shutdown, the second speeds it up."""
+    """The stop signals: the first starts an orderly shutdown, the second speeds it up."""
 
     def __init__(self) -> None:
         self.count = 0
         self.server: uvicorn.Server | None = None
-        self._before: dict[int, Any] = {}
+        self._before: dict[signal.Signals, Any] = {}
 
     def __enter__(self) -> None:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            self._before[number] = signal.signal(number, self._handle)
+        self._before = on_stop_signals(self._handle)
 
     def __exit__(self, *_: object) -> None:
         # after a signal ended the stack, another one must not interrupt the last steps of the process
@@ -204,10 +202,9 @@ def _worker_settings() -> WorkerSettings:
 
 def _check_redis(url: str) -> None:
     try:
-        with connect(url) as redis:
-            redis.ping()
-    except (RedisError, ValueError) as error:
-        raise StackError(f"cannot reach Redis: {error}") from error
+        check(url)
+    except UnreachableError as error:
+        raise StackError(str(error)) from error
 
 
 def _start_sweeper(url: str, settings: WorkerSettings, stack: ExitStack) -> None:

@@ -116,10 +116,12 @@ def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGKILL])
 def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None:
+    is_kill = number == signal.SIGKILL
+    losses = 1 if is_kill else 0
     with (
-        running(tmp_path, workers=2, task="tests.support.hard_tasks.slow_once") as stack,
+        running(tmp_path, workers=2, task=SLOW, max_losses=losses) as stack,
         stack.redis() as redis,
     ):
         queue = JobQueue(redis, WorkerSettings(task=SLOW))
@@ -127,10 +129,10 @@ def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None
         until(lambda: len(stack.parts()) == 4)  # with the work horse
         parts = stack.parts()
         stack.process.send_signal(number)
-        assert stack.process.wait(PATIENCE) == (0 if number == signal.SIGTERM else -number)
+        assert stack.process.wait(PATIENCE) == (-number if is_kill else 0)
         until(lambda: not any(is_running(pid) for pid in parts))
     # and nothing is lost either
-    with running(tmp_path) as stack, stack.redis() as redis:
+    with running(tmp_path, max_losses=losses) as stack, stack.redis() as redis:
         done = ended(JobQueue(redis), view.id)
         assert (done.run, done.status) == (view.run, "succeeded")
 

@@ -70,10 +70,15 @@ class Workers:
 
     def start(self, **settings: object) -> subprocess.Popen[bytes]:
         """Starts a worker and waits until it is ready; settings as in `WorkerSettings`."""
+        return self.start_odd("worker", **settings)
+
+    def start_odd(self, module: str, *arguments: str, **settings: object) -> subprocess.Popen[bytes]:
+        """Starts a worker by another module than `worker`."""
         name = f"test-{os.getpid()}-{len(self.processes)}-{time.monotonic_ns()}"
-        command = [sys.executable, "-m", "worker", "--redis-url", self.url, "--name", name]
+        command = [sys.executable, "-m", module, *arguments, "--redis-url", self.url, "--name", name]
+        variables = environment(**{"log_level": "WARNING", **settings})
         with self.log.open("ab") as log:
-            process = self._running.enter_context(started(command, env=environment(**settings), stderr=log))
+            process = self._running.enter_context(started(command, env=variables, stderr=log))
         self.processes.append(process)
         with connect(self.url) as client:
             until(lambda: client.hget(f"rq:worker:{name}", "state") == b"idle")

@@ -14,6 +14,7 @@ from rq.exceptions import DuplicateJobError, InvalidJobOperation, NoSuchJobError
 from rq.job import Job, JobStatus
 from rq.serializers import JSONSerializer
 
+from rpr_solver import SOLVER_VERSION
 from worker.jobs.keys import Keys
 from worker.jobs.records import ChunkEntry, ChunkRef
 from worker.settings import WorkerSettings
@@ -25,8 +26,12 @@ _LEFTOVER_TTL = 600
 
 
 def queue_names(settings: WorkerSettings) -> tuple[str, str]:
-    """Returns the queue of jobs of one chunk, which is served first, and the queue of larger jobs."""
-    return settings.queue_name, f"{settings.queue_name}-bulk"
+    """Returns the queue of jobs of one chunk, which is served first, and the queue of larger jobs.
+
+    Each version of the solver has its own, so a worker never takes a chunk of another version.
+    """
+    name = f"{settings.queue_name}-{SOLVER_VERSION}"
+    return name, f"{name}-bulk"
 
 
 class ChunkQueue:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from rpr_solver import SOLVER_VERSION
+
 
 class JobKeys(NamedTuple):
     """The keys of one job, in the order of the scripts' arguments."""
@@ -18,7 +20,11 @@ class JobKeys(NamedTuple):
 
 @dataclass(frozen=True)
 class Keys:
-    """Key names with one prefix."""
+    """Key names with one prefix.
+
+    What workers share carries the solver's version, as job ids do: only workers of its own version search for
+    the lost chunks of a job.
+    """
 
     prefix: str
 
@@ -34,12 +40,12 @@ class Keys:
     @property
     def active(self) -> str:
         """The sorted set of queued and running jobs."""
-        return f"{self.prefix}:active"
+        return f"{self.prefix}:active:{SOLVER_VERSION}"
 
     @property
     def suspects(self) -> str:
         """The chunks that no worker seems to run, with the time of the first suspicion."""
-        return f"{self.prefix}:suspects"
+        return f"{self.prefix}:suspects:{SOLVER_VERSION}"
 
     @property
     def walk(self) -> str:
@@ -49,4 +55,9 @@ class Keys:
     @property
     def sweep_lock(self) -> str:
         """The lock that limits the search for lost chunks to one at a time in the whole installation."""
-        return f"{self.prefix}:sweep-lock"
+        return f"{self.prefix}:sweep-lock:{SOLVER_VERSION}"
+
+    @property
+    def workers(self) -> str:
+        """The sorted set of live workers."""
+        return f"{self.prefix}:workers:{SOLVER_VERSION}"

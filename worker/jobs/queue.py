@@ -5,16 +5,14 @@ All state is in Redis, so any number of API processes can serve the same jobs.
 
 from __future__ import annotations
 
-from typing import cast
-
 from redis import Redis
-from rq.worker_registration import REDIS_WORKER_KEYS
 
 from worker.answers.kinds import Document, known_document, missing_parts
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.records import JobRecords, JobView
+from worker.jobs.roster import Roster
 from worker.settings import WorkerSettings
 
 
@@ -76,6 +74,5 @@ class JobQueue:
         return self.chunks.depth()
 
     def workers(self) -> int:
-        """Returns the number of live workers, by RQ's register."""
-        keys = cast("set[bytes]", self.redis.smembers(REDIS_WORKER_KEYS))
-        return self.redis.exists(*keys) if keys else 0
+        """Returns the number of live workers of this version of the solver."""
+        return len(Roster(self.redis, self.settings).names())

@@ -8,10 +8,30 @@ import resource
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
+from types import FrameType
 from typing import Any
+
+Handler = Callable[[int, FrameType | None], object] | signal.Handlers
+
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+"""The signals that ask a process to end: from a user, an operator, a closed terminal."""
 
 _PR_SET_PDEATHSIG = 1
 _libc = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
+
+
+def on_stop_signals(handler: Handler) -> dict[signal.Signals, Any]:
+    """Install `handler` for the stop signals; returns the previous handlers.
+
+    An ignored SIGHUP (`nohup`) stays ignored.
+    """
+    before = {number: signal.getsignal(number) for number in STOP_SIGNALS}
+    if before[signal.SIGHUP] == signal.SIG_IGN:
+        del before[signal.SIGHUP]
+    for number in before:
+        signal.signal(number, handler)
+    return before
 
 
 def die_with_parent(parent_pid: int, signum: int = signal.SIGKILL) -> None:

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from redis.exceptions import RedisError
-from rq import Worker
 
 from worker.connection import connect
+from worker.jobs.roster import Roster
 from worker.process.os_limits import signal_name
 from worker.settings import WorkerSettings
 
@@ -56,6 +56,7 @@ class WorkerPool:
         self.count = count
         self._on_death = on_death
         self._redis = connect(redis_url)
+        self._roster = Roster(self._redis, WorkerSettings())
         self._environment = {
             **os.environ,
             "RPR_CUSPS_REDIS_URL": redis_url,
@@ -68,16 +69,11 @@ class WorkerPool:
         self._members = [self._spawn() for _ in range(self.count)]
 
     def is_ready(self) -> bool:
-        """Whether all workers have registered themselves."""
-        if not self._members:
-            return True
+        """Whether all workers have said that they are alive."""
         try:
-            registered = self._redis.exists(
-                *(Worker.redis_worker_namespace_prefix + m.name for m in self._members)
-            )
+            return {member.name for member in self._members} <= self._roster.names()
         except RedisError:
             return False
-        return registered == len(self._members)
 
     def look_after(self) -> None:
         """Restart workers that have died, with growing delays if they die repeatedly."""

@@ -57,10 +57,10 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
     if chunk is None:
         return
     store = ResultStore(_context.redis, _context.settings, holder=ref.rq_id)
+    start, kind, detail = time.monotonic(), "", ""
     try:
         work = _solve_slices if chunk.request.kind.by_slices else _compute_document
         work(ref, chunk, records, store)
-        return
     except AttemptOver:
         return
     except RedisError:
@@ -75,7 +75,11 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
     except Exception:
         log.exception("job %s failed", job_id)
         kind, detail = "internal-error", INTERNAL
-    fail(records, ChunkQueue(_context.redis, _context.settings), ref, kind, detail)
+    if kind:
+        fail(records, ChunkQueue(_context.redis, _context.settings), ref, kind, detail)
+    what = f"{len(chunk.parts)} slices" if chunk.request.kind.by_slices else chunk.request.kind.name
+    seconds = time.monotonic() - start
+    log.info("job %s, chunk %d (%s): %s after %.2f s", job_id, index, what, kind or "done", seconds)
 
 
 def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import contextlib
 import faulthandler
-import gc
 import logging
 import os
 import secrets
 import select
 import signal
 import socket
+import threading
 import time
 from types import FrameType
+from typing import cast
 
 import flint  # noqa: F401  # loaded before the fork, for all work horses
 from redis import Redis
-from redis.client import Pipeline
+from redis.client import Pipeline, PubSub, PubSubWorkerThread
 from redis.exceptions import RedisError
-from rq import Queue, Worker
-from rq.exceptions import StopRequested
+from rq import Queue, Worker, worker_registration
+from rq.exceptions import NoSuchJobError, StopRequested
 from rq.job import Job
 from rq.serializers import JSONSerializer
 from rq.utils import now
@@ -27,14 +28,15 @@ from rq.worker import WorkerStatus
 
 import rpr_solver  # noqa: F401
 from worker.answers.store import ResultStore
-from worker.connection import connect
+from worker.connection import address
 from worker.jobs.chunks import ChunkQueue, queue_names
 from worker.jobs.interruption import fail, run_again
 from worker.jobs.records import ChunkRef, JobRecords
+from worker.jobs.roster import Roster
 from worker.jobs.sweeper import Sweeper
 from worker.process.horse_exit import UNANSWERED, Outcome, RunAgain, judge_exit
-from worker.process.os_limits import die_with_parent, limit_memory
-from worker.process.tasks import Context, set_context
+from worker.process.os_limits import STOP_SIGNALS, die_with_parent, limit_memory, on_stop_signals
+from worker.process.outage import Outage
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
@@ -42,10 +44,9 @@ log = logging.getLogger("rpr_cusps.worker")
 _RQ_MAINTENANCE = 60.0
 _WATCHDOG_MARGIN = 15.0
 _REGISTER_TTL = 15
-
-
-class WorkerError(Exception):
-    """The worker cannot run or continue; the message is for the user."""
+_QUEUE_PATIENCE = 1  # seconds to block on empty queues; heartbeats and the sweep need short rounds
+_GOODBYE_PATIENCE = 2.0
+_LISTEN_PAUSE = 1.0
 
 
 class CuspWorker(Worker):
@@ -54,7 +55,8 @@ class CuspWorker(Worker):
     - kills a work horse at the deadline, even inside C code, and records the deadline as the reason,
     - puts its running chunk back in the queue when it stops,
     - sends heartbeats for its chunk, and searches for chunks that other workers lost,
-    - notices by itself that its attempt is over: the job was canceled, or another worker runs the chunk.
+    - notices by itself that its attempt is over: the job was canceled, or another worker runs the chunk,
+    - continues after any error; only a signal ends it.
     """
 
     def __init__(
@@ -69,41 +71,115 @@ class CuspWorker(Worker):
             name=name or f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(3)}",
             connection=redis,
             serializer=JSONSerializer,
-            maintenance_interval=1,
-            worker_ttl=30,
+            worker_ttl=_REGISTER_TTL,
         )
         self.settings = settings
         self.records = JobRecords(redis, settings)
         self.chunks = ChunkQueue(redis, settings)
         self.sweeper = Sweeper(redis, settings)
-        self.log_job_description = False
+        self.roster = Roster(redis, settings)
         self._parent_pid = parent_pid
         self._horse_pipe = -1
         self._hurry = False
-        self._cleaned = time.monotonic()
+        self._is_announced = False
+        self._next_maintenance = 0.0
         self._wake_r, self._wake_w = os.pipe()
         for end in (self._wake_r, self._wake_w):
             os.set_blocking(end, False)
 
-    @property
-    def dequeue_timeout(self) -> int:
-        """Seconds to block on empty queues; the sweep needs shorter rounds than RQ's half minute."""
-        return 1
+    def run(self) -> None:
+        """Run chunks until a signal comes, whatever happens to Redis.
 
-    def run_maintenance_tasks(self) -> None:
-        """Between two polls of the queue: search for lost chunks and, once a minute, RQ's own maintenance."""
-        # RQ may have caught the exception of a stop, and not every kernel ends an orphan.
-        if self.is_stopping:
-            raise StopRequested
+        RQ's own loop (`work`) ends on a timeout, and on any error outside the wait for a job.
+        """
+        self.birth_date = now()
+        with contextlib.suppress(StopRequested):
+            on_stop_signals(self.request_stop)
+            self._loop()
+        # neither another signal nor a Redis that hangs must hold up the last steps of the process
+        on_stop_signals(signal.SIG_IGN)
+        goodbye = threading.Thread(target=self._sign_off, daemon=True)
+        goodbye.start()
+        goodbye.join(_GOODBYE_PATIENCE)
+
+    def _loop(self) -> None:
+        outage = Outage()
+        while not self.is_stopping:
+            try:
+                self._round()
+                outage.end()
+            except StopRequested:
+                raise
+            except Exception as error:
+                if self._horse_pid:
+                    self.kill_horse()
+                    self._collect_horse()
+                select.select([self._wake_r], [], [], outage.note(error))
+
+    def _round(self) -> None:
+        """Send heartbeats, search for lost chunks, and run a chunk if there is one."""
+        self.check_for_suspension(burst=False)
+        self._sign_on()
         self.sweeper.sweep()
-        if self.last_cleaned_at is None or time.monotonic() - self._cleaned > _RQ_MAINTENANCE:
-            self._cleaned = time.monotonic()
-            super().run_maintenance_tasks()  # type: ignore[no-untyped-call]
-        self.last_cleaned_at = now()  # type: ignore[assignment]
+        if time.monotonic() >= self._next_maintenance:
+            self._next_maintenance = time.monotonic() + _RQ_MAINTENANCE
+            self.run_maintenance_tasks()  # type: ignore[no-untyped-call]
+        taken = self.connection.blpop([queue.key for queue in self.queues], timeout=_QUEUE_PATIENCE)
+        if taken is None:
+            return
+        key, rq_id = (raw.decode() for raw in cast("tuple[bytes, bytes]", taken))
+        job = self._job_of_chunk(rq_id)
+        if job is not None:
+            self.execute_job(job, next(queue for queue in self.queues if queue.key == key))
+
+    def _sign_on(self) -> None:
+        """Register again, in case Redis was emptied, and listen for commands."""
+        with self.connection.pipeline(transaction=False) as pipe:
+            self.set_state(WorkerStatus.IDLE, pipe)
+            self.heartbeat(pipeline=pipe)
+            pipe.execute()
+        self.roster.beat(self.name)
+        if self.pubsub_thread is None:
+            self.subscribe()  # type: ignore[no-untyped-call]
+        if not self._is_announced:
+            self._is_announced = True
+            log.info("worker %s ready on %s", self.name, address(self.connection))
+
+    def _sign_off(self) -> None:
+        with contextlib.suppress(RedisError):
+            self.roster.leave(self.name)
+            self.register_death()  # type: ignore[no-untyped-call]
+            self.unsubscribe()
+
+    def _job_of_chunk(self, rq_id: str) -> Job | None:
+        """Returns the RQ job of a chunk; None if it is gone, or is not a chunk."""
+        try:
+            job = Job.fetch(rq_id, connection=self.connection, serializer=JSONSerializer)
+            if ChunkRef(**job.kwargs).rq_id == rq_id:
+                return job
+        except RedisError:
+            raise
+        except NoSuchJobError:
+            return None
+        except Exception as error:
+            log.debug("the RQ job %r cannot be read: %s", rq_id, error)
+        log.warning("skipped the RQ job %r, which is not a chunk", rq_id)
+        return None
 
     def heartbeat(self, timeout: int | None = None, pipeline: Pipeline | None = None) -> None:  # noqa: ARG002
-        """Register for seconds only; RQ would list a dead worker for minutes."""
-        super().heartbeat(_REGISTER_TTL, pipeline=pipeline)
+        """Register again, in case Redis was emptied, and for seconds only (RQ: minutes)."""
+        redis = self.connection if pipeline is None else pipeline
+        self.last_heartbeat = now()
+        redis.hset(self.key, mapping=self.serialize())
+        redis.expire(self.key, _REGISTER_TTL)
+        worker_registration.register(self, pipeline)
+
+    def _pubsub_exception_handler(
+        self, exc: Exception, _pubsub: PubSub, _pubsub_thread: PubSubWorkerThread
+    ) -> None:
+        """Keep listening for commands; RQ's thread would end on a timeout."""
+        log.debug("cannot listen for commands: %s", exc)
+        time.sleep(_LISTEN_PAUSE)
 
     def _is_orphan(self) -> bool:
         return self._parent_pid is not None and os.getppid() != self._parent_pid
@@ -121,21 +197,26 @@ class CuspWorker(Worker):
             self._settle(ref, job, RunAgain())
             raise
         self.monitor_work_horse(job, queue)
-        self.set_state(WorkerStatus.IDLE)
 
     def fork_work_horse(self, job: Job, queue: Queue) -> None:
         """Fork; the horse holds one end of a pipe, so that the worker notices its exit at once."""
         reader, writer = os.pipe()
         parent = os.getpid()
-        signals = {signal.SIGINT, signal.SIGTERM}
-        signal.pthread_sigmask(signal.SIG_BLOCK, signals)
-        pid = os.fork()
+        signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
+        try:
+            pid = os.fork()
+        except OSError:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
+            for end in (reader, writer):
+                os.close(end)
+            raise
         if pid == 0:
             with contextlib.suppress(BaseException):
                 die_with_parent(parent)
                 os.setpgid(0, 0)
+                on_stop_signals(signal.SIG_DFL)
                 self.setup_work_horse_signals()  # type: ignore[no-untyped-call]
-                signal.pthread_sigmask(signal.SIG_UNBLOCK, signals)
+                signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
                 os.close(reader)
                 limit_memory(self.settings.memory_limit_mb)
                 # without a parent-death signal, this ends an orphan soon after the deadline
@@ -149,7 +230,7 @@ class CuspWorker(Worker):
             os.setpgid(pid, pid)
         os.close(writer)
         self._horse_pid, self._horse_pipe = pid, reader
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, signals)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
 
     def kill_horse(self, sig: signal.Signals = signal.SIGKILL) -> None:
         """Kill the work horse and its children; RQ's method may hit the worker's own process group."""
@@ -162,14 +243,23 @@ class CuspWorker(Worker):
 
     def monitor_work_horse(self, job: Job, _queue: Queue) -> None:
         """Wait for the exit of the work horse, and enforce it at the deadline, a stop or a cancel."""
-        ref = ChunkRef(**job.kwargs)
+        ref, start = ChunkRef(**job.kwargs), time.monotonic()
         ended_for = self._watch(ref, job)
+        status = self._collect_horse()
+        if self._stopped_job_id == job.id:
+            self._stopped_job_id, ended_for = None, ended_for or "canceled"
+        outcome = judge_exit(status, ended_for, self.settings)
+        if outcome is not None:  # else the horse has logged it
+            how = f"stopped ({ended_for})" if ended_for else "lost its work horse"
+            seconds = time.monotonic() - start
+            log.info("job %s, chunk %d: %s after %.2f s", ref.job_id, ref.index, how, seconds)
+        self._settle(ref, job, outcome)
+
+    def _collect_horse(self) -> int | None:
         _, status, _ = self.wait_for_horse()
         self._horse_pid = 0
         os.close(self._horse_pipe)
-        if self._stopped_job_id == job.id:
-            self._stopped_job_id, ended_for = None, ended_for or "canceled"
-        self._settle(ref, job, judge_exit(status, ended_for, self.settings))
+        return status
 
     def _watch(self, ref: ChunkRef, job: Job) -> str | None:
         """Supervise the horse until it exits; returns the reason for ending it, if the worker did."""
@@ -204,6 +294,7 @@ class CuspWorker(Worker):
     def _is_still_open(self, ref: ChunkRef, job: Job) -> bool:
         try:
             self._beat(ref)
+            self.roster.beat(self.name)
             self.maintain_heartbeats(job)
             self.sweeper.sweep()
             return self.records.is_open(ref)
@@ -244,8 +335,7 @@ class CuspWorker(Worker):
 
     def request_stop(self, _signum: int, _frame: FrameType | None) -> None:
         """First signal: finish the chunk or put it back, then end."""
-        signal.signal(signal.SIGINT, self.request_force_stop)
-        signal.signal(signal.SIGTERM, self.request_force_stop)
+        on_stop_signals(self.request_force_stop)
         self._stop_requested = True
         self._wake()
         if self.get_state() != WorkerStatus.BUSY:
@@ -271,39 +361,3 @@ class CuspWorker(Worker):
     def _wake(self) -> None:
         with contextlib.suppress(BlockingIOError):
             os.write(self._wake_w, b"s")
-
-
-def run_worker(redis_url: str, *, name: str | None = None, parent_pid: int | None = None) -> int:
-    """Run one worker until it is stopped; returns the exit status.
-
-    With `parent_pid`, the worker ends at once when that parent process is gone.
-
-    Raises:
-        ValidationError: a setting is invalid.
-        WorkerError: Redis cannot be reached, or the connection is lost.
-    """
-    settings = WorkerSettings()
-    logging.basicConfig(level=settings.log_level, format="%(asctime)s %(name)s %(levelname)s %(message)s")
-    if parent_pid is not None:
-        die_with_parent(parent_pid)
-    try:
-        redis = connect(redis_url)
-        redis.ping()
-    except (RedisError, ValueError) as error:
-        raise WorkerError(f"cannot reach Redis: {error}") from error
-    set_context(Context(redis, settings))
-    try:
-        worker = CuspWorker(redis, settings, name, parent_pid)
-        gc.collect()
-        gc.freeze()  # the horses share this memory, and a collection would copy it
-        worker.work(logging_level=settings.log_level)
-        if worker.is_stopping:
-            # another signal must not interrupt the last steps of the process
-            for number in (signal.SIGINT, signal.SIGTERM):
-                signal.signal(number, signal.SIG_IGN)
-        # RQ's loop also ends, and logs the reason, on errors
-        return 0 if worker.is_stopping else 1
-    except KeyboardInterrupt:
-        return 130
-    except RedisError as error:
-        raise WorkerError(f"lost the connection to Redis: {error}") from error

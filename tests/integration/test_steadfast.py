@@ -1,0 +1,190 @@
+"""Workers go on, whatever becomes of Redis and whatever is in their queue; only signals end them."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from redis import Redis
+from rq import Queue
+from rq.serializers import JSONSerializer
+
+from rpr_solver import SOLVER_VERSION
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.jobs import a_request, ended
+from tests.support.processes import PATIENCE, Workers, environment, started, until
+from worker.answers import keys as answer_keys
+from worker.answers import requests
+from worker.connection import connect
+from worker.jobs import chunks
+from worker.jobs import keys as job_keys
+from worker.jobs.queue import JobQueue
+from worker.settings import WorkerSettings
+
+ODD = "tests.support.odd_worker"
+OTHER = "99"
+
+
+@pytest.fixture
+def own_valkey(tmp_path: Path) -> Iterator[EmbeddedValkey]:
+    """A server that the test may kill."""
+    with EmbeddedValkey(tmp_path / "data") as server:
+        yield server
+
+
+@pytest.fixture
+def own_workers(own_valkey: EmbeddedValkey, tmp_path: Path) -> Iterator[Workers]:
+    pool = Workers(own_valkey.url, tmp_path / "own.log")
+    yield pool
+    pool.stop()
+
+
+def succeeds(redis: Redis, l1: str = "1") -> bool:
+    """Whether a job can be done now."""
+    queue = JobQueue(redis)
+    return ended(queue, queue.submit(a_request(l1)).id).status == "succeeded"
+
+
+def test_redis_is_killed_and_comes_back(own_valkey: EmbeddedValkey, own_workers: Workers) -> None:
+    worker = own_workers.start()
+    os.kill(own_valkey.pid, signal.SIGKILL)
+    until(lambda: "no work is possible (ConnectionError" in own_workers.log.read_text())
+    until(lambda: not own_valkey.is_alive())
+    own_valkey.launch()
+    with connect(own_valkey.url) as redis:
+        until(lambda: JobQueue(redis).workers() == 1)
+        assert succeeds(redis)
+    until(lambda: "work is possible again" in own_workers.log.read_text())
+    assert worker.poll() is None
+
+
+def test_redis_answers_too_late(redis: Redis, workers: Workers) -> None:
+    worker = workers.start_odd(ODD, SOLVER_VERSION, "0.7")  # less than it waits for a chunk
+    until(lambda: "no work is possible (TimeoutError" in workers.log.read_text())
+    assert succeeds(redis)
+    assert worker.poll() is None
+    assert "Traceback" not in workers.log.read_text()
+
+
+def test_redis_is_gone_when_the_worker_is_stopped(own_valkey: EmbeddedValkey, own_workers: Workers) -> None:
+    worker = own_workers.start()
+    own_valkey.stop()
+    until(lambda: "no work is possible" in own_workers.log.read_text())
+    worker.terminate()
+    assert worker.wait(PATIENCE) == 0
+    assert "Traceback" not in own_workers.log.read_text()
+
+
+def test_redis_takes_no_more_data(redis: Redis, workers: Workers) -> None:
+    worker = workers.start()
+    redis.config_set("maxmemory", 1)
+    try:
+        until(lambda: "no work is possible (OutOfMemoryError" in workers.log.read_text())
+    finally:
+        redis.config_set("maxmemory", 0)
+    assert succeeds(redis)
+    assert worker.poll() is None
+
+
+def test_redis_is_emptied(redis: Redis, workers: Workers) -> None:
+    workers.start()
+    redis.flushall()
+    until(lambda: JobQueue(redis).workers() == 1)
+    until(lambda: redis.scard("rq:workers") == 1)
+    assert succeeds(redis)
+
+
+def test_a_dead_worker_is_not_counted_for_long(redis: Redis, workers: Workers) -> None:
+    first = workers.start()
+    workers.start()
+    assert JobQueue(redis).workers() == 2
+    first.kill()
+    until(lambda: JobQueue(redis).workers() == 1)
+    workers.stop()
+    assert JobQueue(redis).workers() == 0
+
+
+def test_a_worker_that_hangs_is_counted_again_when_it_goes_on(redis: Redis, workers: Workers) -> None:
+    worker = workers.start()
+    worker.send_signal(signal.SIGSTOP)
+    until(lambda: JobQueue(redis).workers() == 0)
+    worker.send_signal(signal.SIGCONT)
+    until(lambda: JobQueue(redis).workers() == 1)
+
+
+def test_rq_jobs_of_others_are_skipped(redis: Redis, workers: Workers) -> None:
+    worker = workers.start()
+    queue = chunks.ChunkQueue(redis, WorkerSettings())
+    chunk = {"job_id": "some", "run": "1", "index": 0, "attempt": 0}
+    strangers = [
+        Queue(queue.small.name, connection=redis).enqueue(os.getpid),  # pickled
+        queue.small.enqueue("no.such.function", 1),
+        queue.bulk.enqueue_call("os.getpid", kwargs=chunk, job_id="another"),
+    ]
+    assert queue.small.serializer == JSONSerializer
+    until(lambda: workers.log.read_text().count("skipped the RQ job") == len(strangers))
+    for stranger in strangers:
+        assert f"skipped the RQ job {stranger.id!r}" in workers.log.read_text()
+    assert workers.log.read_text().count("\n") == len(strangers)
+    assert queue.waiting() == set()
+    assert succeeds(redis)
+    assert worker.poll() is None
+
+
+@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGQUIT])
+def test_a_closed_terminal_is_a_stop(redis: Redis, workers: Workers, number: signal.Signals) -> None:
+    worker = workers.start(shutdown_grace=0.2, max_losses=0, task="tests.support.hard_tasks.slow_once")
+    queue = JobQueue(redis, WorkerSettings(task="tests.support.hard_tasks.slow_once", max_losses=0))
+    view = queue.submit(a_request("1"))
+    until(lambda: (now := queue.get(view.id)) is not None and now.status == "running")
+    worker.send_signal(number)
+    assert worker.wait(PATIENCE) == 0
+    assert queue.depth() == 1
+    workers.start()
+    assert ended(queue, view.id).status == "succeeded"  # with a loss it would have failed
+
+
+def test_each_version_of_the_solver_has_its_own_workers(
+    redis: Redis, workers: Workers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    workers.start_odd(ODD, OTHER, "20")
+    ours = JobQueue(redis)
+    assert ours.workers() == 0
+    view = ours.submit(a_request("1"))
+
+    with monkeypatch.context() as other_version:
+        for module in (answer_keys, requests, job_keys, chunks):
+            other_version.setattr(module, "SOLVER_VERSION", OTHER)
+        theirs = JobQueue(redis)
+        assert theirs.workers() == 1
+        old = theirs.submit(a_request("1"))
+        assert ended(theirs, old.id).status == "succeeded"
+        assert theirs.result(old.id) is not None
+    # It was free for our job as well, and has searched for lost chunks meanwhile.
+    assert old.id != view.id
+    assert ours.get(view.id) == view
+    assert ours.depth() == 1
+
+    workers.start()
+    assert ours.workers() == 1
+    assert ended(ours, view.id).status == "succeeded"
+    assert ours.result(view.id) is not None
+
+
+def test_a_worker_by_itself_tells_what_it_does(valkey: EmbeddedValkey, redis: Redis) -> None:
+    command = [sys.executable, "-m", "service", "worker", "--redis-url", valkey.url]
+    with started(command, env=environment(), stderr=subprocess.PIPE, text=True) as worker:
+        assert worker.stderr is not None
+        assert re.search(rf" INFO worker \S+ ready on {valkey.url}\?db=0$", worker.stderr.readline().strip())
+        view = JobQueue(redis).submit(a_request("1", "2"))
+        told = worker.stderr.readline().strip()
+        assert re.search(rf" INFO job {view.id}, chunk 0 \(2 slices\): done after \d+\.\d\d s$", told)
+        worker.terminate()
+        assert worker.wait(PATIENCE) == 0
+        assert worker.stderr.read() == ""

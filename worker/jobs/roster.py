@@ -1,0 +1,51 @@
+"""The workers that are alive, by what they say themselves.
+
+Each worker says so again and again, so the roster is soon right after a crash, or after Redis was emptied.
+"""
+
+from __future__ import annotations
+
+from typing import cast
+
+from redis import Redis
+
+from worker.jobs.keys import Keys
+from worker.settings import WorkerSettings
+
+_IDLE_WAIT = 1.0  # seconds that an idle worker lets pass between two beats, at most
+
+# The score of a worker is the time, in milliseconds by the clock of Redis, at which it counts as gone.
+_BEAT = """
+local workers = KEYS[1]
+local name, ttl = unpack(ARGV)
+
+local time = redis.call('TIME')
+local now = time[1] * 1000 + math.floor(time[2] / 1000)
+redis.call('ZADD', workers, now + ttl, name)
+redis.call('ZREMRANGEBYSCORE', workers, '-inf', now)
+redis.call('PEXPIRE', workers, ttl)
+"""
+
+
+class Roster:
+    """The workers of this version of the solver."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        self.redis = redis
+        self.key = Keys(settings.key_prefix).workers
+        self._ttl = int((settings.beat_ttl + _IDLE_WAIT) * 1000)
+        self._beat = redis.register_script(_BEAT)
+
+    def beat(self, name: str) -> None:
+        """Say that the worker `name` is alive."""
+        self._beat(keys=[self.key], args=[name, self._ttl])
+
+    def leave(self, name: str) -> None:
+        """Say that the worker `name` ends."""
+        self.redis.zrem(self.key, name)
+
+    def names(self) -> set[str]:
+        """The workers that are alive."""
+        seconds, micros = self.redis.time()
+        names = self.redis.zrangebyscore(self.key, f"({seconds * 1000 + micros // 1000}", "+inf")
+        return {name.decode() for name in cast("list[bytes]", names)}

@@ -1,0 +1,51 @@
+"""The start of a worker process."""
+
+from __future__ import annotations
+
+import gc
+import logging
+
+from redis.exceptions import RedisError
+
+from worker.connection import UnreachableError, check, connect
+from worker.process.os_limits import die_with_parent
+from worker.process.tasks import Context, set_context
+from worker.process.worker import CuspWorker
+from worker.settings import WorkerSettings
+
+
+class WorkerError(Exception):
+    """The worker cannot start; the message is for the user."""
+
+
+def run_worker(redis_url: str, *, name: str | None = None, parent_pid: int | None = None) -> int:
+    """Run one worker until it is stopped; returns the exit status.
+
+    With `parent_pid`, the worker ends at once when that parent process is gone.
+
+    Raises:
+        ValidationError: a setting is invalid.
+        WorkerError: Redis cannot be reached at the start.
+    """
+    settings = WorkerSettings()
+    level = (settings.log_level or "INFO").upper()
+    logging.basicConfig(level=level, format="%(asctime)s %(name)s %(levelname)s %(message)s")
+    # at INFO, a chunk is one line of ours and several of RQ's
+    logging.getLogger("rq.worker").setLevel("WARNING" if level == "INFO" else level)
+    if parent_pid is not None:
+        die_with_parent(parent_pid)
+    try:
+        check(redis_url)
+        redis = connect(redis_url)
+        worker = CuspWorker(redis, settings, name, parent_pid)
+    except UnreachableError as error:
+        raise WorkerError(str(error)) from error
+    except RedisError as error:
+        raise WorkerError(f"lost the connection to Redis: {error}") from error
+    except KeyboardInterrupt:
+        return 130
+    set_context(Context(redis, settings))
+    gc.collect()
+    gc.freeze()  # the horses share this memory, and a collection would copy it
+    worker.run()
+    return 0
