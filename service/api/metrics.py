@@ -75,7 +75,9 @@ class _QueueCollector(Collector):
         try:
             gauges = [
                 _gauge("rpr_cusps_queue_depth", "chunks of jobs that wait for a worker", self.queue.depth()),
-                _gauge("rpr_cusps_workers", "number of live workers", self.queue.workers()),
+                _gauge(
+                    "rpr_cusps_workers", "number of live workers of this solver version", self.queue.workers()
+                ),
                 _gauge("rpr_cusps_jobs_active", "jobs that are queued or running", self._active()),
             ]
         except RedisError as error:

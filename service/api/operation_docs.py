@@ -196,7 +196,10 @@ EVENTS_RESPONSES: Docs = {
     **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, _UNAVAILABLE),
 }
 HEALTH_RESPONSES: Docs = {200: json_response("The process is running.", "Health"), **problems()}
-READY_RESPONSES: Docs = {200: json_response("Requests can be served.", "Readiness"), **problems(_UNAVAILABLE)}
+READY_RESPONSES: Docs = {
+    200: json_response("Requests can be served.", "Readiness"),
+    **problems(_UNAVAILABLE, ProblemType.NO_WORKER),
+}
 VERSION_RESPONSES: Docs = {200: json_response("The versions.", "Version"), **problems()}
 LIMITS_RESPONSES: Docs = {200: json_response("The limits.", "Limits"), **problems()}
 METRICS_RESPONSES: Docs = {

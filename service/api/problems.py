@@ -115,6 +115,11 @@ class ProblemType(Enum):
         "Redis, which holds the queue and the results, cannot be reached or accepts no more data. Try again "
         "after Retry-After seconds.",
     )  # fmt: skip
+    NO_WORKER = (
+        503, "No worker is running",
+        "Redis answers, but no worker of this service's solver version is alive. Known results are served; new "
+        "jobs stay queued. Try again after Retry-After seconds.",
+    )  # fmt: skip
     JOB_TIMEOUT = (
         504, "The job failed: it took too long",
         "The computation reached its deadline. Request fewer digits or simpler numbers.",

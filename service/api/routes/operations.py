@@ -6,7 +6,6 @@ import platform
 from importlib.metadata import PackageNotFoundError, version
 
 from fastapi import APIRouter, Response
-from redis.exceptions import RedisError
 
 import rpr_solver
 from service import __version__
@@ -30,16 +29,12 @@ async def healthz() -> Response:
 
 @router.get("/readyz", summary="Whether requests can be served", responses=doc.READY_RESPONSES)
 def readyz(context: ContextDep) -> Response:
-    """Ready if Redis answers and at least one worker is alive."""
-    try:
-        context.queue.redis.ping()
-        if workers := context.queue.workers():
-            return _json({"status": "ready", "workers": workers}, "no-store")
-        detail = "No workers are running; jobs would stay queued."
-    except RedisError as error:
-        detail = f"Redis cannot be reached: {error}"
+    """Ready if Redis answers and at least one worker of the same solver version is alive."""
+    if workers := context.queue.workers():
+        return _json({"status": "ready", "workers": workers}, "no-store")
+    detail = "No workers of this solver version are running; jobs would stay queued."
     retry = {"Retry-After": str(context.settings.retry_seconds)}
-    raise ProblemError(ProblemType.UNAVAILABLE, detail, headers=retry)
+    raise ProblemError(ProblemType.NO_WORKER, detail, headers=retry)
 
 
 @router.get(

@@ -283,6 +283,7 @@ def test_readiness_needs_a_worker(api: httpx.Client, idle: httpx.Client) -> None
     assert api.get("/readyz").json() == {"status": "ready", "workers": 1}
     answer = idle.get("/readyz")
     assert (answer.status_code, answer.headers["retry-after"]) == (503, "2")
+    assert (answer.json()["type"], answer.json()["title"]) == ("/problems/no-worker", "No worker is running")
 
 
 def test_metrics_count_requests_and_show_the_queue(api: httpx.Client) -> None:
