@@ -17,7 +17,7 @@ class WorkerSettings(BaseSettings):
     key_prefix: str = Field(default="cusps", description="prefix of every Redis key")
     queue_name: str = Field(
         default="cusps",
-        description="name of the RQ queues; with the version of the solver they are NAME-2 and NAME-2-bulk",
+        description="RQ queues: NAME-VERSION (the solver's) for jobs of one chunk, else NAME-VERSION-bulk",
     )
     task: str = Field(
         default="worker.process.tasks.run_chunk", description="dotted name of the function that runs a chunk"
