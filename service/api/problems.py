@@ -117,8 +117,8 @@ class ProblemType(Enum):
     )  # fmt: skip
     NO_WORKER = (
         503, "No worker is running",
-        "Redis answers, but no worker of this service's solver version is alive. Known results are served; new "
-        "jobs stay queued. Try again after Retry-After seconds.",
+        "Redis answers, but no worker of this service's solver version is alive. Known results are served; "
+        "new jobs stay queued. Try again after Retry-After seconds.",
     )  # fmt: skip
     JOB_TIMEOUT = (
         504, "The job failed: it took too long",
