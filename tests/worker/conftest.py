@@ -14,7 +14,8 @@ __all__ = ["redis", "valkey"]
 
 @pytest.fixture
 def settings() -> WorkerSettings:
-    return WorkerSettings(chunk_size=3, sweep_interval=0.001, lost_grace=0.005)
+    """Short times, but for locks, which no worker renews here."""
+    return WorkerSettings(chunk_size=3, sweep_interval=0.001, lost_grace=0.005, beat_ttl=60)
 
 
 @pytest.fixture
