@@ -9,7 +9,7 @@ import pytest
 from pydantic_settings import BaseSettings
 
 import rpr_solver
-from docs import reference
+from docs import reference, reliability
 from service.api.problems import ProblemType
 
 ROOT = Path(__file__).parents[1]
@@ -65,6 +65,10 @@ def test_there_is_something_to_run() -> None:
 
 def test_the_reference_is_what_the_code_says(capsys: pytest.CaptureFixture[str]) -> None:
     assert reference.main(["--check"]) == 0, f"run `python docs/reference.py`:\n{capsys.readouterr().out}"
+
+
+def test_the_fault_matrix_is_what_the_tests_say(capsys: pytest.CaptureFixture[str]) -> None:
+    assert reliability.main(["--check"]) == 0, capsys.readouterr().err
 
 
 def test_every_setting_problem_option_and_public_name_is_in_the_reference() -> None:

@@ -1,4 +1,4 @@
-"""Workers go on, whatever becomes of Redis and whatever is in their queue; only signals end them."""
+"""Workers, when Redis fails or signals come."""
 
 from __future__ import annotations
 
@@ -52,6 +52,7 @@ def succeeds(redis: Redis, l1: str = "1") -> bool:
 
 
 def test_redis_is_killed_and_comes_back(own_valkey: EmbeddedValkey, own_workers: Workers) -> None:
+    """Redis is killed and started again. The worker waits for it and goes on."""
     worker = own_workers.start()
     os.kill(own_valkey.pid, signal.SIGKILL)
     until(lambda: "no work is possible (ConnectionError" in own_workers.log.read_text())
@@ -65,6 +66,7 @@ def test_redis_is_killed_and_comes_back(own_valkey: EmbeddedValkey, own_workers:
 
 
 def test_redis_answers_too_late(redis: Redis, workers: Workers) -> None:
+    """Redis answers later than the worker waits. The worker tries again and goes on."""
     worker = workers.start_odd(ODD, SOLVER_VERSION, "0.7")  # less than it waits for a chunk
     until(lambda: "no work is possible (TimeoutError" in workers.log.read_text())
     assert succeeds(redis)
@@ -73,6 +75,7 @@ def test_redis_answers_too_late(redis: Redis, workers: Workers) -> None:
 
 
 def test_redis_is_gone_when_the_worker_is_stopped(own_valkey: EmbeddedValkey, own_workers: Workers) -> None:
+    """A worker is told to stop while Redis is away. It ends at once, with exit status 0."""
     worker = own_workers.start()
     own_valkey.stop()
     until(lambda: "no work is possible" in own_workers.log.read_text())
@@ -82,6 +85,7 @@ def test_redis_is_gone_when_the_worker_is_stopped(own_valkey: EmbeddedValkey, ow
 
 
 def test_redis_takes_no_more_data(redis: Redis, workers: Workers) -> None:
+    """Redis is out of memory and refuses writes. The worker waits until it accepts them again."""
     worker = workers.start()
     redis.config_set("maxmemory", 1)
     try:
@@ -93,6 +97,7 @@ def test_redis_takes_no_more_data(redis: Redis, workers: Workers) -> None:
 
 
 def test_redis_is_emptied(redis: Redis, workers: Workers) -> None:
+    """Redis is emptied (FLUSHALL). The workers are registered again within seconds, and new jobs succeed."""
     workers.start()
     redis.flushall()
     until(lambda: JobQueue(redis).workers() == 1)
@@ -101,6 +106,7 @@ def test_redis_is_emptied(redis: Redis, workers: Workers) -> None:
 
 
 def test_a_dead_worker_is_not_counted_for_long(redis: Redis, workers: Workers) -> None:
+    """A worker is killed while it is idle. `/readyz` stops counting it within seconds."""
     first = workers.start()
     workers.start()
     assert JobQueue(redis).workers() == 2
@@ -111,6 +117,9 @@ def test_a_dead_worker_is_not_counted_for_long(redis: Redis, workers: Workers) -
 
 
 def test_a_worker_that_hangs_is_counted_again_when_it_goes_on(redis: Redis, workers: Workers) -> None:
+    """An idle worker is stopped by SIGSTOP and continued. It is not counted meanwhile, and is counted
+    afterwards.
+    """
     worker = workers.start()
     worker.send_signal(signal.SIGSTOP)
     until(lambda: JobQueue(redis).workers() == 0)
@@ -119,6 +128,7 @@ def test_a_worker_that_hangs_is_counted_again_when_it_goes_on(redis: Redis, work
 
 
 def test_rq_jobs_of_others_are_skipped(redis: Redis, workers: Workers) -> None:
+    """Somebody else's RQ jobs are in the queue. The worker skips each with one line, and goes on."""
     worker = workers.start()
     queue = chunks.ChunkQueue(redis, WorkerSettings())
     chunk = {"job_id": "some", "run": "1", "index": 0, "attempt": 0}
@@ -139,6 +149,7 @@ def test_rq_jobs_of_others_are_skipped(redis: Redis, workers: Workers) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGQUIT])
 def test_a_closed_terminal_is_a_stop(redis: Redis, workers: Workers, number: signal.Signals) -> None:
+    """A worker receives SIGHUP or SIGQUIT. It stops as it does on SIGTERM."""
     worker = workers.start(shutdown_grace=0.2, max_losses=0, task="tests.support.hard_tasks.slow_once")
     queue = JobQueue(redis, WorkerSettings(task="tests.support.hard_tasks.slow_once", max_losses=0))
     view = queue.submit(a_request("1"))
@@ -153,6 +164,7 @@ def test_a_closed_terminal_is_a_stop(redis: Redis, workers: Workers, number: sig
 def test_each_version_of_the_solver_has_its_own_workers(
     redis: Redis, workers: Workers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Workers of two solver versions share one Redis. Each takes the jobs of its own version only."""
     workers.start_odd(ODD, OTHER, "20")
     ours = JobQueue(redis)
     assert ours.workers() == 0
@@ -178,6 +190,7 @@ def test_each_version_of_the_solver_has_its_own_workers(
 
 
 def test_a_worker_by_itself_tells_what_it_does(valkey: EmbeddedValkey, redis: Redis) -> None:
+    """Nothing fails, and a worker runs in a terminal. It logs one line at its start and one a chunk."""
     command = [sys.executable, "-m", "service", "worker", "--redis-url", valkey.url]
     with started(command, env=environment(), stderr=subprocess.PIPE, text=True) as worker:
         assert worker.stderr is not None

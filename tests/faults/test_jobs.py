@@ -1,4 +1,4 @@
-"""Faults of a worker, and their consequences for the job."""
+"""Jobs, when work horses and workers fail."""
 
 from __future__ import annotations
 
@@ -46,6 +46,7 @@ def is_at_work(queue: JobQueue, view: JobView) -> bool:
 
 
 def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
+    """Nothing fails. The job succeeds, the workers log nothing, and RQ keeps nothing of it in Redis."""
     workers.start(shutdown_grace=PATIENCE / 2)  # the job succeeds a moment before its horse ends
     queue = jobs(redis)
     request = a_request("14.98", "0.5", "27")
@@ -63,6 +64,7 @@ def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
 
 @both_kinds
 def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, request_: JobRequest) -> None:
+    """A computation hangs in C code. It ends at the deadline, and the job fails, `timeout`; workers go on."""
     worker = workers.start(deadline=0.7)
     view = ended(jobs(redis), jobs(redis, "endless").submit(request_).id)
     assert view.status == "failed"
@@ -95,6 +97,9 @@ def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, requ
 def test_a_failed_job_gives_its_reason(
     redis: Redis, workers: Workers, request_: JobRequest, task: str, kind: str
 ) -> None:
+    """A computation reaches the memory limit, or raises an unexpected error. Its job fails with the reason;
+    the worker goes on.
+    """
     worker = workers.start(memory_limit_mb=1024, max_losses=2, task=f"tests.support.hard_tasks.{task}")
     queue = jobs(redis, task)
     view = ended(queue, queue.submit(request_).id)
@@ -108,6 +113,9 @@ def test_a_failed_job_gives_its_reason(
 
 @pytest.mark.parametrize("task", ["crash", "killed", "leave"])
 def test_a_document_whose_horse_dies_each_time_fails(redis: Redis, workers: Workers, task: str) -> None:
+    """A document's work horse crashes, is killed or leaves at every attempt. The job fails, `worker-crashed`;
+    the worker goes on.
+    """
     worker = workers.start(max_losses=1, task=f"tests.support.hard_tasks.{task}")
     queue = jobs(redis, task)
     view = ended(queue, queue.submit(a_document()).id)
@@ -121,6 +129,9 @@ def test_a_document_whose_horse_dies_each_time_fails(redis: Redis, workers: Work
 def test_a_slice_whose_horse_dies_each_time_is_an_error_among_others(
     redis: Redis, workers: Workers, task: str
 ) -> None:
+    """One slice's work horse crashes, is killed or leaves at every attempt. That slice is an error in the
+    table; the others are computed, none twice.
+    """
     worker = workers.start(max_losses=1, task=f"tests.support.hard_tasks.{task}")
     queue = jobs(redis, task)
     view = ended(queue, queue.submit(a_request("1", "2", "13", "3")).id)
@@ -138,6 +149,7 @@ def test_a_slice_whose_horse_dies_each_time_is_an_error_among_others(
 def test_another_worker_takes_over_from_a_dead_one(
     redis: Redis, workers: Workers, request_: JobRequest
 ) -> None:
+    """A worker is killed while it computes. Its work horse ends with it; another worker computes the rest."""
     settings = {"task": "tests.support.hard_tasks.slow_once", "sweep_interval": 0.2, "lost_grace": 0.2}
     settings["max_losses"] = 0  # it is not the chunk's fault
     first = workers.start(**settings)
@@ -155,6 +167,9 @@ def test_another_worker_takes_over_from_a_dead_one(
 
 @both_kinds
 def test_a_worker_that_stalled_gives_way(redis: Redis, workers: Workers, request_: JobRequest) -> None:
+    """A worker is stopped by SIGSTOP and later continued. Another one takes over; the first ends its work
+    horse, and progress never runs backwards.
+    """
     settings = {**SHORT, "task": "tests.support.hard_tasks.gated"}
     first = workers.start(**settings)
     queue = jobs(redis, "gated")
@@ -183,6 +198,9 @@ def test_a_worker_that_stalled_gives_way(redis: Redis, workers: Workers, request
 
 @both_kinds
 def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, request_: JobRequest) -> None:
+    """A worker is told to stop (SIGTERM) while it computes. Its chunk goes back to the queue, without a loss
+    counted against it.
+    """
     first = workers.start(shutdown_grace=0.2, max_losses=0, task="tests.support.hard_tasks.slow_once")
     queue = jobs(redis, "slow_once")
     view = queue.submit(request_)
@@ -197,6 +215,7 @@ def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, request_
 
 
 def test_a_stopped_worker_finishes_a_short_chunk(redis: Redis, workers: Workers) -> None:
+    """A worker is told to stop (SIGINT) shortly before its chunk is done. It finishes the chunk."""
     worker = workers.start(shutdown_grace=PATIENCE)
     queue = jobs(redis, "slow")
     view = queue.submit(a_request("1", "2", "3", "4"))
@@ -213,6 +232,7 @@ def test_a_stopped_worker_finishes_a_short_chunk(redis: Redis, workers: Workers)
 def test_no_job_hangs_when_redis_loses_a_key(
     redis: Redis, workers: Workers, request_: JobRequest, lost: list[str]
 ) -> None:
+    """Redis loses single keys of a running job. The job goes on or fails, and posting it again succeeds."""
     worker = workers.start(task="tests.support.hard_tasks.gated")
     queue = jobs(redis, "gated")
     view = queue.submit(request_)
@@ -235,6 +255,7 @@ def test_no_job_hangs_when_redis_loses_a_key(
 
 
 def test_a_second_signal_hurries(redis: Redis, workers: Workers) -> None:
+    """A stopping worker receives a second signal. It puts its chunk back at once and ends."""
     worker = workers.start(shutdown_grace=60)
     queue = jobs(redis, "endless")
     view = queue.submit(a_request("1"))
@@ -246,6 +267,7 @@ def test_a_second_signal_hurries(redis: Redis, workers: Workers) -> None:
 
 
 def test_cancel_while_running(redis: Redis, workers: Workers) -> None:
+    """A running job is canceled. Its work horse ends; later jobs, and the same one posted again, succeed."""
     worker = workers.start()
     queue = jobs(redis, "endless")
     view = queue.submit(a_request("1"))
@@ -261,6 +283,9 @@ def test_cancel_while_running(redis: Redis, workers: Workers) -> None:
 
 
 def test_a_worker_that_missed_the_stop_command_notices_by_itself(redis: Redis, workers: Workers) -> None:
+    """A canceled job's worker misses the stop command. It notices at its next heartbeat and ends its work
+    horse.
+    """
     worker = workers.start()
     queue = jobs(redis, "endless")
     view = queue.submit(a_request("1"))
@@ -273,7 +298,7 @@ def test_a_worker_that_missed_the_stop_command_notices_by_itself(redis: Redis, w
 
 
 def test_cancel_at_any_moment(redis: Redis, workers: Workers) -> None:
-    """Also just after a job leaves the queue, before its worker has registered."""
+    """Jobs are canceled just as workers take them. Each stays canceled, and the worker goes on."""
     worker = workers.start()
     queue = jobs(redis, "endless")
     for i in range(1, 13):
@@ -290,6 +315,7 @@ def test_cancel_at_any_moment(redis: Redis, workers: Workers) -> None:
 
 
 def test_a_queued_job_that_is_canceled_never_runs(redis: Redis, workers: Workers) -> None:
+    """A queued job is canceled. No worker runs it."""
     queue = jobs(redis)
     request = a_request("1")
     queue.cancel(queue.submit(request).id)
@@ -303,6 +329,7 @@ def test_a_queued_job_that_is_canceled_never_runs(redis: Redis, workers: Workers
 
 
 def test_simultaneous_equal_requests_are_computed_once(redis: Redis, workers: Workers) -> None:
+    """Eight clients ask the same at once. There is one job, and each slice is computed once."""
     for _ in range(2):
         workers.start()
     request = a_request(*map(str, range(1, 13)))
@@ -321,6 +348,7 @@ def test_simultaneous_equal_requests_are_computed_once(redis: Redis, workers: Wo
 
 
 def test_overlapping_requests_compute_the_missing_slices(redis: Redis, workers: Workers) -> None:
+    """Two requests share slices. The second computes only what is missing."""
     workers.start()
     queue = jobs(redis, "slow")
     first = a_request("1", "2", "3")
@@ -335,6 +363,7 @@ def test_overlapping_requests_compute_the_missing_slices(redis: Redis, workers: 
 
 
 def test_workers_on_one_geometry_eliminate_once(redis: Redis, workers: Workers) -> None:
+    """Three workers start on one geometry at once. One eliminates, and the others use its eliminant."""
     for _ in range(3):
         workers.start()
     queue = jobs(redis, "counted", chunk_size=1)
@@ -344,6 +373,9 @@ def test_workers_on_one_geometry_eliminate_once(redis: Redis, workers: Workers) 
 
 
 def test_an_elimination_is_one_workers_as_long_as_it_takes(redis: Redis, workers: Workers) -> None:
+    """An elimination takes longer than its lock lasts. The worker renews the lock, and the lock ends with its
+    holder.
+    """
     workers.start()
     queue = jobs(redis, "endless_elimination")
     request = a_request("1")
@@ -357,6 +389,7 @@ def test_an_elimination_is_one_workers_as_long_as_it_takes(redis: Redis, workers
 
 
 def test_a_worker_without_its_server_says_so(tmp_path: Path) -> None:
+    """A worker is started without its Redis. It ends with one line that says so."""
     for url in (f"unix://{tmp_path}/nothing.sock", "nonsense://"):
         ended_worker = completed([sys.executable, "-m", "worker", "--redis-url", url], environment())
         assert ended_worker.returncode == 1
