@@ -127,28 +127,25 @@ class ResultStore:
         """Try to lock the computation of the eliminant; gives False if another worker holds the lock."""
         return self._lock(self.keys.eliminant_lock(request.geometry_hash, request.fixed_leg))
 
-    def renew_locks(self) -> None:
-        """Renew the locks of `holder`; its worker does so, since the work horse may be inside a C call."""
-        locks = self.keys.locks(self.holder)
-        held = cast("set[bytes]", self.redis.smembers(locks))
-        for key in [locks.encode(), *held] if held else []:
-            self.redis.pexpire(key, int(self.settings.beat_ttl * 1000))
-
     @contextmanager
     def _lock(self, key: str) -> Iterator[bool]:
         """The lock lives as long as a heartbeat, and is renewed with it until its holder is done or dead."""
         from redis.exceptions import LockNotOwnedError
 
-        lock = self.redis.lock(key, timeout=self.settings.beat_ttl, blocking=False)
+        ttl = self.settings.beat_ttl
+        locks = self.keys.locks(self.holder)
+        lock = self.redis.lock(key, timeout=ttl, blocking=False)
         held = bool(lock.acquire())
         if held:
-            self.redis.sadd(self.keys.locks(self.holder), key)
-            self.renew_locks()
+            with self.redis.pipeline(transaction=False) as pipe:
+                pipe.sadd(locks, key)
+                pipe.pexpire(locks, int(ttl * 1000))
+                pipe.execute()
         try:
             yield held
         finally:
             if held:
-                self.redis.srem(self.keys.locks(self.holder), key)
+                self.redis.srem(locks, key)
                 with suppress(LockNotOwnedError):  # it expired; another worker may hold it by now
                     lock.release()
 

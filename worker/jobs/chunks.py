@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import asdict
+from typing import cast
 
 from redis import Redis
 from rq import Queue
-from rq.command import send_stop_job_command
-from rq.exceptions import DuplicateJobError, InvalidJobOperation, NoSuchJobError
-from rq.job import Job, JobStatus
+from rq.command import send_command
+from rq.exceptions import DuplicateJobError
+from rq.job import Job
 from rq.serializers import JSONSerializer
 
 from rpr_solver import SOLVER_VERSION
@@ -92,7 +92,7 @@ class ChunkQueue:
     def discard(self, ref: ChunkRef) -> None:
         """Delete the RQ job of a chunk that no worker runs."""
         if not self._take_out(ref):
-            self._delete(ref)
+            self.delete(ref)
 
     def _take_out(self, ref: ChunkRef) -> bool:
         """Remove a chunk from the queue; returns False if it is not in the queue."""
@@ -102,28 +102,21 @@ class ChunkQueue:
             pipe.hdel(self.keys.suspects, ref.rq_id)
             removed = sum(pipe.execute()[:2])
         if removed:
-            self._delete(ref)
+            self.delete(ref)
         else:
             # A worker has just taken it. RQ needs the job until that worker finds nothing to do and deletes
             # it; should the worker die first, the job expires.
             self.redis.expire(Job.key_for(ref.rq_id), _LEFTOVER_TTL)
         return bool(removed)
 
-    def _delete(self, ref: ChunkRef) -> None:
-        with suppress(NoSuchJobError):
-            job = Job.fetch(ref.rq_id, connection=self.redis, serializer=JSONSerializer)
-            job.delete(remove_from_queue=False)
+    def delete(self, ref: ChunkRef) -> None:
+        """Delete the RQ job of a chunk that is in no queue; RQ has no other record of it."""
+        self.redis.delete(Job.key_for(ref.rq_id))
 
     def _stop(self, ref: ChunkRef) -> bool:
         """Ask the worker to stop; returns True once no worker runs the chunk."""
-        if not self.redis.exists(self.keys.beat(ref.rq_id)):
+        worker = cast("bytes | None", self.redis.get(self.keys.beat(ref.rq_id)))
+        if worker is None:
             return True
-        try:
-            job = Job.fetch(ref.rq_id, connection=self.redis, serializer=JSONSerializer)
-            if job.get_status() == JobStatus.STARTED:
-                send_stop_job_command(self.redis, ref.rq_id, serializer=JSONSerializer)
-        except NoSuchJobError:
-            return True
-        except InvalidJobOperation:
-            pass  # started, but the worker has not registered yet: ask again
+        send_command(self.redis, worker.decode(), "stop-job", job_id=ref.rq_id)
         return False

@@ -99,7 +99,8 @@ class JobRecords:
         self.keys = Keys(settings.key_prefix)
         self.result_keys = ResultKeys(settings.key_prefix)
         self._create = self._script(scripts.CREATE)
-        self._is_open = self._script(scripts.IS_OPEN)
+        self._beat = self._script(scripts.BEAT)
+        self._end_beat = self._script(scripts.END_BEAT)
         self._start = self._script(scripts.START)
         self._solve = self._script(scripts.SOLVE)
         self._slice = self._script(scripts.SLICE)
@@ -240,10 +241,21 @@ class JobRecords:
             return "stale"
         return "too-often" if reply == -2 else ChunkRef(ref.job_id, ref.run, ref.index, int(reply))
 
-    def is_open(self, ref: ChunkRef) -> bool:
-        """Whether this attempt is still the current one of a chunk that is not done, in an active job."""
+    def beat(self, ref: ChunkRef, worker: str) -> bool:
+        """Record that `worker` runs this attempt, and renew the locks that it holds.
+
+        Returns whether the attempt is still the current one of a chunk that is not done, in an active job.
+        """
         keys = self.keys.job(ref.job_id)
-        return bool(self._is_open(keys=[keys.record, keys.chunks], args=[ref.run, ref.index, ref.attempt]))
+        names = [keys.record, keys.chunks, self.keys.beat(ref.rq_id), self.result_keys.locks(ref.rq_id)]
+        ttl = int(self.settings.beat_ttl * 1000)
+        return bool(self._beat(keys=names, args=[ref.run, ref.index, ref.attempt, worker, ttl]))
+
+    def end_beat(self, ref: ChunkRef) -> bool:
+        """Record that nobody runs this attempt any more; returns whether it is still open, as for `beat`."""
+        keys = self.keys.job(ref.job_id)
+        names = [keys.record, keys.chunks, self.keys.beat(ref.rq_id)]
+        return bool(self._end_beat(keys=names, args=[ref.run, ref.index, ref.attempt]))
 
     def open_chunks(self) -> list[ChunkEntry]:
         """Returns the chunks of all active jobs that are not done."""

@@ -68,9 +68,27 @@ redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued')
 return 1
 """
 
+# Records that a worker runs the attempt, and renews the locks of its horse, which may be inside a C call.
 # Returns 1 if the attempt is open.
-IS_OPEN = """
-return open_chunk(KEYS[1], KEYS[2], ARGV[1], ARGV[2], ARGV[3]) and 1 or 0
+BEAT = """
+local record, chunks, beat, locks = unpack(KEYS)
+local run, index, attempt, worker, ttl = unpack(ARGV)
+
+redis.call('SET', beat, worker, 'PX', ttl)
+for _, lock in ipairs(redis.call('SMEMBERS', locks)) do
+    redis.call('PEXPIRE', lock, ttl)
+    redis.call('PEXPIRE', locks, ttl)
+end
+return open_chunk(record, chunks, run, index, attempt) and 1 or 0
+"""
+
+# Records that nobody runs the attempt any more. Returns 1 if it is open.
+END_BEAT = """
+local record, chunks, beat = unpack(KEYS)
+local run, index, attempt = unpack(ARGV)
+
+redis.call('DEL', beat)
+return open_chunk(record, chunks, run, index, attempt) and 1 or 0
 """
 
 # Returns {offset, request, todo, chunk_size} if the chunk may start, nothing if it is out of date.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from dataclasses import dataclass
 
@@ -30,6 +31,9 @@ class RunAgain:
 Outcome = Failed | RunAgain
 """The outcome of a chunk whose work horse could not record it."""
 
+UNRECORDED = 75
+"""The exit status of a work horse that could not record its outcome, because Redis did not take it."""
+
 UNANSWERED = RunAgain("horses", "worker-crashed", "The worker repeatedly ended without an answer.")
 """The outcome of a work horse that ended normally, but left its chunk open."""
 
@@ -47,6 +51,8 @@ def judge_exit(status: int | None, ended_for: str | None, settings: WorkerSettin
         return RunAgain()
     if ended_for is not None:
         return Failed("", "")
+    if status is not None and os.waitstatus_to_exitcode(status) == UNRECORDED:
+        return RunAgain("workers", "worker-lost", "The answer could not be kept repeatedly.")
     number = None if status is None else signal_of(status)
     if number is None:
         return RunAgain("horses", "worker-crashed", "The worker crashed repeatedly.")

@@ -27,26 +27,37 @@ from rq.utils import now
 from rq.worker import WorkerStatus
 
 import rpr_solver  # noqa: F401
-from worker.answers.store import ResultStore
 from worker.connection import address
 from worker.jobs.chunks import ChunkQueue, queue_names
 from worker.jobs.interruption import fail, run_again
 from worker.jobs.records import ChunkRef, JobRecords
 from worker.jobs.roster import Roster
 from worker.jobs.sweeper import Sweeper
-from worker.process.horse_exit import UNANSWERED, Outcome, RunAgain, judge_exit
+from worker.process.horse_exit import UNANSWERED, UNRECORDED, Outcome, RunAgain, judge_exit
 from worker.process.os_limits import STOP_SIGNALS, die_with_parent, limit_memory, on_stop_signals
 from worker.process.outage import Outage
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 
-_RQ_MAINTENANCE = 60.0
 _WATCHDOG_MARGIN = 15.0
 _REGISTER_TTL = 15
 _QUEUE_PATIENCE = 1  # seconds to block on empty queues; heartbeats and the sweep need short rounds
 _GOODBYE_PATIENCE = 2.0
 _LISTEN_PAUSE = 1.0
+
+
+def perform(job: Job) -> int:
+    """Run a chunk in this process, the work horse; returns its exit status."""
+    try:
+        job.func(**job.kwargs)
+    except RedisError as error:
+        log.warning("the outcome of %s could not be recorded: %s", job.id, error)
+        return UNRECORDED
+    except Exception:
+        log.exception("%s failed", job.id)
+        return 1
+    return 0
 
 
 class CuspWorker(Worker):
@@ -80,9 +91,10 @@ class CuspWorker(Worker):
         self.roster = Roster(redis, settings)
         self._parent_pid = parent_pid
         self._horse_pipe = -1
+        self._current: str | None = None
         self._hurry = False
         self._is_announced = False
-        self._next_maintenance = 0.0
+        self._next_sign_on = 0.0
         self._wake_r, self._wake_w = os.pipe()
         for end in (self._wake_r, self._wake_w):
             os.set_blocking(end, False)
@@ -117,13 +129,12 @@ class CuspWorker(Worker):
                 select.select([self._wake_r], [], [], outage.note(error))
 
     def _round(self) -> None:
-        """Send heartbeats, search for lost chunks, and run a chunk if there is one."""
-        self.check_for_suspension(burst=False)
-        self._sign_on()
-        self.sweeper.sweep()
-        if time.monotonic() >= self._next_maintenance:
-            self._next_maintenance = time.monotonic() + _RQ_MAINTENANCE
-            self.run_maintenance_tasks()  # type: ignore[no-untyped-call]
+        """Run a chunk if there is one; at every beat, register and search for lost chunks before."""
+        if time.monotonic() >= self._next_sign_on:
+            self.check_for_suspension(burst=False)
+            self._sign_on()
+            self.sweeper.sweep()
+            self._next_sign_on = time.monotonic() + self.settings.beat_interval
         taken = self.connection.blpop([queue.key for queue in self.queues], timeout=_QUEUE_PATIENCE)
         if taken is None:
             return
@@ -134,15 +145,13 @@ class CuspWorker(Worker):
 
     def _sign_on(self) -> None:
         """Register again, in case Redis was emptied, and listen for commands."""
-        with self.connection.pipeline(transaction=False) as pipe:
-            self.set_state(WorkerStatus.IDLE, pipe)
-            self.heartbeat(pipeline=pipe)
-            pipe.execute()
-        self.roster.beat(self.name)
+        self._register(WorkerStatus.IDLE)
         if self.pubsub_thread is None:
             self.subscribe()  # type: ignore[no-untyped-call]
         if not self._is_announced:
             self._is_announced = True
+            for queue in self.queues:
+                worker_registration.clean_worker_registry(queue)
             log.info("worker %s ready on %s", self.name, address(self.connection))
 
     def _sign_off(self) -> None:
@@ -166,13 +175,20 @@ class CuspWorker(Worker):
         log.warning("skipped the RQ job %r, which is not a chunk", rq_id)
         return None
 
-    def heartbeat(self, timeout: int | None = None, pipeline: Pipeline | None = None) -> None:  # noqa: ARG002
-        """Register again, in case Redis was emptied, and for seconds only (RQ: minutes)."""
-        redis = self.connection if pipeline is None else pipeline
+    def _register(self, state: WorkerStatus) -> None:
+        """Register here and with RQ: each time, since Redis may have been emptied, and for seconds only."""
         self.last_heartbeat = now()
-        redis.hset(self.key, mapping=self.serialize())
-        redis.expire(self.key, _REGISTER_TTL)
-        worker_registration.register(self, pipeline)
+        with self.connection.pipeline(transaction=False) as pipe:
+            self.set_state(state, pipe)
+            pipe.hset(self.key, mapping=self.serialize())
+            pipe.expire(self.key, _REGISTER_TTL)
+            worker_registration.register(self, pipe)
+            pipe.execute()
+        self.roster.beat(self.name)
+
+    def get_current_job_id(self, pipeline: Pipeline | None = None) -> str | None:  # noqa: ARG002
+        """Returns the RQ id of the running chunk; RQ would ask Redis."""
+        return self._current
 
     def _pubsub_exception_handler(
         self, exc: Exception, _pubsub: PubSub, _pubsub_thread: PubSubWorkerThread
@@ -187,18 +203,23 @@ class CuspWorker(Worker):
     # -- one chunk ---------------------------------------------------------------------------------
 
     def execute_job(self, job: Job, queue: Queue) -> None:
-        """Run one chunk in a work horse."""
+        """Run one chunk in a work horse.
+
+        None of RQ's records of executions are kept: the record of the job and the heartbeat hold the state.
+        """
         ref = ChunkRef(**job.kwargs)
         try:
-            self._beat(ref)
-            self.prepare_execution(job)
+            self.set_state(WorkerStatus.BUSY)
+            self._current = job.id
+            self.records.beat(ref, self.name)
             self.fork_work_horse(job, queue)
         except StopRequested:
-            self._settle(ref, job, RunAgain())
+            self._settle(ref, RunAgain())
             raise
         self.monitor_work_horse(job, queue)
+        self._current = None
 
-    def fork_work_horse(self, job: Job, queue: Queue) -> None:
+    def fork_work_horse(self, job: Job, _queue: Queue) -> None:
         """Fork; the horse holds one end of a pipe, so that the worker notices its exit at once."""
         reader, writer = os.pipe()
         parent = os.getpid()
@@ -224,7 +245,7 @@ class CuspWorker(Worker):
                 faulthandler.dump_traceback_later(
                     self.settings.deadline + _WATCHDOG_MARGIN, exit=True, file=quiet
                 )
-                self.main_work_horse(job, queue)
+                os._exit(perform(job))
             os._exit(1)
         with contextlib.suppress(OSError):
             os.setpgid(pid, pid)
@@ -244,7 +265,7 @@ class CuspWorker(Worker):
     def monitor_work_horse(self, job: Job, _queue: Queue) -> None:
         """Wait for the exit of the work horse, and enforce it at the deadline, a stop or a cancel."""
         ref, start = ChunkRef(**job.kwargs), time.monotonic()
-        ended_for = self._watch(ref, job)
+        ended_for = self._watch(ref)
         status = self._collect_horse()
         if self._stopped_job_id == job.id:
             self._stopped_job_id, ended_for = None, ended_for or "canceled"
@@ -253,7 +274,7 @@ class CuspWorker(Worker):
             how = f"stopped ({ended_for})" if ended_for else "lost its work horse"
             seconds = time.monotonic() - start
             log.info("job %s, chunk %d: %s after %.2f s", ref.job_id, ref.index, how, seconds)
-        self._settle(ref, job, outcome)
+        self._settle(ref, outcome)
 
     def _collect_horse(self) -> int | None:
         _, status, _ = self.wait_for_horse()
@@ -261,7 +282,7 @@ class CuspWorker(Worker):
         os.close(self._horse_pipe)
         return status
 
-    def _watch(self, ref: ChunkRef, job: Job) -> str | None:
+    def _watch(self, ref: ChunkRef) -> str | None:
         """Supervise the horse until it exits; returns the reason for ending it, if the worker did."""
         settings = self.settings
         start = time.monotonic()
@@ -286,36 +307,28 @@ class CuspWorker(Worker):
             elif moment >= next_beat:
                 next_beat = moment + settings.beat_interval
                 self._stop_requested = self._stop_requested or self._is_orphan()
-                if not self._is_still_open(ref, job):
+                if not self._is_still_open(ref):
                     ended_for = ended_for or "canceled"
             if ended_for is not None:
                 self.kill_horse()
 
-    def _is_still_open(self, ref: ChunkRef, job: Job) -> bool:
+    def _is_still_open(self, ref: ChunkRef) -> bool:
         try:
-            self._beat(ref)
-            self.roster.beat(self.name)
-            self.maintain_heartbeats(job)
+            self._register(WorkerStatus.BUSY)
             self.sweeper.sweep()
-            return self.records.is_open(ref)
+            return self.records.beat(ref, self.name)
         except RedisError as error:
             log.warning("heartbeat failed: %s", error)
             return True
 
-    def _beat(self, ref: ChunkRef) -> None:
-        ttl = int(self.settings.beat_ttl * 1000)
-        self.connection.set(self.records.keys.beat(ref.rq_id), self.name, px=ttl)
-        ResultStore(self.connection, self.settings, holder=ref.rq_id).renew_locks()
-
-    def _settle(self, ref: ChunkRef, job: Job, outcome: Outcome | None) -> None:
+    def _settle(self, ref: ChunkRef, outcome: Outcome | None) -> None:
         """Record the outcome of a chunk whose work horse is gone."""
         try:
-            if outcome is None and self.records.is_open(ref):
+            self.chunks.delete(ref)
+            if self.records.end_beat(ref) and outcome is None:
                 outcome = UNANSWERED
             if outcome is not None:
-                self._discard(ref, job)
                 self._record(ref, outcome)
-            self.connection.delete(self.records.keys.beat(ref.rq_id))
         except RedisError as error:
             log.warning("the outcome of %s could not be recorded: %s", ref.rq_id, error)
 
@@ -324,12 +337,6 @@ class CuspWorker(Worker):
             run_again(self.records, self.chunks, ref, outcome.lost, outcome.kind, outcome.detail)
         elif outcome.kind:
             fail(self.records, self.chunks, ref, outcome.kind, outcome.detail)
-
-    def _discard(self, ref: ChunkRef, job: Job) -> None:
-        with self.connection.pipeline() as pipe:
-            self.cleanup_execution(job, pipeline=pipe)
-            pipe.execute()
-        self.chunks.discard(ref)
 
     # -- stopping ----------------------------------------------------------------------------------
 

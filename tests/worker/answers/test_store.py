@@ -97,15 +97,17 @@ def test_a_lock_expires_so_that_a_dead_worker_blocks_no_other(redis: Redis) -> N
 
 
 def test_a_lock_is_renewed_while_it_is_held(redis: Redis) -> None:
-    store, watcher = (ResultStore(redis, WorkerSettings(beat_ttl=30), holder="x") for _ in range(2))
+    settings, ref = WorkerSettings(beat_ttl=30), ChunkRef("some", "run", 0, 0)
+    store, records = ResultStore(redis, settings, holder=ref.rq_id), JobRecords(redis, settings)
     request = a_request("1")
     key = store.keys.eliminant_lock(request.geometry_hash, 1)
     with store.eliminant_lock(request):
         redis.expire(key, 1000)
-        watcher.renew_locks()
+        redis.expire(store.keys.locks(ref.rq_id), 1000)
+        records.beat(ref, "worker")
         assert redis.ttl(key) <= 30
-        assert 0 < redis.ttl(store.keys.locks("x")) <= 30
-    watcher.renew_locks()
+        assert 0 < redis.ttl(store.keys.locks(ref.rq_id)) <= 30
+    records.beat(ref, "worker")
     assert redis.keys("*lock*") == []
 
 

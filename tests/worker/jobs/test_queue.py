@@ -174,11 +174,11 @@ def test_an_attempt_that_was_followed_by_another_changes_nothing(
     work(queue, old, 1)
     chunk = queue.records.start(old)
     assert chunk is not None
-    assert queue.records.is_open(old)
+    assert queue.records.beat(old, "worker")
     following = queue.records.reopen(old, "workers")
     assert isinstance(following, ChunkRef)
-    assert not queue.records.is_open(old)
-    assert queue.records.is_open(following)
+    assert not queue.records.beat(old, "worker")
+    assert queue.records.beat(following, "worker")
     assert not queue.records.put_slice(old, chunk, 1, {"l1": "2", "count": 0, "cusps": []})
     assert not queue.records.put_slice(old, chunk, 2, {"l1": "3", "error": {"type": "x", "detail": "y"}})
     assert queue.records.fail(old, "worker-lost", "late") is None
@@ -187,7 +187,7 @@ def test_an_attempt_that_was_followed_by_another_changes_nothing(
     assert (view.status, view.done) == ("running", 1)
     assert "2" in queue.store.get_slices(table_request)  # a valid result is kept
     work(queue, following)
-    assert not queue.records.is_open(following)  # done
+    assert not queue.records.beat(following, "worker")  # done
 
 
 def test_the_progress_of_a_document_never_runs_backwards(queue: JobQueue) -> None:

@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from worker.process.horse_exit import Failed, RunAgain, judge_exit
+from worker.process.horse_exit import UNRECORDED, Failed, RunAgain, judge_exit
 from worker.settings import WorkerSettings
 
 SETTINGS = WorkerSettings(deadline=5, memory_limit_mb=100)
@@ -36,6 +36,9 @@ def test_what_is_run_again() -> None:
         assert isinstance(killed, RunAgain)
         assert (killed.lost, killed.kind) == ("horses", "worker-crashed")
         assert number.name in killed.detail
+    unrecorded = judge_exit(UNRECORDED << 8, None, SETTINGS)
+    assert isinstance(unrecorded, RunAgain)
+    assert unrecorded.lost == "workers"
     exited = judge_exit(1 << 8, None, SETTINGS)
     assert isinstance(exited, RunAgain)
     assert exited.lost == "horses"

@@ -15,6 +15,7 @@ import pytest
 import rq
 from redis import Redis
 from rq.job import Job
+from rq.worker import WorkerStatus
 from rq.worker_registration import REDIS_WORKER_KEYS
 
 from worker.process.worker import CuspWorker
@@ -24,8 +25,8 @@ TEXT = (Path(__file__).parents[3] / "docs" / "worker.md").read_text(encoding="ut
 SECTION = TEXT[TEXT.index("## Which of RQ's internals are touched") :]
 
 SIGNATURES = {
-    "heartbeat": "(self, timeout, pipeline)",
     "_pubsub_exception_handler": "(self, exc, pubsub, pubsub_thread)",
+    "get_current_job_id": "(self, pipeline)",
     "execute_job": "(self, job, queue)",
     "fork_work_horse": "(self, job, queue)",
     "kill_horse": "(self, sig)",
@@ -35,15 +36,10 @@ SIGNATURES = {
     "unsubscribe": "(self)",
     "check_for_suspension": "(self, burst)",
     "subscribe": "(self)",
-    "run_maintenance_tasks": "(self)",
     "serialize": "(self)",
     "register_death": "(self)",
-    "prepare_execution": "(self, job)",
-    "cleanup_execution": "(self, job, pipeline)",
-    "main_work_horse": "(self, job, queue)",
     "setup_work_horse_signals": "(self)",
     "wait_for_horse": "(self)",
-    "maintain_heartbeats": "(self, job)",
     "get_state": "(self)",
     "set_state": "(self, state, pipeline)",
 }
@@ -116,7 +112,7 @@ def test_the_keys_are_unchanged(redis: Redis, pair: tuple[rq.Worker, CuspWorker]
     }
     assert keys == documented("Keys")
     ours.birth_date = datetime.now(UTC)
-    ours.heartbeat()
+    ours._register(WorkerStatus.IDLE)
     assert redis.smembers(REDIS_WORKER_KEYS) == {ours.key.encode()}
     assert redis.hget(ours.key, "pid") == str(os.getpid()).encode()
 
@@ -125,7 +121,7 @@ def test_the_stop_command_kills_the_horse_of_its_job(pair: tuple[rq.Worker, Cusp
     _, ours = pair
     with subprocess.Popen(["sleep", "60"], start_new_session=True) as horse:
         ours._horse_pid = horse.pid
-        ours.set_current_job_id("some-chunk")
+        ours._current = "some-chunk"
         ours.handle_payload({"data": b'{"command": "stop-job", "job_id": "another"}'})
         assert (ours._stopped_job_id, horse.poll()) == (None, None)
         ours.handle_payload({"data": b'{"command": "stop-job", "job_id": "some-chunk"}'})
