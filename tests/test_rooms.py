@@ -25,11 +25,12 @@ MAY_IMPORT = {
     "rpr_solver.curves": "errors contract notebook exact model slices transitions",
     "rpr_solver": "errors contract exact model kinematics slices documents transitions article curves",
     # worker: jobs in Redis, and the processes that compute
-    "worker.settings": "rpr_solver",
+    "worker.logs": "",
+    "worker.settings": "rpr_solver worker.logs",
     "worker.connection": "",
-    "worker.jobs": "rpr_solver worker.settings worker.answers",
+    "worker.jobs": "rpr_solver worker.settings worker.logs worker.answers",
     "worker.answers": "rpr_solver worker.settings",
-    "worker.process": "rpr_solver worker.settings worker.connection worker.jobs worker.answers",
+    "worker.process": "rpr_solver worker.settings worker.connection worker.logs worker.jobs worker.answers",
     "worker.__main__": "worker.settings worker.process",
     "worker": "",
     # service: faces people and programs

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from worker.logs import LogFormat
+
 
 class WorkerSettings(BaseSettings):
     """Settings of the queue, the store and the worker processes.
@@ -64,6 +66,9 @@ class WorkerSettings(BaseSettings):
     )
     log_level: str | None = Field(
         default=None, description="log level; without it INFO for a worker by itself, WARNING for `serve`"
+    )
+    log_format: LogFormat = Field(
+        default="text", description="form of log lines: `text`, or `json` with one object a line"
     )
 
 

@@ -10,6 +10,7 @@ from fastapi import FastAPI, Response
 from starlette.staticfiles import StaticFiles
 
 from service import __version__
+from service.api.access_log import AccessLog
 from service.api.compression import Compression
 from service.api.context import Context
 from service.api.error_handlers import add_error_handlers
@@ -54,5 +55,5 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(
         Compression, minimum_size=settings.gzip_bytes, compresslevel=5, thread_minimum_size=1 << 14
     )
-    app.add_middleware(RequestEnvelope, metrics=context.metrics)
+    app.add_middleware(RequestEnvelope, metrics=context.metrics, access_log=AccessLog(settings.access_log))
     return app

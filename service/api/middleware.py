@@ -1,4 +1,4 @@
-"""The envelope of every request: an id, HEAD, security headers, metrics, and the answer to unexpected errors.
+"""The envelope of every request: id, HEAD, security headers, metrics, log, and answers to unexpected errors.
 
 It is plain ASGI, since each layer slows down cached answers, which take a few milliseconds.
 """
@@ -14,39 +14,47 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from service.api.access_log import AccessLog
 from service.api.metrics import Metrics
 from service.api.problems import ProblemError, ProblemType
+from worker.logs import about
 
 log = logging.getLogger("rpr_cusps.service")
 
 REQUEST_ID = "X-Request-ID"
 _REQUEST_ID = re.compile(r"[A-Za-z0-9._\-]{1,64}", re.ASCII)
 IS_HEAD = "rpr_cusps.head"
+_CLIENT_GONE = 499  # as nginx has it: the client left before there was an answer
 
 
 class RequestEnvelope:
     """The outermost layer of the application."""
 
-    def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
+    def __init__(self, app: ASGIApp, metrics: Metrics, access_log: AccessLog) -> None:
         self.app = app
         self.metrics = metrics
+        self.access_log = access_log
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        start = time.perf_counter()
         sent_id = Headers(scope=scope).get(REQUEST_ID, "")
         request_id = sent_id if _REQUEST_ID.fullmatch(sent_id) else secrets.token_hex(8)
+        with about(request_id=request_id):
+            await self._answer(request_id, scope, receive, send)
+
+    async def _answer(self, request_id: str, scope: Scope, receive: Receive, send: Send) -> None:
+        start = time.perf_counter()
         is_head = scope["method"] == "HEAD"
         if is_head:
             scope["method"], scope[IS_HEAD] = "GET", True
-        status = 500
+        status, size = 500, 0
         started = False
 
         async def send_on(message: Message) -> None:
-            nonlocal status, started
+            nonlocal status, size, started
             if message["type"] == "http.response.start":
                 status, started = message["status"], True
                 headers = MutableHeaders(scope=message)
@@ -56,14 +64,16 @@ class RequestEnvelope:
                 if message.get("more_body"):
                     return
                 message = {"type": "http.response.body", "body": b""}
+            if message["type"] == "http.response.body":
+                size += len(message.get("body", b""))
             await send(message)
 
         try:
             await self.app(scope, receive, send_on)
         except ClientDisconnect:
-            log.debug("request %s: the client disconnected", request_id)
+            status = status if started else _CLIENT_GONE
         except Exception:
-            log.exception("request %s failed: %s %s", request_id, scope["method"], scope["path"])
+            log.exception("failed: %s %r", scope["method"], scope["path"])
             if started:
                 raise
             detail = (
@@ -72,6 +82,6 @@ class RequestEnvelope:
             response = ProblemError(ProblemType.INTERNAL_ERROR, detail).response(scope["path"])
             await response(scope, receive, send_on)
         finally:
-            self.metrics.observe(
-                scope, "HEAD" if is_head else scope["method"], status, time.perf_counter() - start
-            )
+            method, seconds = "HEAD" if is_head else scope["method"], time.perf_counter() - start
+            self.metrics.observe(scope, method, status, seconds)
+            self.access_log.note(scope, method, status, size, seconds)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
@@ -35,5 +37,8 @@ class Settings(BaseSettings):
     )
     gzip_bytes: NonNegativeInt = Field(
         default=1024, description="minimum size of a response to compress, in bytes"
+    )
+    access_log: Literal["all", "errors", "off"] = Field(
+        default="all", description="the requests that are logged; `errors`: those answered with 400 and above"
     )
     limits: Limits = Field(default_factory=Limits)

@@ -65,6 +65,7 @@ def _service(data_dir: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """Run `rpr-cusps serve` on a free port with its data in `data_dir`; gives the process and its address."""
     root = str(Path(__file__).parents[2])
     environment = {key: value for key, value in os.environ.items() if key != "RPR_CUSPS_REDIS_URL"}
+    environment["RPR_CUSPS_ACCESS_LOG"] = "off"
     process = subprocess.Popen(
         [
             *(sys.executable, "-P", "-c", _PROGRAM, root, "serve", "--port", "0"),

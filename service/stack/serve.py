@@ -22,6 +22,7 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from service.stack.errors import EmbeddedError, StackError
 from worker.connection import UnreachableError, check, connect
 from worker.jobs.sweeper import Sweeper
+from worker.logs import set_up
 from worker.process.os_limits import on_stop_signals, usable_cores
 from worker.process.pool import WorkerPool
 from worker.settings import WorkerSettings, settings_problem
@@ -68,7 +69,7 @@ def _say(text: str) -> None:
 def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     worker_settings = _worker_settings()
     level = (worker_settings.log_level or "WARNING").upper()
-    logging.basicConfig(level=level, format="%(levelname)s %(name)s: %(message)s")
+    set_up(level, worker_settings.log_format, in_background=True)
     listener = stack.enter_context(_bind(settings.host, settings.port))
     valkey = None
     if settings.redis_url is None:

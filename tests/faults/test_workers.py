@@ -197,7 +197,7 @@ def test_a_worker_by_itself_tells_what_it_does(valkey: EmbeddedValkey, redis: Re
         assert re.search(rf" INFO worker \S+ ready on {valkey.url}\?db=0$", worker.stderr.readline().strip())
         view = JobQueue(redis).submit(a_request("1", "2"))
         told = worker.stderr.readline().strip()
-        assert re.search(rf" INFO job {view.id}, chunk 0 \(2 slices\): done after \d+\.\d\d s$", told)
+        assert re.search(rf" INFO chunk 0 \(2 slices\): done after \d+\.\d\d s job={view.id}$", told)
         worker.terminate()
         assert worker.wait(PATIENCE) == 0
         assert worker.stderr.read() == ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import secrets
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any, Literal, cast
 
@@ -19,6 +19,7 @@ from worker.answers.requests import JobRequest
 from worker.answers.store import dump
 from worker.jobs import scripts
 from worker.jobs.keys import Keys
+from worker.logs import subject
 from worker.settings import WorkerSettings
 
 Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
@@ -82,12 +83,16 @@ class ChunkEntry:
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some parts of a request, the position of the first one in the job, and how many of them are done."""
+    """Some parts of a request, the position of the first one in the job, and how many of them are done.
+
+    `origin` has the id of the HTTP request that made the job, if one did.
+    """
 
     request: JobRequest
     parts: tuple[str, ...]
     first_position: int
     offset: int = 0
+    origin: Mapping[str, str] = field(default_factory=dict)
 
 
 class JobRecords:
@@ -143,9 +148,15 @@ class JobRecords:
             args=[
                 request.job_id, run, seen_run, len(request.parts), len(todo),
                 request.to_json(), dump(list(todo)), size, count, settings.job_ttl,
+                dump(_origin()),
             ],
         )  # fmt: skip
         return [ChunkRef(request.job_id, run, i, 0) for i in range(count)] if is_created else None
+
+    def origin(self, job_id: str) -> dict[str, str]:
+        """Returns what the job was made for: the id of an HTTP request."""
+        raw = cast("bytes | None", self.redis.hget(self.keys.job(job_id).record, "origin"))
+        return json.loads(raw) if raw else {}
 
     def start(self, ref: ChunkRef) -> Chunk | None:
         """Start a chunk; returns None if it is out of date."""
@@ -327,10 +338,16 @@ def _entry(job_id: str, run: bytes, index: bytes, entry: bytes) -> ChunkEntry:
     return ChunkEntry(ChunkRef(job_id, run.decode(), int(index), int(attempt)), state, *map(int, counts))
 
 
-def _chunk(ref: ChunkRef, offset: int, request: bytes, todo: bytes, size: bytes) -> Chunk:
+def _origin() -> dict[str, str]:
+    return {"request_id": subject("request_id")} if subject("request_id") else {}
+
+
+def _chunk(
+    ref: ChunkRef, offset: int, request: bytes, todo: bytes, size: bytes, origin: bytes | None = None
+) -> Chunk:
     first = ref.index * int(size)
     parts = tuple(json.loads(todo)[first : first + int(size)])
-    return Chunk(request_from_json(request), parts, first, offset)
+    return Chunk(request_from_json(request), parts, first, offset, json.loads(origin or "{}"))
 
 
 def _view(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:

@@ -50,13 +50,15 @@ end
 # Returns 1 if the job was created, 0 if another client has created or changed it meanwhile.
 CREATE = """
 local record, chunks, bits, errors, events, active = unpack(KEYS)
-local job_id, run, seen_run, total, todo_count, request, todo, chunk_size, chunk_count, ttl = unpack(ARGV)
+local job_id, run, seen_run, total, todo_count, request, todo = unpack(ARGV)
+local chunk_size, chunk_count, ttl, origin = unpack(ARGV, 8)
 
 local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if old_run and (is_active(old_status) or old_run ~= seen_run) then return 0 end
 redis.call('DEL', record, chunks, bits, errors, events)
 redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done', total - todo_count,
-    'request', request, 'todo', todo, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now)
+    'request', request, 'todo', todo, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
+    'origin', origin)
 if tonumber(todo_count) == 0 then
     redis.call('HSET', record, 'started', now)
     finish(record, chunks, bits, errors, events, active, job_id, 'succeeded', '', ttl)
@@ -91,7 +93,7 @@ redis.call('DEL', beat)
 return open_chunk(record, chunks, run, index, attempt) and 1 or 0
 """
 
-# Returns {offset, request, todo, chunk_size} if the chunk may start, nothing if it is out of date.
+# Returns {offset, request, todo, chunk_size, origin} if the chunk may start, nothing if it is out of date.
 START = """
 local record, chunks, events = unpack(KEYS)
 local run, index, attempt = unpack(ARGV)
@@ -104,7 +106,7 @@ if redis.call('HGET', record, 'status') == 'queued' then
     redis.call('HSET', record, 'status', 'running', 'started', now)
     redis.call('XADD', events, '*', 'type', 'status', 'status', 'running')
 end
-return {chunk.offset, unpack(redis.call('HMGET', record, 'request', 'todo', 'chunk_size'))}
+return {chunk.offset, unpack(redis.call('HMGET', record, 'request', 'todo', 'chunk_size', 'origin'))}
 """
 
 # From now on the work horse, if it dies, dies of the slice `offset`. Returns 0 if the attempt is out of date.

@@ -8,6 +8,7 @@ import logging
 from redis.exceptions import RedisError
 
 from worker.connection import UnreachableError, check, connect
+from worker.logs import set_up
 from worker.process.os_limits import die_with_parent
 from worker.process.tasks import Context, set_context
 from worker.process.worker import CuspWorker
@@ -29,7 +30,7 @@ def run_worker(redis_url: str, *, name: str | None = None, parent_pid: int | Non
     """
     settings = WorkerSettings()
     level = (settings.log_level or "INFO").upper()
-    logging.basicConfig(level=level, format="%(asctime)s %(name)s %(levelname)s %(message)s")
+    set_up(level, settings.log_format)
     # at INFO, a chunk is one line of ours and several of RQ's
     logging.getLogger("rq.worker").setLevel("WARNING" if level == "INFO" else level)
     if parent_pid is not None:

@@ -19,6 +19,7 @@ from worker.answers.tables import INTERNAL, eliminant_of, solve
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.interruption import fail
 from worker.jobs.records import Chunk, ChunkRef, JobRecords
+from worker.logs import about
 from worker.process.os_limits import lift_memory_limit
 from worker.settings import WorkerSettings
 
@@ -56,6 +57,12 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
     chunk = records.start(ref)
     if chunk is None:
         return
+    with about(**chunk.origin):
+        _run(ref, chunk, records)
+
+
+def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> None:
+    assert _context is not None
     store = ResultStore(_context.redis, _context.settings, holder=ref.rq_id)
     start, kind, detail = time.monotonic(), "", ""
     try:
@@ -73,13 +80,13 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
         lift_memory_limit()
         kind, detail = "resource-exhausted", EXHAUSTED
     except Exception:
-        log.exception("job %s failed", job_id)
+        log.exception("chunk %d failed", ref.index)
         kind, detail = "internal-error", INTERNAL
     if kind:
         fail(records, ChunkQueue(_context.redis, _context.settings), ref, kind, detail)
     what = f"{len(chunk.parts)} slices" if chunk.request.kind.by_slices else chunk.request.kind.name
     seconds = time.monotonic() - start
-    log.info("job %s, chunk %d (%s): %s after %.2f s", job_id, index, what, kind or "done", seconds)
+    log.info("chunk %d (%s): %s after %.2f s", ref.index, what, kind or "done", seconds)
 
 
 def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:

@@ -33,6 +33,7 @@ from worker.jobs.interruption import fail, run_again
 from worker.jobs.records import ChunkRef, JobRecords
 from worker.jobs.roster import Roster
 from worker.jobs.sweeper import Sweeper
+from worker.logs import about
 from worker.process.horse_exit import UNANSWERED, UNRECORDED, Outcome, RunAgain, judge_exit
 from worker.process.os_limits import STOP_SIGNALS, die_with_parent, limit_memory, on_stop_signals
 from worker.process.outage import Outage
@@ -141,7 +142,8 @@ class CuspWorker(Worker):
         key, rq_id = (raw.decode() for raw in cast("tuple[bytes, bytes]", taken))
         job = self._job_of_chunk(rq_id)
         if job is not None:
-            self.execute_job(job, next(queue for queue in self.queues if queue.key == key))
+            with about(job=ChunkRef(**job.kwargs).job_id):
+                self.execute_job(job, next(queue for queue in self.queues if queue.key == key))
 
     def _sign_on(self) -> None:
         """Register again, in case Redis was emptied, and listen for commands."""
@@ -273,8 +275,14 @@ class CuspWorker(Worker):
         if outcome is not None:  # else the horse has logged it
             how = f"stopped ({ended_for})" if ended_for else "lost its work horse"
             seconds = time.monotonic() - start
-            log.info("job %s, chunk %d: %s after %.2f s", ref.job_id, ref.index, how, seconds)
+            with about(**self._origin(ref)):
+                log.info("chunk %d: %s after %.2f s", ref.index, how, seconds)
         self._settle(ref, outcome)
+
+    def _origin(self, ref: ChunkRef) -> dict[str, str]:
+        with contextlib.suppress(RedisError):
+            return self.records.origin(ref.job_id)
+        return {}
 
     def _collect_horse(self) -> int | None:
         _, status, _ = self.wait_for_horse()

@@ -1,0 +1,125 @@
+"""Log lines: the same form in all processes, each with the request or the job that it belongs to."""
+
+from __future__ import annotations
+
+import atexit
+import json
+import logging
+import queue
+import sys
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from datetime import UTC, datetime
+from types import MappingProxyType
+from typing import Literal, TextIO
+
+LogFormat = Literal["text", "json"]
+
+_WAITING_LINES = 10_000
+_LAST_LINES_PATIENCE = 2.0
+
+_subject: ContextVar[Mapping[str, str]] = ContextVar("subject", default=MappingProxyType({}))
+
+
+@contextmanager
+def about(**fields: str) -> Iterator[None]:
+    """Give these fields to every line that is logged in the block; empty ones are left out."""
+    token = _subject.set({**_subject.get(), **{name: value for name, value in fields.items() if value}})
+    try:
+        yield
+    finally:
+        _subject.reset(token)
+
+
+def subject(name: str) -> str:
+    """Returns a field of the lines that are logged here, or an empty text."""
+    return _subject.get().get(name, "")
+
+
+def set_up(level: str, form: LogFormat, *, in_background: bool = False) -> None:
+    """Send all log lines of this process to stderr.
+
+    With `in_background`, a thread writes them, so that whoever logs never waits for the reader of stderr; if
+    that reader hangs, lines are dropped and counted. A process that forks must not use it.
+    """
+    formatter = _Json() if form == "json" else _Text()
+    handler: logging.Handler = _Background(sys.stderr) if in_background else logging.StreamHandler()
+    handler.setFormatter(formatter)
+    logging.basicConfig(level=level, handlers=[handler])
+
+
+class _Text(logging.Formatter):
+    """`TIME LOGGER LEVEL message name=value …`; a message is one line."""
+
+    def __init__(self) -> None:
+        super().__init__("%(asctime)s %(name)s %(levelname)s %(message)s")
+
+    def formatTime(self, record: logging.LogRecord, datefmt: str | None = None) -> str:  # noqa: ARG002, N802
+        return _time(record)
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802
+        record.message = record.message.replace("\n", r"\n")
+        line = super().formatMessage(record)
+        return line + "".join(f" {name}={value}" for name, value in _subject.get().items())
+
+
+class _Json(logging.Formatter):
+    """One object a line, with the fields of the subject and those given as `extra={"fields": …}`."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        line: dict[str, object] = {
+            "time": _time(record),
+            "level": record.levelname,
+            "logger": record.name,
+            "message": record.getMessage(),
+            **_subject.get(),
+            **getattr(record, "fields", {}),
+        }
+        if record.exc_info:
+            line["exception"] = self.formatException(record.exc_info)
+        return json.dumps(line, ensure_ascii=False, default=str)
+
+
+class _Background(logging.Handler):
+    """Hands formatted lines to a thread; drops them while too many wait."""
+
+    def __init__(self, stream: TextIO) -> None:
+        super().__init__()
+        self._writer = logging.StreamHandler(stream)
+        self._lines: queue.Queue[logging.LogRecord | None] = queue.Queue(_WAITING_LINES)
+        self._dropped = 0
+        self._thread = threading.Thread(target=self._write, name="log", daemon=True)
+        self._thread.start()
+        atexit.register(self._end)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        try:
+            if self._dropped:
+                dropped = logging.makeLogRecord({**record.__dict__, "args": None, "exc_info": None})
+                dropped.msg = f"{self._dropped} log lines were dropped, since nobody read them"
+                self._lines.put_nowait(self._formatted(dropped))
+                self._dropped = 0
+            self._lines.put_nowait(self._formatted(record))
+        except queue.Full:
+            self._dropped += 1
+
+    def _formatted(self, record: logging.LogRecord) -> logging.LogRecord:
+        return logging.makeLogRecord({"msg": self.format(record)})
+
+    def _write(self) -> None:
+        while (line := self._lines.get()) is not None:
+            self._writer.handle(line)
+
+    def _end(self) -> None:
+        try:
+            self._lines.put(None, timeout=_LAST_LINES_PATIENCE)
+        except queue.Full:
+            return
+        self._thread.join(_LAST_LINES_PATIENCE)
+
+
+def _time(record: logging.LogRecord) -> str:
+    moment = datetime.fromtimestamp(record.created, UTC)
+    return moment.isoformat(timespec="milliseconds").replace("+00:00", "Z")
