@@ -1,4 +1,4 @@
-"""What becomes of a chunk that was interrupted: it is run again, unless it was lost too often."""
+"""What becomes of a chunk that was interrupted: it is run again, unless that is hopeless."""
 
 from __future__ import annotations
 
@@ -11,21 +11,33 @@ def run_again(
 ) -> bool:
     """Put the next attempt at the front of the queue; False when there is none.
 
-    When it was lost too often, the slice that was being solved is given up, and the others go on; a chunk
-    that was at no slice, such as a document, fails its job. `kind` and `detail` say why.
+    When it was lost too often, what it was at is given up. `kind` and `detail` say why.
     """
     following = records.reopen(ref, lost)
-    if following == "too-often" and records.put_slice_error(ref, kind, detail):
-        following = records.reopen(ref)
     if following == "too-often":
-        fail(records, chunks, ref, kind, detail)
-    if not isinstance(following, ChunkRef):
-        return False
-    chunks.enqueue([following], bulk=False, at_front=True)
-    return True
+        return give_up(records, chunks, ref, kind, detail)
+    return _enqueue(chunks, following)
+
+
+def give_up(records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, kind: str, detail: str) -> bool:
+    """Give up the slice that is being solved, and have the others computed; False when none is left.
+
+    A chunk that was at no slice, such as a document, fails its job. `kind` and `detail` say why.
+    """
+    if records.put_slice_error(ref, kind, detail):
+        return _enqueue(chunks, records.reopen(ref))
+    fail(records, chunks, ref, kind, detail)
+    return False
 
 
 def fail(records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, kind: str, detail: str) -> None:
     """End the job because of this chunk, and the work on the others."""
     entries = records.fail(ref, kind, detail) or []
     chunks.withdraw([entry for entry in entries if entry.ref != ref])
+
+
+def _enqueue(chunks: ChunkQueue, following: ChunkRef | str) -> bool:
+    if isinstance(following, ChunkRef):
+        chunks.enqueue([following], bulk=False, at_front=True)
+        return True
+    return False

@@ -20,6 +20,14 @@ class Failed:
 
 
 @dataclass(frozen=True)
+class GivenUp:
+    """The slice at which it was, or else the job, fails as described."""
+
+    kind: str
+    detail: str
+
+
+@dataclass(frozen=True)
 class RunAgain:
     """The chunk is run again. If it was lost too often, its slice or its job fails as described."""
 
@@ -28,7 +36,7 @@ class RunAgain:
     detail: str = ""
 
 
-Outcome = Failed | RunAgain
+Outcome = Failed | GivenUp | RunAgain
 """The outcome of a chunk whose work horse could not record it."""
 
 UNRECORDED = 75
@@ -60,5 +68,5 @@ def judge_exit(status: int | None, ended_for: str | None, settings: WorkerSettin
     if number == signal.SIGABRT:
         limit = settings.memory_limit_mb
         of = f" of {limit} MiB" if limit else ""
-        return Failed("resource-exhausted", f"{how}, most likely at the memory limit{of}.")
+        return GivenUp("resource-exhausted", f"{how}, most likely at the memory limit{of}.")
     return RunAgain("horses", "worker-crashed", f"{how}, repeatedly.")

@@ -17,7 +17,7 @@ from worker.answers.kinds import compute, known_document
 from worker.answers.store import ResultStore
 from worker.answers.tables import INTERNAL, eliminant_of, solve
 from worker.jobs.chunks import ChunkQueue
-from worker.jobs.interruption import fail
+from worker.jobs.interruption import fail, give_up
 from worker.jobs.records import Chunk, ChunkRef, JobRecords
 from worker.logs import about
 from worker.process.os_limits import lift_memory_limit
@@ -83,7 +83,8 @@ def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> None:
         log.exception("chunk %d failed", ref.index)
         kind, detail = "internal-error", INTERNAL
     if kind:
-        fail(records, ChunkQueue(_context.redis, _context.settings), ref, kind, detail)
+        end = give_up if kind == "resource-exhausted" else fail
+        end(records, ChunkQueue(_context.redis, _context.settings), ref, kind, detail)
     what = f"{len(chunk.parts)} slices" if chunk.request.kind.by_slices else chunk.request.kind.name
     seconds = time.monotonic() - start
     log.info("chunk %d (%s): %s after %.2f s", ref.index, what, kind or "done", seconds)

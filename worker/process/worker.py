@@ -29,12 +29,12 @@ from rq.worker import WorkerStatus
 import rpr_solver  # noqa: F401
 from worker.connection import address
 from worker.jobs.chunks import ChunkQueue, queue_names
-from worker.jobs.interruption import fail, run_again
+from worker.jobs.interruption import fail, give_up, run_again
 from worker.jobs.records import ChunkRef, JobRecords
 from worker.jobs.roster import Roster
 from worker.jobs.sweeper import Sweeper
 from worker.logs import about
-from worker.process.horse_exit import UNANSWERED, UNRECORDED, Outcome, RunAgain, judge_exit
+from worker.process.horse_exit import UNANSWERED, UNRECORDED, GivenUp, Outcome, RunAgain, judge_exit
 from worker.process.os_limits import STOP_SIGNALS, die_with_parent, limit_memory, on_stop_signals
 from worker.process.outage import Outage
 from worker.settings import WorkerSettings
@@ -343,6 +343,8 @@ class CuspWorker(Worker):
     def _record(self, ref: ChunkRef, outcome: Outcome) -> None:
         if isinstance(outcome, RunAgain):
             run_again(self.records, self.chunks, ref, outcome.lost, outcome.kind, outcome.detail)
+        elif isinstance(outcome, GivenUp):
+            give_up(self.records, self.chunks, ref, outcome.kind, outcome.detail)
         elif outcome.kind:
             fail(self.records, self.chunks, ref, outcome.kind, outcome.detail)
 

@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from worker.process.horse_exit import UNRECORDED, Failed, RunAgain, judge_exit
+from worker.process.horse_exit import UNRECORDED, Failed, GivenUp, RunAgain, judge_exit
 from worker.settings import WorkerSettings
 
 SETTINGS = WorkerSettings(deadline=5, memory_limit_mb=100)
@@ -19,7 +19,6 @@ def test_a_normal_exit() -> None:
     ("status", "ended_for", "kind"),
     [
         (signal.SIGKILL, "deadline", "timeout"),
-        (signal.SIGABRT, None, "resource-exhausted"),
         (signal.SIGKILL, "canceled", ""),
     ],
 )
@@ -27,6 +26,13 @@ def test_failures(status: int, ended_for: str | None, kind: str) -> None:
     outcome = judge_exit(int(status), ended_for, SETTINGS)
     assert isinstance(outcome, Failed)
     assert outcome.kind == kind
+
+
+def test_what_is_given_up() -> None:
+    outcome = judge_exit(int(signal.SIGABRT), None, SETTINGS)
+    assert isinstance(outcome, GivenUp)
+    assert outcome.kind == "resource-exhausted"
+    assert "100 MiB" in outcome.detail
 
 
 def test_what_is_run_again() -> None:
