@@ -21,6 +21,7 @@ import rpr_solver
 from service.api.problems import ProblemType
 from service.api.settings import Settings
 from service.cli.main import COMMANDS
+from service.client import ClientSettings
 from service.schemas.limits import Limits
 from worker.settings import WorkerSettings
 
@@ -29,6 +30,7 @@ GROUPS: dict[str, type[BaseSettings]] = {
     "limits of requests": Limits,
     "API process": Settings,
     "jobs and workers": WorkerSettings,
+    "clients": ClientSettings,
 }
 
 
@@ -75,7 +77,15 @@ def commands() -> list[tuple[str, argparse.ArgumentParser]]:
     parsers = {name: argparse.ArgumentParser() for name in COMMANDS}
     for name, parser in parsers.items():
         importlib.import_module(f"service.cli.{name}").configure(parser)
-    return list(parsers.items())
+    return [pair for name, parser in parsers.items() for pair in with_actions(name, parser)]
+
+
+def with_actions(name: str, parser: argparse.ArgumentParser) -> list[tuple[str, argparse.ArgumentParser]]:
+    """Returns a command, or in its place its actions, such as `keys create`."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            return [(f"{name} {word}", below) for word, below in action.choices.items()]
+    return [(name, parser)]
 
 
 def visible(parser: argparse.ArgumentParser) -> list[argparse.Action]:

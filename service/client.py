@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, Self
 
 import httpx
+from pydantic import Field, SecretStr
+from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from service.errors import ServiceError
 
@@ -16,8 +18,16 @@ _LOOPBACK = ("127.0.0.1", "localhost", "::1")
 _TIMEOUT = httpx.Timeout(60.0, connect=5.0)
 
 
+class ClientSettings(BaseSettings):
+    """What a client reads from the environment, since others can see a command line."""
+
+    model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
+
+    api_key: SecretStr | None = Field(default=None, description="API key that `rpr-cusps solve --url` sends")
+
+
 class ServiceClient:
-    """A client of one service.
+    """A client of one service, with the key `RPR_CUSPS_API_KEY` if it is set.
 
     Raises:
         ServiceError: the URL is not an HTTP address.
@@ -34,7 +44,13 @@ class ServiceClient:
                 f"{url!r} is not an HTTP address; give for example http://127.0.0.1:8000", is_input=True
             )
         # proxies of the environment are not for this machine
-        self._http = httpx.Client(base_url=url, timeout=_TIMEOUT, trust_env=parsed.host not in _LOOPBACK)
+        key = ClientSettings().api_key
+        self._http = httpx.Client(
+            base_url=url,
+            headers={} if key is None else {"Authorization": f"Bearer {key.get_secret_value()}"},
+            timeout=_TIMEOUT,
+            trust_env=parsed.host not in _LOOPBACK,
+        )
 
     def __enter__(self) -> Self:
         return self

@@ -162,4 +162,4 @@ def test_the_map_of_the_house_shows_every_room_and_no_module_that_is_gone() -> N
         assert folders <= rows.keys() <= folders | {path.stem for path in (ROOT / package).glob("*.py")}
         for room, modules in rows.items():
             named = set(re.findall(r"\b[a-z]+_[a-z_]+\b", modules))
-            assert named <= {path.stem for path in (ROOT / package / room).glob("*.py")}, room
+            assert named <= {path.stem for path in (ROOT / package / room).rglob("*.py")}, room

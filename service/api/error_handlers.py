@@ -44,10 +44,11 @@ def add_error_handlers(app: FastAPI) -> None:
 
 
 async def _answer(request: Request, error: Exception) -> Response:
-    return _problem(request, error).response(request.url.path)
+    return problem_of(request, error).response(request.url.path)
 
 
-def _problem(request: Request, error: Exception) -> ProblemError:
+def problem_of(request: Request, error: Exception) -> ProblemError:
+    """Returns the problem that an exception becomes; raises one that is unexpected."""
     if isinstance(error, ProblemError):
         return error
     if isinstance(error, InputError):

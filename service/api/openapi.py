@@ -12,6 +12,7 @@ from fastapi.routing import APIRoute
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
+from service.api.access.docs import describe_access
 from service.api.operations import OPERATIONS
 from service.schemas.jobs import Job
 from service.schemas.numbers import EXACT_NUMBER
@@ -72,6 +73,7 @@ def document(app: FastAPI) -> dict[str, Any]:
             responses = operation["responses"]
             if responses.get("422", {}).get("description") == "Validation Error":
                 del responses["422"]  # the framework's own, which never occurs
+    describe_access(contract)
     return contract
 
 

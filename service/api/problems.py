@@ -35,6 +35,15 @@ class ProblemType(Enum):
         "The request body is not UTF-8 or not JSON, repeats a key, contains NaN or Infinity, or is nested "
         "too deeply. The detail says where.",
     )  # fmt: skip
+    UNAUTHORIZED = (
+        401, "A key is needed",
+        "This service asks for a key: `Authorization: Bearer rpr_…`. The key is missing, unknown, expired or "
+        "revoked.",
+    )  # fmt: skip
+    FORBIDDEN = (
+        403, "The key does not allow this",
+        "The key is valid, but its scope does not include this call. The detail names the scope that does.",
+    )  # fmt: skip
     NOT_FOUND = (
         404, "Nothing is here",
         "There is no resource at this address. Jobs expire some time after they end; posting the same "
@@ -69,6 +78,11 @@ class ProblemType(Enum):
     UNSUPPORTED_MEDIA_TYPE = (
         415, "The body is not sent as JSON",
         "Send the request body as application/json, in UTF-8 and uncompressed.",
+    )  # fmt: skip
+    UNKNOWN_HOST = (
+        421, "This is not the service of that name",
+        "The Host header is neither an address nor localhost nor a name in RPR_CUSPS_ALLOWED_HOSTS. This "
+        "keeps pages of other sites away from a service on your computer.",
     )  # fmt: skip
     INVALID_REQUEST = (
         422, "The request is not valid",

@@ -9,6 +9,9 @@ from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from service.schemas.limits import Limits
 
+KeysPolicy = Literal["auto", "always", "never"]
+"""Whether calls need a key."""
+
 
 class Settings(BaseSettings):
     """How one API process runs."""
@@ -41,4 +44,19 @@ class Settings(BaseSettings):
     access_log: Literal["all", "errors", "off"] = Field(
         default="all", description="the requests that are logged; `errors`: those answered with 400 and above"
     )
+    require_keys: KeysPolicy = Field(
+        default="auto",
+        description="whether calls need an API key; `auto`: once a key was made, and always if `serve` "
+        "listens on an address that other computers reach",
+    )
+    allowed_hosts: str = Field(
+        default="",
+        description="names of the service, comma-separated, that a Host header may have beside addresses and "
+        "localhost; `*.example.com` for those below a name, `*` for all",
+    )
     limits: Limits = Field(default_factory=Limits)
+
+    @property
+    def host_names(self) -> tuple[str, ...]:
+        """The names in `allowed_hosts`."""
+        return tuple(name for part in self.allowed_hosts.split(",") if (name := part.strip()))

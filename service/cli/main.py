@@ -29,6 +29,7 @@ COMMANDS = {
     "poses": "compute all poses for given leg lengths",
     "serve": "run the whole service",
     "worker": "run one worker",
+    "keys": "make, list and revoke API keys",
     "demo": "run the whole service on one example",
 }
 """Command → summary; each command is a module of this package."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import argparse
 import signal
-from collections.abc import Callable
 from pathlib import Path
 
 from service.api.settings import Settings
+from service.cli.arguments import whole
 from service.cli.worker import add_redis_url
 from service.stack.serve import ServeSettings, serve
 from worker.process.os_limits import die_with_parent
@@ -18,7 +18,8 @@ EXAMPLES = """\
 examples:
   rpr-cusps serve
   rpr-cusps serve --port 8080 --workers 8 --data-dir /var/lib/rpr-cusps
-  rpr-cusps serve --host 0.0.0.0 --workers 0 --redis-url redis://queue:6379/0    only the API; see worker
+  rpr-cusps serve --host 0.0.0.0                 for other computers: first make a key, see keys
+  rpr-cusps serve --workers 0 --redis-url redis://queue:6379/0    only the API; see worker
 
 Settings come from the environment: RPR_CUSPS_MAX_SLICES and the other limits of /v1/limits,
 RPR_CUSPS_DEADLINE (maximum run time of a chunk of a job, in seconds) and more.
@@ -27,17 +28,22 @@ RPR_CUSPS_DEADLINE (maximum run time of a chunk of a job, in seconds) and more.
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default: 127.0.0.1)")
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        help="address to listen on (default: 127.0.0.1); one that other computers reach needs a key",
+    )
+    parser.add_argument("--insecure", action="store_true", help="let everyone in who reaches the address")
     parser.add_argument(
         "--port",
-        type=_whole("a port", 65535),
+        type=whole("a port", 65535),
         default=8000,
         metavar="N",
         help="port to listen on (default: 8000); 0 chooses a free one",
     )
     parser.add_argument(
         "--workers",
-        type=_whole("a number of workers", 1024),
+        type=whole("a number of workers", 1024),
         metavar="N",
         help="number of worker processes (default: one per core)",
     )
@@ -63,14 +69,6 @@ def run(args: argparse.Namespace) -> int:
             workers=args.workers,
             redis_url=args.redis_url,
             data_dir=args.data_dir,
+            insecure=args.insecure,
         )
     )
-
-
-def _whole(what: str, high: int) -> Callable[[str], int]:
-    def parse(text: str) -> int:
-        if not (text.isascii() and text.isdigit() and len(text) < 10 and int(text) <= high):
-            raise argparse.ArgumentTypeError(f"{text[:40]!r} is not {what} from 0 to {high}")
-        return int(text)
-
-    return parse

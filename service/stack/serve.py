@@ -18,8 +18,10 @@ from typing import Any
 import uvicorn
 from pydantic import ValidationError
 
+from service.api.settings import KeysPolicy, Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from service.stack.errors import EmbeddedError, StackError
+from service.stack.exposure import is_loopback, keys_policy
 from worker.connection import UnreachableError, check, connect
 from worker.jobs.sweeper import Sweeper
 from worker.logs import set_up
@@ -40,6 +42,7 @@ class ServeSettings:
     workers: int | None = None  # None: one per usable core
     redis_url: str | None = None  # None: an embedded Valkey
     data_dir: Path | None = None  # None: the platform's directory for user data
+    insecure: bool = False  # without keys, on whatever address
 
     @property
     def worker_count(self) -> int:
@@ -77,6 +80,7 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     url = settings.redis_url if valkey is None else valkey.url
     assert url is not None
     _check_redis(url)
+    policy = _keys_policy(settings, listener, url)
     pool = WorkerPool(
         settings.worker_count, url, level, lambda how: _say(f"a worker died ({how}); starting another")
     )
@@ -84,7 +88,7 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     pool.start()  # before the application is imported: the workers import at the same time
     _start_sweeper(url, worker_settings, stack)
     config = uvicorn.Config(
-        _create_app(url),
+        _create_app(url, policy),
         log_config=None,
         log_level=level.lower(),
         access_log=False,
@@ -226,8 +230,16 @@ def _announcement(settings: ServeSettings, listener: socket.socket, valkey: Embe
     return f"rpr-cusps is ready at http://{host}:{port} ({workers}, {where}); Ctrl-C stops it"
 
 
-def _create_app(redis_url: str) -> Any:
-    from service.api.app import create_app
-    from service.api.settings import Settings
+def _keys_policy(settings: ServeSettings, listener: socket.socket, url: str) -> KeysPolicy:
+    asked = "never" if settings.insecure else Settings().require_keys
+    where = "" if settings.data_dir is None else f" --data-dir {settings.data_dir}"
+    policy = keys_policy(listener, asked, url, where if settings.redis_url is None else " --redis-url …")
+    if policy == "never" and not is_loopback(listener):
+        _say(f"without keys: whoever reaches {settings.host} port {listener.getsockname()[1]} may use it")
+    return policy
 
-    return create_app(Settings(redis_url=redis_url))
+
+def _create_app(redis_url: str, policy: KeysPolicy) -> Any:
+    from service.api.app import create_app
+
+    return create_app(Settings(redis_url=redis_url, require_keys=policy))

@@ -1,0 +1,42 @@
+"""The caller of a request, as the routes and the log see it."""
+
+from __future__ import annotations
+
+from collections.abc import MutableMapping
+from dataclasses import dataclass
+from typing import Any
+
+from service.api.access.keys import Scope
+
+_IN_SCOPE = "rpr_cusps.caller"
+
+
+@dataclass(frozen=True)
+class Caller:
+    """A key, or on an open service a network address.
+
+    Attributes:
+        id: distinguishes callers: `key:ID` or `address:IP`.
+        name: the name of the key; None for a caller without a key.
+        scope: what the caller may do.
+    """
+
+    id: str
+    name: str | None
+    scope: Scope
+
+    @property
+    def is_anonymous(self) -> bool:
+        """Whether the caller has shown no key."""
+        return self.name is None
+
+
+def caller_of(scope: MutableMapping[str, Any]) -> Caller | None:
+    """Returns the caller of an ASGI request; None for calls that are open to all, and those refused."""
+    caller: Caller | None = scope.get(_IN_SCOPE)
+    return caller
+
+
+def set_caller(scope: MutableMapping[str, Any], caller: Caller) -> None:
+    """Note the caller in the ASGI request."""
+    scope[_IN_SCOPE] = caller

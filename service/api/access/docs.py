@@ -1,0 +1,32 @@
+"""Keys and refusals in the OpenAPI document, from the table of rules."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from service.api.access.rules import scope_needed
+from service.api.operation_docs import problems
+from service.api.problems import ProblemType
+
+_SCHEME = {
+    "type": "http",
+    "scheme": "bearer",
+    "bearerFormat": "rpr_ID_SECRET",
+    "description": "An API key, made by `rpr-cusps keys create`. A service on a loopback address asks for "
+    "one once a key was made.",
+}
+
+
+def describe_access(contract: dict[str, Any]) -> None:
+    """Add to every operation the key that it needs, and the answers of the guard."""
+    contract.setdefault("components", {})["securitySchemes"] = {"key": _SCHEME}
+    for path, operations in contract["paths"].items():
+        for method, operation in operations.items():
+            needed = scope_needed(method.upper(), path)
+            kinds = [ProblemType.UNKNOWN_HOST]
+            if needed is not None:
+                kinds += [ProblemType.UNAUTHORIZED, ProblemType.FORBIDDEN]
+                operation["security"] = [{}, {"key": []}]
+                operation["description"] += f"\n\nOn a service that asks for keys: scope `{needed}`."
+            answers = {str(status): answer for status, answer in problems(*kinds).items()}
+            operation["responses"] = dict(sorted({**answers, **operation["responses"]}.items()))

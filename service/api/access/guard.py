@@ -1,0 +1,96 @@
+"""The door of the service: a request must name this service, and its caller must be allowed what it asks."""
+
+from __future__ import annotations
+
+from redis.exceptions import RedisError
+from starlette.datastructures import Headers
+from starlette.requests import Request
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from service.api.access.caller import Caller, set_caller
+from service.api.access.hosts import is_known
+from service.api.access.key_ring import KeyRing
+from service.api.access.keys import allows
+from service.api.access.rules import scope_needed
+from service.api.error_handlers import problem_of
+from service.api.problems import ProblemError, ProblemType
+from service.api.settings import Settings
+
+_CHALLENGE = 'Bearer realm="rpr-cusps"'
+
+
+class Guard:
+    """A layer of the application; refuses before a body is read."""
+
+    def __init__(self, app: ASGIApp, settings: Settings, ring: KeyRing) -> None:
+        self.app = app
+        self.settings = settings
+        self.ring = ring
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let one request in, or answer it with a problem."""
+        if scope["type"] == "http":
+            try:
+                await self._admit(scope)
+            except (ProblemError, RedisError) as error:
+                response = problem_of(Request(scope), error).response(scope["path"])
+                await response(scope, receive, send)
+                return
+        await self.app(scope, receive, send)
+
+    async def _admit(self, scope: Scope) -> None:
+        headers = Headers(scope=scope)
+        _check_host(headers, self.settings.host_names)
+        needed = scope_needed(scope["method"], scope["path"])
+        if needed is None:
+            return
+        caller = await self._caller(scope, headers)
+        set_caller(scope, caller)
+        if not allows(caller.scope, needed):
+            raise ProblemError(
+                ProblemType.FORBIDDEN,
+                f"This call needs a key with scope {needed}; the key {caller.name} has scope {caller.scope}.",
+                headers={"WWW-Authenticate": f'{_CHALLENGE}, error="insufficient_scope", scope="{needed}"'},
+            )
+
+    async def _caller(self, scope: Scope, headers: Headers) -> Caller:
+        sent = headers.get("authorization", "")
+        scheme, _, token = sent.partition(" ")
+        token = token.strip() if scheme.lower() == "bearer" else ""
+        is_open = await self._is_open()
+        if is_open and not token.startswith("rpr_"):
+            address = scope["client"][0] if scope.get("client") else "unknown"
+            return Caller(f"address:{address}", None, "admin")
+        if not sent:
+            raise ProblemError(
+                ProblemType.UNAUTHORIZED,
+                "This service asks for a key: send it as Authorization: Bearer rpr_….",
+                headers={"WWW-Authenticate": _CHALLENGE},
+            )
+        key = await self.ring.find(token)
+        if key is None:
+            raise ProblemError(
+                ProblemType.UNAUTHORIZED,
+                "The Authorization header has no valid key: the key is unknown, expired or revoked, or not "
+                "sent as Bearer rpr_….",
+                headers={"WWW-Authenticate": f'{_CHALLENGE}, error="invalid_token"'},
+            )
+        return Caller(f"key:{key.id}", key.name, key.scope)
+
+    async def _is_open(self) -> bool:
+        required = self.settings.require_keys
+        return required == "never" or (required == "auto" and await self.ring.is_empty())
+
+
+def _check_host(headers: Headers, names: tuple[str, ...]) -> None:
+    header = headers.get("host")
+    # without one, the client speaks HTTP/1.0 and is no browser
+    if header is None or is_known(header, names):
+        return
+    sent = header[:100]
+    raise ProblemError(
+        ProblemType.UNKNOWN_HOST,
+        f"The Host header {sent!r} is not a name of this service. Use its address, or let its operator add "
+        "the name to RPR_CUSPS_ALLOWED_HOSTS.",
+        errors=[("Host", f"{sent!r} is not in RPR_CUSPS_ALLOWED_HOSTS")],
+    )

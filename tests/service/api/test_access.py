@@ -1,0 +1,177 @@
+"""Who is let in: names of the service, keys and their scopes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+
+from service.api.access.key_ring import _LONGEST_AGE
+from service.api.access.key_store import KeyStore
+from service.api.access.keys import Scope, make_key
+from service.api.settings import Settings
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import PATIENCE, until
+from tests.support.service_server import GEOMETRY, serving
+from worker.connection import connect
+
+QUESTION = {"geometry": GEOMETRY, "l1": 14.98}
+A_JOB = "/v1/jobs/ct-0"
+
+
+@pytest.fixture(scope="module")
+def url(valkey: EmbeddedValkey) -> str:
+    """A database without jobs and keys."""
+    with connect(f"{valkey.url}?db=2") as client:
+        client.flushdb()
+    return f"{valkey.url}?db=2"
+
+
+@pytest.fixture
+def store(url: str) -> Iterator[KeyStore]:
+    """The keys of the service; all are forgotten afterwards."""
+    with connect(url) as client:
+        yield KeyStore(client, "cusps")
+        client.flushdb()
+
+
+@pytest.fixture(scope="module")
+def guarded_url(url: str) -> Iterator[str]:
+    with serving(Settings(redis_url=url, require_keys="always", allowed_hosts="queue.example,*.lab")) as base:
+        yield base
+
+
+@pytest.fixture
+def guarded(guarded_url: str) -> Iterator[httpx.Client]:
+    """A client, without a key, of a service that asks for keys."""
+    with httpx.Client(base_url=guarded_url, timeout=PATIENCE) as client:
+        yield client
+
+
+def bearer(store: KeyStore, scope: Scope = "submit", expires: float | None = None) -> dict[str, str]:
+    """The header with a new key."""
+    key, token = make_key(f"test-{time.monotonic_ns()}", scope, time.time(), expires)
+    assert store.add(key, time.time())
+    return {"Authorization": f"Bearer {token}"}
+
+
+@pytest.mark.parametrize("path", ["/", "/healthz", "/docs", "/openapi.json", "/problems/unauthorized"])
+def test_what_is_open_to_all(guarded: httpx.Client, path: str) -> None:
+    assert guarded.get(path).status_code == 200
+    assert guarded.get("/readyz").status_code == 503  # there is no worker
+
+
+@pytest.mark.parametrize(
+    ("method", "path"),
+    [("GET", A_JOB), ("GET", "/v1/limits"), ("POST", "/v1/censuses"), ("DELETE", A_JOB), ("GET", "/nothing")],
+)
+@pytest.mark.parametrize(
+    "sent", [None, "Bearer", "Bearer rpr_", "Basic dTpw", f"Bearer rpr_{'a' * 8}_{'b' * 43}"]
+)
+def test_nobody_is_let_in_without_a_key(
+    guarded: httpx.Client, method: str, path: str, sent: str | None
+) -> None:
+    answer = guarded.request(method, path, headers={} if sent is None else {"Authorization": sent})
+    assert (answer.status_code, answer.json()["type"]) == (401, "/problems/unauthorized")
+    assert answer.headers["www-authenticate"].startswith('Bearer realm="rpr-cusps"')
+    assert ("invalid_token" in answer.headers["www-authenticate"]) == (sent is not None)
+
+
+def test_a_key_does_what_its_scope_includes(guarded: httpx.Client, store: KeyStore) -> None:
+    read, submit, admin = (bearer(store, scope) for scope in ("read", "submit", "admin"))
+
+    def statuses(key: dict[str, str]) -> list[int]:
+        return [
+            guarded.get("/v1/limits", headers=key).status_code,
+            guarded.post("/v1/cusp-tables", json=QUESTION, headers=key).status_code,
+            guarded.get("/metrics", headers=key).status_code,
+        ]
+
+    assert statuses(read) == [200, 403, 403]
+    assert statuses(submit) == [200, 202, 403]
+    assert statuses(admin) == [200, 202, 200]
+    refused = guarded.delete(A_JOB, headers=read)
+    assert refused.json()["type"] == "/problems/forbidden"
+    assert 'error="insufficient_scope", scope="submit"' in refused.headers["www-authenticate"]
+
+
+def test_a_key_with_another_secret_is_refused(guarded: httpx.Client, store: KeyStore) -> None:
+    key = bearer(store)
+    wrong = key["Authorization"][:-1] + ("a" if key["Authorization"][-1] != "a" else "b")
+    assert guarded.get("/v1/limits", headers=key).status_code == 200
+    assert guarded.get("/v1/limits", headers={"Authorization": wrong}).status_code == 401
+
+
+def test_a_key_ends_with_its_time_or_when_it_is_revoked(guarded: httpx.Client, store: KeyStore) -> None:
+    old = bearer(store, expires=time.time() - 1)
+    assert guarded.get("/v1/limits", headers=old).status_code == 401
+    new = bearer(store)
+    assert guarded.get("/v1/limits", headers=new).status_code == 200
+    [name] = [key.name for key in store.all().values() if key.state(time.time()) == "valid"]
+    assert store.revoke(name, time.time()) is not None
+    start = time.monotonic()
+    until(lambda: guarded.get("/v1/limits", headers=new).status_code == 401)
+    assert time.monotonic() - start < _LONGEST_AGE + 5
+    assert store.revoke(name, time.time()) is None
+    assert len(store.last_uses()) == 1
+
+
+def test_no_secret_is_kept(guarded: httpx.Client, store: KeyStore) -> None:
+    key = bearer(store)
+    guarded.post("/v1/cusp-tables", json=QUESTION, headers=key)
+    secret = key["Authorization"].rpartition("_")[2].encode()
+    for name in store.redis.scan_iter():
+        assert secret not in (store.redis.dump(name) or b"")
+
+
+def test_the_first_key_closes_a_local_service(url: str, store: KeyStore) -> None:
+    with serving(Settings(redis_url=url)) as base, httpx.Client(base_url=base, timeout=PATIENCE) as client:
+        assert client.get("/metrics").status_code == 200
+        assert client.get("/metrics", headers={"Authorization": "Bearer of-a-proxy"}).status_code == 200
+        key = bearer(store, "admin")
+        assert client.get("/metrics", headers=key).status_code == 200
+        until(lambda: client.get("/metrics").status_code == 401)
+        [known] = store.all().values()
+        store.revoke(known.id, time.time())
+        until(lambda: client.get("/metrics", headers=key).status_code == 401)
+        assert client.get("/metrics").status_code == 401  # the last key does not open it again
+
+
+def test_no_one_is_let_in_while_it_is_not_known_whether_there_are_keys(tmp_path: Path) -> None:
+    with serving(Settings(redis_url=f"unix://{tmp_path}/none.sock")) as base:
+        answer = httpx.get(f"{base}/v1/limits")
+        assert (answer.status_code, answer.json()["type"]) == (503, "/problems/unavailable")
+        assert httpx.get(f"{base}/healthz").status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("host", "status"),
+    [
+        ("127.0.0.1:8000", 200),
+        ("[::1]:8000", 200),
+        ("192.0.2.7", 200),
+        ("localhost", 200),
+        ("Queue.Example:80", 200),
+        ("rig.lab", 200),
+        ("lab", 421),
+        ("evil.example", 421),
+        ("queue.example.evil.example", 421),
+        ("127.0.0.1.evil.example", 421),
+        ("localhost:80:80", 421),
+        ("", 421),
+    ],
+)
+def test_the_service_answers_to_its_names_only(guarded: httpx.Client, host: str, status: int) -> None:
+    answer = guarded.get("/healthz", headers={"Host": host})
+    assert answer.status_code == status
+    if status == 421:
+        assert answer.json()["type"] == "/problems/unknown-host"
+        assert "RPR_CUSPS_ALLOWED_HOSTS" in answer.json()["detail"]
+
+
+def test_any_name_if_the_operator_says_so(url: str) -> None:
+    with serving(Settings(redis_url=url, allowed_hosts="*")) as base:
+        assert httpx.get(f"{base}/healthz", headers={"Host": "any.example"}).status_code == 200
