@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from service.api.access.keys import Scope
+from service.api.access_log import KEY_NAME
 
 _IN_SCOPE = "rpr_cusps.caller"
 
@@ -38,5 +39,7 @@ def caller_of(scope: MutableMapping[str, Any]) -> Caller | None:
 
 
 def set_caller(scope: MutableMapping[str, Any], caller: Caller) -> None:
-    """Note the caller in the ASGI request."""
+    """Note the caller in the ASGI request, where the log finds the name of its key."""
     scope[_IN_SCOPE] = caller
+    if caller.name is not None:
+        scope[KEY_NAME] = caller.name
