@@ -28,7 +28,7 @@ MAY_IMPORT = {
     "worker.logs": "",
     "worker.settings": "rpr_solver worker.logs",
     "worker.connection": "",
-    "worker.jobs": "rpr_solver worker.settings worker.logs worker.answers",
+    "worker.jobs": "rpr_solver worker.settings worker.connection worker.logs worker.answers",
     "worker.answers": "rpr_solver worker.settings",
     "worker.process": "rpr_solver worker.settings worker.connection worker.logs worker.jobs worker.answers",
     "worker.__main__": "worker.settings worker.process",

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar, cast
 from urllib.parse import urlsplit
 
 from redis import Redis
-from redis.backoff import ExponentialBackoff, NoBackoff
+from redis.backoff import ExponentialBackoff
 from redis.connection import SSLConnection
-from redis.exceptions import RedisError
+from redis.exceptions import ConnectionError as RedisConnectionError
+from redis.exceptions import NoPermissionError, RedisError, ResponseError
 from redis.exceptions import TimeoutError as RedisTimeoutError
 from redis.retry import Retry
 
-SOCKET_TIMEOUT = 20.0
-"""Seconds; longer than any blocking command, and the time after which a dead server is noticed."""
+T = TypeVar("T")
 
+SOCKET_TIMEOUT = 4.0
+"""Seconds; longer than any blocking command of a worker. A server that hangs is noticed
+after three times this."""
 
+NO_EVICTION = "noeviction"
+
+_OWN_FAULTS = ("ERR", "WRONGTYPE", "NOSCRIPT", "EXECABORT", "CROSSSLOT")
+_CODE = re.compile(r"[A-Z]+")
+_IN_SCRIPT = re.compile(r"-(?:MISCONF|OOM|READONLY|NOREPLICAS|NOPERM)\b")
 _TLS_TIMEOUT = 4.0  # a server without TLS waits for ever for the end of what it takes for a command
 
 
@@ -24,22 +33,54 @@ class UnreachableError(Exception):
     """Nobody answers at the address; the message is for the user, and has no password in it."""
 
 
-def connect(url: str, *, max_connections: int = 256) -> Redis:
+class _Retry(Retry):
+    """Tries again several times when the connection is lost, but only so often when no answer comes."""
+
+    def __init__(self, lost: int, unanswered: int) -> None:
+        super().__init__(ExponentialBackoff(cap=0.5, base=0.02), lost)
+        self._unanswered = unanswered
+
+    def call_with_retry(
+        self,
+        do: Callable[[], T],
+        fail: Callable[..., Any],
+        is_retryable: Callable[[Exception], bool] | None = None,
+        with_failure_count: bool = False,
+    ) -> T:
+        """Do something, again and again."""
+        left = self._unanswered
+
+        def may_retry(error: Exception) -> bool:
+            nonlocal left
+            left -= isinstance(error, RedisTimeoutError | TimeoutError)
+            return left >= 0 and (is_retryable is None or is_retryable(error))
+
+        return super().call_with_retry(do, fail, may_retry, with_failure_count)
+
+
+def connect(url: str, *, max_connections: int = 256, timeout: float | None = None) -> Redis:
     """Return a client for `url` (`redis://`, `rediss://` or `unix://`); connects at first use.
+
+    Args:
+        url: the address.
+        max_connections: the size of the pool.
+        timeout: how long one answer may take, in seconds, after which an error comes at once. Without it,
+            `SOCKET_TIMEOUT` and a second try.
 
     Raises:
         ValueError: the address cannot be understood.
     """
-    _check_address(url)
-    over_network: dict[str, Any] = {"socket_connect_timeout": 3.0, "socket_keepalive": True}
+    check_address(url)
+    seconds = SOCKET_TIMEOUT if timeout is None else timeout
+    over_network: dict[str, Any] = {"socket_connect_timeout": min(3.0, seconds), "socket_keepalive": True}
     return Redis.from_url(
         url,
         max_connections=max_connections,
-        socket_timeout=SOCKET_TIMEOUT,
+        socket_timeout=seconds,
         protocol=2,
         driver_info=None,  # looking up the client's own version costs a millisecond per connection
         **({} if url.startswith("unix:") else over_network),
-        retry=Retry(ExponentialBackoff(cap=0.5, base=0.02), 3),
+        retry=_Retry(lost=3, unanswered=1 if timeout is None else 0),
     )
 
 
@@ -50,10 +91,7 @@ def check(url: str) -> None:
         UnreachableError: it does not, or the address cannot be understood.
     """
     try:
-        with connect(url) as redis:
-            if url.startswith("rediss:"):
-                redis.connection_pool.connection_kwargs["socket_timeout"] = _TLS_TIMEOUT
-                redis.connection_pool.connection_kwargs["retry"] = Retry(NoBackoff(), 0)
+        with connect(url, timeout=_TLS_TIMEOUT if url.startswith("rediss:") else None) as redis:
             redis.ping()
     except (RedisError, ValueError) as error:
         no_tls = isinstance(error, RedisTimeoutError) or "WRONG_VERSION_NUMBER" in str(error)
@@ -61,6 +99,36 @@ def check(url: str) -> None:
         raise UnreachableError(
             f"cannot reach Redis: {error}{hint if url.startswith('rediss:') and no_tls else ''}"
         ) from error
+
+
+def is_refusal(error: Exception) -> bool:
+    """Whether Redis is away, hangs, or accepts no commands or data at the moment; else the fault is ours."""
+    if isinstance(error, RedisConnectionError | RedisTimeoutError):
+        return True
+    if not isinstance(error, ResponseError):
+        return False
+    text = str(error).rpartition("caused error: ")[2]  # redis-py quotes the command of a pipeline before it
+    code = error.status_code or text.partition(" ")[0]
+    return bool(_CODE.fullmatch(code) and code not in _OWN_FAULTS) or bool(_IN_SCRIPT.search(text))
+
+
+def eviction_warning(redis: Redis) -> str | None:
+    """Returns what is wrong with the eviction policy of Redis, if anything, or if Redis may not say it.
+
+    Raises:
+        RedisError: Redis cannot be reached.
+    """
+    try:
+        memory = cast("Mapping[str, Any]", redis.info("memory"))
+    except NoPermissionError:
+        return None
+    policy = str(memory.get("maxmemory_policy", NO_EVICTION))
+    if policy == NO_EVICTION:
+        return None
+    return (
+        f"Redis evicts keys when its memory is full (maxmemory-policy {policy}), so jobs and results may get "
+        f"lost; set maxmemory-policy {NO_EVICTION}."
+    )
 
 
 def address(redis: Redis) -> str:
@@ -74,7 +142,7 @@ def address(redis: Redis) -> str:
     return f"{scheme}://{host}:{options.get('port', 6379)}/{options.get('db', 0)}"
 
 
-def _check_address(url: str) -> None:
+def check_address(url: str) -> None:
     """Refuse what redis-py would misread in silence, or quote with a part of the password."""
     try:
         parts = urlsplit(url)

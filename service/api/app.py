@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-import anyio.to_thread
 from fastapi import FastAPI, Response
 from starlette.staticfiles import StaticFiles
 
@@ -25,16 +25,17 @@ from service.api.settings import Settings
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
-    """Create the application. Nothing connects to Redis before the first request that needs it."""
+    """Create the application. It starts and runs without Redis too."""
     settings = settings or Settings()
     context = Context.of(settings)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        anyio.to_thread.current_default_thread_limiter().total_tokens = settings.threads
+        check = asyncio.create_task(context.check_redis())
         try:
             yield
         finally:
+            check.cancel()
             await context.close()
 
     app = FastAPI(

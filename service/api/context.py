@@ -2,50 +2,86 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import logging
+from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
-from typing import Annotated, ParamSpec, TypeVar, cast
+from typing import Annotated, cast
 
-import anyio.to_thread
 from fastapi import Depends, Request
+from redis.exceptions import RedisError
 
 from service.api.job_events import JobEvents
 from service.api.metrics import Metrics
+from service.api.redis_access import Breaker, RedisAccess, Refusals
 from service.api.settings import Settings
-from worker.connection import connect
+from service.api.threads import Threads
+from worker.connection import connect, eviction_warning
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
-P = ParamSpec("P")
-T = TypeVar("T")
+log = logging.getLogger("rpr_cusps.service")
+
+_EVENT_THREADS = 8
+_PARSING_THREADS = 4
+_SCRAPING_THREADS = 2
 
 
 @dataclass(frozen=True)
 class Context:
-    """The parts of one application. All persistent state is in Redis."""
+    """The parts of one application. All persistent state is in Redis.
+
+    Attributes:
+        settings: how the process runs.
+        queue: the jobs and results.
+        events: the event streams of jobs.
+        metrics: counts and times.
+        redis: runs what uses Redis, outside the event loop.
+        parsing: threads for the reading of requests.
+        scraping: threads for the metrics.
+        refusals: the log of what Redis refuses.
+    """
 
     settings: Settings
     queue: JobQueue
     events: JobEvents
     metrics: Metrics
+    redis: RedisAccess
+    parsing: Threads
+    scraping: Threads
+    refusals: Refusals
 
     @classmethod
     def of(cls, settings: Settings) -> Context:
         """Create the parts; nothing connects yet."""
-        redis = connect(settings.redis_url, max_connections=settings.redis_connections)
+        redis = connect(
+            settings.redis_url,
+            max_connections=settings.redis_connections,
+            timeout=settings.redis_timeout_seconds,
+        )
         queue = JobQueue(redis, WorkerSettings())
-        return cls(settings, queue, JobEvents.of(settings, queue), Metrics(queue))
+        breaker = Breaker()
+        return cls(
+            settings=settings,
+            queue=queue,
+            events=JobEvents.of(settings, queue, RedisAccess(Threads(_EVENT_THREADS), breaker)),
+            metrics=Metrics(queue),
+            redis=RedisAccess(Threads(settings.threads), breaker),
+            parsing=Threads(_PARSING_THREADS),
+            scraping=Threads(_SCRAPING_THREADS),
+            refusals=Refusals(),
+        )
+
+    async def check_redis(self) -> None:
+        """Log what is wrong with Redis, if it can be reached; requests will tell if it cannot."""
+        with suppress(RedisError):
+            warning = await self.redis(eviction_warning, self.queue.redis)
+            if warning is not None:
+                log.warning("%s", warning)
 
     async def close(self) -> None:
         """Close the connections."""
         await self.events.close()
-        await in_thread(self.queue.redis.close)
-
-
-async def in_thread(function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-    """Run a blocking function (Redis, exact arithmetic) outside the event loop."""
-    return await anyio.to_thread.run_sync(partial(function, *args, **kwargs))
+        await self.parsing(self.queue.redis.close)
 
 
 async def _context(request: Request) -> Context:

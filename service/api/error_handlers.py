@@ -2,38 +2,18 @@
 
 from __future__ import annotations
 
-import logging
 import re
 
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
-from redis.exceptions import (
-    BusyLoadingError,
-    MaxConnectionsError,
-    OutOfMemoryError,
-    ReadOnlyError,
-    RedisError,
-    TryAgainError,
-)
-from redis.exceptions import ConnectionError as RedisConnectionError
-from redis.exceptions import TimeoutError as RedisTimeoutError
+from redis.exceptions import RedisError
 from starlette.exceptions import HTTPException
 
 from rpr_solver.errors import InputError
 from service.api.context import Context
 from service.api.problems import ProblemError, ProblemType
+from worker.connection import is_refusal
 
-log = logging.getLogger("rpr_cusps.service")
-
-_PASSING = (
-    BusyLoadingError,
-    MaxConnectionsError,
-    OutOfMemoryError,
-    ReadOnlyError,
-    RedisConnectionError,
-    RedisTimeoutError,
-    TryAgainError,
-)
 _PAGE_METHODS = {"GET", "HEAD"}
 
 
@@ -59,10 +39,10 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
         faults = [(".".join(str(part) for part in e["loc"]), str(e["msg"])) for e in error.errors()]
         detail = "; ".join(f"{field}: {message}" for field, message in faults)
         return ProblemError(ProblemType.INVALID_REQUEST, detail, errors=faults)
-    if not isinstance(error, _PASSING):
+    if not is_refusal(error):
         raise error
-    log.warning("Redis: %s", error)
     context: Context = request.app.state.context
+    context.refusals.tell(error)
     return ProblemError(
         ProblemType.UNAVAILABLE,
         "The queue cannot be reached or accepts no more data at the moment; nothing was lost. Try again.",

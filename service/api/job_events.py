@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 import anyio
-import anyio.to_thread
 from redis.asyncio import Redis
 from redis.exceptions import RedisError
 
 from service.api.job_view import job_json
+from service.api.redis_access import RedisAccess
 from service.api.settings import Settings
 from worker.jobs.queue import JobQueue
 from worker.jobs.records import JobView
@@ -36,15 +36,16 @@ class Event:
 class JobEvents:
     """Reads the event streams of jobs without blocking threads."""
 
-    def __init__(self, redis: Redis, queue: JobQueue, keepalive: float) -> None:
+    def __init__(self, redis: Redis, queue: JobQueue, access: RedisAccess, keepalive: float) -> None:
         self.redis = redis
         self.queue = queue
+        self.access = access
         self.keepalive = keepalive
         self._stopping = False
         self._reads: set[anyio.CancelScope] = set()
 
     @classmethod
-    def of(cls, settings: Settings, queue: JobQueue) -> JobEvents:
+    def of(cls, settings: Settings, queue: JobQueue, access: RedisAccess) -> JobEvents:
         """Returns a reader with a separate connection pool; each waiting client holds one connection."""
         redis = Redis.from_url(
             settings.redis_url,
@@ -54,7 +55,7 @@ class JobEvents:
             decode_responses=True,
             protocol=2,
         )
-        return cls(redis, queue, settings.keepalive_seconds)
+        return cls(redis, queue, access, settings.keepalive_seconds)
 
     def stop(self) -> None:
         """End all streams and waits at shutdown; call it in the event loop."""
@@ -135,7 +136,7 @@ class JobEvents:
 
     async def _slices(self, job_id: str, batch: Sequence[Event]) -> dict[str, Any]:
         l1 = [event.fields["l1"] for event in batch if event.fields["type"] == "slice"]
-        return await anyio.to_thread.run_sync(self._known_slices, job_id, l1) if l1 else {}
+        return await self.access(self._known_slices, job_id, l1) if l1 else {}
 
     def _known_slices(self, job_id: str, l1: list[str]) -> dict[str, Any]:
         record = self.queue.records.request(job_id)
@@ -145,7 +146,7 @@ class JobEvents:
         return {**self.queue.store.get_slices(request, l1), **errors}
 
     async def _view(self, job_id: str) -> JobView | None:
-        return await anyio.to_thread.run_sync(self.queue.get, job_id)
+        return await self.access(self.queue.get, job_id)
 
     async def _last(self, job_id: str) -> str:
         newest: Any = await self.redis.xrevrange(self._key(job_id), count=1)

@@ -25,10 +25,13 @@ class Settings(BaseSettings):
     redis_connections: int = Field(
         default=64, ge=2, description="maximum number of connections for short commands"
     )
+    redis_timeout_seconds: PositiveFloat = Field(
+        default=2.0, description="time to wait for an answer of Redis, in seconds"
+    )
     stream_connections: int = Field(
         default=512, ge=2, description="maximum number of clients that wait or follow events at the same time"
     )
-    threads: PositiveInt = Field(default=40, description="number of threads for blocking work")
+    threads: PositiveInt = Field(default=40, description="number of threads for work on Redis")
     poll_seconds: PositiveInt = Field(
         default=1, description="`Retry-After` until a job has ended, in seconds"
     )

@@ -46,6 +46,9 @@ class Limits(BaseSettings):
     max_body_bytes: PositiveInt = Field(
         default=1 << 20, description="maximum size of a request body, in bytes"
     )
+    max_body_members: PositiveInt = Field(
+        default=20_000, description="maximum number of members and elements in a request body, about"
+    )
     max_wait_seconds: NonNegativeInt = Field(
         default=30, description="maximum time that `Prefer: wait` can hold a request, in seconds"
     )

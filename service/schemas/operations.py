@@ -18,6 +18,9 @@ class Readiness(BaseModel):
 
     status: Literal["ready"]
     workers: int = Field(description="Number of live workers.")
+    warnings: list[str] = Field(
+        default=[], description="What endangers jobs, such as a setting of Redis; empty if nothing does."
+    )
 
 
 class Version(BaseModel):

@@ -19,8 +19,6 @@ def main() -> int:
         if name.partition(".")[0] == rpr_solver.__name__ and hasattr(module, "SOLVER_VERSION"):
             module.SOLVER_VERSION = version
     program = importlib.import_module("worker.__main__")  # now, so that its modules see that version
-    process = importlib.import_module("worker.process.worker")
-    process.CuspWorker.connection_timeout = 0  # RQ raises the limit to its own otherwise
     status: int = program.main()
     return status
 

@@ -5,8 +5,10 @@ from collections.abc import Iterator
 
 import pytest
 from redis import Redis
+from redis import exceptions as errors
+from redis._parsers.base import BaseParser
 
-from worker.connection import UnreachableError, address, check, connect
+from worker.connection import UnreachableError, address, check, connect, is_refusal
 
 
 @pytest.fixture
@@ -64,3 +66,37 @@ def test_an_address_that_cannot_be_read_is_not_shown(url: str) -> None:
 def test_an_address_is_shown_without_the_password(url: str, shown: str) -> None:
     with connect(url) as client:
         assert address(client) == shown
+
+
+@pytest.mark.parametrize(
+    ("text", "refused"),
+    [
+        ("MISCONF Redis is configured to save RDB snapshots", True),
+        ("OOM command not allowed when used memory > 'maxmemory'", True),
+        ("READONLY You can't write against a read only replica.", True),
+        ("LOADING Redis is loading the dataset in memory", True),
+        ("NOAUTH Authentication required.", True),
+        ("NOPERM User default has no permissions", True),
+        ("CLUSTERDOWN The cluster is down", True),
+        ("MASTERDOWN Link with MASTER is down", True),
+        ("BUSY Redis is busy running a script.", True),
+        ("NOREPLICAS Not enough good replicas to write.", True),
+        ("ERR Error running script (call to f_1): @user_script:9: @user_script: 9: -MISCONF Redis", True),
+        ("ERR unknown command 'X'", False),
+        ("ERR Error compiling script (new function)", False),
+        ("WRONGTYPE Operation against a key holding the wrong kind of value", False),
+        ("NOSCRIPT No matching script.", False),
+    ],
+)
+def test_what_is_a_refusal(text: str, refused: bool) -> None:
+    error = BaseParser.parse_error(text)
+    assert is_refusal(error) == refused
+    error.args = (f"Command # 1 (SET x READONLY 1) of pipeline caused error: {error.args[0]}",)
+    assert is_refusal(error) == refused
+
+
+def test_a_server_that_is_away_or_hangs_refuses_and_a_wrong_argument_is_ours() -> None:
+    assert is_refusal(errors.ConnectionError("refused"))
+    assert is_refusal(errors.TimeoutError("timed out"))
+    assert not is_refusal(errors.DataError("a set"))
+    assert not is_refusal(ValueError("x"))

@@ -53,6 +53,11 @@ class Keys:
         return f"{self.prefix}:walk"
 
     @property
+    def trial(self) -> str:
+        """Written to find out whether Redis accepts data."""
+        return f"{self.prefix}:trial"
+
+    @property
     def sweep_lock(self) -> str:
         """The lock that limits the search for lost chunks to one at a time in the whole installation."""
         return f"{self.prefix}:sweep-lock:{SOLVER_VERSION}"

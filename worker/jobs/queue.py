@@ -11,6 +11,7 @@ from worker.answers.kinds import Document, known_document, missing_parts
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.jobs.chunks import ChunkQueue
+from worker.jobs.readiness import Readiness, readiness
 from worker.jobs.records import JobRecords, JobView
 from worker.jobs.roster import Roster
 from worker.settings import WorkerSettings
@@ -72,6 +73,14 @@ class JobQueue:
     def depth(self) -> int:
         """Returns the number of chunks that wait for a worker."""
         return self.chunks.depth()
+
+    def readiness(self) -> Readiness:
+        """Returns whether a job would be done now.
+
+        Raises:
+            RedisError: Redis cannot be reached, or accepts no data.
+        """
+        return readiness(self.redis, self.settings)
 
     def workers(self) -> int:
         """Returns the number of live workers of this version of the solver."""

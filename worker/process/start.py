@@ -7,12 +7,14 @@ import logging
 
 from redis.exceptions import RedisError
 
-from worker.connection import UnreachableError, check, connect
+from worker.connection import UnreachableError, check, connect, eviction_warning
 from worker.logs import set_up
 from worker.process.os_limits import die_with_parent
 from worker.process.tasks import Context, set_context
 from worker.process.worker import CuspWorker
 from worker.settings import WorkerSettings
+
+log = logging.getLogger("rpr_cusps.worker")
 
 
 class WorkerError(Exception):
@@ -38,6 +40,7 @@ def run_worker(redis_url: str, *, name: str | None = None, parent_pid: int | Non
     try:
         check(redis_url)
         redis = connect(redis_url)
+        warning = None if parent_pid else eviction_warning(redis)  # else its parent says so
         worker = CuspWorker(redis, settings, name, parent_pid)
     except UnreachableError as error:
         raise WorkerError(str(error)) from error
@@ -45,6 +48,8 @@ def run_worker(redis_url: str, *, name: str | None = None, parent_pid: int | Non
         raise WorkerError(f"lost the connection to Redis: {error}") from error
     except KeyboardInterrupt:
         return 130
+    if warning is not None:
+        log.warning("%s", warning)
     set_context(Context(redis, settings))
     gc.collect()
     gc.freeze()  # the horses share this memory, and a collection would copy it

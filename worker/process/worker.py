@@ -100,6 +100,11 @@ class CuspWorker(Worker):
         for end in (self._wake_r, self._wake_w):
             os.set_blocking(end, False)
 
+    @property
+    def connection_timeout(self) -> int:
+        """RQ would raise the limit on the time of an answer to this; ours is longer than any wait here."""
+        return 0
+
     def run(self) -> None:
         """Run chunks until a signal comes, whatever happens to Redis.
 

@@ -9,10 +9,10 @@ from fastapi import APIRouter, Path, Request, Response
 from starlette.responses import StreamingResponse
 
 from service.api import operation_docs as doc
-from service.api.context import Context, ContextDep, in_thread
+from service.api.context import Context, ContextDep
 from service.api.job_view import job_json
 from service.api.middleware import IS_HEAD
-from service.api.negotiation import JSON, document_response, json_bytes, negotiate
+from service.api.negotiation import JSON, Document, document_response, json_bytes, negotiate
 from service.api.operations import forms_of
 from service.api.problems import ProblemError, ProblemType
 from worker.answers.kinds import kind_of_job
@@ -26,27 +26,23 @@ _EVENT_ID = re.compile(r"\d{1,20}(-\d{1,20})?", re.ASCII)
 
 
 @router.get("/v1/jobs/{job_id}", summary="The state of a job", responses=doc.JOB_RESPONSES)
-def get_job(job_id: JobId, context: ContextDep) -> Response:
+async def get_job(job_id: JobId, context: ContextDep) -> Response:
     """Returns the job's current state. Until it has ended, `Retry-After` says when to ask again."""
-    return _job_response(context, _job(context, job_id))
+    return _job_response(context, await context.redis(_job, context, job_id))
 
 
 @router.delete("/v1/jobs/{job_id}", summary="Cancel a job", responses=doc.CANCEL_RESPONSES)
-def cancel_job(job_id: JobId, context: ContextDep) -> Response:
+async def cancel_job(job_id: JobId, context: ContextDep) -> Response:
     """Cancels a queued or running job and returns it. A job that has ended is unchanged.
 
     Equal requests share a job, so canceling it affects every client that waits for it. Computed slices are
     kept.
     """
-    _job(context, job_id)
-    view = context.queue.cancel(job_id)
-    if view is None:
-        raise _not_found(job_id)
-    return _job_response(context, view)
+    return _job_response(context, await context.redis(_cancel, context, job_id))
 
 
 @router.get("/v1/jobs/{job_id}/result", summary="The result of a job", responses=doc.RESULT_RESPONSES)
-def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response:
+async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response:
     """Returns the document that the job computed, in the form that `Accept` prefers: cusp tables as JSON, CSV
     (one cusp per line) or NDJSON (one slice per line); censuses and cusp curves as JSON or CSV; other
     documents as JSON.
@@ -55,6 +51,11 @@ def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response
     """
     forms = forms_of(job_id)
     negotiate(request.headers.getlist("accept"), tuple(forms))
+    document = await context.redis(_result, context, job_id)
+    return await context.parsing(document_response, request, document, forms)
+
+
+def _result(context: Context, job_id: str) -> Document:
     view = _job(context, job_id)
     if not view.is_terminal:
         wait = str(context.settings.poll_seconds)
@@ -71,7 +72,7 @@ def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response
         raise ProblemError(
             ProblemType.RESULT_EXPIRED, "The result of this job has expired; post the request again."
         )
-    return document_response(request, document, forms)
+    return document
 
 
 @router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)
@@ -82,7 +83,7 @@ async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Re
     The stream ends with the job. `Last-Event-ID` resumes it; 204 means that no events follow. Slices that
     were known before the job started appear only in its result.
     """
-    view = await in_thread(_job, context, job_id)
+    view = await context.redis(_job, context, job_id)
     last = request.headers.get("last-event-id", "0").strip() or "0"
     if not _EVENT_ID.fullmatch(last):
         raise ProblemError(
@@ -102,6 +103,14 @@ async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Re
 
 def _job(context: Context, job_id: str) -> JobView:
     view = context.queue.get(job_id) if _JOB_ID.fullmatch(job_id) else None
+    if view is None:
+        raise _not_found(job_id)
+    return view
+
+
+def _cancel(context: Context, job_id: str) -> JobView:
+    _job(context, job_id)
+    view = context.queue.cancel(job_id)
     if view is None:
         raise _not_found(job_id)
     return view

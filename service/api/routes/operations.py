@@ -28,10 +28,14 @@ async def healthz() -> Response:
 
 
 @router.get("/readyz", summary="Whether requests can be served", responses=doc.READY_RESPONSES)
-def readyz(context: ContextDep) -> Response:
-    """Ready if Redis answers and at least one worker of the same solver version is alive."""
-    if workers := context.queue.workers():
-        return _json({"status": "ready", "workers": workers}, "no-store")
+async def readyz(context: ContextDep) -> Response:
+    """Ready if a job would be done: Redis accepts data, and at least one worker of the same solver version is
+    alive. `warnings` say what endangers jobs, such as settings of Redis.
+    """
+    state = await context.redis(context.queue.readiness)
+    if state.workers:
+        answer = {"status": "ready", "workers": state.workers, "warnings": state.warnings}
+        return _json(answer, "no-store")
     detail = "No workers of this solver version are running; jobs would stay queued."
     retry = {"Retry-After": str(context.settings.retry_seconds)}
     raise ProblemError(ProblemType.NO_WORKER, detail, headers=retry)
@@ -67,10 +71,11 @@ async def get_limits(context: ContextDep) -> Response:
 
 
 @router.get("/metrics", summary="Metrics in the Prometheus text format", responses=doc.METRICS_RESPONSES)
-def get_metrics(context: ContextDep) -> Response:
+async def get_metrics(context: ContextDep) -> Response:
     """Counts the requests of this process, and reads the queue and the workers at each scrape."""
     return Response(
-        context.metrics.text(), headers={"Cache-Control": "no-store", "Content-Type": CONTENT_TYPE}
+        await context.scraping(context.metrics.text),
+        headers={"Cache-Control": "no-store", "Content-Type": CONTENT_TYPE},
     )
 
 

@@ -280,7 +280,7 @@ def test_a_quiet_event_stream_is_kept_alive(idle: httpx.Client, fresh: Fresh) ->
 
 
 def test_readiness_needs_a_worker(api: httpx.Client, idle: httpx.Client) -> None:
-    assert api.get("/readyz").json() == {"status": "ready", "workers": 1}
+    assert api.get("/readyz").json() == {"status": "ready", "workers": 1, "warnings": []}
     answer = idle.get("/readyz")
     assert (answer.status_code, answer.headers["retry-after"]) == (503, "2")
     assert (answer.json()["type"], answer.json()["title"]) == ("/problems/no-worker", "No worker is running")

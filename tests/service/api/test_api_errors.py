@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import socket
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,10 @@ import httpx
 import pytest
 
 from service.api.app import create_app
+from service.api.body import json_of
 from service.api.problems import MEDIA_TYPE, ProblemType
 from service.api.settings import Settings
+from service.schemas.limits import LimitError, Limits
 from tests.support.service_server import GEOMETRY, serving
 
 GOOD = {"geometry": GEOMETRY, "l1": 1}
@@ -111,6 +114,22 @@ def test_a_limit(idle: httpx.Client, change: dict[str, Any], limit: dict[str, An
     assert document["limit"] == limit
     assert sent in document["detail"]
     assert limit["name"] in document["detail"]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"{" + b",".join(b'"k%d":1' % i for i in range(90_000)) + b"}",
+        b"[" + b",".join([b"[]"] * 340_000) + b"]",
+        b"[" + b",".join([b"[" * 30 + b"]" * 30] * 16_000) + b"]",
+        b"[" * (1 << 20),
+    ],
+)
+def test_a_body_of_very_many_members_is_refused_before_it_is_parsed(body: bytes) -> None:
+    begin = time.process_time()
+    with pytest.raises(LimitError, match="limit max_body_members is 20000"):
+        json_of(body, Limits())
+    assert time.process_time() - begin < 0.1
 
 
 def test_wrong_fields_are_all_listed(idle: httpx.Client) -> None:

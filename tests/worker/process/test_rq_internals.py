@@ -25,6 +25,7 @@ TEXT = (Path(__file__).parents[3] / "docs" / "worker.md").read_text(encoding="ut
 SECTION = TEXT[TEXT.index("## Which of RQ's internals are touched") :]
 
 SIGNATURES = {
+    "connection_timeout": "(self)",
     "_pubsub_exception_handler": "(self, exc, pubsub, pubsub_thread)",
     "get_current_job_id": "(self, pipeline)",
     "execute_job": "(self, job, queue)",

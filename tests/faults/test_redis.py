@@ -1,0 +1,209 @@
+"""The API, when Redis hangs or refuses."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+from redis import Redis
+
+from service.api.settings import Settings
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import PATIENCE, Workers, until
+from tests.support.service_server import GEOMETRY, serving
+from worker.connection import connect
+
+KNOWN = {"geometry": GEOMETRY, "l1": "14.98", "l2": "15", "l3": "30"}
+UNKNOWN = {"geometry": GEOMETRY, "l1": "3"}
+TIMEOUT = 0.5
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedValkey]:
+    """A server that the tests may stop."""
+    with EmbeddedValkey(tmp_path_factory.mktemp("redis")) as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def worker(server: EmbeddedValkey, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workers]:
+    workers = Workers(server.url, tmp_path_factory.mktemp("worker") / "log")
+    workers.start()
+    yield workers
+    workers.stop()
+
+
+@pytest.fixture(scope="module")
+def api(server: EmbeddedValkey, worker: Workers) -> Iterator[httpx.Client]:  # noqa: ARG001
+    """A client of a service that knows the answer to `KNOWN`."""
+    settings = Settings(redis_url=server.url, redis_timeout_seconds=TIMEOUT)
+    with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
+        assert client.post("/v1/poses", json=KNOWN).status_code == 200
+        yield client
+
+
+@pytest.fixture
+def admin(server: EmbeddedValkey) -> Iterator[Redis]:
+    with connect(server.url) as client:
+        client.ping()
+        yield client
+
+
+@contextmanager
+def stopped(pid: int) -> Iterator[None]:
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        os.kill(pid, signal.SIGCONT)
+
+
+def assert_unavailable(answer: httpx.Response) -> None:
+    assert answer.status_code == 503
+    assert answer.json()["type"] == "/problems/unavailable"
+    assert int(answer.headers["retry-after"]) >= 1
+
+
+def test_redis_hangs(server: EmbeddedValkey, api: httpx.Client) -> None:
+    """Redis hangs (SIGSTOP). What needs it is 503 after one time-out, then at once; all else is served."""
+    with stopped(server.pid), ThreadPoolExecutor(50) as pool:
+        begin = time.monotonic()
+        for answer in pool.map(lambda _: api.get("/v1/jobs/ct-0"), range(100)):
+            assert_unavailable(answer)
+        for path in ("/healthz", "/static/style.css", "/v1/limits"):
+            assert api.get(path).status_code == 200
+        assert api.post("/v1/poses", json={"geometry": 1}).status_code == 422
+        for _ in range(30):
+            assert_unavailable(api.post("/v1/poses", json=KNOWN))
+        assert time.monotonic() - begin < 130 * TIMEOUT / 2
+    until(lambda: api.get("/readyz").status_code == 200)
+    assert api.post("/v1/poses", json=KNOWN).status_code == 200
+
+
+def full_disk(redis: Redis, server: EmbeddedValkey) -> None:
+    """Let a snapshot fail, as it does when the disk is full: its file cannot be put in place."""
+    (server.data_dir / "dump.rdb").mkdir(exist_ok=True)
+    redis.config_set("save", "3600 1")
+    redis.bgsave()
+    until(lambda: redis.info("persistence")["rdb_last_bgsave_status"] == "err")  # type: ignore[index]
+
+
+def enough_room(redis: Redis) -> None:
+    redis.config_set("save", "")
+
+
+def full_memory(redis: Redis, _: EmbeddedValkey) -> None:
+    redis.config_set("maxmemory", 1)
+
+
+def enough_memory(redis: Redis) -> None:
+    redis.config_set("maxmemory", 0)
+
+
+def replica(redis: Redis, _: EmbeddedValkey) -> None:
+    redis.replicaof("127.0.0.1", "1")
+
+
+def primary(redis: Redis) -> None:
+    redis.replicaof("NO", "ONE")
+
+
+def no_permission(redis: Redis, _: EmbeddedValkey) -> None:
+    redis.execute_command("ACL SETUSER default -set -evalsha")  # type: ignore[no-untyped-call]
+
+
+def permission(redis: Redis) -> None:
+    redis.execute_command("ACL SETUSER default +@all")  # type: ignore[no-untyped-call]
+
+
+@pytest.mark.parametrize(
+    ("refuse", "accept"),
+    [
+        pytest.param(full_disk, enough_room, id="MISCONF"),
+        pytest.param(full_memory, enough_memory, id="OOM"),
+        pytest.param(replica, primary, id="READONLY"),
+        pytest.param(no_permission, permission, id="NOPERM"),
+    ],
+)
+def test_redis_takes_no_data(
+    server: EmbeddedValkey,
+    api: httpx.Client,
+    admin: Redis,
+    caplog: pytest.LogCaptureFixture,
+    refuse: Callable[[Redis, EmbeddedValkey], None],
+    accept: Callable[[Redis], None],
+) -> None:
+    """Redis takes no data: disk full, memory full, a replica, or no permission. New questions are 503, one
+    log line tells why, `/readyz` is 503 without telling it to strangers, and known answers are served.
+    """
+    refuse(admin, server)
+    try:
+        with caplog.at_level(logging.WARNING, "rpr_cusps.service"):
+            for _ in range(5):
+                assert_unavailable(api.post("/v1/cusp-tables", json=UNKNOWN))
+            ready = api.get("/readyz")
+        assert_unavailable(ready)
+        assert "cannot be reached or accepts no more data" in ready.json()["detail"]
+        assert api.post("/v1/poses", json=KNOWN).status_code == 200
+    finally:
+        accept(admin)
+    told = [record for record in caplog.records if record.name == "rpr_cusps.service"]
+    assert 1 <= len(told) <= 2
+    assert all("Redis cannot be used" in record.message and not record.exc_info for record in told)
+    until(lambda: api.get("/readyz").status_code == 200)
+
+
+def test_redis_forgets_its_clients(api: httpx.Client, admin: Redis) -> None:
+    """Redis asks for a password that the service does not have. Everything is 503; it recovers by itself."""
+    admin.config_set("requirepass", "other")
+    try:
+        admin.client_kill_filter(_type="normal", skipme=True)
+        assert_unavailable(api.post("/v1/poses", json=KNOWN))
+        assert_unavailable(api.get("/readyz"))
+    finally:
+        admin.config_set("requirepass", "")
+    until(lambda: api.get("/readyz").status_code == 200)
+
+
+def test_redis_is_emptied_under_the_service(api: httpx.Client, admin: Redis) -> None:
+    """Redis is emptied (FLUSHALL) while the service runs. It is ready again within seconds, and answers."""
+    admin.flushall()
+    until(lambda: api.get("/readyz").status_code == 200)
+    assert api.post("/v1/poses", json=KNOWN).status_code == 200
+
+
+def test_redis_may_evict(
+    server: EmbeddedValkey, admin: Redis, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Redis is set to evict keys. The API and the workers warn at their start, and `/readyz` says so."""
+    workers = Workers(server.url, tmp_path / "log")
+    admin.config_set("maxmemory-policy", "allkeys-lru")
+    try:
+        workers.start()
+        with serving(Settings(redis_url=server.url)) as url, httpx.Client(base_url=url) as client:
+            until(lambda: "allkeys-lru" in caplog.text)
+            [warning] = client.get("/readyz").json()["warnings"]
+            assert "set maxmemory-policy noeviction" in warning
+        assert "allkeys-lru" in workers.log.read_text()
+    finally:
+        admin.config_set("maxmemory-policy", "noeviction")
+        workers.stop()
+
+
+@pytest.mark.long
+def test_redis_hangs_under_a_worker(server: EmbeddedValkey, worker: Workers, api: httpx.Client) -> None:
+    """Redis hangs for longer than a worker waits. The worker says so within seconds, and goes on after it."""
+    with stopped(server.pid):
+        begin = time.monotonic()
+        until(lambda: "no work is possible (TimeoutError" in worker.log.read_text())
+        assert time.monotonic() - begin < 30
+    until(lambda: api.get("/readyz").status_code == 200)
+    assert api.post("/v1/poses", json={**KNOWN, "l1": "15"}).status_code == 200
