@@ -42,7 +42,7 @@ from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, silent
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.decimals import digit_bits
-from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, shapes_json
 from rpr_solver.exact.number_field import common_roots, squarefree_part, trimmed
 from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.rationals import Exact
@@ -53,14 +53,8 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row
 from rpr_solver.slices.answers import slices_json, table_json
 from rpr_solver.slices.by_balls import SlicePoses
-from rpr_solver.slices.certificate import SliceCertificate
-from rpr_solver.slices.joint_points import (
-    ClassifiedPoint,
-    JointPoint,
-    cusps_and_degenerate,
-    in_order,
-    point_of_balls,
-)
+from rpr_solver.slices.certificate import RootCertificate
+from rpr_solver.slices.joint_points import ClassifiedPoint, JointPoint, point_of_balls
 from rpr_solver.slices.lengths import slice_length
 from rpr_solver.slices.slice_table import SliceTable
 
@@ -163,7 +157,7 @@ class _Row:
             "origin": self.factor.origin,
             "degree": self.factor.form.degree,
             "multiplicity": self.factor.multiplicity,
-            "irreducible": [{"degree": d, "multiplicity": m} for d, m in self.irreducible],
+            "irreducible": shapes_json(self.irreducible),
             "reason": self.factor.reason,
             "real_roots": self.real_roots,
             "rejected_in_step_6": self.rejected_in_step_6,
@@ -184,9 +178,7 @@ class _Audit:
         q = KnownFactor(self.eliminant.q, 1, _Q, _Q_REASON)
         last = self._row(q)  # computed first, so that a root shared with another factor is listed with Q
         rows = [*map(self._row, self.eliminant.known), last]
-        points = in_order(x for row in rows for x in row.points)
-        cusps, degenerate = cusps_and_degenerate(points)
-        certificate: SliceCertificate = {
+        certificate: RootCertificate = {
             "eliminant_degree": DEGREE,
             "real_roots": sum(row.real_roots for row in rows),
             "factors": [
@@ -198,11 +190,9 @@ class _Audit:
                 for row in rows
             ],
             "method": METHOD,
-            "working_bits": max((x.bits for x in points), default=0),
-            "proofs": [x.proof for x in cusps],
         }
-        own = tuple(x.point for x in cusps)
-        table = SliceTable(1, self.length, self.digits, own, tuple(degenerate), certificate)
+        points = (x for row in rows for x in row.points)
+        table = SliceTable.of(1, self.length, self.digits, certificate, points)
         return ArticleTable(table, self._report(rows))
 
     def _report(self, rows: Sequence[_Row]) -> AuditReport:

@@ -13,7 +13,7 @@ from flint import acb_poly, arb, arb_poly
 
 from rpr_solver.article.equations import LEG_ALONG, Legs, Vector, adjugate
 from rpr_solver.article.report import CoupleReport
-from rpr_solver.exact.decimals import round_ball
+from rpr_solver.exact.decimals import round_all, round_ball
 from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.model.classify import PoseKind, classify
 from rpr_solver.model.half_tangent import HalfTangent
@@ -54,11 +54,11 @@ def rejected_by_balls(
     zero = {i for i, k in legs.k.items() if k.contains(0)}
     if not _vanishing(zero) or any(_vanishing(zero - {i}) for i in zero):
         return None
-    texts = [round_ball(x, _SHOWN_DIGITS) for x in (t.degrees(), HalfTangent(u, arb(1)).degrees())]
-    if None in texts or t.denominator.contains(0):
+    texts = round_all((t.degrees(), HalfTangent(u, arb(1)).degrees()), _SHOWN_DIGITS)
+    if texts is None or t.denominator.contains(0):
         return None
     reasons = [] if closed_leg is None else [f"leg {closed_leg} has length zero"]
-    return _report(str(texts[0]), str(texts[1]), REJECTED, _because(reasons, zero))
+    return _report(texts[0], texts[1], REJECTED, _because(reasons, zero))
 
 
 def adjugate_stands(local: LocalMap[arb]) -> bool:

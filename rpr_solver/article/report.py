@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from typing import TypedDict
 
-
-class IrreducibleFactor(TypedDict):
-    """A factor of a factor over the field of coefficients."""
-
-    degree: int
-    multiplicity: int
+from rpr_solver.exact.factors import FactorShape
 
 
 class CoupleReport(TypedDict):
@@ -24,13 +19,14 @@ class CoupleReport(TypedDict):
 class FactorReport(TypedDict):
     """A factor of the eliminant: its origin, the reason for it, and the couples above its real roots.
 
+    ``irreducible`` are its own factors over the field of coefficients.
     ``rejected_in_step_6`` counts the real solutions of (13) that violate (14); None if they were not counted.
     """
 
     origin: str
     degree: int
     multiplicity: int
-    irreducible: list[IrreducibleFactor]
+    irreducible: list[FactorShape]
     reason: str
     real_roots: int
     rejected_in_step_6: int | None

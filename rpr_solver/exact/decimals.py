@@ -62,6 +62,21 @@ def round_fraction(x: Fraction, digits: int) -> str:
     return _text(quotient, digits)
 
 
+def round_all(numbers: Iterable[arb | Fraction], digits: int) -> list[str] | None:
+    """Balls and exact rationals, rounded; None if one of the balls is too wide.
+
+    >>> round_all([Fraction(1, 3), arb(2).sqrt()], 5), round_all([Fraction(1, 3), arb(1, 0.6)], 5)
+    (['0.33333', '1.4142'], None)
+    """
+    texts = []
+    for x in numbers:
+        text = round_fraction(x, digits) if isinstance(x, Fraction) else round_ball(x, digits)
+        if text is None:
+            return None
+        texts.append(text)
+    return texts
+
+
 def angle_text(text: str) -> str:
     """A rounded angle in degrees, within (−180, 180]: what rounds to −180 is printed as 180.
 

@@ -6,8 +6,9 @@ exactly. The factors are derived from those of the norm, which FLINT factors ove
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TypedDict
 
 from flint import ctx, fmpq_poly, fmpz_poly
 
@@ -18,6 +19,18 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 
 _FIRST_BITS, _APART_BITS = 256, 1 << 12
+
+
+class FactorShape(TypedDict):
+    """The degree of a factor, and its multiplicity."""
+
+    degree: int
+    multiplicity: int
+
+
+def shapes_json(shapes: Iterable[tuple[int, int]]) -> list[FactorShape]:
+    """The contract's objects of factors, given by (degree, multiplicity)."""
+    return [{"degree": degree, "multiplicity": multiplicity} for degree, multiplicity in shapes]
 
 
 @dataclass(frozen=True)

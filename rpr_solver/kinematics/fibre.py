@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 from flint import arb, ctx, fmpq
 
 from rpr_solver.errors import SolverError, Unproved
-from rpr_solver.exact.decimals import angle_text, digit_bits, round_ball, round_fraction, sorted_by_balls
+from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, sorted_by_balls
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
@@ -97,9 +98,7 @@ class _Fibre:
             others = ((x + vx / one, y + vy / one) for vx, vy in (system.first, system.second))
             angles = [_degrees(*vector) for vector in ((x, y), *others)]
             scale = self.slice_map.scale_ball()
-            balls = (alpha, *angles, x / scale, y / scale)
-            texts = [round_ball(ball, self.digits) for ball in balls]
-        return _decimal_pose(alpha, angles[0], texts, 1, bits)
+            return self._decimal_pose((alpha, *angles), (x / scale, y / scale), 1, bits)
 
     def _exactly(self) -> Fibre:
         poses: list[DecimalPose] = []
@@ -180,19 +179,22 @@ class _Fibre:
             with ctx.workprec(bits):
                 alpha = arb(180) if pose.t is None else HalfTangent(pose.t.ball(bits), arb(1)).degrees()
                 thetas = [angle(bits) for angle in angles]
-                texts = [round_ball(ball, self.digits) for ball in (alpha, *thetas)]
-                unit = ball_of(scale)
-                for coordinate in (pose.x, pose.y):
-                    exact = coordinate.rational
-                    texts.append(
-                        round_ball(coordinate.ball(bits) / unit, self.digits)
-                        if exact is None
-                        else round_fraction(exact / scale, self.digits)
-                    )
-                return _decimal_pose(alpha, thetas[0], texts, multiplicity, bits)
+                exact = [(x, x.rational) for x in (pose.x, pose.y)]
+                b1 = [x.ball(bits) / ball_of(scale) if q is None else q / scale for x, q in exact]
+                return self._decimal_pose((alpha, *thetas), b1, multiplicity, bits)
 
         message = "the digits of a pose could not be decided"
         return decided(decimals, self.digit_bits + 128, GREATEST_BITS, message)
+
+    def _decimal_pose(
+        self, angles: Sequence[arb], b1: Sequence[arb | Fraction], multiplicity: int, bits: int
+    ) -> DecimalPose | None:
+        """The pose, if all its digits are proved."""
+        texts = round_all((*angles, *b1), self.digits)
+        if texts is None:
+            return None
+        alpha, theta1, *_ = angles
+        return DecimalPose(alpha, theta1, (*map(angle_text, texts[:4]), *texts[4:]), multiplicity, bits)
 
 
 @dataclass(frozen=True)
@@ -261,16 +263,6 @@ def _exact_degrees(x: Algebraic, y: Algebraic) -> Callable[[int], arb]:
             return _degrees(x_ball, y_ball)
 
     return ball
-
-
-def _decimal_pose(
-    alpha: arb, theta: arb, texts: Sequence[str | None], multiplicity: int, bits: int
-) -> DecimalPose | None:
-    """The pose, if all its digits are proved."""
-    proved = [text for text in texts if text is not None]
-    if len(proved) < len(texts):
-        return None
-    return DecimalPose(alpha, theta, (*map(angle_text, proved[:4]), *proved[4:]), multiplicity, bits)
 
 
 def _sorted(poses: Sequence[DecimalPose]) -> tuple[DecimalPose, ...]:

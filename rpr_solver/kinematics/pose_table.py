@@ -25,6 +25,7 @@ from fractions import Fraction
 from typing import Any, TypedDict
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
+from rpr_solver.exact.factors import FactorShape, shapes_json
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, rational_sqrt
 from rpr_solver.kinematics.closure import DEGREE, Closure
@@ -35,21 +36,14 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
 
 
-class PoseFactor(TypedDict):
-    """A factor of the sextic over ℚ(ω)."""
-
-    degree: int
-    multiplicity: int
-
-
 class PoseCertificate(TypedDict):
-    """The proof of a table of poses: the factors of the sextic, and the highest precision used.
+    """The proof of a table of poses: the factors of the sextic over ℚ(ω), and the highest precision used.
 
     ``method`` is ``"balls"`` if all roots are simple, else ``"exact"``.
     """
 
     method: str
-    factors: list[PoseFactor]
+    factors: list[FactorShape]
     working_bits: int
 
 
@@ -271,7 +265,7 @@ def _table(manipulator: Manipulator, squares: Sequence[Fraction], digits: int) -
         DirectPolynomial.of(closure.sextic),
         {
             "method": solution.method,
-            "factors": [{"degree": degree, "multiplicity": times} for degree, times in solution.factors],
+            "factors": shapes_json(solution.factors),
             "working_bits": max((pose.bits for pose in solution.poses), default=0),
         },
     )

@@ -22,24 +22,9 @@ class CuspBalls:
     theta_deg: arb
     first: arb
     second: arb
-    proof: CuspProof
-
-
-@dataclass(frozen=True)
-class CuspProof:
-    """Balls that exclude zero where a cusp needs it (:class:`~rpr_solver.PoseKind`), lengths scaled."""
-
-    rank: arb
-    """A partial derivative of f: the map has rank 1."""
-    gradient: arb
-    """J_α or J_θ: the singular curve is smooth."""
-    transversal: arb
-    """v·∇E: exactly three poses coalesce."""
-
-    @property
-    def holds(self) -> bool:
-        """Whether every condition is proved at this precision."""
-        return not any(x.contains(0) for x in (self.rank, self.gradient, self.transversal))
+    proof: dict[str, arb]
+    """Balls that exclude zero where a cusp needs it (:class:`~rpr_solver.PoseKind`), by their names in the
+    certificate; lengths are scaled."""
 
 
 class SlicePoses:
@@ -71,22 +56,17 @@ class SlicePoses:
         local = self.local_map(u, t, 3)
         j = local.singularity()
         e = local.along(local.f, j)
-        proof = CuspProof(
-            rank=_larger(local.f.alpha.value, local.f.theta.value),
-            gradient=_larger(j.alpha.value, j.theta.value),
-            transversal=local.along(local.f, e).value,
-        )
+        proof = {
+            "rank_1": _larger(local.f.alpha.value, local.f.theta.value),  # the map has rank 1
+            "grad_J": _larger(j.alpha.value, j.theta.value),  # the singular curve is smooth
+            "v_grad_E": local.along(local.f, e).value,  # exactly three poses coalesce
+        }
         f, g = local.squared_lengths()
-        at_half_turn = t.denominator.contains(0)  # a ball cannot decide between 180° and −180°
-        if at_half_turn or not (proof.holds and f > 0 and g > 0):
+        # a ball of t cannot decide between 180° and −180°
+        if any(x.contains(0) for x in (t.denominator, *proof.values())) or not (f > 0 and g > 0):
             return None
-        return CuspBalls(
-            alpha_deg=t.degrees(),
-            theta_deg=HalfTangent(u, arb(1)).degrees(),
-            first=f.sqrt() / self.scale,
-            second=g.sqrt() / self.scale,
-            proof=proof,
-        )
+        theta = HalfTangent(u, arb(1))
+        return CuspBalls(t.degrees(), theta.degrees(), f.sqrt() / self.scale, g.sqrt() / self.scale, proof)
 
 
 def _larger(x: arb, y: arb) -> arb:

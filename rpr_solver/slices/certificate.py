@@ -4,16 +4,25 @@ from __future__ import annotations
 
 from typing import TypedDict
 
+from rpr_solver.exact.factors import FactorShape
 
-class Factor(TypedDict):
+
+class Factor(FactorShape):
     """A factor of the eliminant: its degree in u = tan(θ/2), its multiplicity and its origin."""
 
-    degree: int
-    multiplicity: int
     origin: str
 
 
-class SliceCertificate(TypedDict):
+class RootCertificate(TypedDict):
+    """The part of a :class:`SliceCertificate` on the eliminant and its roots."""
+
+    eliminant_degree: int
+    real_roots: int
+    factors: list[Factor]
+    method: str
+
+
+class SliceCertificate(RootCertificate):
     """The proof of a slice's table.
 
     ``eliminant_degree`` and ``real_roots`` refer to the factors of origin ``"cusps"``. ``method`` is
@@ -23,9 +32,5 @@ class SliceCertificate(TypedDict):
     ``field_degree`` of the number field in which these conditions were decided.
     """
 
-    eliminant_degree: int
-    real_roots: int
-    factors: list[Factor]
-    method: str
     working_bits: int
     proofs: list[dict[str, str]]

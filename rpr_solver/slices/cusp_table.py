@@ -15,7 +15,7 @@ from flint import ctx, fmpz_poly
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, check_leg, check_type
 from rpr_solver.exact.decimals import digit_bits
-from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, shapes_json
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, all_decided
 from rpr_solver.exact.quadratic import QuadraticPoly
@@ -25,16 +25,9 @@ from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.by_balls import SlicePoses
 from rpr_solver.slices.by_fields import ExactPose, poses_above, poses_at_half_turn
-from rpr_solver.slices.certificate import Factor, SliceCertificate
+from rpr_solver.slices.certificate import Factor, RootCertificate
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant, eliminate
-from rpr_solver.slices.joint_points import (
-    ClassifiedPoint,
-    cusps_and_degenerate,
-    free_legs,
-    in_order,
-    point_of_balls,
-    point_of_pose,
-)
+from rpr_solver.slices.joint_points import ClassifiedPoint, free_legs, point_of_balls, point_of_pose
 from rpr_solver.slices.lengths import slice_length, slice_lengths
 from rpr_solver.slices.shared_curves import SliceForms, without_shared_curves
 from rpr_solver.slices.slice_table import SliceTable
@@ -202,29 +195,21 @@ class _Slice:
         method: str,
         curves: Sequence[Mapping[str, str]] = (),
     ) -> SliceTable:
-        points = in_order(points)
-        cusps, degenerate = cusps_and_degenerate(points)
-        certificate: SliceCertificate = {
+        leg = self.slice_map.fixed_leg
+        certificate: RootCertificate = {
             "eliminant_degree": sum(degree * multiplicity for degree, multiplicity in cusp_factors),
             "real_roots": real_roots,
-            "factors": _factor_table(self.eliminant, cusp_factors, shared=bool(curves)),
+            "factors": _factor_table(leg, cusp_factors, shared=bool(curves)),
             "method": method,
-            "working_bits": max((x.bits for x in points), default=0),
-            "proofs": [x.proof for x in cusps],
         }
-        leg, own = self.slice_map.fixed_leg, tuple(x.point for x in cusps)
-        return SliceTable(leg, self.length, self.digits, own, (*curves, *degenerate), certificate)
+        return SliceTable.of(leg, self.length, self.digits, certificate, points, curves)
 
 
-def _factor_table(eliminant: Eliminant, cusp_factors: list[tuple[int, int]], *, shared: bool) -> list[Factor]:
+def _factor_table(leg: int, cusp_factors: list[tuple[int, int]], *, shared: bool) -> list[Factor]:
     """The factors of Res_t(J, E), a form of degree 48 in u, with their origins."""
-    cusps: list[Factor] = [
-        {"degree": degree, "multiplicity": multiplicity, "origin": "cusps"}
-        for degree, multiplicity in cusp_factors
-    ]
+    cusps: list[Factor] = [{**shape, "origin": "cusps"} for shape in shapes_json(cusp_factors)]
     if shared:
         return cusps
-    leg = eliminant.slice_map.fixed_leg
     closed, _ = free_legs(leg)
     return [
         {"degree": 2, "multiplicity": 1, "origin": f"L{closed}=0"},

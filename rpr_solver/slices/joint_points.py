@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import overload
 
 from flint import arb, ctx
 
-from rpr_solver.exact.decimals import angle_text, digit_bits, round_ball, round_fraction, sorted_by_balls
+from rpr_solver.exact.decimals import angle_text, digit_bits, round_all
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.notebook import shortened
-from rpr_solver.slices.by_balls import CuspBalls, CuspProof
+from rpr_solver.slices.by_balls import CuspBalls
 from rpr_solver.slices.by_fields import ExactPose
 
 
@@ -122,11 +121,10 @@ class ClassifiedPoint:
 
 def point_of_balls(cusp: CuspBalls, fixed_leg: int, digits: int, bits: int) -> ClassifiedPoint | None:
     """A proved cusp in decimals; None if the balls, of working precision ``bits``, are too wide."""
-    balls = (cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second)
-    texts = [round_ball(x, digits) for x in balls]
-    if None in texts:
+    texts = round_all((cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second), digits)
+    if texts is None:
         return None
-    point, proof = joint_point(texts, fixed_leg), _proof_json(cusp.proof)
+    point, proof = joint_point(texts, fixed_leg), {name: x.str(5) for name, x in cusp.proof.items()}
     return ClassifiedPoint(PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, point, proof, bits)
 
 
@@ -136,50 +134,24 @@ def point_of_pose(pose: ExactPose, digits: int) -> ClassifiedPoint:
     Raises:
         Unproved: the digits could not be decided.
     """
-    exact: list[Fraction | None] = [None, None, *pose.exact_lengths()]
+    exact = pose.exact_lengths()
 
     def decimals(bits: int) -> ClassifiedPoint | None:
-        balls = pose.coordinates(bits)
+        alpha, theta, *balls = pose.coordinates(bits)
+        lengths = [ball if x is None else x for x, ball in zip(exact, balls, strict=True)]
         with ctx.workprec(bits):
-            texts = [
-                round_fraction(x, digits) if x is not None else round_ball(ball, digits)
-                for x, ball in zip(exact, balls, strict=True)
-            ]
-        if None in texts:
+            texts = round_all((alpha, theta, *lengths), digits)
+        if texts is None:
             return None
         proof = {"field_degree": str(pose.u.field.degree)}
         point = joint_point(texts, pose.slice_map.fixed_leg)
-        return ClassifiedPoint(pose.kind, balls[1], balls[0], point, proof, bits)
+        return ClassifiedPoint(pose.kind, theta, alpha, point, proof, bits)
 
     message = f"the digits of a {pose.kind or 'pose'} could not be decided"
     return decided(decimals, digit_bits(digits) + 128, GREATEST_BITS, message)
 
 
-def in_order(points: Iterable[ClassifiedPoint]) -> list[ClassifiedPoint]:
-    """By the fixed leg's angle, then by α."""
-    return sorted_by_balls(points, lambda point: (point.theta, point.alpha))
-
-
-def cusps_and_degenerate(
-    points: Iterable[ClassifiedPoint],
-) -> tuple[list[ClassifiedPoint], list[dict[str, str]]]:
-    """The cusps among classified points, and the others as the contract's objects."""
-    cusps: list[ClassifiedPoint] = []
-    others: list[ClassifiedPoint] = []
-    for x in points:
-        (cusps if x.kind is PoseKind.CUSP else others).append(x)
-    return cusps, [{"kind": x.kind.value, **x.point.to_json()} for x in others]
-
-
-def joint_point(texts: Sequence[str | None], fixed_leg: int) -> JointPoint:
+def joint_point(texts: Sequence[str], fixed_leg: int) -> JointPoint:
     """The point with these rounded angles and lengths."""
-    alpha, theta, first, second = (text or "" for text in texts)
+    alpha, theta, first, second = texts
     return JointPoint(fixed_leg, (angle_text(alpha), angle_text(theta), first, second))
-
-
-def _proof_json(proof: CuspProof) -> dict[str, str]:
-    return {
-        "rank_1": proof.rank.str(5),
-        "grad_J": proof.gradient.str(5),
-        "v_grad_E": proof.transversal.str(5),
-    }

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from rpr_solver.exact.decimals import sorted_by_balls
 from rpr_solver.exact.rationals import exact_str
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
-from rpr_solver.slices.certificate import SliceCertificate
-from rpr_solver.slices.joint_points import JointPoint
+from rpr_solver.slices.certificate import RootCertificate, SliceCertificate
+from rpr_solver.slices.joint_points import ClassifiedPoint, JointPoint
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,27 @@ class SliceTable:
     cusps: tuple[JointPoint, ...]
     degenerate_points: tuple[Mapping[str, str], ...]
     certificate: SliceCertificate
+
+    @classmethod
+    def of(
+        cls,
+        fixed_leg: int,
+        length: Fraction,
+        digits: int,
+        roots: RootCertificate,
+        points: Iterable[ClassifiedPoint],
+        curves: Iterable[Mapping[str, str]] = (),
+    ) -> SliceTable:
+        """The table of classified points in any order, and of curves of degenerate poses."""
+        points = sorted_by_balls(points, lambda point: (point.theta, point.alpha))
+        cusps = [x for x in points if x.kind is PoseKind.CUSP]
+        others = ({"kind": x.kind.value, **x.point.to_json()} for x in points if x.kind is not PoseKind.CUSP)
+        certificate: SliceCertificate = {
+            **roots,
+            "working_bits": max((x.bits for x in points), default=0),
+            "proofs": [x.proof for x in cusps],
+        }
+        return cls(fixed_leg, length, digits, tuple(x.point for x in cusps), (*curves, *others), certificate)
 
     def __repr__(self) -> str:
         beside = f" and {len(self.degenerate_points)} degenerate" if self.degenerate_points else ""

@@ -10,7 +10,7 @@ from flint import arb, ctx
 
 from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, check_leg, document_head, silent
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.decimals import digit_bits, round_ball, round_fraction
+from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.classify import Kind, PoseKind
@@ -284,8 +284,6 @@ def _rounded(balls: Callable[[int], Sequence[arb]], digits: int, limit: int) -> 
     def texts(bits: int) -> list[str] | None:
         values = balls(bits)
         with ctx.workprec(bits):
-            rounded = [round_ball(x, digits) for x in values]
-        proved = [text for text in rounded if text is not None]
-        return proved if len(proved) == len(values) else None
+            return round_all(values, digits)
 
     return decided(texts, digit_bits(digits) + 128, limit, "the digits of a transition could not be decided")
