@@ -36,17 +36,17 @@ from rpr_solver.article.couples import (
     exact_couple,
     rejected_by_balls,
 )
-from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, KnownFactor, article_forms
+from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, KnownFactor
 from rpr_solver.article.report import AuditReport, CoupleReport, FactorReport
 from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, silent
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors, shapes_json
-from rpr_solver.exact.number_field import common_roots, squarefree_part, trimmed
+from rpr_solver.exact.number_field import squarefree_part, trimmed
 from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.exact_pose import ExactPose, common_poses, place
 from rpr_solver.model.half_tangent import HalfTangent, common_root
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
@@ -227,13 +227,12 @@ class _Audit:
             if self._new((str(root.root.polynomial.a), root.root.ball.mid().man_exp())):
                 row.real_roots += 1
                 if not (root.multiplicity == 1 and self._by_balls(row, root)):
-                    self._exactly(row, root, (self.eliminant.f1, self.eliminant.e1), self.scaled)
+                    self._exactly(row, root)
         if at_infinity := factor.form.zeros_at_infinity:
             row.irreducible.append((1, at_infinity))
             if self._new("infinity"):
                 row.real_roots += 1
-                zero = ExactRoot.origin(self.slice_map.radicand)
-                self._exactly(row, zero, article_forms(self.slice_map, -self.scaled), -self.scaled)
+                self._exactly(row, None)
         return row
 
     def _new(self, key: object) -> bool:
@@ -281,17 +280,16 @@ class _Audit:
         row.add(couple_by_balls(cusp), point)
         return True
 
-    def _exactly(self, row: _Row, root: ExactRoot, forms: tuple[BiForm, BiForm], length: Fraction) -> None:
-        """Decides all couples above one root over a number field; ``length`` is −L1 for θ1 = 180°."""
-        flat, (f1, e1) = self.eliminant.flat, forms
-        second = self.slice_map.coalescence.at(length) if flat else e1.rows
-        u, omega = root.in_field()
-        f1_at, second_at = ([c(u, omega) for c in rows] for rows in (f1.rows, second))
-        couples = common_roots(f1_at, second_at, u, omega)
+    def _exactly(self, row: _Row, root: ExactRoot | None) -> None:
+        """Decides all couples above one root over a number field; None is θ1 = 180°."""
+        flat, f1 = self.eliminant.flat, self.eliminant.f1
+        second = self.slice_map.coalescence.sliced(self.scaled) if flat else self.eliminant.e1
+        f1_at = f1.above(*place(root, f1.radicand))
+        couples = common_poses(f1, second, root, self.scaled)
         if couples is None or not trimmed(f1_at):
             raise SolverError("(13) holds on a whole line theta1 = const; the algorithm ends here")
-        for t, (at_u, at_omega) in couples:
-            row.add(*exact_couple(self.slice_map, length, t, at_u, at_omega, self.digits))
+        for pose in couples:
+            row.add(*exact_couple(ExactPose.of(self.slice_map, pose), self.digits))
         bits = digit_bits(self.digits)
         with ctx.workprec(bits):
             finite = count_real([c.ball(bits) for c in squarefree_part(trimmed(f1_at))])

@@ -6,7 +6,6 @@ The article calls a common solution (t, u) of its two equations a couple.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from fractions import Fraction
 from typing import Any
 
 from flint import acb_poly, arb, arb_poly
@@ -14,13 +13,12 @@ from flint import acb_poly, arb, arb_poly
 from rpr_solver.article.equations import LEG_ALONG, Legs, Vector, adjugate
 from rpr_solver.article.report import CoupleReport
 from rpr_solver.exact.decimals import round_all, round_ball
-from rpr_solver.exact.number_field import Algebraic
-from rpr_solver.model.classify import PoseKind, classify
+from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap
-from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.model.slice_map import Leg
 from rpr_solver.slices.by_balls import CuspBalls
-from rpr_solver.slices.by_fields import ExactPose, local_map
 from rpr_solver.slices.joint_points import ClassifiedPoint, point_of_pose
 
 KEPT, DEGENERATE, REJECTED = "kept", "degenerate", "rejected"
@@ -68,21 +66,14 @@ def adjugate_stands(local: LocalMap[arb]) -> bool:
     return all(any(not x.contains(0) for x in part) for part in (row, column))
 
 
-def exact_couple(
-    slice_map: SliceMap, length: Fraction, t: Algebraic | None, u: Algebraic, omega: Algebraic, digits: int
-) -> tuple[CoupleReport, ClassifiedPoint | None]:
-    """Classifies a couple in a number field; also its point, unless it is rejected.
-
-    ``t`` is None at α = 180°; ``length`` is −L1 for a couple with θ1 = 180° (by_fields.py).
-    """
-    local = local_map(slice_map, length, t, u, omega)
-    kind = classify(local)
-    exact = ExactPose.of(kind, t, u, local)
+def exact_couple(exact: ExactPose, digits: int) -> tuple[CoupleReport, ClassifiedPoint | None]:
+    """Reports on a couple in a number field; also its point, unless it is rejected."""
+    kind, local = exact.kind, exact.local
     shown = point_of_pose(exact, _SHOWN_DIGITS).point
     if kind is PoseKind.ORDINARY:
-        squares = {2: exact.f, 3: exact.g}
-        closed = [f"leg {leg} has length zero" for leg, square in squares.items() if square.is_zero]
-        k = _legs(local, omega.field(1)).k
+        squares = enumerate(local.squared_lengths(), 2)
+        closed = [f"leg {leg} has length zero" for leg, square in squares if square.is_zero]
+        k = _legs(local, exact.length.field(1)).k
         reason = _because(closed, {i for i, x in k.items() if x.is_zero})
         return _report(shown.alpha_deg, shown.theta1_deg, REJECTED, reason), None
     verdict, reason = (KEPT, _TRIPLE) if kind is PoseKind.CUSP else (DEGENERATE, kind.value)

@@ -7,9 +7,10 @@ of the half angle. If the actual degree is smaller, the difference is the number
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from typing import TypeVar
 
 from flint import fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly, nmod_poly
 
@@ -19,6 +20,7 @@ RING = fmpz_mpoly_ctx.get(("t", "u", "L", "omega"), "lex")
 """ℤ[t, u, L][ω], the ring of all forms."""
 T, U, L, OMEGA = RING.gens()
 
+R = TypeVar("R")
 Rows = tuple[QuadraticPoly, ...]
 """A form without L: the coefficients of t⁰, t¹, … up to the formal degree, polynomials in u."""
 
@@ -55,16 +57,6 @@ class BiForm(Quadratic[fmpz_mpoly]):
     def of(cls, p: fmpz_mpoly, radicand: int, degree_t: int, degree_u: int) -> BiForm:
         """From a polynomial in t, u, L and ω, with ω² put in."""
         return cls(*omega_parts(p, radicand), radicand, degree_t, degree_u)
-
-    @classmethod
-    def of_rows(cls, rows: Rows, degree_u: int) -> BiForm:
-        """From the coefficients of t⁰, t¹, …"""
-        parts = [row.a for row in rows], [row.b for row in rows]
-        a, b = (
-            RING.from_dict({(i, k, 0, 0): p[k] for i, p in enumerate(part) for k in range(len(p)) if p[k]})
-            for part in parts
-        )
-        return cls(a, b, rows[0].radicand, len(rows) - 1, degree_u)
 
     @property
     def joined(self) -> fmpz_mpoly:
@@ -107,6 +99,20 @@ class BiForm(Quadratic[fmpz_mpoly]):
             QuadraticPoly(combined([c.a for c in row]), combined([c.b for c in row]), self.radicand)
             for row in self.coefficients
         )
+
+    def sliced(self, length: Fraction) -> BiForm:
+        """The form at one L, without L and integral."""
+        a, b = (
+            RING.from_dict({(i, k, 0, 0): p[k] for i, p in enumerate(part) for k in range(len(p)) if p[k]})
+            for part in zip(*((row.a, row.b) for row in self.at(length)), strict=True)
+        )
+        return replace(self, a=a, b=b)
+
+    def above(self, u: R | None, omega: R) -> list[R]:
+        """The coefficients of tⁱ of a form without L at one u, in any ring; None is u = ∞."""
+        if u is None:
+            return [row.coefficient(self.degree_u, omega) for row in self.rows]
+        return [row(u, omega) for row in self.rows]
 
     def residue(self, p: int, omega: int) -> ResidueForm:
         """The image modulo p, with a value chosen for ω."""

@@ -69,12 +69,6 @@ class ExactRoot:
     multiplicity: int
     omega: fmpq_poly | None
 
-    @classmethod
-    def origin(cls, radicand: int) -> ExactRoot:
-        """The root 0 of u."""
-        [zero] = real_roots(QuadraticPoly.rational([0, 1]))
-        return cls(zero, radicand, 1, None)
-
     def in_field(self) -> tuple[Algebraic, Algebraic]:
         """The root and ω as elements of one real field."""
         field = Field.of_root(self.root)

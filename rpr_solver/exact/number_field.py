@@ -130,6 +130,13 @@ class Algebraic:
         )
 
 
+def exact_omega(radicand: int) -> Algebraic:
+    """ω in ℚ(ω): the generator, or 1 in ℚ where the radicand is 1."""
+    if radicand == 1:
+        return Field.rationals()(1)
+    return Field.of_root(real_roots(QuadraticPoly.rational([-radicand, 0, 1]))[-1]).generator
+
+
 Polynomial = list[Algebraic]
 """Ascending coefficients in one field; the last is not zero; [] is the zero polynomial."""
 

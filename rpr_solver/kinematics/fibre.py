@@ -16,9 +16,9 @@ from flint import arb, ctx, fmpq
 
 from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, sorted_by_balls
-from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
+from rpr_solver.exact.factors import exact_roots, norm_factors
 from rpr_solver.exact.modular import simple_and_finite
-from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
+from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, exact_omega
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, all_decided, decided
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
@@ -118,7 +118,7 @@ class _Fibre:
                 poses += above
         if at_infinity := DEGREE - self.closure.sextic.degree:
             shapes.append((at_infinity, 1) if at_infinity == 1 else (1, at_infinity))
-            _, omega = ExactRoot.origin(self.slice_map.radicand).in_field()
+            omega = exact_omega(self.slice_map.radicand)
             field = omega.field
             above = self._above((field(-1), field(0), field(1)), None, omega, at_infinity)
             if above is None:

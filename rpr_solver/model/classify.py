@@ -93,6 +93,12 @@ def _hessians_independent(local: LocalMap[Algebraic]) -> bool:
     return not (crossed[0] * crossed[0] - crossed[1] * crossed[2]).is_zero
 
 
+def tan_half(cos: Algebraic, sin: Algebraic) -> Algebraic | None:
+    """The tangent of half the angle with this cosine and sine; None at 180°."""
+    norm = cos + 1
+    return None if norm.is_zero else sin * norm.inverse()
+
+
 def cos_sin(half: Algebraic | None, field: Field) -> tuple[Algebraic, Algebraic]:
     """Cosine and sine of the angle whose half has this tangent; None is 180°."""
     if half is None:

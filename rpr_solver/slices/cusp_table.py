@@ -22,9 +22,10 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.by_balls import SlicePoses
-from rpr_solver.slices.by_fields import ExactPose, poses_above, poses_at_half_turn
+from rpr_solver.slices.by_fields import poses_above
 from rpr_solver.slices.certificate import Factor, RootCertificate
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant, eliminate
 from rpr_solver.slices.joint_points import ClassifiedPoint, free_legs, point_of_balls, point_of_pose
@@ -150,11 +151,9 @@ class _Slice:
     def _exactly(self, q: QuadraticPoly) -> SliceTable:
         """The table from the irreducible factors over ℚ(ω); balls still settle simple roots if they can."""
         spurious, touching = self._collinear * self._closed, self._touching()
-        lengths = self.scaled, -self.scaled
-        if not q.is_zero:
-            plane, turned = (SliceForms.of(self.slice_map, length) for length in lengths)
-        else:
-            (plane, q), (turned, _) = (without_shared_curves(self.slice_map, length) for length in lengths)
+        plane = SliceForms.of(self.slice_map, self.scaled)
+        if q.is_zero:
+            plane, q = without_shared_curves(plane)
         points: list[ClassifiedPoint] = []
         factors = norm_factors(q)
         roots = list(exact_roots(factors))
@@ -173,7 +172,7 @@ class _Slice:
         at_infinity = DEGREE_U - q.degree
         touches_infinity = touching is not None and touching.degree() < 1
         if at_infinity or plane.shared or touches_infinity:
-            points += map(self._point, poses_at_half_turn(turned))
+            points += map(self._point, poses_above(plane, None))
         shapes: dict[int, int] = {at_infinity: 1} if at_infinity and not plane.shared else {}
         for degree, multiplicity in (shape for factor in factors for shape in factor.shape):
             shapes[multiplicity] = shapes.get(multiplicity, 0) + degree

@@ -11,9 +11,9 @@ from flint import arb, ctx
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.notebook import shortened
 from rpr_solver.slices.by_balls import CuspBalls
-from rpr_solver.slices.by_fields import ExactPose
 
 
 class _Coordinate:
@@ -134,17 +134,15 @@ def point_of_pose(pose: ExactPose, digits: int) -> ClassifiedPoint:
     Raises:
         Unproved: the digits could not be decided.
     """
-    exact = pose.exact_lengths()
 
     def decimals(bits: int) -> ClassifiedPoint | None:
-        alpha, theta, *balls = pose.coordinates(bits)
-        lengths = [ball if x is None else x for x, ball in zip(exact, balls, strict=True)]
+        alpha, theta, *lengths = pose.coordinates(bits)
         with ctx.workprec(bits):
             texts = round_all((alpha, theta, *lengths), digits)
         if texts is None:
             return None
-        proof = {"field_degree": str(pose.u.field.degree)}
-        point = joint_point(texts, pose.slice_map.fixed_leg)
+        proof = {"field_degree": str(pose.length.field.degree)}
+        point = joint_point(texts, pose.local.slice_map.fixed_leg)
         return ClassifiedPoint(pose.kind, theta, alpha, point, proof, bits)
 
     message = f"the digits of a {pose.kind or 'pose'} could not be decided"

@@ -12,9 +12,11 @@ from fractions import Fraction
 from flint import fmpz_mpoly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.biform import BiForm, Rows, T, U, leading_coefficient, without_common_factors
+from rpr_solver.exact.biform import BiForm, T, U, leading_coefficient, without_common_factors
 from rpr_solver.exact.number_field import Algebraic, evaluate
 from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.model.classify import tan_half
+from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import SliceMap
 
 
@@ -24,13 +26,14 @@ class Curve:
 
     polynomial: fmpz_mpoly | None
 
-    def holds(self, t: Algebraic | None, u: Algebraic) -> bool:
-        """Whether the pose (t, u) lies on the curve; t is None at α = 180°."""
+    def holds(self, pose: Pose[Algebraic]) -> bool:
+        """Whether a pose lies on the curve."""
+        t = tan_half(pose.cos_alpha, pose.sin_alpha)
         if self.polynomial is None or t is None:
             return self.polynomial is None and t is None
         degree_t, degree_u, *_ = self.polynomial.degrees()
-        rows = BiForm.of(self.polynomial, 1, degree_t, degree_u).rows
-        return evaluate([row(u, u.field(1)) for row in rows], t).is_zero
+        form, u = BiForm.of(self.polynomial, 1, degree_t, degree_u), tan_half(pose.cos_theta, pose.sin_theta)
+        return evaluate(form.above(u, t.field(1)), t).is_zero
 
     def equation(self, fixed_leg: int) -> str:
         """The equation of the curve in angles or half tangents, as documents print it."""
@@ -43,29 +46,27 @@ class Curve:
 
 @dataclass(frozen=True)
 class SliceForms:
-    """J and E of one slice by coefficients of t (formal degrees), without the curves they share."""
+    """J and E of one slice, without the curves they share."""
 
     slice_map: SliceMap
     length: Fraction
-    singular: Rows
-    coalescence: Rows
+    singular: BiForm
+    coalescence: BiForm
     shared: tuple[Curve, ...] = ()
 
     @classmethod
     def of(cls, slice_map: SliceMap, length: Fraction) -> SliceForms:
         """The slice of one *scaled* length, with nothing divided out."""
-        return cls(slice_map, length, slice_map.singular.at(length), slice_map.coalescence.at(length))
+        return cls(slice_map, length, slice_map.singular.sliced(length), slice_map.coalescence.sliced(length))
 
 
-def without_shared_curves(slice_map: SliceMap, length: Fraction) -> tuple[SliceForms, QuadraticPoly]:
-    """Divides J and E by the curves they share in the slice of a *scaled* length; also their new eliminant.
+def without_shared_curves(forms: SliceForms) -> tuple[SliceForms, QuadraticPoly]:
+    """Divides J and E by the curves they share in a slice; also their new eliminant.
 
     Raises:
         SolverError: J and E share a curve that is not rational.
     """
-    j, e = (
-        BiForm.of_rows(form.at(length), form.degree_u) for form in (slice_map.singular, slice_map.coalescence)
-    )
+    j, e = forms.singular, forms.coalescence
     shared: list[Curve] = []
     if (drop := min(j.zeros_at_infinity, e.zeros_at_infinity)) > 0:
         shared.append(Curve(None))
@@ -77,10 +78,10 @@ def without_shared_curves(slice_map: SliceMap, length: Fraction) -> tuple[SliceF
     # formal degrees: where only one loses degree in t, its zeros at t = ∞ multiply the other's leading term
     resultant *= leading_coefficient(e.joined, 0) ** j.zeros_at_infinity
     resultant *= leading_coefficient(j.joined, 0) ** e.zeros_at_infinity
-    [q] = BiForm.of(resultant, slice_map.radicand, 0, 0).primitive().rows
+    [q] = BiForm.of(resultant, j.radicand, 0, 0).primitive().rows
     if q.is_zero:
         raise SolverError("J and E share a curve of poses that is not rational; this slice is not supported")
-    return SliceForms(slice_map, length, j.rows, e.rows, tuple(shared)), q
+    return replace(forms, singular=j, coalescence=e, shared=tuple(shared)), q
 
 
 def _real_curves(common: fmpz_mpoly) -> list[Curve]:

@@ -14,11 +14,12 @@ from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.classify import Kind, PoseKind
+from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, html_table, shortened, svg_steps, with_floats
-from rpr_solver.slices.joint_points import JointPoint, joint_point
-from rpr_solver.transitions.event_types import Event, EventPose
+from rpr_solver.slices.joint_points import JointPoint, joint_point, point_of_pose
+from rpr_solver.transitions.event_types import BallPose, Event
 from rpr_solver.transitions.length_range import LengthRange, intervals_json
 from rpr_solver.transitions.survey import Survey, survey
 
@@ -269,15 +270,14 @@ def length_text(slice_map: SliceMap, group: Sequence[Event], digits: int) -> str
     return _rounded(length, digits, GREATEST_BITS)[0]
 
 
-def _point(pose: EventPose, fixed_leg: int, digits: int) -> JointPoint:
-    limit = TIMES_BEFORE_EXACT * digit_bits(digits) if pose.exact else GREATEST_BITS
+def _point(pose: ExactPose | BallPose, fixed_leg: int, digits: int) -> JointPoint:
+    if isinstance(pose, ExactPose):
+        return point_of_pose(pose, digits).point
     try:
-        return joint_point(_rounded(pose.coordinates, digits, limit), fixed_leg)
+        texts = _rounded(pose.coordinates, digits, TIMES_BEFORE_EXACT * digit_bits(digits))
+        return joint_point(texts, fixed_leg)
     except Unproved:
-        exact = pose.exact and pose.exact()
-        if exact is None:
-            raise
-        return _point(exact, fixed_leg, digits)
+        return point_of_pose(pose.exact(), digits).point
 
 
 def _rounded(balls: Callable[[int], Sequence[arb]], digits: int, limit: int) -> list[str]:

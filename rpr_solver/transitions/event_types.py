@@ -10,26 +10,27 @@ from flint import arb
 
 from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.exact_pose import ExactPose
 
 Coordinates = tuple[arb, arb, arb, arb]
 """α and θ in degrees, and the free legs in the user's unit."""
 
 
 @dataclass(frozen=True)
-class EventPose:
+class BallPose:
     """The degenerate pose of an event: its kind, and its coordinates as balls at a precision in bits."""
 
     kind: PoseKind
     coordinates: Callable[[int], Coordinates]
-    exact: Callable[[], EventPose | None] | None = None
-    """The same pose in a number field; None if the pose is already in one."""
+    exact: Callable[[], ExactPose]
+    """The same pose in a number field."""
 
 
 class Event(Protocol):
     """A length L at which the number of cusps may change (scaled units)."""
 
     @property
-    def pose(self) -> EventPose | None:
+    def pose(self) -> ExactPose | BallPose | None:
         """The degenerate pose; None if only the length is known."""
 
     @property

@@ -31,11 +31,12 @@ from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS, decided, decid
 from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
 from rpr_solver.model.jets import LocalMap
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.transitions.event_systems import EventSystems, System, limit_system
-from rpr_solver.transitions.event_types import Coordinates, Event, EventPose, Landmark
+from rpr_solver.transitions.event_types import BallPose, Coordinates, Event, Landmark
 from rpr_solver.transitions.exact_events import (
     events_above,
     located_poses,
@@ -58,11 +59,9 @@ class BallEvent:
     exact_length: None = None
 
     @property
-    def pose(self) -> EventPose | None:
+    def pose(self) -> BallPose | None:
         """The degenerate pose, if the event has a kind."""
-        if self.kind is None:
-            return None
-        return EventPose(self.kind, self.coordinates, lambda: self.exact().pose)
+        return None if self.kind is None else BallPose(self.kind, self.coordinates, self.exact)
 
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""
@@ -76,11 +75,11 @@ class BallEvent:
             scale = self.system.slice_map.scale_ball()
             return t.degrees(), HalfTangent(u, arb(1)).degrees(), f.sqrt() / scale, g.sqrt() / scale
 
-    def exact(self) -> Event:
-        """The same event in a number field, for equalities that balls cannot prove, such as an angle of 0."""
+    def exact(self) -> ExactPose:
+        """The same pose in a number field, for equalities that balls cannot prove, such as an angle of 0."""
         [root] = exact_counterparts([self.root], self.system.eliminant.polynomial)
-        [event] = _exact_events(self.system, root, named=self.kind is not None)
-        return event
+        [pose] = located_poses(self.system, root)
+        return ExactPose.of(self.system.slice_map, pose)
 
     def _refined(self, bits: int) -> tuple[HalfTangent, arb, arb, int]:
         def accurate(work: int) -> tuple[HalfTangent, arb, arb, int] | None:

@@ -20,7 +20,6 @@ from rpr_solver.exact.number_field import (
     Extension,
     Polynomial,
     adjoin_real_roots,
-    common_roots,
     poly_gcd,
     poly_mod,
     poly_product,
@@ -28,49 +27,29 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
-from rpr_solver.model.classify import PoseKind, classify, cos_sin
-from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.exact_pose import ExactPose, common_poses
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import NotGeneric, System
-from rpr_solver.transitions.event_types import Coordinates, EventPose
 
 _APART_BITS = 512
 
 
 @dataclass(frozen=True)
 class ExactEvent:
-    """An event with L > 0, all of it in one real number field (scaled units)."""
+    """An event with L > 0 whose degenerate pose is exact."""
 
-    kind: PoseKind
-    local: LocalMap[Algebraic]
-
-    @property
-    def pose(self) -> EventPose:
-        """The degenerate pose."""
-        return EventPose(self.kind, self.coordinates)
+    pose: ExactPose
 
     @property
     def exact_length(self) -> Algebraic:
         """L (scaled)."""
-        return self.local.pose.length
+        return self.pose.length
 
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""
-        return self.local.pose.length.ball(bits)
-
-    def coordinates(self, bits: int) -> Coordinates:
-        """α and θ in degrees, and the free legs in the user's unit."""
-        p = self.local.pose
-        alpha, theta = _degrees(p.cos_alpha, p.sin_alpha, bits), _degrees(p.cos_theta, p.sin_theta, bits)
-        squares = self.local.squared_lengths()
-        balls = [x.ball(bits) for x in squares]
-        with ctx.workprec(bits):
-            first, second = (
-                arb(0) if x.is_zero else ball.sqrt() / self.local.slice_map.scale_ball()
-                for x, ball in zip(squares, balls, strict=True)
-            )
-        return alpha, theta, first, second
+        return self.exact_length.ball(bits)
 
 
 def events_above(system: System, root: ExactRoot | None) -> Iterator[ExactEvent]:
@@ -148,34 +127,17 @@ def _permanent_poses(permanent: System) -> Iterator[Pose[Algebraic]]:
 
 
 def _event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[ExactEvent]:
-    local = LocalMap.at(slice_map, pose, 4)
-    kind = classify(local)
-    if kind not in (PoseKind.ORDINARY, PoseKind.CUSP):
-        yield ExactEvent(kind, local)
+    exact = ExactPose.of(slice_map, pose)
+    if exact.kind not in (PoseKind.ORDINARY, PoseKind.CUSP):
+        yield ExactEvent(exact)
 
 
-def _common_poses(system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:
+def _common_poses(system: System, root: ExactRoot | None) -> list[Pose[Algebraic]]:
     """The real poses above a root; their length 1 is a placeholder."""
-    cos_t, sin_t, omega, (a, b) = _place(system, root)
-    roots = common_roots(a, b, cos_t, sin_t, omega)
-    if roots is None:
+    poses = common_poses(system.first, system.second, root, 1)
+    if poses is None:
         raise NotGeneric
-    for t, (cos, sin, at_omega) in roots:
-        field = at_omega.field
-        yield Pose(*cos_sin(t, field), cos, sin, field(1), at_omega)
-
-
-def _place(
-    system: System, root: ExactRoot | None
-) -> tuple[Algebraic, Algebraic, Algebraic, list[list[Algebraic]]]:
-    """cos θ, sin θ, ω and both forms' coefficients of t, at a root."""
-    forms = system.first, system.second
-    if root is not None:
-        u, omega = root.in_field()
-        return *cos_sin(u, u.field), omega, [[row(u, omega) for row in form.rows] for form in forms]
-    _, omega = ExactRoot.origin(system.first.radicand).in_field()
-    rows = [[row.coefficient(form.degree_u, omega) for row in form.rows] for form in forms]
-    return omega.field(-1), omega.field(0), omega, rows
+    return poses
 
 
 def _singularity(slice_map: SliceMap, pose: Pose[Algebraic], length: int) -> Algebraic:
@@ -220,15 +182,6 @@ def _without(p: Polynomial, factor: Polynomial) -> Polynomial:
     while factor and len(common := poly_gcd(p, factor)) > 1:
         p = poly_mod(p, common)[0]
     return p
-
-
-def _degrees(cos: Algebraic, sin: Algebraic, bits: int) -> arb:
-    """The angle in (−180, 180], exact at 0 and 180."""
-    if sin.is_zero:
-        return arb(0) if cos.sign > 0 else arb(180)
-    c, s = cos.ball(bits), sin.ball(bits)
-    with ctx.workprec(bits):
-        return HalfTangent(s, 1 + c).degrees()
 
 
 @dataclass(frozen=True, eq=False)

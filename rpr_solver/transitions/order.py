@@ -60,7 +60,7 @@ def _equal(x: Event, y: Event, events: Sequence[Event]) -> bool:
         return _same_number(x.exact_length, y.exact_length)
     if isinstance(x, BallEvent) and isinstance(y, BallEvent):
         return _isosceles(x.system.slice_map) and _mirror_images(x, y, events)
-    first, second = (e.exact().exact_length if isinstance(e, BallEvent) else e.exact_length for e in (x, y))
+    first, second = (e.exact().length if isinstance(e, BallEvent) else e.exact_length for e in (x, y))
     return first is not None and second is not None and _same_number(first, second)
 
 

@@ -13,16 +13,15 @@ from math import lcm
 from rpr_solver.exact.biform import RING, BiForm
 from rpr_solver.exact.number_field import (
     Algebraic,
-    Field,
     Polynomial,
     adjoin_real_roots,
     evaluate,
+    exact_omega,
     poly_gcd,
     squarefree_part,
     trimmed,
 )
-from rpr_solver.exact.quadratic import DivisionError, QuadraticPoly
-from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.exact.quadratic import DivisionError
 
 
 @dataclass(frozen=True)
@@ -36,9 +35,9 @@ class SharedAngles:
     @classmethod
     def of(cls, first: BiForm, second: BiForm) -> SharedAngles | None:
         """Divides both forms by every power of the shared angles; None if they share none."""
-        field = _omega_field(first.radicand)
+        omega = exact_omega(first.radicand)
         common: Polynomial = []
-        for column in (*_columns(first, field), *_columns(second, field)):
+        for column in (*_columns(first, omega), *_columns(second, omega)):
             common = poly_gcd(common, trimmed(column))
         finite = squarefree_part(common)
         at_infinity = bool(first.zeros_at_infinity and second.zeros_at_infinity)
@@ -63,25 +62,14 @@ def _without(form: BiForm, angles: BiForm) -> BiForm:
             return form
 
 
-def _omega_field(radicand: int) -> Field:
-    """ℚ(ω), ω being the generator, or ℚ where ω is 1."""
-    if radicand == 1:
-        return Field.rationals()
-    return Field.of_root(real_roots(QuadraticPoly.rational([-radicand, 0, 1]))[-1])
-
-
-def _omega(field: Field) -> Algebraic:
-    return field(1) if field.degree == 1 else field.generator
-
-
 def constant_lengths(j0: BiForm, j1: BiForm, angles: BiForm) -> Iterator[Algebraic]:
     """L = −J0/J1 (scaled) at each real zero of a form in t, where L depends on the angle only."""
-    field = _omega_field(angles.radicand)
-    [polynomial] = _columns(angles, field)
-    for extension in adjoin_real_roots(field, trimmed(polynomial)):
-        yield from _length(j0, j1, extension.root, extension.lift(_omega(field)))
+    omega = exact_omega(angles.radicand)
+    [polynomial] = _columns(angles, omega)
+    for extension in adjoin_real_roots(omega.field, trimmed(polynomial)):
+        yield from _length(j0, j1, extension.root, extension.lift(omega))
     if angles.zeros_at_infinity:
-        yield from _length(j0, j1, None, _omega(field))
+        yield from _length(j0, j1, None, omega)
 
 
 def _length(j0: BiForm, j1: BiForm, t: Algebraic | None, omega: Algebraic) -> Iterator[Algebraic]:
@@ -95,13 +83,12 @@ def _length(j0: BiForm, j1: BiForm, t: Algebraic | None, omega: Algebraic) -> It
 
 
 def _at(form: BiForm, t: Algebraic | None, u: Algebraic, omega: Algebraic) -> Algebraic:
-    rows = [row(u, omega) for row in form.rows]
+    rows = form.above(u, omega)
     return rows[-1] if t is None else evaluate(rows, t)
 
 
-def _columns(form: BiForm, field: Field) -> list[list[Algebraic]]:
+def _columns(form: BiForm, omega: Algebraic) -> list[list[Algebraic]]:
     """For each power of u the coefficients of t⁰, t¹, …"""
-    omega = _omega(field)
     return [[row.coefficient(k, omega) for row in form.rows] for k in range(form.degree_u + 1)]
 
 

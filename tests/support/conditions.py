@@ -171,8 +171,10 @@ def real(x: Fraction | int) -> mp.mpf:
     return mp.mpf(Fraction(x).numerator) / Fraction(x).denominator
 
 
-def number(ball: arb) -> mp.mpf:
-    """The middle of a ball, which must be good for nearly all digits."""
+def number(ball: arb | Fraction) -> mp.mpf:
+    """The middle of a ball, which must be good for nearly all digits; a rational number is exact."""
+    if isinstance(ball, Fraction):
+        return real(ball)
     assert ball.is_zero() or ball.rel_accuracy_bits() > 160
     with mp.workdps(DIGITS):
         return mp.mpf(ball.mid().str(DIGITS + 5, radius=False))

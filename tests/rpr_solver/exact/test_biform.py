@@ -64,18 +64,23 @@ def test_joined_and_taken_apart_again(single: list[BiForm]) -> None:
     assert BiForm.of(form.joined, form.radicand, form.degree_t, form.degree_u) == form
 
 
-@given(forms(1, with_length=False))
-def test_rows_make_the_form(single: list[BiForm]) -> None:
+@given(forms(1, with_length=False), st.integers(-9, 9))
+def test_above_one_u_a_form_has_the_coefficients_of_its_rows(single: list[BiForm], u: int) -> None:
+    """At u = ∞ these are the coefficients of the formal degree."""
     [form] = single
     assert len(form.rows) == form.degree_t + 1
-    assert BiForm.of_rows(form.rows, form.degree_u) == form
+    assert form.sliced(Fraction(1)) == form
+    whole = form.above(fmpz_poly([u]), fmpz_poly([0, 1]))  # ω as a variable
+    assert whole == [row.a(fmpz_poly([u])) + row.b(fmpz_poly([u])) * fmpz_poly([0, 1]) for row in form.rows]
+    top = form.above(None, fmpz_poly([0, 1]))
+    assert top == [fmpz_poly([row.a[form.degree_u], row.b[form.degree_u]]) for row in form.rows]
 
 
 @given(forms(1), st.fractions(-9, 9, max_denominator=9))
 def test_one_length_is_put_in(single: list[BiForm], length: Fraction) -> None:
     [form] = single
     top = max(0, form.joined.degrees()[2])
-    rows = BiForm.of_rows(form.at(length), form.degree_u)
+    rows = form.sliced(length)
     n, d = length.numerator, length.denominator
     whole = {p: c * n ** p[2] * d ** (top - p[2]) for p, c in form.joined.to_dict().items()}
     expected = RING.from_dict({p: c for p, c in whole.items() if c}).compose(T, U, RING.constant(1), OMEGA)

@@ -8,12 +8,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rpr_solver.exact.factors import (
-    ExactRoot,
     exact_counterparts,
     exact_roots,
     norm_factors,
     simple_and_other_roots,
 )
+from rpr_solver.exact.number_field import exact_omega
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
 
@@ -80,8 +80,10 @@ def test_real_roots_have_exact_counterparts(a: list[int], b: list[int]) -> None:
 
 
 @pytest.mark.parametrize("radicand", [1, 2, 7])
-def test_the_origin_knows_omega(radicand: int) -> None:
-    zero, omega = ExactRoot.origin(radicand).in_field()
+def test_a_rational_root_knows_omega(radicand: int) -> None:
+    [root] = exact_roots(norm_factors(QuadraticPoly.rational([0, 1], radicand)))
+    zero, omega = root.in_field()
     assert zero.is_zero
+    assert (exact_omega(radicand).ball(64) - omega.ball(64)).contains(0)
     assert (omega * omega - radicand).is_zero
     assert omega.sign == 1

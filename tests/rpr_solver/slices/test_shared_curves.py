@@ -11,10 +11,13 @@ from hypothesis import strategies as st
 from rpr_solver import EXAMPLES, Manipulator, SolverError
 from rpr_solver.exact.biform import OMEGA, BiForm, L, Rows, T, U
 from rpr_solver.exact.modular import primes, sylvester
-from rpr_solver.exact.number_field import Field
+from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.model.classify import cos_sin
+from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.shared_curves import Curve, SliceForms, without_shared_curves
+from rpr_solver.slices.shared_curves import Curve, SliceForms
+from rpr_solver.slices.shared_curves import without_shared_curves as divided
 from tests.support.families import family
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples, lengths
@@ -41,9 +44,13 @@ def with_factors(
     return slice_map
 
 
+def without_shared_curves(slice_map: SliceMap, length: Fraction) -> tuple[SliceForms, QuadraticPoly]:
+    return divided(SliceForms.of(slice_map, length))
+
+
 def formal_resultant(forms: SliceForms, u: int) -> int:
     """Res_t at one u, for a rational height."""
-    j, e = ([row.a(fmpz(u)) for row in rows] for rows in (forms.singular, forms.coalescence))
+    j, e = ([row.a(fmpz(u)) for row in rows] for rows in (forms.singular.rows, forms.coalescence.rows))
     return int(fmpz_mat(sylvester(j, e, fmpz(0))).det())
 
 
@@ -57,8 +64,8 @@ def primitive(rows: Rows) -> list[QuadraticPoly]:
 def assert_plain(forms: SliceForms, q: QuadraticPoly) -> None:
     """What is left when the factors are gone."""
     plain, expected = without_shared_curves(SliceMap.of(EXAMPLES["zein-flat"]), LENGTH)
-    assert primitive(forms.singular) == primitive(plain.singular)
-    assert primitive(forms.coalescence) == primitive(plain.coalescence)
+    assert primitive(forms.singular.rows) == primitive(plain.singular.rows)
+    assert primitive(forms.coalescence.rows) == primitive(plain.coalescence.rows)
     assert q in (expected, expected * -1)
 
 
@@ -83,10 +90,10 @@ def test_a_slice_s_forms_are_those_of_the_map() -> None:
     slice_map = SliceMap.of(EXAMPLES["zein-flat"])
     forms = SliceForms.of(slice_map, LENGTH)
     assert (forms.slice_map, forms.length, forms.shared) == (slice_map, LENGTH, ())
-    assert (len(forms.singular), len(forms.coalescence)) == (5, 7)
+    assert (len(forms.singular.rows), len(forms.coalescence.rows)) == (5, 7)
     p, _ = next(primes(1))
     joined = slice_map.coalescence.joined
-    in_t = [nmod_poly(row.a, p) for row in forms.coalescence]
+    in_t = [nmod_poly(row.a, p) for row in forms.coalescence.rows]
     assert [int(sum(c(3) * pow(t, i, p) for i, c in enumerate(in_t))) for t in (0, 2)] == [
         int(joined.compose(fmpz(t) + 0 * T, 3 + 0 * T, 5 + 0 * T, 1 + 0 * T)[0, 0, 0, 0] % p) for t in (0, 2)
     ]
@@ -149,8 +156,10 @@ def test_a_curve_that_is_not_rational_is_refused() -> None:
 
 def test_a_curve_at_one_length_alone_is_found_there() -> None:
     slice_map = with_factors(T * L - 5 + U * (L - 5))
-    at, beside = (without_shared_curves(slice_map, length)[0].shared for length in (Fraction(5), Fraction(6)))
-    assert [curve.equation(1) for curve in at] == ["t - 1 = 0 with t = tan(alpha/2), u = tan(theta1/2)"]
+    there, beside = (
+        without_shared_curves(slice_map, length)[0].shared for length in (Fraction(5), Fraction(6))
+    )
+    assert [curve.equation(1) for curve in there] == ["t - 1 = 0 with t = tan(alpha/2), u = tan(theta1/2)"]
     assert [str(curve.polynomial) for curve in beside] == ["6*t + u - 5"]
 
 
@@ -167,7 +176,7 @@ def test_congruent_triangles_move_in_parallel(sign: int, equation: str, leg: int
     forms, q = without_shared_curves(slice_map, LENGTH * slice_map.scale)
     assert [curve.equation(leg) for curve in forms.shared] == [equation]
     assert not q.is_zero
-    assert len(forms.singular) < 5
+    assert forms.singular.degree_t < 4
 
 
 def test_similar_triangles_share_no_curve() -> None:
@@ -182,17 +191,28 @@ def test_an_equation_names_the_fixed_leg() -> None:
     assert Curve(U - 2).equation(3) == "u - 2 = 0 with t = tan(alpha/2), u = tan(theta3/2)"
 
 
+def at(t: Fraction | None, u: Fraction | None) -> Pose[Algebraic]:
+    """The pose with these half tangents; None is 180°."""
+    (cos_a, sin_a), (cos_t, sin_t) = (cos_sin(None if x is None else RATIONALS(x), RATIONALS) for x in (t, u))
+    return Pose(cos_a, sin_a, cos_t, sin_t, RATIONALS(1), RATIONALS(1))
+
+
 @given(st.fractions(-9, 9, max_denominator=9), st.fractions(-9, 9, max_denominator=9))
 def test_a_pose_lies_on_a_curve_where_its_equation_holds(t: Fraction, u: Fraction) -> None:
-    at = RATIONALS(t), RATIONALS(u)
-    assert Curve(T * U - 6).holds(*at) == (t * u == 6)
-    assert Curve(T**2 * U - U - 3).holds(*at) == (t * t * u - u == 3)
-    assert Curve(T).holds(*at) == (t == 0)
-    assert not Curve(None).holds(*at)
+    pose = at(t, u)
+    assert Curve(T * U - 6).holds(pose) == (t * u == 6)
+    assert Curve(T**2 * U - U - 3).holds(pose) == (t * t * u - u == 3)
+    assert Curve(T).holds(pose) == (t == 0)
+    assert not Curve(None).holds(pose)
     if t:
-        assert Curve(T * U - 6).holds(RATIONALS(t), RATIONALS(6 / t))
+        assert Curve(T * U - 6).holds(at(t, 6 / t))
 
 
 def test_a_half_turn_lies_on_its_own_curve_alone() -> None:
-    assert Curve(None).holds(None, RATIONALS(3))
-    assert not Curve(U - 3).holds(None, RATIONALS(3))
+    assert Curve(None).holds(at(None, Fraction(3)))
+    assert not Curve(U - 3).holds(at(None, Fraction(3)))
+
+
+def test_where_the_fixed_leg_has_turned_by_a_half_the_highest_power_of_u_counts() -> None:
+    assert Curve(T * U - U + 5).holds(at(Fraction(1), None))
+    assert not Curve(T * U - U + 5).holds(at(Fraction(2), None))

@@ -16,13 +16,13 @@ from rpr_solver.exact.factors import exact_roots, norm_factors
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.model.exact_pose import _degrees
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import EventSystems, NotGeneric
 from rpr_solver.transitions.exact_events import (
     ExactEvent,
     _apart,
-    _degrees,
     _InLength,
     _permanent_poses,
     _without,
@@ -85,7 +85,7 @@ def test_the_lengths_at_which_they_are_degenerate(name: str, fixed_leg: int, kin
     m = family(name)
     permanent, slices = systems_of(m, fixed_leg).permanent, Slices.of(m, fixed_leg)
     own = list(permanent_events(permanent))
-    assert sorted(event.kind for event in own) == kinds
+    assert sorted(event.pose.kind for event in own) == kinds
     with mp.workdps(DIGITS):
         for event in own:
             alpha, theta, *legs = map(number, event.pose.coordinates(256))
@@ -124,8 +124,8 @@ def test_an_event_at_half_a_turn_of_the_fixed_leg() -> None:
     assert system.eliminant.zeros_at_infinity
     [event] = events_above(system, None)
     assert event.exact_length.rational == 2 * system.slice_map.scale
-    alpha, theta, *_ = map(number, event.coordinates(256))
-    assert (event.kind, theta) == (PoseKind.LIPS, 180)
+    alpha, theta, *_ = map(number, event.pose.coordinates(256))
+    assert (event.pose.kind, theta) == (PoseKind.LIPS, 180)
     with mp.workdps(DIGITS):
         assert slices.kind((mp.radians(alpha), mp.pi, mpf(2))) is PoseKind.LIPS
 
@@ -135,11 +135,11 @@ def test_events_above_exact_roots() -> None:
     system, slices = systems_of(m, 2).critical, Slices.of(m, 2)
     roots = exact_roots(norm_factors(system.eliminant.polynomial))
     own = [event for root in roots for event in events_above(system, root)]
-    assert sorted(event.kind for event in own) == ["beak-to-beak"] * 3 + ["lips"]
+    assert sorted(event.pose.kind for event in own) == ["beak-to-beak"] * 3 + ["lips"]
     with mp.workdps(DIGITS):
         for event in own:
             length = number(event.scaled_length(256)) / real(system.slice_map.scale)
-            assert slices.kind(place_of(event.local.pose, length)) is event.kind
+            assert slices.kind(place_of(event.pose.local.pose, length)) is event.pose.kind
 
 
 def test_a_cusp_that_passes_such_a_pose_at_a_limit() -> None:
@@ -230,7 +230,6 @@ def test_polynomials_in_the_length_are_a_ring(
 def test_an_event_of_an_exact_pose_is_all_in_one_field() -> None:
     [event, _] = permanent_events(systems_of(family("isosceles"), 3).permanent)
     assert isinstance(event, ExactEvent)
-    p = event.local.pose
+    p = event.pose.local.pose
     assert len({id(x.field) for x in (p.cos_alpha, p.sin_alpha, p.cos_theta, p.sin_theta, p.length)}) == 1
     assert (p.cos_alpha * p.cos_alpha + p.sin_alpha * p.sin_alpha - 1).is_zero
-    assert event.pose.exact is None
