@@ -18,6 +18,7 @@ from pathlib import Path
 from pydantic_settings import BaseSettings
 
 import rpr_solver
+from service.api.metric_families import OF_INSTALLATION, OF_PROCESS
 from service.api.problems import ProblemType
 from service.api.settings import Settings
 from service.cli.main import COMMANDS
@@ -50,6 +51,19 @@ def problems() -> Iterator[str]:
     kinds = sorted(ProblemType, key=lambda kind: (kind.status, kind.slug))
     rows = [(f"`{kind.slug}`", str(kind.status), kind.meaning) for kind in kinds]
     return table(("type, at `/problems/…`", "status", "meaning"), rows)
+
+
+def metrics() -> Iterator[str]:
+    """Yields every metric, by what it is about."""
+    for group, families in (
+        ("of one API process", OF_PROCESS),
+        ("of the whole installation", OF_INSTALLATION),
+    ):
+        rows = [
+            (f"`{family.shown}`", family.kind, ", ".join(f"`{x}`" for x in family.labels), family.meaning)
+            for family in families
+        ]
+        yield from table((group, "type", "labels", "meaning"), [tuple(c or "–" for c in row) for row in rows])
 
 
 def options() -> Iterator[str]:
@@ -109,7 +123,7 @@ def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[st
 
 def rewritten(text: str) -> str:
     """Returns the document with new tables."""
-    for part in (settings, problems, options, names):
+    for part in (settings, problems, metrics, options, names):
         begin, end = f"<!-- {part.__name__} -->\n", f"<!-- end of {part.__name__} -->\n"
         before, _, rest = text.partition(begin)
         _, marker, after = rest.partition(end)

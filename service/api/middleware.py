@@ -42,7 +42,7 @@ class RequestEnvelope:
             return
         sent_id = Headers(scope=scope).get(REQUEST_ID, "")
         request_id = sent_id if _REQUEST_ID.fullmatch(sent_id) else secrets.token_hex(8)
-        with about(request_id=request_id):
+        with about(request_id=request_id), self.metrics.in_flight.track_inprogress():
             await self._answer(request_id, scope, receive, send)
 
     async def _answer(self, request_id: str, scope: Scope, receive: Receive, send: Send) -> None:
@@ -51,13 +51,16 @@ class RequestEnvelope:
         if is_head:
             scope["method"], scope[IS_HEAD] = "GET", True
         status, size = 500, 0
-        started = False
+        started = follows = False
 
         async def send_on(message: Message) -> None:
-            nonlocal status, size, started
+            nonlocal status, size, started, follows
             if message["type"] == "http.response.start":
                 status, started = message["status"], True
                 headers = MutableHeaders(scope=message)
+                if headers.get("content-type", "").startswith("text/event-stream"):
+                    follows = True
+                    self.metrics.followers.inc()
                 headers[REQUEST_ID] = request_id
                 headers.setdefault("X-Content-Type-Options", "nosniff")
             elif is_head and message["type"] == "http.response.body":
@@ -84,4 +87,6 @@ class RequestEnvelope:
         finally:
             method, seconds = "HEAD" if is_head else scope["method"], time.perf_counter() - start
             self.metrics.observe(scope, method, status, seconds)
+            if follows:
+                self.metrics.followers.dec()
             self.access_log.note(scope, method, status, size, seconds)

@@ -43,6 +43,11 @@ class Keys:
         return f"{self.prefix}:active:{SOLVER_VERSION}"
 
     @property
+    def ends(self) -> str:
+        """The counts of how jobs ended; see `worker.jobs.ends`."""
+        return f"{self.prefix}:ends"
+
+    @property
     def suspects(self) -> str:
         """The chunks that no worker seems to run, with the time of the first suspicion."""
         return f"{self.prefix}:suspects:{SOLVER_VERSION}"

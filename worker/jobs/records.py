@@ -144,7 +144,7 @@ class JobRecords:
         run = secrets.token_hex(4)
         keys = self.keys.job(request.job_id)
         is_created = self._create(
-            keys=[*keys, self.keys.active],
+            keys=[*keys, self.keys.active, self.keys.ends],
             args=[
                 request.job_id, run, seen_run, len(request.parts), len(todo),
                 request.to_json(), dump(list(todo)), size, count, settings.job_ttl,
@@ -182,7 +182,7 @@ class JobRecords:
         reply = self._slice(
             keys=[
                 self.result_keys.slice(*geometry, request.digits, l1), self.result_keys.digits(*geometry),
-                *keys, self.keys.active,
+                *keys, self.keys.active, self.keys.ends,
             ],
             args=[
                 ref.job_id, ref.run, ref.index, ref.attempt, offset, int(offset == len(chunk.parts) - 1),
@@ -222,7 +222,7 @@ class JobRecords:
         self._document(
             keys=[
                 self.result_keys.document(request.content_hash),
-                *self.keys.job(ref.job_id), self.keys.active,
+                *self.keys.job(ref.job_id), self.keys.active, self.keys.ends,
             ],
             args=[
                 ref.job_id, ref.run, ref.index, ref.attempt, dump(document),
@@ -245,7 +245,7 @@ class JobRecords:
         settings = self.settings
         bound = settings.max_worker_losses if lost == "workers" else settings.max_losses
         reply = self._reopen(
-            keys=[keys.record, keys.chunks],
+            keys=[keys.record, keys.chunks, self.keys.ends],
             args=[ref.run, ref.index, ref.attempt, lost, bound],
         )
         if reply == -1:
@@ -293,7 +293,7 @@ class JobRecords:
         problem = dump({"type": "worker-lost", "detail": _INCOMPLETE})
         return bool(
             self._reconcile(
-                keys=[*self.keys.job(job_id), self.keys.active],
+                keys=[*self.keys.job(job_id), self.keys.active, self.keys.ends],
                 args=[job_id, problem, self.settings.failure_ttl],
             )
         )
@@ -325,7 +325,7 @@ class JobRecords:
         self, job_id: str, status: str, problem: str, run: str, index: int | str, attempt: int | str
     ) -> list[ChunkEntry] | None:
         reply = self._end(
-            keys=[*self.keys.job(job_id), self.keys.active],
+            keys=[*self.keys.job(job_id), self.keys.active, self.keys.ends],
             args=[job_id, status, problem, self.settings.failure_ttl, run, index, attempt],
         )
         if not reply:

@@ -40,6 +40,10 @@ class Roster:
         """Say that the worker `name` is alive."""
         self._beat(keys=[self.key], args=[name, self._ttl])
 
+    def age(self, score: float, now: float) -> float:
+        """The seconds since the last beat of a worker with this score."""
+        return max(0.0, now - (score - self._ttl) / 1000)
+
     def leave(self, name: str) -> None:
         """Say that the worker `name` ends."""
         self.redis.zrem(self.key, name)

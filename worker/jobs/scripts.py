@@ -14,10 +14,14 @@ Each script begins with the names of its keys and arguments, in the order in whi
 
 from __future__ import annotations
 
-PRELUDE = """
+from worker.jobs.ends import COUNT_END
+
+_NOW = """
 local time = redis.call('TIME')
 local now = string.format('%d.%06d', time[1], time[2])
+"""
 
+_JOBS = """
 local function is_active(status) return status == 'queued' or status == 'running' end
 
 -- Returns the entry of a chunk if this attempt of this run is open, else nil.
@@ -36,7 +40,8 @@ local function put_chunk(chunks, index, chunk)
         chunk.state, chunk.attempt, chunk.horses, chunk.workers, chunk.offset))
 end
 
-local function finish(record, chunks, bits, errors, events, active, job_id, status, problem, ttl)
+local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl)
+    count_end(record, ends, job_id, status, problem)
     redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
     redis.call('ZREM', active, job_id)
     redis.call('HDEL', record, 'todo')
@@ -45,11 +50,13 @@ local function finish(record, chunks, bits, errors, events, active, job_id, stat
     for _, key in ipairs({record, errors, events}) do redis.call('EXPIRE', key, ttl) end
 end
 """
+
+PRELUDE = _NOW + COUNT_END + _JOBS
 """The definitions that precede every script."""
 
 # Returns 1 if the job was created, 0 if another client has created or changed it meanwhile.
 CREATE = """
-local record, chunks, bits, errors, events, active = unpack(KEYS)
+local record, chunks, bits, errors, events, active, ends = unpack(KEYS)
 local job_id, run, seen_run, total, todo_count, request, todo = unpack(ARGV)
 local chunk_size, chunk_count, ttl, origin = unpack(ARGV, 8)
 
@@ -61,7 +68,7 @@ redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done
     'origin', origin)
 if tonumber(todo_count) == 0 then
     redis.call('HSET', record, 'started', now)
-    finish(record, chunks, bits, errors, events, active, job_id, 'succeeded', '', ttl)
+    finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', ttl)
     return 1
 end
 for index = 0, chunk_count - 1 do redis.call('HSET', chunks, index, 'queued:0:0:0:0') end
@@ -124,7 +131,7 @@ return 1
 # Keeps the result in any case, since it is valid whatever the state of the job, then counts it once.
 # Returns 0 if the attempt is out of date, 1 if more slices remain, 2 if the job is done.
 SLICE = """
-local slice, known_digits, record, chunks, bits, errors, events, active = unpack(KEYS)
+local slice, known_digits, record, chunks, bits, errors, events, active, ends = unpack(KEYS)
 local job_id, run, index, attempt = unpack(ARGV)
 local offset, is_last, position, l1, json, is_error, digits, slice_ttl, job_ttl = unpack(ARGV, 5)
 is_last, is_error = is_last == '1', is_error == '1'
@@ -149,7 +156,7 @@ if redis.call('SETBIT', bits, position, 1) == 1 then return 1 end
 local done, total = redis.call('HINCRBY', record, 'done', 1), redis.call('HGET', record, 'total')
 redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'slice', 'l1', l1, 'done', done, 'total', total)
 if done < tonumber(total) then return 1 end
-finish(record, chunks, bits, errors, events, active, job_id, 'succeeded', '', job_ttl)
+finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', job_ttl)
 return 2
 """
 
@@ -168,7 +175,7 @@ return 1
 
 # Keeps a document in any case, the first of several, and ends the job that requested it.
 DOCUMENT = """
-local document, record, chunks, bits, errors, events, active = unpack(KEYS)
+local document, record, chunks, bits, errors, events, active, ends = unpack(KEYS)
 local job_id, run, index, attempt, json, document_ttl, job_ttl = unpack(ARGV)
 
 if not redis.call('SET', document, json, 'EX', document_ttl, 'NX') then
@@ -176,14 +183,14 @@ if not redis.call('SET', document, json, 'EX', document_ttl, 'NX') then
 end
 if not open_chunk(record, chunks, run, index, attempt) then return 0 end
 redis.call('HSET', record, 'done', redis.call('HGET', record, 'total'))
-finish(record, chunks, bits, errors, events, active, job_id, 'succeeded', '', job_ttl)
+finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', job_ttl)
 return 2
 """
 
 # Ends a job: any run if `run` is empty (a cancel), otherwise only if that attempt of that chunk is open.
 # Returns the run and the open chunks {run, index, entry, …} if the job was ended, nothing otherwise.
 END = """
-local record, chunks, bits, errors, events, active = unpack(KEYS)
+local record, chunks, bits, errors, events, active, ends = unpack(KEYS)
 local job_id, status, problem, ttl, run, index, attempt = unpack(ARGV)
 
 local job_run, job_status = unpack(redis.call('HMGET', record, 'run', 'status'))
@@ -191,7 +198,7 @@ if not is_active(job_status) then return false end
 if run ~= '' and not open_chunk(record, chunks, run, index, attempt) then return false end
 local open = redis.call('HGETALL', chunks)
 table.insert(open, 1, job_run)
-finish(record, chunks, bits, errors, events, active, job_id, status, problem, ttl)
+finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl)
 return open
 """
 
@@ -199,12 +206,13 @@ return open
 # chunk that had started.
 # Returns the new attempt's number, -1 if the chunk is out of date, -2 if it was lost too often.
 REOPEN = """
-local record, chunks = unpack(KEYS)
+local record, chunks, ends = unpack(KEYS)
 local run, index, attempt, lost, max_losses = unpack(ARGV)
 
 local chunk = open_chunk(record, chunks, run, index, attempt)
 if not chunk then return -1 end
 if lost ~= '' and chunk.state ~= 'queued' then
+    redis.call('HINCRBY', ends, 'lost:' .. lost, 1)
     chunk[lost] = chunk[lost] + 1
     if chunk[lost] > tonumber(max_losses) then return -2 end
 end
@@ -216,7 +224,7 @@ return chunk.attempt
 # Corrects the set of active jobs, and ends an active job that has no chunks and so could never end.
 # Returns 1 if the job is active.
 RECONCILE = """
-local record, chunks, bits, errors, events, active = unpack(KEYS)
+local record, chunks, bits, errors, events, active, ends = unpack(KEYS)
 local job_id, problem, ttl = unpack(ARGV)
 
 local status = redis.call('HGET', record, 'status')
@@ -226,7 +234,7 @@ if not is_active(status) then
     return 0
 end
 if redis.call('EXISTS', chunks) == 0 then
-    finish(record, chunks, bits, errors, events, active, job_id, 'failed', problem, ttl)
+    finish(record, chunks, bits, errors, events, active, ends, job_id, 'failed', problem, ttl)
     return 0
 end
 redis.call('ZADD', active, 'NX', now, job_id)

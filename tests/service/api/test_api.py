@@ -292,7 +292,7 @@ def test_metrics_count_requests_and_show_the_queue(api: httpx.Client) -> None:
     assert 'rpr_cusps_http_requests_total{method="GET",route="/healthz",status="200"}' in text
     assert "rpr_cusps_workers 1.0" in text
     assert "rpr_cusps_up 1.0" in text
-    assert "rpr_cusps_queue_depth " in text
+    assert 'rpr_cusps_queue_depth{lane="small"} ' in text
 
 
 def test_limits_and_version(api: httpx.Client, idle: httpx.Client) -> None:

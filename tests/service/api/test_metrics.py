@@ -1,0 +1,140 @@
+"""Metrics: all of them documented, cheap to read, and true."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import httpx
+import pytest
+from redis import Redis
+
+from service.api.metric_families import OF_INSTALLATION, OF_PROCESS
+from service.api.settings import Settings
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.jobs import a_document, a_request
+from tests.support.processes import PATIENCE, until
+from tests.support.service_server import serving
+from worker.connection import connect
+from worker.jobs.load import read_load
+from worker.jobs.queue import JobQueue
+from worker.jobs.records import ChunkRef
+from worker.jobs.roster import Roster
+from worker.settings import WorkerSettings
+
+REFERENCE = Path(__file__).parents[3] / "docs" / "reference.md"
+Values = dict[str, float]
+
+
+@pytest.fixture
+def queue(valkey: EmbeddedValkey) -> JobQueue:
+    """The queue of a database that no worker serves."""
+    client = connect(f"{valkey.url}?db=2")
+    client.flushdb()
+    return JobQueue(client, WorkerSettings(chunk_size=2, sweep_interval=0.001))
+
+
+@pytest.fixture
+def url(valkey: EmbeddedValkey, queue: JobQueue) -> str:  # noqa: ARG001
+    with serving(Settings(redis_url=f"{valkey.url}?db=2", keepalive_seconds=0.3)) as url:
+        yield url
+
+
+def scrape(url: str) -> Values:
+    lines = httpx.get(f"{url}/metrics").text.splitlines()
+    pairs = [line.rsplit(" ", 1) for line in lines if not line.startswith("#")]
+    return {name: float(value) for name, value in pairs}
+
+
+def started(queue: JobQueue, *l1: str) -> ChunkRef:
+    view = queue.submit(a_request(*l1))
+    ref = ChunkRef(view.id, view.run, 0, 0)
+    assert queue.records.start(ref)
+    return ref
+
+
+def test_every_metric_is_documented_and_every_documented_one_exists(url: str, queue: JobQueue) -> None:
+    queue.records.fail(started(queue, "1"), "timeout", "too long")
+    scrape(url)
+    text = httpx.get(f"{url}/metrics").text
+    types = dict(re.findall(r"^# TYPE (\S+) (\w+)$", text, re.MULTILINE))
+    section = REFERENCE.read_text().partition("<!-- metrics -->")[2].partition("<!-- end of metrics -->")[0]
+    documented = dict(re.findall(r"^\| `(\w+)` \| (\w+) \|", section, re.MULTILINE))
+    assert types == documented
+    assert {family.shown for family in (*OF_PROCESS, *OF_INSTALLATION)} == set(types)
+
+
+def test_the_queue_by_lane(url: str, queue: JobQueue) -> None:
+    assert scrape(url)['rpr_cusps_queue_age_seconds{lane="small"}'] == 0
+    first = queue.submit(a_request("1"))
+    queue.submit(a_document())
+    queue.submit(a_request("1", "2", "3", "4", "5"))
+    queue.redis.hset(queue.records.keys.job(first.id).record, "created", f"{queue.redis.time()[0] - 100}.5")
+    values = scrape(url)
+    assert values['rpr_cusps_queue_depth{lane="small"}'] == 2
+    assert values['rpr_cusps_queue_depth{lane="bulk"}'] == 3
+    assert 99 < values['rpr_cusps_queue_age_seconds{lane="small"}'] < 100 + PATIENCE
+    assert 0 < values['rpr_cusps_queue_age_seconds{lane="bulk"}'] < PATIENCE
+    assert values["rpr_cusps_jobs_active"] == 3
+
+
+def test_ends_of_jobs(url: str, queue: JobQueue) -> None:
+    ref = started(queue, "1")
+    record = queue.records.keys.job(ref.job_id).record
+    now = queue.redis.time()[0]
+    queue.redis.hset(record, mapping={"created": f"{now - 25}.0", "started": f"{now - 5}.0"})
+    queue.records.fail(ref, "timeout", "too long")
+    queue.records.cancel(queue.submit(a_document()).id)
+    values = scrape(url)
+    assert values['rpr_cusps_jobs_ended_total{kind="cusp-table",status="failed"}'] == 1
+    assert values['rpr_cusps_jobs_ended_total{kind="poses",status="canceled"}'] == 1
+    assert values['rpr_cusps_job_failures_total{kind="cusp-table",reason="timeout"}'] == 1
+    run = 'rpr_cusps_job_run_seconds_bucket{kind="cusp-table",le="%s"}'
+    assert [values[run % le] for le in ("3", "100", "+Inf")] == [0, 1, 1]
+    assert 5 <= values['rpr_cusps_job_run_seconds_sum{kind="cusp-table"}'] < 5 + PATIENCE
+    assert values['rpr_cusps_job_wait_seconds_sum{kind="cusp-table"}'] == pytest.approx(20)
+    assert values['rpr_cusps_job_wait_seconds_count{kind="poses"}'] == 1
+    assert 'rpr_cusps_job_run_seconds_count{kind="poses"}' not in values, "it never ran"
+
+
+def test_losses_and_beats(url: str, queue: JobQueue) -> None:
+    queue.records.reopen(started(queue, "1"), "workers")
+    roster = Roster(queue.redis, queue.settings)
+    roster.beat("a")
+    queue.redis.zincrby(roster.key, -2000, "a")  # as if its beat were two seconds ago
+    values = scrape(url)
+    assert values['rpr_cusps_chunks_lost_total{what="worker"}'] == 1
+    assert values['rpr_cusps_chunks_lost_total{what="horse"}'] == 0
+    assert values["rpr_cusps_workers"] == 1
+    assert 2 <= values["rpr_cusps_worker_beat_age_seconds"] <= 5
+
+
+def test_followers_and_requests_in_flight(url: str, queue: JobQueue) -> None:
+    job_id = queue.submit(a_request("1")).id
+    assert scrape(url)["rpr_cusps_followers"] == 0
+    with httpx.stream("GET", f"{url}/v1/jobs/{job_id}/events", timeout=PATIENCE) as stream:
+        lines = stream.iter_lines()
+        next(lines)
+        values = scrape(url)
+        assert values["rpr_cusps_followers"] == 1
+        assert values["rpr_cusps_http_in_flight"] == 2, "the follower and the scrape"
+    until(lambda: scrape(url)["rpr_cusps_followers"] == 0)
+
+
+def commands(client: Redis) -> int:
+    return int(client.info("stats")["total_commands_processed"])
+
+
+def test_a_scrape_costs_as_little_with_more_jobs(queue: JobQueue) -> None:
+    def cost_of_reading() -> int:
+        before = commands(queue.redis)
+        read_load(queue.redis, queue.settings)
+        return commands(queue.redis) - before - 1
+
+    queue.submit(a_request("1"))
+    queue.submit(a_request("1", "2", "3"))
+    few = cost_of_reading()
+    for i in range(50):
+        queue.submit(a_request(str(i + 100)))
+        queue.submit(a_request(str(i + 1), str(i + 2), str(i + 3)))
+    assert cost_of_reading() == few <= 14
