@@ -24,6 +24,7 @@ from service.api.settings import Settings
 from service.cli.main import COMMANDS
 from service.client import ClientSettings
 from service.schemas.limits import Limits
+from service.stack.settings import SupervisorSettings
 from worker.settings import WorkerSettings
 
 FILE = Path(__file__).with_name("reference.md")
@@ -32,6 +33,7 @@ GROUPS: dict[str, type[BaseSettings]] = {
     "API process": Settings,
     "jobs and workers": WorkerSettings,
     "clients": ClientSettings,
+    "`rpr-cusps serve`": SupervisorSettings,
 }
 
 

@@ -8,6 +8,7 @@ ValueError
     └── LimitError          schemas.limits: the request is valid but exceeds a limit
 RuntimeError
 └── StackError              stack.errors: the stack cannot run
+    ├── BadAddressError     stack.errors: the address of Redis cannot be understood
     └── EmbeddedError       stack.errors: the embedded server cannot be started
 Exception
 ├── ProblemError            api.problems: answered as a problem document; all other errors become one

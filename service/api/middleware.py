@@ -24,6 +24,8 @@ log = logging.getLogger("rpr_cusps.service")
 REQUEST_ID = "X-Request-ID"
 _REQUEST_ID = re.compile(r"[A-Za-z0-9._\-]{1,64}", re.ASCII)
 IS_HEAD = "rpr_cusps.head"
+UNCOUNTED = "rpr_cusps.uncounted"
+"""In the scope of requests that are in no log and no metrics: those of the supervisor."""
 _CLIENT_GONE = 499  # as nginx has it: the client left before there was an answer
 
 
@@ -86,7 +88,8 @@ class RequestEnvelope:
             await response(scope, receive, send_on)
         finally:
             method, seconds = "HEAD" if is_head else scope["method"], time.perf_counter() - start
-            self.metrics.observe(scope, method, status, seconds)
             if follows:
                 self.metrics.followers.dec()
-            self.access_log.note(scope, method, status, size, seconds)
+            if UNCOUNTED not in scope:
+                self.metrics.observe(scope, method, status, seconds)
+                self.access_log.note(scope, method, status, size, seconds)

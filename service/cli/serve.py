@@ -7,7 +7,6 @@ import argparse
 import signal
 from pathlib import Path
 
-from service.api.settings import Settings
 from service.cli.arguments import whole
 from service.cli.worker import add_redis_url
 from service.stack.serve import ServeSettings, serve
@@ -59,7 +58,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    Settings()  # reports a bad environment before anything starts
     if args.parent_pid is not None:
         die_with_parent(args.parent_pid, signal.SIGTERM)
     return serve(

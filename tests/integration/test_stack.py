@@ -83,7 +83,8 @@ def command(data: Path, *, port: int = 0, workers: int = 1, url: str = "") -> li
 @contextmanager
 def running(data: Path, *, workers: int = 1, url: str = "", **settings: object) -> Iterator[Stack]:
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with started(command(data, workers=workers, url=url), env=environment(**settings), **options) as process:
+    variables = environment(**{"access_log": "off", **settings})
+    with started(command(data, workers=workers, url=url), env=variables, **options) as process:
         try:
             yield Stack(process, process.stdout.readline(), data)
         finally:
@@ -99,7 +100,7 @@ def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
             stack.announcement,
         )
         parts = stack.parts()
-        assert len(parts) == 3
+        assert len(parts) == 4  # Valkey, the API and two workers
         assert httpx.get(f"{stack.base}/healthz").status_code == 200
         body = {"geometry": dict(a_request("1").geometry), "l1": "14.98", "digits": 30}
         answer = httpx.post(
@@ -126,7 +127,7 @@ def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None
     ):
         queue = JobQueue(redis, WorkerSettings(task=SLOW))
         view = queue.submit(a_request("1"))
-        until(lambda: len(stack.parts()) == 4)  # with the work horse
+        until(lambda: len(stack.parts()) == 5)  # with the work horse
         parts = stack.parts()
         stack.process.send_signal(number)
         assert stack.process.wait(PATIENCE) == (-number if is_kill else 0)
@@ -156,7 +157,7 @@ def test_a_second_signal_hurries(tmp_path: Path) -> None:
     settings = {"task": "tests.support.hard_tasks.endless", "shutdown_grace": 60}
     with running(tmp_path, **settings) as stack, stack.redis() as redis:
         JobQueue(redis, WorkerSettings(task="tests.support.hard_tasks.endless")).submit(a_request("1"))
-        until(lambda: len(stack.parts()) == 3)
+        until(lambda: len(stack.parts()) == 4)
         parts = stack.parts()
         until(lambda: stack.process.poll() is not None or stack.process.terminate())
         assert stack.process.returncode == 0
@@ -228,9 +229,9 @@ def test_waiting_clients_do_not_delay_the_shutdown(tmp_path: Path) -> None:
         assert stack.process.stderr.read() == ""
 
 
-def failure(data: Path, settings: dict[str, object] | None = None, **options: object) -> str:
+def failure(data: Path, settings: dict[str, object] | None = None, status: int = 1, **options: object) -> str:
     done = completed(command(data, **options), environment(**(settings or {})))  # type: ignore[arg-type]
-    assert done.returncode == 1
+    assert done.returncode == status
     assert done.stdout == ""
     assert done.stderr.count("\n") == 1
     return done.stderr
@@ -252,9 +253,10 @@ def test_a_data_directory_that_is_taken(tmp_path: Path) -> None:
 
 def test_a_server_that_does_not_answer(tmp_path: Path) -> None:
     assert "cannot reach Redis" in failure(tmp_path, url=f"unix://{tmp_path}/nothing.sock")
-    assert "cannot reach Redis" in failure(tmp_path, url="nonsense://")
+    assert "cannot reach Redis" in failure(tmp_path, url="nonsense://", status=2)
 
 
 def test_an_invalid_setting(tmp_path: Path) -> None:
-    message = failure(tmp_path, {"deadline": -1})
-    assert message.startswith("rpr-cusps serve: RPR_CUSPS_DEADLINE: ")
+    for name, value in {"deadline": -1, "poll_seconds": "soon", "hang_seconds": 0}.items():
+        message = failure(tmp_path, {name: value}, status=2)
+        assert message.startswith(f"rpr-cusps serve: RPR_CUSPS_{name.upper()}: ")

@@ -26,6 +26,23 @@ redis.call('ZREMRANGEBYSCORE', workers, '-inf', now)
 redis.call('PEXPIRE', workers, ttl)
 """
 
+# Fails if a worker's beat would fail too, for example because Redis is out of memory.
+_SILENCES = """
+local workers, probe = unpack(KEYS)
+local ttl = ARGV[1]
+
+local time = redis.call('TIME')
+local now = time[1] * 1000 + math.floor(time[2] / 1000)
+redis.call('SET', probe, now, 'PX', ttl)
+local silences = {}
+local entries = redis.call('ZRANGE', workers, 0, -1, 'WITHSCORES')
+for i = 1, #entries, 2 do
+    silences[i] = entries[i]
+    silences[i + 1] = now + ttl - tonumber(entries[i + 1])
+end
+return silences
+"""
+
 
 class Roster:
     """The workers of this version of the solver."""
@@ -35,6 +52,7 @@ class Roster:
         self.key = Keys(settings.key_prefix).workers
         self._ttl = int((settings.beat_ttl + _IDLE_WAIT) * 1000)
         self._beat = redis.register_script(_BEAT)
+        self._silences = redis.register_script(_SILENCES)
 
     def beat(self, name: str) -> None:
         """Say that the worker `name` is alive."""
@@ -53,3 +71,12 @@ class Roster:
         seconds, micros = self.redis.time()
         names = self.redis.zrangebyscore(self.key, f"({seconds * 1000 + micros // 1000}", "+inf")
         return {name.decode() for name in cast("list[bytes]", names)}
+
+    def silences(self) -> dict[str, float]:
+        """The seconds since each worker's last beat. Raises an error if beats are not possible."""
+        keys = [self.key, f"{self.key}:probe"]
+        entries = cast("list[bytes | int]", self._silences(keys=keys, args=[self._ttl]))
+        return {
+            cast(bytes, name).decode(): max(0, cast(int, age)) / 1000
+            for name, age in zip(entries[::2], entries[1::2], strict=True)
+        }

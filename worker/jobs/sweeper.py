@@ -7,6 +7,7 @@ one of its keys in Redis is repaired, or fails.
 
 from __future__ import annotations
 
+import logging
 import threading
 from typing import cast
 
@@ -17,6 +18,8 @@ from worker.jobs.chunks import ChunkQueue
 from worker.jobs.interruption import run_again
 from worker.jobs.records import ChunkEntry, JobRecords
 from worker.settings import WorkerSettings
+
+log = logging.getLogger("rpr_cusps.worker")
 
 _WALK = 4000  # keys per sweep, about a millisecond of the server's time
 
@@ -53,6 +56,8 @@ class Sweeper:
                 self.sweep()
             except RedisError:
                 continue
+            except Exception:
+                log.exception("a search for lost chunks failed")
 
     def _without_beat(self, entries: list[ChunkEntry]) -> list[ChunkEntry]:
         with self.redis.pipeline(transaction=False) as pipe:

@@ -1,0 +1,66 @@
+"""The API process, as its supervisor sees it."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+
+from service.api.settings import KeysPolicy
+from service.stack.health import Pulse
+from worker.process.child import Child, Process, Say, python_program
+
+_STOP_PATIENCE = 6.0  # it gives open connections half of this
+
+
+class ApiChild:
+    """Keeps one API process running. The listening socket stays open: clients wait for the next one."""
+
+    def __init__(
+        self,
+        listener: socket.socket,
+        redis_url: str,
+        keys: KeysPolicy,
+        log_level: str,
+        say: Say,
+        hang_seconds: float,
+    ) -> None:
+        self._listener = listener
+        self._environment = {
+            **os.environ,
+            "RPR_CUSPS_REDIS_URL": redis_url,
+            "RPR_CUSPS_REQUIRE_KEYS": keys,
+            "RPR_CUSPS_LOG_LEVEL": log_level,
+        }
+        self._child = Child("the API", self._launch, say, hang_seconds)
+        self._pulse: Pulse | None = None
+
+    def start(self) -> None:
+        """Start the process."""
+        self._child.start()
+
+    def is_ready(self) -> bool:
+        """Whether it has answered."""
+        return self._pulse is not None and self._pulse.last > 0
+
+    def look_after(self) -> None:
+        """Replace the process if it died or hangs; takes no time."""
+        self._child.look_after(self._pulse.last if self._pulse is not None else 0.0)
+
+    def processes(self) -> list[tuple[Process, float]]:
+        """The process, if it is running, and how long it may take to end."""
+        return [] if self._child.process is None else [(self._child.process, _STOP_PATIENCE)]
+
+    def _launch(self) -> Process:
+        ours, theirs = socket.socketpair()
+        with theirs:
+            self._pulse = Pulse(ours)  # ends by itself if no process comes to hold the other end
+            fds = (self._listener.fileno(), theirs.fileno())
+            options = ("--listener", str(fds[0]), "--health", str(fds[1]), "--parent-pid", str(os.getpid()))
+            return subprocess.Popen(
+                python_program("service.stack.api_process", *options),
+                env=self._environment,
+                stdin=subprocess.DEVNULL,
+                start_new_session=True,  # Ctrl-C on a terminal reaches the supervisor alone
+                pass_fds=fds,
+            )

@@ -1,0 +1,144 @@
+"""The HTTP API as a child of `rpr-cusps serve`; Redis and all settings come from the environment."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import logging
+import os
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from copy import copy
+from types import FrameType
+from typing import Any
+
+import uvicorn
+from fastapi import FastAPI
+from starlette.types import Receive, Scope, Send
+
+from service.api.app import create_app
+from service.api.middleware import UNCOUNTED
+from service.api.settings import Settings
+from worker.connection import connect
+from worker.jobs.sweeper import Sweeper
+from worker.logs import set_up
+from worker.process.os_limits import die_with_parent, on_stop_signals
+from worker.settings import WorkerSettings
+
+log = logging.getLogger("rpr_cusps.service")
+
+_CLOSE_PATIENCE = 3  # seconds for open connections at the end
+_COMPLAINT_PAUSE = 60.0
+
+
+def main() -> int:
+    """Serve until a signal comes, or the parent ends."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--listener", type=int, required=True, help="file descriptor of the listening socket")
+    parser.add_argument("--health", type=int, required=True, help="the same of the parent's own connection")
+    parser.add_argument("--parent-pid", type=int, required=True, help="end with this parent process")
+    args = parser.parse_args()
+    die_with_parent(args.parent_pid)
+    settings = Settings()
+    worker_settings = WorkerSettings()
+    set_up((worker_settings.log_level or "WARNING").upper(), worker_settings.log_format, in_background=True)
+    sweep(settings.redis_url)
+    server = ApiServer(
+        server_config(create_app(settings)), socket.socket(fileno=args.health), args.parent_pid
+    )
+    on_stop_signals(server.request_stop)
+    server.run(sockets=[socket.socket(fileno=args.listener)])
+    return 0
+
+
+def server_config(app: FastAPI) -> uvicorn.Config:
+    """How uvicorn serves the application."""
+    return uvicorn.Config(
+        app,
+        log_config=None,
+        log_level=logging.getLevelName(logging.getLogger().level).lower(),
+        access_log=False,
+        timeout_graceful_shutdown=_CLOSE_PATIENCE,
+    )
+
+
+def sweep(redis_url: str) -> None:
+    """Search for lost chunks as workers do, since none may be left."""
+    sweeper = Sweeper(connect(redis_url), WorkerSettings())
+    threading.Thread(target=sweeper.run, args=(threading.Event(),), daemon=True).start()
+
+
+class ApiServer(uvicorn.Server):
+    """A uvicorn server that its parent watches."""
+
+    def __init__(self, config: uvicorn.Config, health: socket.socket, parent_pid: int) -> None:
+        super().__init__(config)
+        self._health = health
+        config.load()
+        self._uncounted = copy(config)
+        self._uncounted.loaded_app = self._pass_on
+        self._transport: asyncio.BaseTransport | None = None
+        self._parent_pid = parent_pid
+        self._next_complaint = 0.0
+
+    def request_stop(self, _number: int, _frame: FrameType | None) -> None:
+        """The first signal lets requests end, the second one does not."""
+        self.force_exit, self.should_exit = self.should_exit, True
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Leave the signals to `main`; uvicorn would send itself the signal again at the end."""
+        yield
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Serve the listening socket and, once that is possible, the parent's connection."""
+        asyncio.get_running_loop().set_exception_handler(self._complain)
+        await super().startup(sockets)
+        await self._serve_parent()
+
+    async def on_tick(self, counter: int) -> bool:
+        """End with the parent, and let it have its connection always."""
+        if os.getppid() != self._parent_pid:
+            self.should_exit = True
+        elif self._transport is None or self._transport.is_closing():
+            await self._serve_parent()
+        return await super().on_tick(counter)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Let the application answer waiting clients, then cut off the remaining connections."""
+        if begin := getattr(getattr(self.config.app, "state", None), "begin_shutdown", None):
+            begin()
+        logging.getLogger("uvicorn.error").addFilter(_is_no_cut_connection)
+        await super().shutdown(sockets)
+
+    async def _serve_parent(self) -> None:
+        """Serve a copy of the connection, since HTTP closes one that was idle."""
+        with contextlib.suppress(OSError):  # no descriptor is left: the next tick tries again
+            self._transport, _ = await asyncio.get_running_loop().connect_accepted_socket(
+                lambda: self.config.http_protocol_class(  # type: ignore[call-arg]
+                    config=self._uncounted, server_state=self.server_state, app_state=self.lifespan.state
+                ),
+                self._health.dup(),
+            )
+
+    async def _pass_on(self, scope: Scope, receive: Receive, send: Send) -> None:
+        await self.config.loaded_app({**scope, UNCOUNTED: True}, receive, send)
+
+    def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """Tell of a lack of file descriptors once a minute, not for each connection that has to wait."""
+        if "out of system resource" not in context["message"]:
+            loop.default_exception_handler(context)
+        elif time.monotonic() >= self._next_complaint:
+            self._next_complaint = time.monotonic() + _COMPLAINT_PAUSE
+            count = len(self.server_state.connections)
+            log.warning("%s with %d connections; new ones wait", context["exception"], count)
+
+
+def _is_no_cut_connection(record: logging.LogRecord) -> bool:
+    error = record.exc_info[1] if record.exc_info else None
+    cut = isinstance(error, asyncio.CancelledError) or "timeout graceful shutdown" in record.getMessage()
+    return not cut
