@@ -157,7 +157,7 @@ class TestNames:
         last = len(whole.slices) - 1
         starts = self.known(last)
         [start] = starts
-        lengths = [start + 10, start + 1, start - 1]
+        lengths = [start + 10, start + 1, start - 1, start - 2]
         names = dict(name_cusps(tracker, starts, lengths))
         assert set(names) == set(lengths)
         for length, of in names.items():
