@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from rpr_solver import Manipulator
+from rpr_solver.article.equations import Legs
 
 Vector = tuple[Fraction, Fraction]
 WEST: Vector = (Fraction(-1), Fraction(0))
@@ -118,6 +119,14 @@ class Constructed:
 
     pose: Pose
     manipulator: Manipulator
+
+
+def legs_of(at: Constructed) -> Legs:
+    """Their vectors, for the article's equations."""
+    m = at.manipulator
+    base = ((Fraction(0), Fraction(0)), (m.a2x, Fraction(0)), (m.a3x, m.a3y))
+    vectors = tuple(add(b, a, -1) for a, b in zip(base, at.pose.points, strict=True))
+    return Legs(vectors, m.a2x, m.a3x, m.a3y)  # type: ignore[arg-type]
 
 
 _POSE = Pose(TRIANGLE, Fraction(10), direction(1, 3), direction(-1, 2))

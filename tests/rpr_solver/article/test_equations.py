@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from rpr_solver.article.equations import LEG_ALONG, Legs, adjugate, coalescence
 from tests.support.constructed import (
     Constructed,
-    add,
     cusp,
     fold,
     legs_1_and_3_in_line,
     legs_2_and_3_in_line,
     legs_along_both_sides,
+    legs_of,
     lines_meet_in_b1,
     lines_meet_in_b3,
     ordinary,
@@ -161,13 +161,6 @@ class TestProducts:
         assert coalescence(scaled.k, scaled.second_derivatives) == one**14 * coalescence(
             legs.k, legs.second_derivatives
         )
-
-
-def legs_of(constructed: Constructed) -> Legs:
-    m = constructed.manipulator
-    base = ((Fraction(0), Fraction(0)), (m.a2x, Fraction(0)), (m.a3x, m.a3y))
-    vectors = tuple(add(b, a, -1) for a, b in zip(base, constructed.pose.points, strict=True))
-    return Legs(vectors, m.a2x, m.a3x, m.a3y)  # type: ignore[arg-type]
 
 
 def condition(legs: Legs) -> Fraction:
