@@ -1,0 +1,208 @@
+"""The order of events: what is equal stands together, by proof, and what is not is told apart."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import groupby
+from random import Random
+
+import mpmath as mp
+import pytest
+import sympy as sp
+from flint import arb, fmpq, fmpq_poly
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rpr_solver import EXAMPLES, Manipulator
+from rpr_solver.errors import Unproved
+from rpr_solver.exact.number_field import Algebraic, Field
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.transitions.event_systems import EventSystems
+from rpr_solver.transitions.event_types import Event, Landmark
+from rpr_solver.transitions.events import BallEvent, events
+from rpr_solver.transitions.order import (
+    _isosceles,
+    _minimal_polynomial,
+    _mirror_images,
+    _mirrored,
+    _same_number,
+    grouped,
+)
+from tests.support.conditions import DIGITS, Slices, number, real
+from tests.support.families import family
+
+RATIONALS = Field.rationals()
+
+
+def field_of(*coefficients: int) -> Field:
+    """ℚ of the greatest real root."""
+    return Field.of_root(real_roots(QuadraticPoly.rational(list(coefficients)))[-1])
+
+
+ROOT_TWO = field_of(-2, 0, 1)
+BOTH = field_of(1, 0, -10, 0, 1)
+"""ℚ(√2 + √3)."""
+
+
+def in_both(text: str) -> Algebraic:
+    """√2 or √3 by the generator g: √2 = (g³ − 9 g) / 2, √3 = (11 g − g³) / 2."""
+    coefficients = {"√2": [0, fmpq(-9, 2), 0, fmpq(1, 2)], "√3": [0, fmpq(11, 2), 0, fmpq(-1, 2)]}[text]
+    return BOTH(fmpq_poly(coefficients))
+
+
+def rational(x: Fraction | int) -> Landmark:
+    return Landmark(RATIONALS(Fraction(x)))
+
+
+@cache
+def events_of(m: Manipulator, fixed_leg: int) -> list[Event]:
+    return list(events(EventSystems.of(SliceMap.of(m, fixed_leg))))
+
+
+@given(
+    st.lists(
+        st.tuples(st.sampled_from(["ℚ", "√2", "√2 again", "√3"]), st.fractions(1, 3, max_denominator=3)),
+        max_size=8,
+    )
+)
+def test_lengths_ascend_and_equal_ones_are_together(pairs: list[tuple[str, Fraction]]) -> None:
+    """Multiples of 1, √2 and √3: their squares tell the order."""
+    units = {
+        "ℚ": (RATIONALS(1), 1),
+        "√2": (ROOT_TWO.generator, 2),
+        "√2 again": (in_both("√2"), 2),
+        "√3": (in_both("√3"), 3),
+    }
+    squares = {}
+    for name, factor in pairs:
+        unit, square = units[name]
+        event = Landmark(unit * unit.field(factor))
+        squares[id(event)] = (event, square * factor**2)
+    groups = grouped([event for event, _ in squares.values()])
+    result = [[squares[id(event)][1] for event in group] for group in groups]
+    expected = [list(same) for _, same in groupby(sorted(square for _, square in squares.values()))]
+    assert result == expected
+
+
+@pytest.mark.parametrize("exponent", [20, 300, 1900])
+def test_lengths_nearer_than_a_float_can_tell_are_told_apart(exponent: int) -> None:
+    little = Fraction(1, 10**exponent)
+    below, at, above = rational(1 - little), rational(1), rational(1 + little)
+    assert grouped([above, at, below]) == [[below], [at], [above]]
+    root = Landmark(ROOT_TWO.generator)
+    beside = Landmark(in_both("√2") + BOTH(little))
+    assert grouped([beside, root]) == [[root], [beside]]
+
+
+def test_conjugates_are_not_the_same_number() -> None:
+    two, other = ROOT_TWO.generator, in_both("√2")
+    assert _same_number(two, other)
+    assert not _same_number(two, -other)
+    assert not _same_number(two, in_both("√3"))
+    assert _same_number(other * other, RATIONALS(2))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_minimal_polynomials(seed: int) -> None:
+    """Against SymPy's; elements of subfields have one of lower degree."""
+    random = Random(seed)
+    a, b, c = (random.randint(-3, 3) * (k < 1 + seed % 3) for k in range(3))
+    ours = _minimal_polynomial(in_both("√2") * a + in_both("√3") * b + BOTH(c))
+    x = sp.Symbol("x")
+    theirs = sp.Poly(sp.minimal_polynomial(a * sp.sqrt(2) + b * sp.sqrt(3) + c, x), x)
+    assert [Fraction(str(k)) for k in ours.coeffs()] == [
+        Fraction(str(k)) for k in theirs.monic().all_coeffs()
+    ][::-1]
+
+
+@dataclass(frozen=True)
+class Blurred:
+    """An event whose balls all hold 1."""
+
+    pose: None = None
+    exact_length: Algebraic | None = None
+
+    def scaled_length(self, bits: int) -> arb:
+        return arb(1, arb(2) ** -bits)
+
+
+def test_lengths_that_are_neither_equal_nor_apart_are_refused() -> None:
+    with pytest.raises(Unproved, match="could not be proved to be one"):
+        grouped([Blurred(), Blurred()])
+    assert len(grouped([Blurred(), rational(2)])) == 2
+    assert len(grouped([Blurred(exact_length=RATIONALS(1)), rational(1)])) == 1
+
+
+@pytest.mark.parametrize(("m", "fixed_leg"), [(EXAMPLES["zein-flat"], 1), (family("isosceles"), 1)])
+def test_events_of_asymmetric_slices_have_lengths_of_their_own(m: Manipulator, fixed_leg: int) -> None:
+    """Isosceles triangles too, where the leg that is held is not at the apex."""
+    assert not _isosceles(SliceMap.of(m, fixed_leg))
+    groups = grouped(events_of(m, fixed_leg))
+    assert all(len(group) == 1 for group in groups)
+
+
+@pytest.mark.parametrize(("sides", "isosceles"), [((6, 5, 5), True), ((6, 4, 5), False)])
+def test_base_and_platform_must_both_be_isosceles(sides: tuple[int, ...], isosceles: bool) -> None:
+    for a3x in (3, 2):
+        m = Manipulator(*map(Fraction, (6, a3x, 7, *sides)))
+        assert _isosceles(SliceMap.of(m, 3)) == (isosceles and a3x == 3)
+
+
+def test_mirror_images_stand_together() -> None:
+    """Held at the apex: each event off the mirror has an image, at the same length and of the same kind."""
+    m = family("isosceles")
+    assert _isosceles(SliceMap.of(m, 3))
+    groups = grouped(events_of(m, 3))
+    pairs = [group for group in groups if len(group) > 1]
+    assert pairs
+    for first, second in pairs:
+        assert first.pose
+        assert second.pose
+        assert first.pose.kind is second.pose.kind
+        ours, theirs = (event.pose.coordinates(256) for event in (first, second))  # type: ignore[union-attr]
+        # the free legs change places
+        assert ours[2].overlaps(theirs[3])
+        assert ours[3].overlaps(theirs[2])
+        assert not ours[2].overlaps(ours[3])
+    lengths = [float(group[0].scaled_length(64).mid()) for group in groups]
+    assert lengths == sorted(lengths)
+    assert len(set(lengths)) == len(lengths)
+
+
+def test_a_mirror_image_is_one_event_and_no_other() -> None:
+    own = events_of(family("isosceles"), 3)
+    [first, second] = next(group for group in grouped(own) if len(group) == 2)
+    assert isinstance(first, BallEvent)
+    assert isinstance(second, BallEvent)
+    assert _mirror_images(first, second, own)
+    assert _mirror_images(second, first, own)
+    assert not _mirror_images(first, first, own)
+    assert not _mirror_images(first, second, [x for x in own if x is not second])
+    others = (x for x in own if isinstance(x, BallEvent) and x not in (first, second))
+    assert not any(_mirror_images(first, x, own) for x in others)
+
+
+def test_the_mirror_image_of_a_pose_has_its_free_legs_exchanged() -> None:
+    m = family("isosceles")
+    slices = Slices.of(m, 3)
+    scale = SliceMap.of(m, 3).scale
+    for event in events_of(m, 3):
+        if isinstance(event, BallEvent):
+            alpha, theta = _mirrored(event, 256)
+            _, _, first, second = map(number, event.coordinates(256))
+            with mp.workdps(DIGITS):
+                angles = (mp.atan2(number(x.imag), number(x.real)) for x in (alpha, theta))
+                length = number(event.scaled_length(256)) / real(scale)
+                legs = slices.free_legs((*angles, length))
+                assert abs(legs[0] - second) + abs(legs[1] - first) < mp.mpf("1e-40")
+
+
+def test_a_ball_event_and_a_number_are_compared_in_a_number_field() -> None:
+    m, fixed_leg = family("similar, mirrored"), 2
+    [lips] = [x for x in events_of(m, fixed_leg) if isinstance(x, BallEvent) and x.kind == "lips"]
+    exact = lips.exact().exact_length
+    assert exact
+    same, beside = Landmark(exact), Landmark(exact + exact.field(Fraction(1, 10**200)))
+    assert grouped([beside, lips, same]) == [[lips, same], [beside]]
