@@ -47,7 +47,7 @@ def solved(v: list[Vector], squares: list[arb]) -> tuple[arb, arb, arb]:
     return a * d - b * c, e * d - b * f, a * f - e * c
 
 
-def system_at(closure: Closure, t: Fraction) -> LinearSystem[arb]:
+def system_at(closure: Closure, t: Fraction) -> LinearSystem:
     cos, sin, one = (ball_of(x) for x in (1 - t * t, 2 * t, 1 + t * t))
     return closure.linear(cos, sin, one, omega_ball(closure.slice_map.radicand, BITS))
 
