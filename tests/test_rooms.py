@@ -135,6 +135,18 @@ def test_no_file_is_long(module: str) -> None:
     assert len(FILES[module].read_text(encoding="utf-8").splitlines()) <= LONGEST
 
 
+def test_every_module_of_the_solver_has_its_tests() -> None:
+    """In the same room: `rpr_solver/exact/factors.py` is tested by `tests/rpr_solver/exact/test_factors.py`."""
+    modules = {path.relative_to(ROOT) for name, path in FILES.items() if name.startswith(SOLVER)}
+    named = {path for path in modules if path.name != "__init__.py"}
+    assert named
+    assert [
+        str(path)
+        for path in sorted(named)
+        if not (ROOT / "tests" / path.parent / f"test_{path.name}").exists()
+    ] == []
+
+
 def test_no_module_of_the_solver_hides_behind_an_exported_name() -> None:
     import rpr_solver
 
