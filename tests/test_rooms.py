@@ -136,7 +136,7 @@ def test_no_file_is_long(module: str) -> None:
 
 
 def test_every_module_of_the_solver_has_its_tests() -> None:
-    """In the same room: `rpr_solver/exact/factors.py` is tested by `tests/rpr_solver/exact/test_factors.py`."""
+    """In the room of the same name: `exact/factors.py` in `tests/rpr_solver/exact/test_factors.py`."""
     modules = {path.relative_to(ROOT) for name, path in FILES.items() if name.startswith(SOLVER)}
     named = {path for path in modules if path.name != "__init__.py"}
     assert named

@@ -23,9 +23,10 @@ from rpr_solver.article.couples import (
     rejected_by_balls,
 )
 from rpr_solver.article.report import CoupleReport
-from rpr_solver.exact.factors import ExactRoot
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model import jets
+from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.half_tangent import HalfTangent, pose_of
 from rpr_solver.model.jets import LocalMap
 from rpr_solver.model.slice_map import SliceMap
@@ -78,11 +79,8 @@ def _precision() -> object:
 
 def exactly(at: Constructed, digits: int = 20) -> tuple[CoupleReport, ClassifiedPoint | None]:
     slice_map, field = SliceMap.of(at.manipulator), Field.rationals()
-    t, u = at.pose.t, at.pose.u
-    assert u is not None
-    return exact_couple(
-        slice_map, at.pose.l1 * slice_map.scale, None if t is None else field(t), field(u), field(1), digits
-    )
+    numbers = map(field, (*at.pose.alpha, *at.pose.theta, at.pose.l1 * slice_map.scale, 1))
+    return exact_couple(ExactPose.of(slice_map, jets.Pose(*numbers)), digits)
 
 
 def by_balls(at: Constructed, radius: float = 0.0) -> tuple[LocalMap[arb], arb, HalfTangent]:
@@ -153,10 +151,9 @@ class TestExactly:
         assert (couple["verdict"], couple["reason"], point) == (REJECTED, TWO, None)
 
     def test_a_swallowtail_at_half_a_turn_is_degenerate(self) -> None:
-        """θ1 = 180° is u = 0 with the length reversed."""
-        slice_map = SliceMap.of(Manipulator(*map(Fraction, (2, -4, 4, 1, 4, 3)), orientation="cw"))
-        u, omega = ExactRoot.origin(slice_map.radicand).in_field()
-        couple, point = exact_couple(slice_map, -slice_map.scale, u, u, omega, 20)
+        slice_map = SliceMap.of(Manipulator(2, -4, 4, 1, 4, 3, orientation="cw"))
+        numbers = map(Field.rationals(), (1, 0, -1, 0, slice_map.scale, 1))
+        couple, point = exact_couple(ExactPose.of(slice_map, jets.Pose(*numbers)), 20)
         assert couple == report("0", "180.000000000000", DEGENERATE, "swallowtail")
         assert point is not None
         assert point.kind == "swallowtail"

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -13,21 +14,20 @@ from rpr_solver import EXAMPLES, JointPoint, PoseKind
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.model.classify import cos_sin
+from rpr_solver.model.exact_pose import ExactPose
+from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.by_balls import CuspBalls, CuspProof
-from rpr_solver.slices.by_fields import ExactPose
+from rpr_solver.slices.by_balls import CuspBalls
 from rpr_solver.slices.joint_points import (
-    ClassifiedPoint,
     coordinate_names,
-    cusps_and_degenerate,
     free_legs,
-    in_order,
     joint_point,
     point_of_balls,
     point_of_pose,
 )
 
-PROOF = CuspProof(rank=arb(2), gradient=arb(-3, 1), transversal=arb("123456.789"))
+PROOF = {"rank_1": arb(2), "grad_J": arb(-3, 1), "v_grad_E": arb("123456.789")}
 RATIONALS = Field.rationals()
 SLICE_MAPS = {leg: SliceMap.of(EXAMPLES["innocenti"], leg) for leg in (1, 2, 3)}
 
@@ -37,20 +37,18 @@ def cusp(alpha: arb, theta: arb, first: arb, second: arb) -> CuspBalls:
 
 
 def pose(
-    t: Algebraic | None, u: Algebraic, first: Fraction, second: Fraction, *, offset: int = 0, leg: int = 1
+    t: Algebraic | None, u: Algebraic | None, f: Algebraic, g: Algebraic, *, leg: int = 1, kind: str = "lips"
 ) -> ExactPose:
-    """A pose whose lengths are rational, in the user's unit."""
-    scale = SLICE_MAPS[leg].scale
-    f, g = (u.field((x * scale) ** 2) for x in (first, second))
-    return ExactPose(PoseKind.LIPS, t, u, offset, f, g, SLICE_MAPS[leg])
+    """With any half tangents, None at 180°, and any squares of the free legs, in the user's unit."""
+    field, slice_map = f.field, SLICE_MAPS[leg]
+    place = Pose(*cos_sin(t, field), *cos_sin(u, field), field(1), field(1))
+    squares = tuple(x * field(slice_map.scale**2) for x in (f, g))
+    local: Any = SimpleNamespace(slice_map=slice_map, pose=place, squared_lengths=lambda: squares)
+    return ExactPose(PoseKind(kind), local)
 
 
 def rational_pose(first: Fraction, second: Fraction) -> ExactPose:
-    return pose(RATIONALS(1), RATIONALS(Fraction(-1, 2)), first, second)
-
-
-def point(kind: PoseKind, theta: arb, alpha: arb, name: str = "1") -> ClassifiedPoint:
-    return ClassifiedPoint(kind, theta, alpha, JointPoint(1, (name, "2", "3", "4")), {}, 64)
+    return pose(RATIONALS(1), RATIONALS(Fraction(-1, 2)), RATIONALS(first**2), RATIONALS(second**2))
 
 
 # names
@@ -143,14 +141,14 @@ def pairs_with(length: Fraction) -> tuple[tuple[Fraction, Fraction], tuple[Fract
 
 @pytest.mark.parametrize("leg", [1, 2, 3])
 def test_a_pose_has_its_angles_and_its_leg(leg: int) -> None:
-    """tan(α/2) = 1 and tan(θ/2) = −1/2; then α = 180°, and u = 0 turned by half a turn."""
-    lengths = Fraction(5), Fraction(8)
-    x = point_of_pose(pose(RATIONALS(1), RATIONALS(Fraction(-1, 2)), *lengths, leg=leg), 12)
+    """tan(α/2) = 1 and tan(θ/2) = −1/2; then both at 180°."""
+    squares = RATIONALS(25), RATIONALS(64)
+    x = point_of_pose(pose(RATIONALS(1), RATIONALS(Fraction(-1, 2)), *squares, leg=leg), 12)
     assert x.point == JointPoint(leg, ("90.0000000000", "-53.1301023542", "5.00000000000", "8.00000000000"))
     assert x.kind is PoseKind.LIPS
     assert (x.alpha.contains(90), x.theta < -53) == (True, True)
     assert x.proof == {"field_degree": "1"}
-    turned = point_of_pose(pose(None, RATIONALS(0), *lengths, offset=180, leg=leg), 5)
+    turned = point_of_pose(pose(None, None, *squares, leg=leg), 5)
     assert turned.point.coordinates[:2] == ("180.00", "180.00")
 
 
@@ -158,10 +156,7 @@ def test_irrational_coordinates_are_rounded_and_their_field_is_named() -> None:
     root = real_roots(QuadraticPoly.rational([-2, 0, 1]))[1]
     field = Field.of_root(root)
     x = field.generator
-    scale = SLICE_MAPS[1].scale
-    irrational = ExactPose(
-        PoseKind.CUSP, x, -x, 0, x * x * x * field(scale**2), field(scale**2 * 2), SLICE_MAPS[1]
-    )
+    irrational = pose(x, -x, x * x * x, field(2), kind="cusp")
     result = point_of_pose(irrational, 30)
     assert result.point.coordinates == (
         "109.471220634490691369245999340", "-109.471220634490691369245999340",
@@ -169,29 +164,3 @@ def test_irrational_coordinates_are_rounded_and_their_field_is_named() -> None:
     )  # fmt: skip
     assert result.proof == {"field_degree": "2"}
     assert result.bits >= 30 * 3.32
-
-
-# many points
-
-
-def test_points_ascend_by_the_fixed_leg_s_angle_then_by_alpha() -> None:
-    """Angles that balls do not tell apart count as equal."""
-    a, b, c, d = (
-        point(PoseKind.CUSP, arb(theta, 1e-6), arb(alpha), name)
-        for theta, alpha, name in ((-3, 9, "a"), (5, -8, "b"), (5, 1, "c"), (7, -9, "d"))
-    )
-    for order in ((a, b, c, d), (d, c, b, a), (c, a, d, b)):
-        assert in_order(order) == [a, b, c, d]
-
-
-def test_cusps_are_told_from_other_points() -> None:
-    kinds = [PoseKind.CUSP, PoseKind.NODE, PoseKind.CUSP, PoseKind.SWALLOWTAIL]
-    points = [point(kind, arb(0), arb(0), name) for kind, name in zip(kinds, "abcd", strict=True)]
-    cusps, degenerate = cusps_and_degenerate(points)
-    assert cusps == [points[0], points[2]]
-    expected: list[dict[str, Any]] = [
-        {"kind": kind, "alpha_deg": name, "theta1_deg": "2", "l2": "3", "l3": "4"}
-        for kind, name in (("node", "b"), ("swallowtail", "d"))
-    ]
-    assert degenerate == expected
-    assert [type(x["kind"]) for x in degenerate] == [str, str]

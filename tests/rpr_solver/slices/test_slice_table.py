@@ -5,19 +5,15 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
+from flint import arb
 
-from rpr_solver import JointPoint
-from rpr_solver.slices.certificate import SliceCertificate
+from rpr_solver import JointPoint, PoseKind
+from rpr_solver.slices.certificate import RootCertificate, SliceCertificate
+from rpr_solver.slices.joint_points import ClassifiedPoint
 from rpr_solver.slices.slice_table import SliceTable
 
-CERTIFICATE: SliceCertificate = {
-    "eliminant_degree": 24,
-    "real_roots": 2,
-    "factors": [],
-    "method": "balls",
-    "working_bits": 300,
-    "proofs": [],
-}
+ROOTS: RootCertificate = {"eliminant_degree": 24, "real_roots": 2, "factors": [], "method": "balls"}
+CERTIFICATE: SliceCertificate = {**ROOTS, "working_bits": 300, "proofs": []}
 CUSPS = (
     JointPoint(2, ("-31.4509403281135", "-129.006918092045", "25.2233542007524", "1.00000000000000e-20")),
     JointPoint(2, ("180.000000000000", "0", "3.5", "40")),
@@ -26,6 +22,42 @@ SWALLOWTAIL = {"kind": "swallowtail", "alpha_deg": "0", "theta2_deg": "90", "l1"
 CURVE = {"kind": "curve", "equation": "alpha = 0"}
 TABLE = SliceTable(2, Fraction(61, 3), 15, CUSPS, (CURVE, SWALLOWTAIL), CERTIFICATE)
 EMPTY = SliceTable(1, Fraction(7, 2), 20, (), (), CERTIFICATE)
+
+
+def point(kind: PoseKind, theta: arb, alpha: arb, name: str, bits: int = 64) -> ClassifiedPoint:
+    return ClassifiedPoint(kind, theta, alpha, JointPoint(1, (name, "2", "3", "4")), {"of": name}, bits)
+
+
+def table_of(*points: ClassifiedPoint) -> SliceTable:
+    return SliceTable.of(1, Fraction(5), 15, ROOTS, points, [CURVE])
+
+
+def test_points_ascend_by_the_fixed_leg_s_angle_then_by_alpha() -> None:
+    """Angles that balls do not tell apart count as equal."""
+    a, b, c, d = (
+        point(PoseKind.CUSP, arb(theta, 1e-6), arb(alpha), name)
+        for theta, alpha, name in ((-3, 9, "a"), (5, -8, "b"), (5, 1, "c"), (7, -9, "d"))
+    )
+    for order in ((a, b, c, d), (d, c, b, a), (c, a, d, b)):
+        table = table_of(*order)
+        assert [x.alpha_deg for x in table.cusps] == ["a", "b", "c", "d"]
+        assert table.certificate["proofs"] == [{"of": name} for name in "abcd"]
+
+
+def test_cusps_are_told_from_other_points() -> None:
+    kinds = [PoseKind.CUSP, PoseKind.NODE, PoseKind.CUSP, PoseKind.SWALLOWTAIL]
+    names = zip(kinds, "abcd", (64, 300, 128, 64), strict=True)
+    table = table_of(*(point(kind, arb(0), arb(0), name, bits) for kind, name, bits in names))
+    assert [x.alpha_deg for x in table.cusps] == ["a", "c"]
+    assert list(table.degenerate_points) == [
+        CURVE,
+        {"kind": "node", "alpha_deg": "b", "theta1_deg": "2", "l2": "3", "l3": "4"},
+        {"kind": "swallowtail", "alpha_deg": "d", "theta1_deg": "2", "l2": "3", "l3": "4"},
+    ]
+    assert {type(x["kind"]) for x in table.degenerate_points} == {str}
+    assert table.certificate["proofs"] == [{"of": "a"}, {"of": "c"}]
+    assert (table.certificate["working_bits"], table.certificate["real_roots"]) == (300, 2)
+    assert table_of().certificate["working_bits"] == 0
 
 
 def test_the_document_has_the_length_by_the_name_of_the_leg() -> None:
