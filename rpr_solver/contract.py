@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 from numbers import Integral
 from typing import Any, Protocol
 
@@ -25,10 +26,7 @@ def check_digits(digits: int) -> int:
     Raises:
         InputError: naming ``digits``: not an integer, or out of range.
     """
-    number = check_integer(digits, "digits", f"{MIN_DIGITS} to {MAX_DIGITS}")
-    if not MIN_DIGITS <= number <= MAX_DIGITS:
-        raise InputError.of("digits", f"is {number}; give {MIN_DIGITS} to {MAX_DIGITS}")
-    return number
+    return check_integer(digits, "digits", f"{MIN_DIGITS} to {MAX_DIGITS}", MIN_DIGITS, MAX_DIGITS)
 
 
 def check_leg(fixed_leg: int, field: str = "fixed_leg") -> int:
@@ -42,16 +40,18 @@ def check_leg(fixed_leg: int, field: str = "fixed_leg") -> int:
     return int(fixed_leg)
 
 
-def check_integer(value: int, field: str, expected: str) -> int:
+def check_integer(value: int, field: str, expected: str, least: int, most: float = inf) -> int:
     """Returns an integer of any type, except ``bool``, as an ``int``.
 
     Raises:
-        InputError: naming ``field``: not an integer; the message says what is ``expected``.
+        InputError: naming ``field``: not an integer, or out of range; the message says what is ``expected``.
     """
     if isinstance(value, bool) or not isinstance(value, Integral):
         raise InputError.of(
             field, f"{shown(value)} is a {type(value).__name__}, not an integer; give {expected}"
         )
+    if not least <= value <= most:
+        raise InputError.of(field, f"is {value}; give {expected}")
     return int(value)
 
 

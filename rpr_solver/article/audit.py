@@ -199,7 +199,7 @@ class _Audit:
         slice_map = self.slice_map
         if self.eliminant.flat:
             h = "symbolic; its value 0 makes (14) follow from (13): step 6 keeps all, step 7 alone decides"
-        elif slice_map.rational:
+        elif slice_map.radicand == 1:
             h = "rational, put in before eliminating"
         else:
             h = f"symbolic, a rational multiple of sqrt({slice_map.radicand})"

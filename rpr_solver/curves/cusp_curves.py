@@ -27,7 +27,6 @@ from rpr_solver.contract import (
 from rpr_solver.curves.cusp_curve import CurveEnd, CurvePoint, CuspCurve
 from rpr_solver.curves.destinations import Tracker
 from rpr_solver.curves.naming import name_cusps, tracks
-from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, html_table, with_floats
@@ -176,9 +175,7 @@ class CuspCurves:
         Raises:
             InputError: naming ``count``, ``start`` or ``stop``.
         """
-        count = check_integer(count, "count", "1 or more")
-        if count < 1:
-            raise InputError.of("count", f"is {count}; give 1 or more")
+        count = check_integer(count, "count", "1 or more", 1)
         lengths: set[Fraction] = set()
         for low, high in pairwise(self._borders(LengthRange.of(start, stop))):
             if not any(curve.meets(LengthRange(low, high)) for curve in self.curves):

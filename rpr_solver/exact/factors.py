@@ -83,7 +83,7 @@ class ExactRoot:
 
 def norm_factors(polynomial: QuadraticPoly) -> list[NormFactor]:
     """The factors of A + ω B, by factoring A² − ω² B² over ℚ."""
-    return [_norm_factor(polynomial, *factor) for factor in _irreducible(polynomial.norm)]
+    return [_norm_factor(polynomial, *factor) for factor in polynomial.norm.factor()[1]]
 
 
 def simple_and_other_roots(polynomial: QuadraticPoly) -> tuple[list[RealRoot], list[ExactRoot]]:
@@ -112,19 +112,13 @@ def exact_counterparts(roots: Sequence[RealRoot], polynomial: QuadraticPoly) -> 
 
     factors = [
         _norm_factor(polynomial, factor, exponent)
-        for factor, exponent in _irreducible(polynomial.norm)
+        for factor, exponent in polynomial.norm.factor()[1]
         if any(map(matches, real_roots(QuadraticPoly.rational(factor))))
     ]
     counterparts = [root for root in exact_roots(factors) if matches(root.root)]
     if len(counterparts) != len(roots):
         raise Unproved("a root was lost between balls and exact arithmetic")
     return counterparts
-
-
-def _irreducible(norm: fmpz_poly) -> Iterator[tuple[fmpz_poly, int]]:
-    """The irreducible factors with their exponents."""
-    for power, exponent in norm.factor_squarefree()[1]:
-        yield from ((factor, exponent) for factor, _ in power.factor()[1])
 
 
 def _is_root(polynomial: QuadraticPoly, root: RealRoot) -> bool:

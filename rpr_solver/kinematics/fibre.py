@@ -16,14 +16,15 @@ from flint import arb, ctx, fmpq
 
 from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, sorted_by_balls
-from rpr_solver.exact.factors import exact_roots, norm_factors
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.modular import simple_and_finite
-from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, exact_omega
+from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, all_decided, decided
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
 from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.model.classify import cos_sin
+from rpr_solver.model.exact_pose import place
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose
 
@@ -105,37 +106,26 @@ class _Fibre:
         circle_at = None
         factors = norm_factors(self.closure.sextic)
         shapes = [shape for factor in factors for shape in factor.shape]
-        for root in exact_roots(factors):
-            simple = self._by_balls([root.root]) if root.multiplicity == 1 else None
-            if simple is not None:
-                poses += simple
-                continue
-            t, omega = root.in_field()
-            above = self._above((-(t * t) + 1, t * 2, t * t + 1), t, omega, root.multiplicity)
-            if above is None:
-                circle_at = 0  # congruent triangles: B1B2 is parallel to A1A2, and t is not infinite
-            else:
-                poses += above
+        roots: list[tuple[ExactRoot | None, int]] = [
+            (root, root.multiplicity) for root in exact_roots(factors)
+        ]
         if at_infinity := DEGREE - self.closure.sextic.degree:
-            shapes.append((at_infinity, 1) if at_infinity == 1 else (1, at_infinity))
-            omega = exact_omega(self.slice_map.radicand)
-            field = omega.field
-            above = self._above((field(-1), field(0), field(1)), None, omega, at_infinity)
+            shapes.append((1, at_infinity))
+            roots.append((None, at_infinity))
+        for root, order in roots:
+            simple = self._by_balls([root.root]) if root and order == 1 else None
+            above = self._above(root, order) if simple is None else simple
             if above is None:
-                circle_at = 180
+                # congruent triangles: B1B2 is parallel to A1A2
+                circle_at = 180 if root is None else 0
             else:
                 poses += above
         return Fibre(_sorted(poses), circle_at, tuple(sorted(shapes)), "exact")
 
-    def _above(
-        self,
-        trig: tuple[Algebraic, Algebraic, Algebraic],
-        t: Algebraic | None,
-        omega: Algebraic,
-        order: int,
-    ) -> list[DecimalPose] | None:
+    def _above(self, root: ExactRoot | None, order: int) -> list[DecimalPose] | None:
         """The poses at one α, a root of this order; None if they form a whole circle."""
-        system = self.closure.linear(*trig, omega)
+        t, omega = place(root, self.slice_map.radicand)
+        system = self.closure.linear(*cos_sin(t, omega.field), omega.field(1), omega)
         determinant = system.determinant
         if not determinant.is_zero:
             inverse = (determinant * system.weight).inverse()

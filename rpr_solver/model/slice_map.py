@@ -111,11 +111,6 @@ class SliceMap:
         f, g = (Leg(m - om, n - on, x - ox, y - oy, radicand) for (m, n), (x, y) in points)
         return cls(fixed_leg, Fraction(unit * double, common), radicand, f, g)
 
-    @property
-    def rational(self) -> bool:
-        """Whether ω is rational, so that ℚ is the field of coefficients."""
-        return self.radicand == 1
-
     @cached_property
     def singular(self) -> BiForm:
         """J / (4 L): degrees 4 in t and u, 1 in L."""

@@ -90,21 +90,15 @@ def permanent_limits(permanent: System, leg: Leg, square: Fraction) -> Iterator[
     """
     index = (permanent.slice_map.f, permanent.slice_map.g).index(leg)
     for pose in _permanent_poses(permanent):
-        local = _in_length(permanent.slice_map, pose)
-        gap = local.squared_lengths()[index] - _InLength([pose.omega.field(square)])
+        local, field = _in_length(permanent.slice_map, pose), pose.omega.field
+        gap = local.squared_lengths()[index] - _InLength([field(square)])
         for moving in (local.f, local.g):
-            e = _without_zero(local.along(moving, local.singularity()).value.coefficients)
+            e = _without(local.along(moving, local.singularity()).value.coefficients, [field(0), field(1)])
             if not _apart(e, gap.coefficients):
-                common = poly_gcd(list(e), list(gap.coefficients))
-                for extension in adjoin_real_roots(pose.omega.field, squarefree_part(common)):
+                common = poly_gcd(e, gap.coefficients)
+                for extension in adjoin_real_roots(field, squarefree_part(common)):
                     if extension.root.sign > 0:
                         yield extension.root
-
-
-def _without_zero(p: Sequence[Algebraic]) -> list[Algebraic]:
-    """Divided by every power of the variable that divides."""
-    first = next((i for i, c in enumerate(p) if not c.is_zero), len(p))
-    return list(p[first:])
 
 
 def _apart(p: Sequence[Algebraic], q: Sequence[Algebraic]) -> bool:
@@ -179,7 +173,7 @@ def _in_length(slice_map: SliceMap, pose: Pose[Algebraic]) -> LocalMap[Any]:
 
 def _without(p: Polynomial, factor: Polynomial) -> Polynomial:
     """p divided by everything that it shares with a factor."""
-    while factor and len(common := poly_gcd(p, factor)) > 1:
+    while p and factor and len(common := poly_gcd(p, factor)) > 1:
         p = poly_mod(p, common)[0]
     return p
 

@@ -150,12 +150,7 @@ class Requirement:
 
 
 def _count(value: int | None, field: str) -> int | None:
-    if value is None:
-        return None
-    count = check_integer(value, field, "a number of cusps")
-    if count < 0:
-        raise InputError.of(field, f"is {count}; a number of cusps is at least 0")
-    return count
+    return None if value is None else check_integer(value, field, "a number of cusps, at least 0", 0)
 
 
 def _limits(limits: Mapping[Any, ExactBounds], fixed_leg: int) -> dict[int, Bounds]:

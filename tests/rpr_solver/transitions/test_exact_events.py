@@ -26,7 +26,6 @@ from rpr_solver.transitions.exact_events import (
     _InLength,
     _permanent_poses,
     _without,
-    _without_zero,
     events_above,
     permanent_events,
     permanent_limits,
@@ -197,8 +196,8 @@ def test_what_polynomials_share_is_taken_out() -> None:
     assert plain(_without(two, one)) == [2, -1]
     assert plain(_without(two, polynomial(RATIONALS, 7, 1))) == plain(two)
     assert plain(_without(two, [])) == plain(two)
-    assert plain(_without_zero(polynomial(RATIONALS, 0, 0, 3, 0, 1))) == [3, 0, 1]
-    assert _without_zero(polynomial(RATIONALS, 0, 0)) == []
+    assert plain(_without(polynomial(RATIONALS, 0, 0, 3, 0, 1), polynomial(RATIONALS, 0, 1))) == [3, 0, 1]
+    assert _without([], polynomial(RATIONALS, 0, 1)) == []
 
 
 def test_polynomials_are_proved_to_be_apart() -> None:
