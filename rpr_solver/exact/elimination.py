@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from itertools import count, islice
 
-from flint import fmpz, fmpz_poly, nmod_poly
+from flint import fmpz_poly, nmod_poly
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import BiForm
@@ -26,38 +26,29 @@ def resultant_bound(first: BiForm, second: BiForm) -> int:
     return int(first.norm1() ** second.degree_t * second.norm1() ** first.degree_t)
 
 
-def resultant(
-    first: BiForm, second: BiForm, *, circular: int = 0, known: Form | None = None, exponent: int = 0
-) -> Form:
-    """Res_t(first, second) / ((u²+1)^circular · known^exponent), primitive; zero where it vanishes.
+def resultant(first: BiForm, second: BiForm, known: Form | None = None) -> Form:
+    """Res_t(first, second) / known, primitive; zero where it vanishes.
 
-    Numerator and denominator are multiplied by the conjugate of ``known``, so that the divisor is a primitive
-    rational polynomial and the coefficients stay in ℤ[ω].
+    The quotient is multiplied by the content of the norm of ``known``, so that its coefficients stay in ℤ[ω]:
+    then it is Res_t times the conjugate of ``known``, divided by a primitive rational polynomial.
 
     Raises:
         SolverError: a known factor does not divide.
     """
-    radicand = first.radicand
-    degree = first.degree_t * second.degree_u + second.degree_t * first.degree_u - 2 * circular
-    conjugate, norm = QuadraticPoly.rational([1], radicand), fmpz_poly([1])
-    if known is not None:
-        degree -= exponent * known.degree
-        norm = known.polynomial.norm
-        norm = norm / norm.content()
-        conjugate = known.polynomial.conjugate if known.polynomial.b else conjugate
+    one = QuadraticPoly.rational([1], first.radicand)
+    divisor, known_degree = (known.polynomial, known.degree) if known else (one, 0)
+    degree = first.degree_t * second.degree_u + second.degree_t * first.degree_u - known_degree
+    norm, conjugate = divisor.norm, divisor.conjugate if divisor.b else one
+    content = int(norm.content())
     *us, spare = islice((u for u in count(2) if norm(u) != 0), degree + 2)
-    divisors = [norm(u) ** exponent * fmpz(u * u + 1) ** circular for u in (*us, spare)]
 
     def image(p: int, omega: int, _first: bool) -> list[int] | None:
-        known_values = [int(x % p) for x in divisors]
-        if not all(known_values):
+        at = divisor.residue(p, omega)
+        divisors = [int(at(u)) for u in (*us, spare)]
+        if not all(divisors):
             return None
-        factor = conjugate.residue(p, omega)
         whole = resultants(first.residue(p, omega).at(), second.residue(p, omega).at(), (*us, spare))
-        *values, expected = (
-            value * pow(int(factor(u)), exponent, p) * pow(divisor, -1, p) % p
-            for u, value, divisor in zip((*us, spare), whole, known_values, strict=True)
-        )
+        *values, expected = (x * content * pow(k, -1, p) % p for x, k in zip(whole, divisors, strict=True))
         [coefficients] = interpolated([values], us, [0], p)
         if int(nmod_poly(coefficients, p)(spare)) != expected:
             raise SolverError("an eliminant lacks its known factors; please report this geometry")
@@ -65,6 +56,6 @@ def resultant(
 
     # a coefficient is at most 2^degree times the Mahler measure, which is multiplicative, at most the
     # 1-norm, and at least 1 for a primitive factor
-    bound = resultant_bound(first, second) * conjugate.norm1() ** exponent << degree
-    a, b = reconstruct(radicand, image, bound)
-    return Form(QuadraticPoly(fmpz_poly(a), fmpz_poly(b), radicand), degree)
+    bound = resultant_bound(first, second) * conjugate.norm1() << degree
+    a, b = reconstruct(first.radicand, image, bound)
+    return Form(QuadraticPoly(fmpz_poly(a), fmpz_poly(b), first.radicand), degree)

@@ -22,13 +22,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import fmpz, fmpz_mpoly
+from flint import fmpz, fmpz_mpoly, fmpz_poly
 
 from rpr_solver.contract import Progress, silent
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.number_field import Algebraic
-from rpr_solver.exact.quadratic import Form
+from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.model.slice_map import TRIG, Leg, SliceMap, d_alpha, d_theta, half_angles, reduced, slopes
 from rpr_solver.transitions.shared_angles import SharedAngles, constant_lengths
 
@@ -50,29 +50,20 @@ class System:
     eliminant: Form
 
     @classmethod
-    def of(
-        cls,
-        slice_map: SliceMap,
-        first: BiForm,
-        second: BiForm,
-        *,
-        circular: int = 0,
-        known: Form | None = None,
-        exponent: int = 0,
-    ) -> System:
-        """Eliminates t and divides by (u²+1)^circular · known^exponent.
+    def of(cls, slice_map: SliceMap, first: BiForm, second: BiForm, known: Form | None = None) -> System:
+        """Eliminates t and divides by a known factor.
 
         Raises:
             NotGeneric: the resultant vanishes identically.
         """
-        eliminant = resultant(first, second, circular=circular, known=known, exponent=exponent)
+        eliminant = resultant(first, second, known)
         if eliminant.polynomial.is_zero:
             raise NotGeneric
         return cls(slice_map, first, second, eliminant)
 
     @classmethod
     def without_shared_angles(
-        cls, slice_map: SliceMap, first: BiForm, second: BiForm, *, circular: int, known: Form, exponent: int
+        cls, slice_map: SliceMap, first: BiForm, second: BiForm, known: Form
     ) -> tuple[System, BiForm | None]:
         """As :meth:`of`, without the angles α at which both forms vanish for every u; also these angles.
 
@@ -80,7 +71,7 @@ class System:
             NotGeneric: the forms share another factor.
         """
         try:
-            return cls.of(slice_map, first, second, circular=circular, known=known, exponent=exponent), None
+            return cls.of(slice_map, first, second, known), None
         except NotGeneric:
             shared = SharedAngles.of(first, second)
             if shared is None:
@@ -117,14 +108,17 @@ class EventSystems:
         m1, m2 = (trig.form(trig.j0 * d(trig.j1) - trig.j1 * d(trig.j0), (3, 3)) for d in (d_alpha, d_theta))
         c, w = _swallowtail_forms(trig, j0, f_theta)
         progress(1, ELIMINATION_STEPS)
-        parallel = System.of(slice_map, f_theta, g_theta, circular=2)
-        permanent = System.of(slice_map, j0, j1, circular=2)
+        radicand = slice_map.radicand
+        parallel = System.of(slice_map, f_theta, g_theta, _circular(2, radicand))
+        permanent = System.of(slice_map, j0, j1, _circular(2, radicand))
         z, y = permanent.eliminant, permanent.eliminant.quotient(parallel.eliminant)
         progress(2, ELIMINATION_STEPS)
-        critical, angles = System.without_shared_angles(slice_map, m1, m2, circular=10, known=z, exponent=1)
+        known = z * _circular(10, radicand)
+        critical, angles = System.without_shared_angles(slice_map, m1, m2, known)
         levels = () if angles is None else tuple(constant_lengths(j0, j1, angles))
         progress(3, ELIMINATION_STEPS)
-        swallowtails, angles = System.without_shared_angles(slice_map, c, w, circular=16, known=y, exponent=4)
+        known = y * y * y * y * _circular(16, radicand)
+        swallowtails, angles = System.without_shared_angles(slice_map, c, w, known)
         beside = () if angles is None else (System.of(slice_map, swallowtails.first, angles),)
         progress(4, ELIMINATION_STEPS)
         return cls(slice_map, swallowtails, critical, beside, levels, permanent, y)
@@ -156,7 +150,12 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     if systems.beside:
         return System.of(slice_map, cusps, form)
     known = systems.permanent.eliminant * systems.not_parallel
-    return System.of(slice_map, cusps, form, circular=20, known=known, exponent=2)
+    return System.of(slice_map, cusps, form, known * known * _circular(20, slice_map.radicand))
+
+
+def _circular(exponent: int, radicand: int) -> Form:
+    """(u²+1)^exponent."""
+    return Form(QuadraticPoly.rational(fmpz_poly([1, 0, 1]) ** exponent, radicand), 2 * exponent)
 
 
 @dataclass(frozen=True)

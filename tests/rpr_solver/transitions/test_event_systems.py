@@ -254,14 +254,12 @@ def test_a_shared_angle_is_taken_out_and_handed_over() -> None:
     none = Form(
         System.of(slice_map, *(BiForm.of(x, 1, 1, 1) for x in (T, T * U + 1))).eliminant.polynomial, 0
     )
-    system, angles = System.without_shared_angles(
-        slice_map, first, second, circular=0, known=none, exponent=0
-    )
+    system, angles = System.without_shared_angles(slice_map, first, second, none)
     assert angles is not None
     assert angles.a in (T - 3, 3 - T)
     assert (system.first.degree_t, system.second.degree_t, system.eliminant.degree) == (1, 1, 2)
     with pytest.raises(NotGeneric):
-        System.without_shared_angles(slice_map, first, first, circular=0, known=none, exponent=0)
+        System.without_shared_angles(slice_map, first, first, none)
 
 
 def test_poses_of_a_shared_angle_are_degenerate_at_their_length() -> None:
