@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from fastapi import Request, Response
 
+from service.api.access.caller import caller_of, subscriber_of
 from service.api.body import json_of, read_body
 from service.api.context import Context
 from service.api.job_view import job_json
 from service.api.negotiation import JSON, Document, document_response, json_bytes, negotiate
 from service.api.operations import Operation
-from service.api.prefer import parse_prefer
+from service.api.prefer import Preferences, parse_prefer
 from service.api.problems import ProblemError
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
 from worker.answers.requests import JobRequest
 from worker.jobs.records import JobView
+from worker.jobs.subscriptions import Subscriber
 
 
 async def answer_question(request: Request, context: Context, operation: Operation) -> Response:
@@ -24,23 +26,24 @@ async def answer_question(request: Request, context: Context, operation: Operati
     job_request = await context.parsing(_question, operation, body, settings.limits)
     negotiate(request.headers.getlist("accept"), tuple(dict.fromkeys((*operation.forms, JSON))))
     prefer = parse_prefer(request.headers.getlist("prefer"))
-    outcome = await context.redis(_begin, context, job_request)
-    way, waited = "cached", None
+    waited, seconds = _patience(prefer, operation.implied_wait, settings.limits.max_wait_seconds)
+    who = subscriber_of(caller_of(request.scope))
+    outcome = await context.redis(_begin, context, job_request, who, seconds or 0)
+    way = "cached"
     if isinstance(outcome, JobView):
-        way, longest = "job", settings.limits.max_wait_seconds
-        implied = None if prefer.respond_async else operation.implied_wait
-        waited = None if prefer.wait is None else min(prefer.wait, longest)
-        seconds = waited if waited is not None or implied is None else min(implied, longest)
+        way = "job"
         if seconds is not None:
             view = await context.events.wait(outcome.id, seconds) or outcome
-            outcome = await context.redis(_finished, context, view)
+            outcome = await context.redis(_waited, context, view, who)
+    else:
+        waited = None
     context.metrics.count_answer(job_request.kind.name, way)
     headers = {"Cache-Control": "no-store"}
     if applied := prefer.applied(waited, isinstance(outcome, JobView)):
         headers["Preference-Applied"] = applied
     if isinstance(outcome, JobView):
         headers |= {"Location": f"/v1/jobs/{outcome.id}", "Retry-After": str(settings.poll_seconds)}
-        return Response(json_bytes(job_json(outcome)), 202, headers, media_type=JSON)
+        return Response(json_bytes(job_json(outcome, who)), 202, headers, media_type=JSON)
     return await context.parsing(document_response, request, outcome, operation.forms, headers=headers)
 
 
@@ -48,9 +51,24 @@ def _question(operation: Operation, body: bytes, limits: Limits) -> JobRequest:
     return read(operation.question, json_of(body, limits), Source(limits)).job_request()
 
 
-def _begin(context: Context, job_request: JobRequest) -> Document | JobView:
+def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[int | None, int | None]:
+    """Returns the time to wait for a job as the client wants it, and as it is, in seconds."""
+    wanted = None if prefer.wait is None else min(prefer.wait, longest)
+    if wanted is not None or implied is None or prefer.respond_async:
+        return wanted, wanted
+    return None, min(implied, longest)
+
+
+def _begin(context: Context, job_request: JobRequest, who: Subscriber, seconds: int) -> Document | JobView:
     known = context.queue.known(job_request)
-    return _finished(context, context.queue.submit(job_request)) if known is None else known
+    return _finished(context, context.queue.submit_for(who, job_request, seconds)) if known is None else known
+
+
+def _waited(context: Context, view: JobView, who: Subscriber) -> Document | JobView:
+    outcome = _finished(context, view)
+    if isinstance(outcome, JobView):
+        context.queue.subscriptions.add(view.id, who)
+    return outcome
 
 
 def _finished(context: Context, view: JobView) -> Document | JobView:

@@ -57,7 +57,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     add_error_handlers(app)
     describe(app)
     keys = KeyStore(context.queue.redis, context.queue.settings.key_prefix)
-    app.add_middleware(Guard, settings=settings, ring=KeyRing(keys))
+    app.add_middleware(Guard, settings=settings, ring=KeyRing(keys, context.redis))
     app.add_middleware(
         Compression, minimum_size=settings.gzip_bytes, compresslevel=5, thread_minimum_size=1 << 14
     )

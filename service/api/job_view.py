@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from worker.answers.kinds import kind_of_job
 from worker.jobs.records import JobView
+from worker.jobs.subscriptions import Subscriber
 
 
-def job_json(view: JobView) -> dict[str, object]:
-    """Returns the job document."""
+def job_json(view: JobView, who: Subscriber | None = None) -> dict[str, object]:
+    """Returns the job document; for a client that asks for the job, with the way to withdraw."""
     kind = kind_of_job(view.id)
     here = f"/v1/jobs/{view.id}"
     return {
@@ -19,5 +20,12 @@ def job_json(view: JobView) -> dict[str, object]:
         "started_at": view.started_at,
         "finished_at": view.finished_at,
         "error": view.error,
-        "links": {"self": here, "result": f"{here}/result", "events": f"{here}/events"},
+        "links": {
+            **{"self": here, "result": f"{here}/result", "events": f"{here}/events"},
+            **({} if who is None else {"cancel": _cancel_link(here, who)}),
+        },
     }
+
+
+def _cancel_link(here: str, who: Subscriber) -> str:
+    return here if who.is_known else f"{here}?subscription={who.token}"

@@ -74,7 +74,7 @@ _JOB_LINKS = {
         ("job", "get_job", "The state of the job."),
         ("result", "get_result", "The result, once the job has succeeded."),
         ("events", "get_events", "The job's events."),
-        ("cancel", "cancel_job", "Cancels the job."),
+        ("cancel", "cancel_job", "Cancels the job, unless others want it."),
     )
 }
 
@@ -164,9 +164,11 @@ JOB_RESPONSES: Docs = {
 }
 CANCEL_RESPONSES: Docs = {
     200: json_response(
-        "The job: canceled, or unchanged if it had ended.", "Job", example={**_JOB, "status": "canceled"}
+        "The job: canceled, or unchanged if others want it or it had ended.",
+        "Job",
+        example={**_JOB, "status": "canceled"},
     ),
-    **problems(ProblemType.NOT_FOUND, _UNAVAILABLE),
+    **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, _UNAVAILABLE),
 }
 RESULT_RESPONSES: Docs = {
     200: any_result(),

@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
+from service.schemas.points import optional
 from worker.answers.kinds import KINDS
 
 
@@ -29,6 +30,9 @@ class JobLinks(BaseModel):
     self: str
     result: str
     events: str
+    cancel: str | None = optional(
+        "In the answer to the question only: DELETE it to withdraw this question, and no other client's."
+    )
 
 
 class Job(BaseModel):

@@ -6,12 +6,16 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
 
-from tests.support.processes import PATIENCE, completed, environment, started
+from service.stack.embedded_valkey import runtime_dir
+from tests.support.processes import PATIENCE, completed, environment, started, until
+from tests.support.service_server import GEOMETRY
+from worker.connection import connect
 
 
 def command(data: Path, *arguments: str) -> list[str]:
@@ -59,6 +63,26 @@ def test_without_keys_only_by_the_operators_word(tmp_path: Path) -> None:
         assert httpx.get(f"{base}/v1/limits").status_code == 200
         assert process.stderr is not None
         assert "without keys: whoever reaches 0.0.0.0 port" in process.stderr.readline()
+
+
+def test_a_client_cannot_end_the_job_of_another(tmp_path: Path) -> None:
+    """One client cancels a job that another one waits for. It goes on, and the other one gets its answer."""
+    question = {"geometry": GEOMETRY, "l1": 14.98, "digits": 15}
+    with running(tmp_path) as (base, process), httpx.Client(base_url=base, timeout=PATIENCE) as client:
+        first = client.post("/v1/cusp-tables", json=question).json()
+        with ThreadPoolExecutor(1) as pool:
+            waiting = pool.submit(
+                client.post, "/v1/cusp-tables", json=question, headers={"Prefer": "wait=30"}
+            )
+            url = f"unix://{runtime_dir(tmp_path)}/valkey.sock"
+            with connect(url) as redis:
+                until(lambda: any(entry["cmd"] == "xread" for entry in redis.client_list()))
+                for _ in range(3):
+                    assert client.delete(first["links"]["self"]).json()["status"] == "queued"
+                worker = [sys.executable, "-m", "worker", "--redis-url", url]
+                with started(worker, env=environment(log_level="WARNING")):
+                    assert waiting.result().json()["slices"][0]["count"] == 6
+        assert process.poll() is None
 
 
 def test_a_page_of_another_site_cannot_use_a_local_service(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from worker.jobs.chunks import ChunkQueue
 from worker.jobs.readiness import Readiness, readiness
 from worker.jobs.records import JobRecords, JobView
 from worker.jobs.roster import Roster
+from worker.jobs.subscriptions import Subscriber, Subscriptions
 from worker.settings import WorkerSettings
 
 
@@ -26,6 +27,7 @@ class JobQueue:
         self.store = ResultStore(redis, self.settings)
         self.records = JobRecords(redis, self.settings)
         self.chunks = ChunkQueue(redis, self.settings)
+        self.subscriptions = Subscriptions(redis, self.settings)
 
     def submit(self, request: JobRequest) -> JobView:
         """Submit a request for a table or another document; returns its job.
@@ -47,6 +49,23 @@ class JobQueue:
         view = self.records.view(request.job_id)
         return view if view is not None else self.submit(request)
 
+    def submit_for(self, who: Subscriber, request: JobRequest, seconds: float = 0.0) -> JobView:
+        """Submit a request for a client that may wait `seconds` for it; only such clients can end its job."""
+        while True:
+            view: JobView | None = self.submit(request)
+            if view is not None and not view.is_terminal:
+                if self.subscriptions.add(view.id, who, seconds):
+                    return view
+                view = self.get(view.id)
+            if view is not None and view.status in ("succeeded", "failed"):
+                return view  # otherwise the others have just withdrawn, and it begins again
+
+    def withdraw(self, job_id: str, who: Subscriber) -> JobView | None:
+        """Withdraw a client from a job, which is canceled if it was the last; returns the job."""
+        self.subscriptions.withdraw(job_id, who)
+        self.chunks.withdraw(self.records.cancel(job_id, if_unwanted=True) or [])
+        return self.get(job_id)
+
     def known(self, request: JobRequest) -> Document | None:
         """Returns the complete answer if it is known or follows from known documents, else None."""
         return known_document(request, self.store)
@@ -64,7 +83,7 @@ class JobQueue:
         return known_document(request, self.store, errors)
 
     def cancel(self, job_id: str) -> JobView | None:
-        """Cancel a queued or running job; a job that has ended is unchanged."""
+        """Cancel a queued or running job, whoever wants it; a job that has ended is unchanged."""
         entries = self.records.cancel(job_id)
         if entries:
             self.chunks.withdraw(entries)

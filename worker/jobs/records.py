@@ -235,9 +235,9 @@ class JobRecords:
         problem = dump({"type": kind, "detail": detail})
         return self._finish(ref.job_id, "failed", problem, ref.run, ref.index, ref.attempt)
 
-    def cancel(self, job_id: str) -> list[ChunkEntry] | None:
-        """Cancel the job; returns its open chunks, or None if it was not active."""
-        return self._finish(job_id, "canceled", "", "", "", "")
+    def cancel(self, job_id: str, *, if_unwanted: bool = False) -> list[ChunkEntry] | None:
+        """Cancel the job; returns its open chunks, or None if it was not active, or a client wants it."""
+        return self._finish(job_id, "unwanted" if if_unwanted else "canceled", "", "", "", "")
 
     def reopen(self, ref: ChunkRef, lost: Lost = "") -> ChunkRef | Literal["stale", "too-often"]:
         """Open the next attempt at a chunk that was interrupted, or lost its work horse or worker."""

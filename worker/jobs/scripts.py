@@ -40,6 +40,20 @@ local function put_chunk(chunks, index, chunk)
         chunk.state, chunk.attempt, chunk.horses, chunk.workers, chunk.offset))
 end
 
+-- Whether the request of a field `wait:TOKEN` still waits; see `subscriptions`.
+local function is_waiting(record, field)
+    local till = redis.call('HGET', record, field)
+    return till and tonumber(till) > tonumber(now)
+end
+
+local function is_wanted(record)
+    for _, field in ipairs(redis.call('HKEYS', record)) do
+        if string.find(field, '^by:') then return true end
+        if string.find(field, '^wait:') and is_waiting(record, field) then return true end
+    end
+    return false
+end
+
 local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl)
     count_end(record, ends, job_id, status, problem)
     redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
@@ -187,7 +201,8 @@ finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', 
 return 2
 """
 
-# Ends a job: any run if `run` is empty (a cancel), otherwise only if that attempt of that chunk is open.
+# Ends a job: any run if `run` is empty (a cancel), otherwise only if that attempt of that chunk is open. With
+# the status `unwanted` a job is canceled if no client wants it.
 # Returns the run and the open chunks {run, index, entry, …} if the job was ended, nothing otherwise.
 END = """
 local record, chunks, bits, errors, events, active, ends = unpack(KEYS)
@@ -196,6 +211,10 @@ local job_id, status, problem, ttl, run, index, attempt = unpack(ARGV)
 local job_run, job_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if not is_active(job_status) then return false end
 if run ~= '' and not open_chunk(record, chunks, run, index, attempt) then return false end
+if status == 'unwanted' then
+    if is_wanted(record) then return false end
+    status = 'canceled'
+end
 local open = redis.call('HGETALL', chunks)
 table.insert(open, 1, job_run)
 finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl)

@@ -8,6 +8,7 @@ from typing import Any
 
 from service.api.access.keys import Scope
 from service.api.access_log import KEY_NAME
+from worker.jobs.subscriptions import Subscriber
 
 _IN_SCOPE = "rpr_cusps.caller"
 
@@ -36,6 +37,12 @@ def caller_of(scope: MutableMapping[str, Any]) -> Caller | None:
     """Returns the caller of an ASGI request; None for calls that are open to all, and those refused."""
     caller: Caller | None = scope.get(_IN_SCOPE)
     return caller
+
+
+def subscriber_of(caller: Caller | None, token: str | None = None) -> Subscriber:
+    """Returns the caller as one who wants a job; `token`: of the request that is meant, "" for any."""
+    client, is_known = ("unknown", False) if caller is None else (caller.id, not caller.is_anonymous)
+    return Subscriber(client, is_known) if token is None else Subscriber(client, is_known, token)
 
 
 def set_caller(scope: MutableMapping[str, Any], caller: Caller) -> None:

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from contextlib import suppress
 
 import anyio
-import anyio.to_thread
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
 from service.api.access.key_store import KeyStore
 from service.api.access.keys import ApiKey, id_of
+from service.api.redis_access import RedisAccess
 
 _LONGEST_AGE = 2.0
 """Seconds after which a revoked key opens nothing any more, in any process."""
@@ -26,8 +26,9 @@ _USE_INTERVAL = 60.0
 class KeyRing:
     """Finds the record of a key."""
 
-    def __init__(self, store: KeyStore) -> None:
+    def __init__(self, store: KeyStore, ask: RedisAccess) -> None:
         self.store = store
+        self._ask = ask
         self._keys: Mapping[str, ApiKey] | None = None
         self._loaded = float("-inf")
         self._failed = float("-inf")
@@ -72,7 +73,7 @@ class KeyRing:
         await anyio.sleep(max(0.0, self._loaded + _PAUSE - time.monotonic()))
         moment = time.monotonic()
         try:
-            self._keys = await anyio.to_thread.run_sync(self.store.all)
+            self._keys = await self._ask(self.store.all)
         except RedisError:
             if self._keys is None:
                 self._failed = time.monotonic()
@@ -84,4 +85,4 @@ class KeyRing:
         if moment - self._noted.get(key_id, float("-inf")) > _USE_INTERVAL:
             self._noted[key_id] = moment
             with suppress(RedisError):  # a server that takes no more data still answers
-                await anyio.to_thread.run_sync(self.store.note_use, key_id, time.time())
+                await self._ask(self.store.note_use, key_id, time.time())

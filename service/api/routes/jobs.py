@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Request, Response
+from fastapi import APIRouter, Path, Query, Request, Response
 from starlette.responses import StreamingResponse
 
 from service.api import operation_docs as doc
+from service.api.access.caller import caller_of, subscriber_of
+from service.api.access.keys import allows
 from service.api.context import Context, ContextDep
 from service.api.job_view import job_json
 from service.api.middleware import IS_HEAD
@@ -17,10 +19,21 @@ from service.api.operations import forms_of
 from service.api.problems import ProblemError, ProblemType
 from worker.answers.kinds import kind_of_job
 from worker.jobs.records import JobView
+from worker.jobs.subscriptions import Subscriber
 
 router = APIRouter(tags=["jobs"])
 
 JobId = Annotated[str, Path(description="The id of the job.", examples=[doc.EXAMPLE_JOB_ID])]
+Subscription = Annotated[
+    str,
+    Query(
+        pattern="^[0-9a-f]{1,64}$|^$",
+        description="Withdraws this question; from `links.cancel` of the answer to it.",
+    ),
+]
+Force = Annotated[
+    bool, Query(description="Cancels the job whoever wants it; needs a key with scope `admin`.")
+]
 _JOB_ID = re.compile(r"[A-Za-z0-9_\-]{1,80}", re.ASCII)
 _EVENT_ID = re.compile(r"\d{1,20}(-\d{1,20})?", re.ASCII)
 
@@ -32,12 +45,29 @@ async def get_job(job_id: JobId, context: ContextDep) -> Response:
 
 
 @router.delete("/v1/jobs/{job_id}", summary="Cancel a job", responses=doc.CANCEL_RESPONSES)
-async def cancel_job(job_id: JobId, context: ContextDep) -> Response:
-    """Cancels a queued or running job and returns it. A job that has ended is unchanged.
+async def cancel_job(
+    job_id: JobId,
+    request: Request,
+    context: ContextDep,
+    subscription: Subscription = "",
+    force: Force = False,
+) -> Response:
+    """Withdraws what the caller asked for, and returns the job: canceled if nobody else waits for it or has
+    asked for it, otherwise queued or running as before. A job that has ended is unchanged.
 
-    Equal requests share a job, so canceling it affects every client that waits for it. Computed slices are
-    kept.
+    Equal questions share a job, so no client ends it for another. A key withdraws whatever was asked with
+    it; without keys, `links.cancel` of the answer to a question withdraws that question, and the plain
+    address the newest one from the same network address that is not being waited for. A client that
+    disconnects withdraws nothing. Computed slices are kept.
     """
+    caller = caller_of(request.scope)
+    if not force:
+        who = subscriber_of(caller, subscription)
+        return _job_response(context, await context.redis(_withdraw, context, job_id, who))
+    if caller is None or caller.is_anonymous or not allows(caller.scope, "admin"):
+        raise ProblemError(
+            ProblemType.FORBIDDEN, "Only a key with scope admin can end a job for all (force)."
+        )
     return _job_response(context, await context.redis(_cancel, context, job_id))
 
 
@@ -108,12 +138,14 @@ def _job(context: Context, job_id: str) -> JobView:
     return view
 
 
+def _withdraw(context: Context, job_id: str, who: Subscriber) -> JobView:
+    _job(context, job_id)
+    return context.queue.withdraw(job_id, who) or _job(context, job_id)
+
+
 def _cancel(context: Context, job_id: str) -> JobView:
     _job(context, job_id)
-    view = context.queue.cancel(job_id)
-    if view is None:
-        raise _not_found(job_id)
-    return view
+    return context.queue.cancel(job_id) or _job(context, job_id)
 
 
 def _not_found(job_id: str) -> ProblemError:

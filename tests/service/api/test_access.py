@@ -119,6 +119,26 @@ def test_a_key_ends_with_its_time_or_when_it_is_revoked(guarded: httpx.Client, s
     assert len(store.last_uses()) == 1
 
 
+def test_a_job_is_ended_by_those_who_asked_for_it(guarded: httpx.Client, store: KeyStore) -> None:
+    one, two, admin = bearer(store), bearer(store), bearer(store, "admin")
+
+    def asked(key: dict[str, str]) -> str:
+        job = guarded.post("/v1/cusp-tables", json=QUESTION, headers=key).json()
+        assert job["links"]["cancel"] == job["links"]["self"]
+        return str(job["links"]["self"])
+
+    def after_delete(key: dict[str, str], query: str = "") -> str:
+        return str(guarded.delete(job + query, headers=key).json()["status"])
+
+    job = asked(one)
+    assert asked(two) == job
+    assert [after_delete(key) for key in (one, one, admin)] == ["queued"] * 3
+    assert after_delete(two) == "canceled"
+    assert asked(one) == job
+    assert guarded.delete(f"{job}?force=true", headers=two).status_code == 403
+    assert after_delete(admin, "?force=true") == "canceled"
+
+
 def test_no_secret_is_kept(guarded: httpx.Client, store: KeyStore) -> None:
     key = bearer(store)
     guarded.post("/v1/cusp-tables", json=QUESTION, headers=key)

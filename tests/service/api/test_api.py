@@ -197,7 +197,7 @@ def test_a_running_job_has_no_result_yet_and_can_be_canceled(api: httpx.Client, 
     assert (late.status_code, late.json()["type"]) == (409, "/problems/job-canceled")
 
 
-def test_a_client_that_waits_learns_that_its_job_was_canceled(
+def test_nobody_ends_the_job_of_a_client_that_waits(
     idle: httpx.Client, idle_queue: JobQueue, fresh: Fresh
 ) -> None:
     def is_waited_for() -> bool:
@@ -210,9 +210,31 @@ def test_a_client_that_waits_learns_that_its_job_was_canceled(
     with ThreadPoolExecutor(1) as pool:
         waiting = pool.submit(post, idle, l1, wait=30)
         until(is_waited_for)
-        idle.delete(f"/v1/jobs/{job_id}")
+        for _ in range(2):
+            assert idle.delete(f"/v1/jobs/{job_id}").json()["status"] == "queued"
+        idle_queue.cancel(job_id)
         answer = waiting.result()
     assert (answer.status_code, answer.json()["type"]) == (409, "/problems/job-canceled")
+
+
+def test_each_client_withdraws_its_own_question(idle: httpx.Client, fresh: Fresh) -> None:
+    l1 = fresh()
+    one, two = post(idle, l1, wait=1).json(), post(idle, l1, wait=None).json()
+    assert one["id"] == two["id"]
+    for _ in range(2):
+        assert idle.delete(one["links"]["cancel"]).json()["status"] == "queued"
+    again = idle.get(two["links"]["self"]).json()
+    assert "cancel" not in again["links"]
+    assert idle.delete(two["links"]["cancel"]).json()["status"] == "canceled"
+
+
+@pytest.mark.parametrize("query", ["subscription=ABC", f"subscription={'0' * 65}", "force=perhaps"])
+def test_a_subscription_that_is_none_is_refused(idle: httpx.Client, fresh: Fresh, query: str) -> None:
+    job_id = post(idle, fresh(), wait=None).json()["id"]
+    answer = idle.delete(f"/v1/jobs/{job_id}?{query}")
+    assert (answer.status_code, answer.json()["type"]) == (422, "/problems/invalid-request")
+    assert idle.delete(f"/v1/jobs/{job_id}?force=true").json()["type"] == "/problems/forbidden"
+    assert idle.delete(f"/v1/jobs/{job_id}").json()["status"] == "canceled"
 
 
 def test_a_canceled_job_can_be_requested_again(api: httpx.Client, fresh: Fresh) -> None:
