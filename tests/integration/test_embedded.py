@@ -1,27 +1,16 @@
 from __future__ import annotations
 
-import os
-import signal
 import stat
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from service.stack.embedded_valkey import EmbeddedValkey, default_data_dir
-from service.stack.errors import EmbeddedError
-from tests.support.processes import environment, is_running, started, until
-from worker.connection import connect
-
-HOLD = """
-import sys, time
-from pathlib import Path
+from service.stack.data_dir import default_data_dir
 from service.stack.embedded_valkey import EmbeddedValkey
-server = EmbeddedValkey(Path(sys.argv[1])).start()
-print(server.pid, flush=True)
-time.sleep(60)
-"""
+from service.stack.errors import EmbeddedError
+from tests.support.processes import is_running
+from worker.connection import connect
 
 
 def test_private_durable_and_without_a_port(tmp_path: Path) -> None:
@@ -40,34 +29,6 @@ def test_private_durable_and_without_a_port(tmp_path: Path) -> None:
     assert server.log_file.exists()
     with EmbeddedValkey(data) as server, connect(server.url) as redis:
         assert redis.get("key") == b"value"
-
-
-def test_data_survives_a_kill(tmp_path: Path) -> None:
-    with EmbeddedValkey(tmp_path) as server, connect(server.url) as redis:
-        redis.set("key", "value")
-        redis.waitaof(1, 0, 5000)
-        os.kill(server.pid, signal.SIGKILL)
-        until(lambda: not server.is_alive())
-        server.launch()
-        assert redis.get("key") == b"value"
-
-
-def test_a_data_directory_has_one_server(tmp_path: Path) -> None:
-    with EmbeddedValkey(tmp_path), pytest.raises(EmbeddedError, match=f"in use by process {os.getpid()}"):
-        EmbeddedValkey(tmp_path).start()
-    with EmbeddedValkey(tmp_path):
-        pass
-
-
-def test_the_server_ends_with_its_owner(tmp_path: Path) -> None:
-    command = [sys.executable, "-c", HOLD, str(tmp_path)]
-    with started(command, stdout=subprocess.PIPE, env=environment()) as owner:
-        assert owner.stdout is not None
-        pid = int(owner.stdout.readline())
-        owner.kill()
-    until(lambda: not is_running(pid))
-    with EmbeddedValkey(tmp_path):  # at once, although the lock and the socket's directory are left behind
-        pass
 
 
 def test_a_long_path_is_accepted(tmp_path: Path) -> None:

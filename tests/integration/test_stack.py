@@ -18,7 +18,8 @@ import httpx
 import pytest
 from redis import Redis
 
-from service.stack.embedded_valkey import EmbeddedValkey, runtime_dir
+from service.stack.data_dir import runtime_dir
+from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request, ended
 from tests.support.processes import (
     PATIENCE,

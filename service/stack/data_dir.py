@@ -1,0 +1,194 @@
+"""The directories of an embedded Valkey: its data, private and for one server at a time, and its socket."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import hashlib
+import os
+import pwd
+import signal
+import stat
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from service.stack.aof import DIRECTORY
+from service.stack.errors import EmbeddedError
+
+_SOCKET_PATH_LIMIT = 103  # bytes; macOS allows 104 with the final zero, Linux 108
+_ENDING_PATIENCE = 1.5  # seconds that a server has to end with its supervisor
+_END_PATIENCE = 4.0  # seconds that it has once it is asked to
+_OTHERS = 0o077
+_HAS_PROC = sys.platform == "linux"
+
+
+def default_data_dir() -> Path:
+    """Returns the platform's directory for a user's application data."""
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "rpr-cusps"
+    base = os.environ.get("XDG_DATA_HOME", "")
+    return (Path(base) if Path(base).is_absolute() else Path.home() / ".local" / "share") / "rpr-cusps"
+
+
+def make_private(data_dir: Path, say: Callable[[str], object]) -> None:
+    """Create the directory, or close it to other users, with what an earlier server left in it.
+
+    Raises:
+        EmbeddedError: it belongs to another user.
+    """
+    data_dir.mkdir(parents=True, exist_ok=True, mode=0o700)
+    info = data_dir.stat()
+    if info.st_uid != os.geteuid():
+        raise EmbeddedError(
+            f"the data directory {data_dir} belongs to {_user(info.st_uid)}, not to {_user(os.geteuid())}; "
+            "choose another --data-dir"
+        )
+    if (mode := stat.S_IMODE(info.st_mode)) & _OTHERS:
+        data_dir.chmod(0o700)
+        say(f"the data directory {data_dir} was open to other users (mode {mode:03o}); now it is private")
+    for path in (*data_dir.glob("valkey.log*"), data_dir / DIRECTORY, *(data_dir / DIRECTORY).glob("*")):
+        _close_to_others(path)
+
+
+def _close_to_others(path: Path) -> None:
+    try:
+        info = path.lstat()
+    except FileNotFoundError:
+        return
+    is_ours = info.st_uid == os.geteuid() and not stat.S_ISLNK(info.st_mode)
+    if is_ours and info.st_mode & _OTHERS:
+        path.chmod(stat.S_IMODE(info.st_mode) & ~_OTHERS)
+
+
+def runtime_dir(data_dir: Path) -> Path:
+    """Returns a short private directory for the socket, always the same one for a data directory."""
+    name = f"rpr-cusps-{os.getuid()}-{hashlib.sha256(os.fsencode(data_dir)).hexdigest()[:12]}"
+    for base in (os.environ.get("XDG_RUNTIME_DIR"), tempfile.gettempdir(), "/tmp"):
+        if not base or len(os.fsencode(f"{base}/{name}/valkey.sock")) > _SOCKET_PATH_LIMIT:
+            continue
+        path = Path(base) / name
+        try:
+            path.mkdir(mode=0o700, exist_ok=True)
+            info = path.lstat()
+        except OSError:
+            continue
+        if stat.S_ISDIR(info.st_mode) and info.st_uid == os.getuid() and stat.S_IMODE(info.st_mode) == 0o700:
+            return path
+        return Path(tempfile.mkdtemp(prefix="rpr-cusps-", dir=base))
+    raise EmbeddedError("no directory name is short enough for a unix socket; set TMPDIR to a shorter one")
+
+
+class DirectoryLock:
+    """The lock on a data directory. The server inherits it, so it lasts until both processes have ended."""
+
+    def __init__(self, data_dir: Path, say: Callable[[str], object]) -> None:
+        """Lock the directory; waits for a server that is about to end, and ends one that was left behind.
+
+        Raises:
+            EmbeddedError: the directory is in use, or its lock is not a file of ours.
+        """
+        self._data_dir, self._say = data_dir, say
+        self.fd = _open(data_dir / "lock")
+        try:
+            self._lock()
+        except BaseException:
+            self.close()
+            raise
+        self.record(None)
+
+    def record(self, server: int | None) -> None:
+        """Note who holds the lock: this process, and the server that it started."""
+        text = f"{os.getpid():<15}\n{'' if server is None else server:<15}\n"
+        os.pwrite(self.fd, text.encode(), 0)  # the same length always: it needs no room on a full disk
+
+    def close(self) -> None:
+        """Leave the lock to the server, if one is running."""
+        os.close(self.fd)
+
+    def _lock(self) -> None:
+        start = time.monotonic()
+        asked = 0.0
+        while not self._is_free():
+            owner, server = self._holders()
+            waited = time.monotonic() - start
+            is_late = waited > _ENDING_PATIENCE
+            if owner is not None or (is_late and (server is None or not _HAS_PROC)):
+                raise EmbeddedError(self._in_use(owner, server))
+            if is_late and server is not None and not asked:
+                asked = time.monotonic()
+                self._say(f"ending the Valkey of a supervisor that died (process {server})")
+                os.kill(server, signal.SIGTERM)
+                os.kill(server, signal.SIGCONT)  # if it is stopped, it does not hear the other signal
+            elif asked and time.monotonic() - asked > _END_PATIENCE and server is not None:
+                os.kill(server, signal.SIGKILL)
+            time.sleep(0.05)
+
+    def _is_free(self) -> bool:
+        try:
+            fcntl.flock(self.fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
+
+    def _holders(self) -> tuple[int | None, int | None]:
+        """The recorded supervisor and server, if they still hold the lock."""
+        words = os.pread(self.fd, 64, 0).decode(errors="replace").split()
+        pids = [int(word) if word.isdigit() else 0 for word in (*words, "", "")[:2]]
+        owner, server = (pid if pid > 0 and _holds(pid, self.fd) else None for pid in pids)
+        return owner, server
+
+    def _in_use(self, owner: int | None, server: int | None) -> str:
+        by, advice = "a process that cannot be seen from here", "stop that process"
+        if owner is not None:
+            by = f"process {owner}"
+        elif server is not None:
+            by, advice = f"process {server}, a Valkey whose supervisor died", f"end it (kill -9 {server})"
+        return f"the data directory {self._data_dir} is in use by {by}; {advice} or choose another --data-dir"
+
+
+def _open(path: Path) -> int:
+    try:
+        fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+    except OSError as error:
+        if error.errno != errno.ELOOP:
+            raise
+        raise EmbeddedError(f"{path} is a symbolic link, which might lead anywhere; remove it") from None
+    info = os.fstat(fd)
+    if not stat.S_ISREG(info.st_mode) or info.st_nlink != 1 or info.st_uid != os.geteuid():
+        os.close(fd)
+        raise EmbeddedError(f"{path} is not a file of our own; remove it")
+    os.fchmod(fd, 0o600)
+    return fd
+
+
+def _holds(pid: int, fd: int) -> bool:
+    """Whether a process has the file of our descriptor open too; without /proc, whether it runs at all."""
+    try:
+        if not _HAS_PROC:
+            os.kill(pid, 0)
+            return True
+        files = [
+            file for file in Path(f"/proc/{pid}/fd").iterdir() if (pid, file.name) != (os.getpid(), str(fd))
+        ]
+        return any(_is_same(file, os.fstat(fd)) for file in files)
+    except (ProcessLookupError, FileNotFoundError):
+        return False
+    except PermissionError:
+        return True
+
+
+def _is_same(path: Path, info: os.stat_result) -> bool:
+    try:
+        return os.path.samestat(path.stat(), info)
+    except OSError:
+        return False
+
+
+def _user(uid: int) -> str:
+    try:
+        return f"the user {pwd.getpwuid(uid).pw_name}"
+    except KeyError:
+        return f"user {uid}"
