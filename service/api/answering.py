@@ -8,12 +8,15 @@ from service.api.access.caller import caller_of, subscriber_of
 from service.api.body import json_of, read_body
 from service.api.context import Context
 from service.api.job_view import job_json
-from service.api.negotiation import JSON, Document, document_response, json_bytes, negotiate
+from service.api.negotiation import JSON, negotiate
 from service.api.operations import Operation
 from service.api.prefer import Preferences, parse_prefer
 from service.api.problems import ProblemError
+from service.api.responses import answer_response
+from service.api.table_forms import json_bytes
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
+from worker.answers.kinds import Answer
 from worker.answers.requests import JobRequest
 from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
@@ -44,7 +47,7 @@ async def answer_question(request: Request, context: Context, operation: Operati
     if isinstance(outcome, JobView):
         headers |= {"Location": f"/v1/jobs/{outcome.id}", "Retry-After": str(settings.poll_seconds)}
         return Response(json_bytes(job_json(outcome, who)), 202, headers, media_type=JSON)
-    return await context.parsing(document_response, request, outcome, operation.forms, headers=headers)
+    return await answer_response(context, request, outcome, operation.forms, headers=headers)
 
 
 def _question(operation: Operation, body: bytes, limits: Limits) -> JobRequest:
@@ -59,25 +62,25 @@ def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[i
     return None, min(implied, longest)
 
 
-def _begin(context: Context, job_request: JobRequest, who: Subscriber, seconds: int) -> Document | JobView:
+def _begin(context: Context, job_request: JobRequest, who: Subscriber, seconds: int) -> Answer | JobView:
     known = context.queue.known(job_request)
     return _finished(context, context.queue.submit_for(who, job_request, seconds)) if known is None else known
 
 
-def _waited(context: Context, view: JobView, who: Subscriber) -> Document | JobView:
+def _waited(context: Context, view: JobView, who: Subscriber) -> Answer | JobView:
     outcome = _finished(context, view)
     if isinstance(outcome, JobView):
         context.queue.subscriptions.add(view.id, who)
     return outcome
 
 
-def _finished(context: Context, view: JobView) -> Document | JobView:
-    """Returns the document of a job that has succeeded, else the job.
+def _finished(context: Context, view: JobView) -> Answer | JobView:
+    """Returns the answer of a job that has succeeded, else the job.
 
     Raises:
         ProblemError: the job failed or was canceled.
     """
     if view.status in ("failed", "canceled"):
         raise ProblemError.of_job(view)
-    document = context.queue.result(view.id) if view.status == "succeeded" else None
-    return view if document is None else document
+    answer = context.queue.result(view.id) if view.status == "succeeded" else None
+    return view if answer is None else answer

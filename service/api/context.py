@@ -13,6 +13,7 @@ from redis.exceptions import RedisError
 from service.api.job_events import JobEvents
 from service.api.metrics import Metrics
 from service.api.redis_access import Breaker, RedisAccess, Refusals
+from service.api.sending import LargeAnswers
 from service.api.settings import Settings
 from service.api.threads import Threads
 from worker.connection import connect, eviction_warning
@@ -39,6 +40,7 @@ class Context:
         parsing: threads for the reading of requests.
         scraping: threads for the metrics.
         refusals: the log of what Redis refuses.
+        large_answers: those that are being sent.
     """
 
     settings: Settings
@@ -49,6 +51,7 @@ class Context:
     parsing: Threads
     scraping: Threads
     refusals: Refusals
+    large_answers: LargeAnswers
 
     @classmethod
     def of(cls, settings: Settings) -> Context:
@@ -69,6 +72,9 @@ class Context:
             parsing=Threads(_PARSING_THREADS),
             scraping=Threads(_SCRAPING_THREADS),
             refusals=Refusals(),
+            large_answers=LargeAnswers(
+                settings.large_answers, settings.large_answer_bytes, settings.retry_seconds
+            ),
         )
 
     async def check_redis(self) -> None:

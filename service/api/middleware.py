@@ -17,13 +17,13 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from service.api.access_log import AccessLog
 from service.api.metrics import Metrics
 from service.api.problems import ProblemError, ProblemType
+from service.api.sending import IS_HEAD
 from worker.logs import about
 
 log = logging.getLogger("rpr_cusps.service")
 
 REQUEST_ID = "X-Request-ID"
 _REQUEST_ID = re.compile(r"[A-Za-z0-9._\-]{1,64}", re.ASCII)
-IS_HEAD = "rpr_cusps.head"
 UNCOUNTED = "rpr_cusps.uncounted"
 """In the scope of requests that are in no log and no metrics: those of the supervisor."""
 _CLIENT_GONE = 499  # as nginx has it: the client left before there was an answer

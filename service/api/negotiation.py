@@ -2,51 +2,50 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from starlette.requests import Request
-from starlette.responses import Response
-
 from service.api.problems import ProblemError, ProblemType
+from service.api.table_forms import json_bytes, json_pieces, json_size
+from worker.answers.stored_tables import StoredTable
 
 Document = Mapping[str, Any]
 
 JSON = "application/json"
 CSV = "text/csv"
 NDJSON = "application/x-ndjson"
-IMMUTABLE = "public, max-age=31536000, immutable"
-REVALIDATE = "no-cache"
 
 
-def json_bytes(document: object) -> bytes:
-    """Returns a document as compact JSON."""
-    return json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode()
+def _no_pieces(_table: StoredTable) -> Iterator[bytes]:
+    raise TypeError("only cusp tables are sent piece by piece")
 
 
-def ndjson_bytes(table: Document) -> bytes:
-    """Returns the slices of a table, one JSON object per line, each with the head of the table."""
-    shared = {
-        key: table[key] for key in ("geometry_hash", "fixed_leg", "digits", "solver_version") if key in table
-    }
-    return b"".join(json_bytes({**shared, **part}) + b"\n" for part in table["slices"])
+def _no_size(_table: StoredTable) -> None:
+    return None
 
 
 @dataclass(frozen=True)
 class Form:
-    """The encoding of a document in one media type, and its description in OpenAPI."""
+    """The encoding of a document in one media type.
+
+    Attributes:
+        encode: returns a document in this form.
+        description: in OpenAPI.
+        pieces: yields a table that is read from the store in this form.
+        size: returns the size of such a table in this form, if it is known beforehand.
+    """
 
     encode: Callable[[Any], bytes]
     description: str = ""
+    pieces: Callable[[StoredTable], Iterator[bytes]] = _no_pieces
+    size: Callable[[StoredTable], int | None] = _no_size
 
 
 Forms = Mapping[str, Form]
 """Media type → form of a document; the first is the default."""
 
-JSON_FORM = Form(json_bytes)
+JSON_FORM = Form(json_bytes, pieces=json_pieces, size=json_size)
 
 
 def negotiate(accept: Sequence[str], offered: Sequence[str]) -> str:
@@ -67,35 +66,8 @@ def negotiate(accept: Sequence[str], offered: Sequence[str]) -> str:
     return best
 
 
-def document_response(
-    request: Request,
-    document: Document,
-    forms: Forms,
-    *,
-    headers: Mapping[str, str] | None = None,
-) -> Response:
-    """Returns a document in the negotiated form with a strong ETag, or 304 if the client has it already.
-
-    Documents never change, except that a slice with an error may have an answer next time.
-    """
-    form = negotiate(request.headers.getlist("accept"), tuple(forms))
-    body = forms[form].encode(document)
-    tag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
-    has_errors = any("error" in part for part in document.get("slices", ()))
-    fields = {
-        "ETag": tag,
-        "Cache-Control": REVALIDATE if has_errors else IMMUTABLE,
-        "Vary": "Accept",
-        **(headers or {}),
-    }
-    if request.method == "GET" and _is_known(request.headers.getlist("if-none-match"), tag):
-        return Response(status_code=304, headers=fields)
-    if form == CSV:
-        return Response(body, headers={**fields, "Content-Type": "text/csv; charset=utf-8; header=present"})
-    return Response(body, headers=fields, media_type=form)
-
-
-def _is_known(headers: Sequence[str], tag: str) -> bool:
+def is_known(headers: Sequence[str], tag: str) -> bool:
+    """Whether a tag is among those of `If-None-Match` headers."""
     sent = {part.strip().removeprefix("W/") for header in headers for part in header.split(",")}
     return not sent.isdisjoint({tag, "*"})
 

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
 import rpr_solver
-from service.api.negotiation import CSV, JSON, JSON_FORM, NDJSON, Form, Forms, ndjson_bytes
+from service.api.negotiation import CSV, JSON, JSON_FORM, NDJSON, Form, Forms
+from service.api.table_forms import csv_pieces, ndjson_bytes, ndjson_pieces, ndjson_size
 from service.schemas.census import Census, CensusRequest
 from service.schemas.checks import CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
@@ -77,8 +78,8 @@ Equal requests share one job, and slices that requests have in common are comput
     example=EXAMPLE_TABLE,
     forms={
         JSON: JSON_FORM,
-        CSV: _csv(rpr_solver.table_csv, "cusp"),
-        NDJSON: Form(ndjson_bytes, "One slice per line."),
+        CSV: replace(_csv(rpr_solver.table_csv, "cusp"), pieces=csv_pieces),
+        NDJSON: Form(ndjson_bytes, "One slice per line.", ndjson_pieces, ndjson_size),
     },
 )
 CENSUSES = Operation(

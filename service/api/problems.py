@@ -134,6 +134,11 @@ class ProblemType(Enum):
         "Redis answers, but no worker of this service's solver version is alive. Known results are served; "
         "new jobs stay queued. Try again after Retry-After seconds.",
     )  # fmt: skip
+    BUSY = (
+        503, "Too much at the same time",
+        "As many large results are being sent, or as many streams of events are open, as this service allows "
+        "at the same time. Try again after Retry-After seconds.",
+    )  # fmt: skip
     JOB_TIMEOUT = (
         504, "The job failed: it took too long",
         "The computation reached its deadline. Request fewer digits or simpler numbers.",
@@ -189,6 +194,11 @@ class ProblemError(Exception):
             slug, detail = f"job-{error['type']}", error["detail"]
             kind = next((kind for kind in ProblemType if kind.slug == slug), ProblemType.JOB_FAILED)
         return cls(kind, detail, extra={"job": f"/v1/jobs/{view.id}"})
+
+    @classmethod
+    def expired(cls) -> ProblemError:
+        """Returns the problem of a job whose result is gone."""
+        return cls(ProblemType.RESULT_EXPIRED, "The result of this job has expired; post the request again.")
 
     @classmethod
     def of_status(cls, status: int, detail: str, headers: Mapping[str, str] | None = None) -> ProblemError:

@@ -57,6 +57,12 @@ class Settings(BaseSettings):
         description="names of the service, comma-separated, that a Host header may have beside addresses and "
         "localhost; `*.example.com` for those below a name, `*` for all",
     )
+    large_answers: PositiveInt = Field(
+        default=32, description="maximum number of large results that are sent at the same time"
+    )
+    large_answer_bytes: PositiveInt = Field(
+        default=256 << 20, description="maximum memory of large results that are sent, in bytes, about"
+    )
     limits: Limits = Field(default_factory=Limits)
 
     @property

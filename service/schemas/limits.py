@@ -49,6 +49,7 @@ class Limits(BaseSettings):
     max_body_members: PositiveInt = Field(
         default=20_000, description="maximum number of members and elements in a request body, about"
     )
+    max_result_bytes: PositiveInt = Field(default=256 << 20, description="maximum size of a result, in bytes")
     max_wait_seconds: NonNegativeInt = Field(
         default=30, description="maximum time that `Prefer: wait` can hold a request, in seconds"
     )

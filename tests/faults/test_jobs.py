@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from redis import Redis
 
-from tests.support.jobs import a_document, a_request, ended
+from tests.support.jobs import a_document, a_request, ended, table_of
 from tests.support.processes import (
     PATIENCE,
     Workers,
@@ -52,8 +52,7 @@ def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
     request = a_request("14.98", "0.5", "27")
     view = ended(queue, queue.submit(request).id)
     assert view.status == "succeeded"
-    table = queue.result(view.id)
-    assert table is not None
+    table = table_of(queue, view.id)
     assert [s["l1"] for s in table["slices"]] == ["14.98", "0.5", "27"]
     assert table["slices"][0]["count"] == 6
     workers.stop()
@@ -137,8 +136,7 @@ def test_a_slice_whose_horse_dies_each_time_is_an_error_among_others(
     queue = jobs(redis, task)
     view = ended(queue, queue.submit(a_request("1", "2", "13", "3")).id)
     assert (view.status, view.done) == ("succeeded", 4)
-    table = queue.result(view.id)
-    assert table is not None
+    table = table_of(queue, view.id)
     assert [s.get("error", {}).get("type") for s in table["slices"]] == [None, None, kind, None]
     pids = [s["certificate"]["pid"] for s in table["slices"] if "error" not in s]
     assert pids[0] == pids[1] != pids[2]  # what was done is not done again
@@ -341,8 +339,7 @@ def test_simultaneous_equal_requests_are_computed_once(redis: Redis, workers: Wo
     assert ended(queue, request.job_id).status == "succeeded"
     events = redis.xrange(queue.records.keys.job(request.job_id).events)
     assert sum(fields[b"type"] == b"slice" for _, fields in events) == 12
-    table = queue.result(request.job_id)
-    assert table is not None
+    table = table_of(queue, request.job_id)
     horses = {s["certificate"]["pid"] for s in table["slices"]}
     assert len(horses) == 3
     assert os.getpid() not in horses
@@ -356,9 +353,7 @@ def test_overlapping_requests_compute_the_missing_slices(redis: Redis, workers: 
     ended(queue, queue.submit(first).id)
     second = a_request("2", "3", "4")
     ended(queue, queue.submit(second).id)
-    one, two = queue.result(first.job_id), queue.result(second.job_id)
-    assert one is not None
-    assert two is not None
+    one, two = table_of(queue, first.job_id), table_of(queue, second.job_id)
     assert one["slices"][1:] == two["slices"][:2]
     assert two["slices"][2]["certificate"] != one["slices"][0]["certificate"]
 

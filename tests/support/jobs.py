@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rpr_solver import EXAMPLES
 from tests.support.processes import until
 from worker.answers import poses, tables
 from worker.answers.requests import JobRequest
+from worker.answers.stored_tables import StoredTable
 from worker.jobs.queue import JobQueue
 from worker.jobs.records import JobView
 
@@ -19,6 +22,13 @@ def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:
 def a_document() -> JobRequest:
     content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": "14.98", "l2": "15", "l3": "30"}
     return JobRequest(poses.KIND, {**content, "digits": 20})
+
+
+def table_of(queue: JobQueue, job_id: str) -> dict[str, Any]:
+    """Returns the table that a job computed."""
+    answer = queue.result(job_id)
+    assert isinstance(answer, StoredTable)
+    return answer.document()
 
 
 def ended(queue: JobQueue, job_id: str) -> JobView:

@@ -11,6 +11,7 @@ from rpr_solver.contract import Progress
 from worker.answers import article, censuses, checks, curves, poses, tables
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
+from worker.answers.stored_tables import StoredTable, stored_table
 
 Document = dict[str, Any]
 
@@ -43,10 +44,14 @@ KINDS = (tables.KIND, *COMPUTATIONS)
 _BY_NAME = {kind.name: kind for kind in KINDS}
 
 
-def known_document(
+Answer = Document | StoredTable
+"""What is known: a document in one piece, or a table that is read slice by slice."""
+
+
+def known_answer(
     request: JobRequest, store: ResultStore, errors: Mapping[str, Any] | None = None
-) -> Document | None:
-    """Returns the document if it is in the store or follows from stored documents, else None.
+) -> Answer | None:
+    """Returns the answer if it is in the store or follows from stored documents, else None.
 
     Args:
         request: the requested document.
@@ -54,7 +59,12 @@ def known_document(
         errors: L1 → error, for the slices of a job without an answer; they become entries of its table.
     """
     if request.kind.by_slices:
-        return tables.known(request, store, errors)
+        return stored_table(request, store, errors)
+    return known_document(request, store)
+
+
+def known_document(request: JobRequest, store: ResultStore) -> Document | None:
+    """Returns a document in one piece if it is in the store or follows from stored documents, else None."""
     return store.get_document(request) or COMPUTATIONS[request.kind].derive(request, store)
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
 import rpr_solver
@@ -18,6 +20,32 @@ if TYPE_CHECKING:  # the command line needs no server, and this import takes 0.2
 
 SliceJson = dict[str, Any]
 
+_MEASURED_AT_ONCE = 64  # some milliseconds of the server's time, for the largest slices
+_ERROR = b'"error":{'
+_MEASURE = """
+local measured = {}
+for i, key in ipairs(KEYS) do
+    local json = redis.call('GET', key)
+    measured[i] = json and {#json, redis.sha1hex(json), string.find(json, '"error":{', 1, true) and 1 or 0}
+end
+return measured
+"""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What identifies the JSON of a slice without reading it."""
+
+    size: int
+    digest: str
+    is_error: bool
+
+
+def measured(text: bytes) -> Measured:
+    """Returns the same for JSON at hand."""
+    digest = hashlib.sha1(text, usedforsecurity=False).hexdigest()
+    return Measured(len(text), digest, _ERROR in text)
+
 
 class ResultStore:
     """Slices, eliminants and documents. All state is in Redis; an instance is cheap and may be shared."""
@@ -28,6 +56,7 @@ class ResultStore:
         self.settings = settings or WorkerSettings()
         self.holder = holder
         self.keys = ResultKeys(self.settings.key_prefix)
+        self._measure = redis.register_script(_MEASURE)
 
     def slice_keys(self, request: JobRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
         """Returns the keys of slices of a request, at its own or another number of digits."""
@@ -58,6 +87,29 @@ class ResultStore:
                 if short is not None:
                     known[x] = short
         return known
+
+    def get_texts(self, request: JobRequest, l1: Sequence[str], digits: int) -> dict[str, bytes]:
+        """Returns the JSON of the slices that are stored with exactly these digits, by L1."""
+        if not l1:
+            return {}
+        values = self._mget(self.slice_keys(request, l1, digits))
+        return {x: value for x, value in zip(l1, values, strict=True) if value is not None}
+
+    def measure(self, request: JobRequest, l1: Sequence[str]) -> dict[str, Measured]:
+        """Returns the sizes and digests of the known slices, by L1, without reading them."""
+        found: dict[str, Measured] = {}
+        for first in range(0, len(l1), _MEASURED_AT_ONCE):
+            group = l1[first : first + _MEASURED_AT_ONCE]
+            for x, reply in zip(group, self._measure(keys=self.slice_keys(request, group)), strict=True):
+                if reply is not None:
+                    size, digest, is_error = reply
+                    found[x] = Measured(size, digest.decode(), bool(is_error))
+        return found
+
+    def more_digits(self, request: JobRequest) -> list[int]:
+        """Returns the larger numbers of digits with which slices of this geometry are stored, ascending."""
+        key = self.keys.digits(request.geometry_hash, request.fixed_leg)
+        return sorted(d for d in map(int, cast("set[bytes]", self.redis.smembers(key))) if d > request.digits)
 
     def renew_slices(self, request: JobRequest, slices: Mapping[str, SliceJson]) -> None:
         """Renew the lifetime of known slices, so that a job's table stays complete.

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
 
 import rpr_solver
 from rpr_solver import Eliminant
-from rpr_solver.contract import document_head
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore, SliceJson
+from worker.answers.stored_tables import in_groups
 
 log = logging.getLogger("rpr_cusps.worker")
 
@@ -21,23 +20,14 @@ KIND = Kind("cusp-table", "ct-", unit="slices", by_slices=True)
 INTERNAL = "An unexpected error; the worker's log has the details."
 
 
-def known(
-    request: JobRequest, store: ResultStore, errors: Mapping[str, SliceJson] | None = None
-) -> dict[str, Any] | None:
-    """Returns the table if every slice is known or has an error of the job, else None."""
-    errors = errors or {}
-    slices = {**store.get_slices(request, [x for x in request.parts if x not in errors]), **errors}
-    if len(slices) < len(request.parts):
-        return None
-    head = document_head(request, request.digits, request.fixed_leg)
-    return {**head, "slices": [slices[x] for x in request.parts]}
-
-
 def missing(request: JobRequest, store: ResultStore) -> Sequence[str]:
     """Returns the slices that are not known, and renews the lifetime of the known ones."""
-    slices = store.get_slices(request)
-    store.renew_slices(request, slices)
-    return [x for x in request.parts if x not in slices]
+    absent: list[str] = []
+    for group in in_groups(request.parts):
+        slices = store.get_slices(request, group)
+        store.renew_slices(request, slices)
+        absent += [x for x in group if x not in slices]
+    return absent
 
 
 def eliminant_of(request: JobRequest, store: ResultStore) -> Eliminant:

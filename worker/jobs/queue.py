@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from redis import Redis
 
-from worker.answers.kinds import Document, known_document, missing_parts
+from worker.answers.kinds import Answer, known_answer, missing_parts
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.jobs.chunks import ChunkQueue
@@ -66,21 +66,21 @@ class JobQueue:
         self.chunks.withdraw(self.records.cancel(job_id, if_unwanted=True) or [])
         return self.get(job_id)
 
-    def known(self, request: JobRequest) -> Document | None:
+    def known(self, request: JobRequest) -> Answer | None:
         """Returns the complete answer if it is known or follows from known documents, else None."""
-        return known_document(request, self.store)
+        return known_answer(request, self.store)
 
     def get(self, job_id: str) -> JobView | None:
         """Returns the current state of a job, or None if there is none."""
         return self.records.view(job_id)
 
-    def result(self, job_id: str) -> Document | None:
+    def result(self, job_id: str) -> Answer | None:
         """Returns the answer of a job that succeeded, or None if it did not or its results have expired."""
         record = self.records.request(job_id)
         if record is None or record[0].status != "succeeded":
             return None
         _, request, errors = record
-        return known_document(request, self.store, errors)
+        return known_answer(request, self.store, errors)
 
     def cancel(self, job_id: str) -> JobView | None:
         """Cancel a queued or running job, whoever wants it; a job that has ended is unchanged."""

@@ -13,11 +13,13 @@ from service.api.access.caller import caller_of, subscriber_of
 from service.api.access.keys import allows
 from service.api.context import Context, ContextDep
 from service.api.job_view import job_json
-from service.api.middleware import IS_HEAD
-from service.api.negotiation import JSON, Document, document_response, json_bytes, negotiate
+from service.api.negotiation import JSON, negotiate
 from service.api.operations import forms_of
 from service.api.problems import ProblemError, ProblemType
-from worker.answers.kinds import kind_of_job
+from service.api.responses import answer_response
+from service.api.sending import IS_HEAD
+from service.api.table_forms import json_bytes
+from worker.answers.kinds import Answer, kind_of_job
 from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
 
@@ -81,11 +83,11 @@ async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Re
     """
     forms = forms_of(job_id)
     negotiate(request.headers.getlist("accept"), tuple(forms))
-    document = await context.redis(_result, context, job_id)
-    return await context.parsing(document_response, request, document, forms)
+    answer = await context.redis(_result, context, job_id)
+    return await answer_response(context, request, answer, forms)
 
 
-def _result(context: Context, job_id: str) -> Document:
+def _result(context: Context, job_id: str) -> Answer:
     view = _job(context, job_id)
     if not view.is_terminal:
         wait = str(context.settings.poll_seconds)
@@ -97,12 +99,10 @@ def _result(context: Context, job_id: str) -> Document:
         )
     if view.status != "succeeded":
         raise ProblemError.of_job(view)
-    document = context.queue.result(job_id)
-    if document is None:
-        raise ProblemError(
-            ProblemType.RESULT_EXPIRED, "The result of this job has expired; post the request again."
-        )
-    return document
+    answer = context.queue.result(job_id)
+    if answer is None:
+        raise ProblemError.expired()
+    return answer
 
 
 @router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)

@@ -12,8 +12,9 @@ from service import __version__
 from service.api import operation_docs as doc
 from service.api.context import ContextDep
 from service.api.metrics import CONTENT_TYPE
-from service.api.negotiation import JSON, json_bytes
+from service.api.negotiation import JSON
 from service.api.problems import ProblemError, ProblemType
+from service.api.table_forms import json_bytes
 from service.schemas.limits import Limits
 
 router = APIRouter(tags=["operations"])

@@ -11,9 +11,10 @@ from string import Template
 from fastapi import APIRouter, Request, Response
 
 from service import __version__
-from service.api.negotiation import JSON, json_bytes
+from service.api.negotiation import JSON
 from service.api.operations import WEB
 from service.api.problems import ProblemError, ProblemType
+from service.api.table_forms import json_bytes
 from service.schemas.questions import EXAMPLE_GEOMETRY
 
 router = APIRouter(include_in_schema=False)

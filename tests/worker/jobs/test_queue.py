@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 from redis import Redis
 
-from tests.support.jobs import a_document, a_request
+from tests.support.jobs import a_document, a_request, table_of
 from tests.support.processes import until
 from worker.answers.requests import JobRequest
 from worker.jobs import sweeper as sweeper_module
@@ -67,9 +67,8 @@ def test_from_queued_to_succeeded(queue: JobQueue, table_request: JobRequest) ->
     assert done is not None
     assert (done.status, done.done, done.total) == ("succeeded", 5, 5)
     assert done.created_at <= (done.started_at or "") <= (done.finished_at or "")
-    table = queue.result(view.id)
-    assert table == queue.known(table_request)
-    assert table is not None
+    table = table_of(queue, view.id)
+    assert queue.known(table_request) == queue.result(view.id)
     assert [s["l1"] for s in table["slices"]] == list(table_request.parts)
 
 
@@ -218,12 +217,11 @@ def test_a_slice_that_fails_leaves_the_others_unaffected(queue: JobQueue, table_
     first, second = refs(queue)
     work(queue, first, error="2")
     work(queue, second)
-    table = queue.result(table_request.job_id)
-    assert table is not None
+    table = table_of(queue, table_request.job_id)
     assert [s["l1"] for s in table["slices"] if "error" in s] == ["2"]
     # the error soon expires in the store; its job keeps it, and the next job tries again
     queue.redis.delete(*queue.store.slice_keys(table_request, ["2"]))
-    assert queue.result(table_request.job_id) == table
+    assert table_of(queue, table_request.job_id) == table
     assert queue.known(table_request) is None
     assert queue.submit(table_request).done == 4
 
@@ -374,8 +372,7 @@ def test_a_slice_that_kills_each_time_is_given_up_and_the_others_go_on(
     view = queue.get(table_request.job_id)
     assert view is not None
     assert (view.status, view.done) == ("succeeded", 5)
-    table = queue.result(table_request.job_id)
-    assert table is not None
+    table = table_of(queue, table_request.job_id)
     errors = {s["l1"]: s["error"] for s in table["slices"] if "error" in s}
     assert errors == {"2": {"type": "worker-crashed", "detail": "several times"}}
 

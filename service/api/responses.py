@@ -1,0 +1,127 @@
+"""The response that carries an answer: its form, its validators, whole or piece by piece."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from starlette.requests import Request
+from starlette.responses import Response
+
+from service.api.context import Context
+from service.api.negotiation import CSV, Document, Form, Forms, is_known, negotiate
+from service.api.problems import ProblemError
+from service.api.sending import LARGE, LargeAnswer, at_hand, in_turn, slices_of
+from service.schemas.limits import LimitError, Limits
+from worker.answers.kinds import Answer
+from worker.answers.stored_tables import ResultLostError, StoredTable
+
+IMMUTABLE = "public, max-age=31536000, immutable"
+REVALIDATE = "no-cache"
+
+_HELD_OF_A_TABLE = 4 * LARGE  # a batch as it is read, in its form, compressed, and being sent
+
+
+@dataclass(frozen=True)
+class _Head:
+    """The form of an answer, and its header fields."""
+
+    request: Request
+    form: str
+    tag: str
+    fields: Mapping[str, str]
+
+    @classmethod
+    def of(
+        cls, request: Request, form: str, digest: str, has_errors: bool, headers: Mapping[str, str] | None
+    ) -> _Head:
+        """Documents never change, except that a slice with an error may have an answer next time."""
+        tag = f'"{digest[:32]}"'
+        cache = REVALIDATE if has_errors else IMMUTABLE
+        fields = {"ETag": tag, "Cache-Control": cache, "Vary": "Accept", **(headers or {})}
+        return cls(request, form, tag, fields)
+
+    @property
+    def media_type(self) -> str:
+        return "text/csv; charset=utf-8; header=present" if self.form == CSV else self.form
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the client has the document already."""
+        sent = self.request.headers.getlist("if-none-match")
+        return self.request.method == "GET" and is_known(sent, self.tag)
+
+    def response(self, body: bytes) -> Response:
+        return Response(body, headers={**self.fields, "Content-Type": self.media_type})
+
+    def not_modified(self) -> Response:
+        return Response(status_code=304, headers=self.fields)
+
+
+async def answer_response(
+    context: Context,
+    request: Request,
+    answer: Answer,
+    forms: Forms,
+    *,
+    headers: Mapping[str, str] | None = None,
+) -> Response:
+    """Returns an answer in the negotiated form with a strong ETag, or 304 if the client has it already.
+
+    Raises:
+        LimitError: it is larger than a result may be.
+        ProblemError: 406, no form is acceptable; 410, the result expired just now.
+    """
+    form = negotiate(request.headers.getlist("accept"), tuple(forms))
+    if not isinstance(answer, StoredTable):
+        return await _document_response(context, request, answer, form, forms[form], headers)
+    _check_size(context.settings.limits, answer.size)
+    head = _Head.of(request, form, _digest(form, answer.digest), answer.has_errors, headers)
+    if head.is_known:
+        return head.not_modified()
+    pieces = forms[form].pieces(answer)
+    try:
+        if answer.size <= LARGE:
+            return head.response(await context.redis(b"".join, pieces))
+        first = await context.redis(next, pieces)
+    except ResultLostError:
+        raise ProblemError.expired() from None
+    size = forms[form].size(answer)
+    fields = {**head.fields, **({} if size is None else {"Content-Length": str(size)})}
+    rest = in_turn(first, pieces, context.redis)
+    return LargeAnswer(rest, fields, head.media_type, context.large_answers, _HELD_OF_A_TABLE)
+
+
+async def _document_response(
+    context: Context,
+    request: Request,
+    document: Document,
+    form: str,
+    encoding: Form,
+    headers: Mapping[str, str] | None,
+) -> Response:
+    body, digest = await context.parsing(_encoded, encoding, document)
+    _check_size(context.settings.limits, len(body))
+    has_errors = any("error" in part for part in document.get("slices", ()))
+    head = _Head.of(request, form, digest, has_errors, headers)
+    if head.is_known:
+        return head.not_modified()
+    if len(body) <= LARGE:
+        return head.response(body)
+    fields = {**head.fields, "Content-Length": str(len(body))}
+    return LargeAnswer(at_hand(slices_of(body)), fields, head.media_type, context.large_answers, len(body))
+
+
+def _encoded(form: Form, document: Document) -> tuple[bytes, str]:
+    body = form.encode(document)
+    return body, hashlib.sha256(body).hexdigest()
+
+
+def _check_size(limits: Limits, size: int) -> None:
+    if size > limits.max_result_bytes:
+        raise LimitError.exceeded(limits, "max_result_bytes", f"the result has {size} bytes")
+
+
+def _digest(form: str, digest: str) -> str:
+    return hashlib.sha256(f"{form} {digest}".encode()).hexdigest()

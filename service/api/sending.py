@@ -1,0 +1,125 @@
+"""Large answers: sent in pieces, only so many at a time, and never cut off in silence."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import AsyncIterator, Iterator, Mapping
+from contextlib import contextmanager
+from typing import TypeVar
+
+from redis.exceptions import RedisError
+from starlette.responses import StreamingResponse
+from starlette.types import Receive, Scope, Send
+
+from service.api.problems import ProblemError, ProblemType
+from service.api.redis_access import RedisAccess
+from worker.answers.stored_tables import BATCH_BYTES, ResultLostError
+
+log = logging.getLogger("rpr_cusps.service")
+
+T = TypeVar("T")
+
+LARGE = BATCH_BYTES
+"""Bytes of an answer that is sent in pieces."""
+
+IS_HEAD = "rpr_cusps.head"
+"""Set in the scope of a request whose method is HEAD."""
+
+_PIECE = 64 << 10
+
+
+class LargeAnswers:
+    """The large answers that are being sent.
+
+    Args:
+        count: how many there may be.
+        size: how many bytes they may hold together.
+        retry_seconds: `Retry-After` of what is refused.
+    """
+
+    def __init__(self, count: int, size: int, retry_seconds: int) -> None:
+        self._count = count
+        self._size = size
+        self._retry_seconds = retry_seconds
+        self._held: list[int] = []
+
+    @contextmanager
+    def one(self, held: int) -> Iterator[None]:
+        """Count an answer that holds so many bytes, as long as the block.
+
+        Raises:
+            ProblemError: 503, there are enough.
+        """
+        if len(self._held) >= self._count or (self._held and sum(self._held) + held > self._size):
+            raise ProblemError(
+                ProblemType.BUSY,
+                f"{len(self._held)} large results are being sent at the moment; try again.",
+                headers={"Retry-After": str(self._retry_seconds)},
+            )
+        self._held.append(held)
+        try:
+            yield
+        finally:
+            self._held.remove(held)
+
+
+class LargeAnswer(StreamingResponse):
+    """An answer that is sent piece by piece.
+
+    If a piece is lost on the way, the connection is closed before the end, so that no client takes a part
+    for the whole.
+    """
+
+    def __init__(
+        self,
+        pieces: AsyncIterator[bytes],
+        headers: Mapping[str, str],
+        media_type: str,
+        answers: LargeAnswers,
+        held: int,
+    ) -> None:
+        super().__init__(pieces, headers=headers, media_type=media_type)
+        self._answers = answers
+        self._held = held
+        self._is_head = False
+        self._path = ""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send the answer, or the problem that there are too many."""
+        self._is_head, self._path = IS_HEAD in scope, scope["path"]
+        try:
+            with self._answers.one(0 if self._is_head else self._held):
+                await super().__call__(scope, receive, send)
+        except ProblemError as error:
+            await error.response(self._path)(scope, receive, send)
+
+    async def stream_response(self, send: Send) -> None:
+        """Send the pieces as they come; only the first one if nobody reads them."""
+        await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
+        try:
+            async for piece in self.body_iterator:
+                await send({"type": "http.response.body", "body": piece, "more_body": True})
+                if self._is_head:
+                    break
+        except (ResultLostError, RedisError) as error:
+            log.warning("the answer of %s is cut off: %s", self._path, error)
+            return  # without its end, for which the server closes the connection
+        await send({"type": "http.response.body", "body": b"", "more_body": False})
+
+
+def slices_of(body: bytes) -> Iterator[bytes]:
+    """Yields a body in pieces."""
+    return (body[first : first + _PIECE] for first in range(0, len(body), _PIECE))
+
+
+async def in_turn(first: bytes, others: Iterator[bytes], access: RedisAccess) -> AsyncIterator[bytes]:
+    """Yields the first piece, then the others, each of which is made in a thread when it is wanted."""
+    yield first
+    while (piece := await access(next, others, None)) is not None:
+        yield piece
+
+
+async def at_hand(pieces: Iterator[bytes]) -> AsyncIterator[bytes]:
+    """Yields pieces that need no work."""
+    for piece in pieces:
+        yield piece

@@ -1,0 +1,76 @@
+"""Readers of large results and of events, who are many, slow, or gone."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+
+import httpx
+import pytest
+from redis import Redis
+
+from service.api.settings import Settings
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.large_table import keep_table
+from tests.support.processes import PATIENCE, until
+from tests.support.service_server import serving
+from worker.jobs.queue import JobQueue
+
+MANY = 400  # slices: more than the buffers of a connection take
+
+
+@contextmanager
+def api(url: str, **settings: float) -> Iterator[httpx.Client]:
+    with serving(Settings(redis_url=url, **settings)) as base, httpx.Client(base_url=base) as client:  # type: ignore[arg-type]
+        client.headers["Accept-Encoding"] = "identity"
+        client.timeout = httpx.Timeout(PATIENCE)
+        yield client
+
+
+def silent(client: httpx.Client, path: str) -> socket.socket:
+    """A client that asks, and reads only the beginning of the answer."""
+    host, port = client.base_url.host, client.base_url.port
+    connection = socket.create_connection((host, port or 80), timeout=PATIENCE)
+    connection.sendall(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+    assert connection.recv(15) == b"HTTP/1.1 200 OK"
+    return connection
+
+
+@pytest.mark.parametrize("form", ["application/json", "text/csv"])
+def test_a_result_expires_while_it_is_sent(valkey: EmbeddedValkey, redis: Redis, form: str) -> None:
+    """A result expires while it is being sent. The connection is closed before the end, so that no client
+    takes a part for the whole; after that the result is 410.
+    """
+    queue = JobQueue(redis)
+    job_id, table = keep_table(queue, MANY)
+    record = queue.records.request(job_id)
+    assert record is not None
+    path = f"/v1/jobs/{job_id}/result"
+    with api(valkey.url) as client:
+        with client.stream("GET", path, headers={"Accept": form}) as answer:
+            assert answer.status_code == 200
+            pieces = answer.iter_raw()
+            next(pieces)
+            keys = queue.store.slice_keys(record[1], [part["l1"] for part in table["slices"]])
+            redis.delete(*keys[MANY // 2 :])
+            with pytest.raises(httpx.RemoteProtocolError):
+                list(pieces)
+        assert client.get(path).status_code == 410
+
+
+def test_too_many_large_results_at_once(valkey: EmbeddedValkey, redis: Redis) -> None:
+    """More large results are asked for at once than allowed. One too many is 503 with Retry-After; when
+    another ends, the next is sent.
+    """
+    job_id, _ = keep_table(JobQueue(redis), MANY)
+    path = f"/v1/jobs/{job_id}/result"
+    with api(valkey.url, large_answers=2) as client:
+        with ExitStack() as readers:
+            for _ in range(2):
+                readers.enter_context(closing(silent(client, path)))
+            refused = client.get(path)
+            assert (refused.status_code, refused.json()["type"]) == (503, "/problems/busy")
+            assert int(refused.headers["retry-after"]) >= 1
+            assert client.get(f"/v1/jobs/{job_id}").status_code == 200
+        until(lambda: client.get(path).status_code == 200)

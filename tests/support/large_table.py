@@ -1,0 +1,34 @@
+"""A large cusp table in the store, made of copies of one slice."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import rpr_solver
+from rpr_solver import EXAMPLES
+from tests.support.jobs import a_request
+from worker.answers.store import dump
+from worker.jobs.queue import JobQueue
+
+DIGITS = 1000
+
+
+@cache
+def _slice() -> dict[str, Any]:
+    eliminant = rpr_solver.eliminate(EXAMPLES["innocenti"])
+    return rpr_solver.slice_json(eliminant, Fraction("14.98"), DIGITS)
+
+
+def keep_table(queue: JobQueue, count: int) -> tuple[str, dict[str, Any]]:
+    """Put a table of so many slices into the store; returns its job's id and the document."""
+    request = a_request(*(str(100 + i) for i in range(count)), digits=DIGITS)
+    slices = [{**_slice(), "l1": l1} for l1 in request.parts]
+    keys = queue.store.slice_keys(request, request.parts)
+    with queue.redis.pipeline(transaction=False) as pipe:
+        for key, value in zip(keys, slices, strict=True):
+            pipe.set(key, dump(value), ex=600)
+        pipe.execute()
+    head = rpr_solver.contract.document_head(request, DIGITS, 1)
+    return queue.submit(request).id, {**head, "slices": slices}
