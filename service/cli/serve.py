@@ -8,6 +8,7 @@ import signal
 from pathlib import Path
 
 from service.cli.arguments import whole
+from service.cli.environment import warn_of_unknown_settings
 from service.cli.worker import add_redis_url
 from service.stack.serve import ServeSettings, serve
 from worker.process.os_limits import die_with_parent
@@ -58,6 +59,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
+    warn_of_unknown_settings("serve")
     if args.parent_pid is not None:
         die_with_parent(args.parent_pid, signal.SIGTERM)
     return serve(

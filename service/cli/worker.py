@@ -7,6 +7,7 @@ import os
 import sys
 
 from rpr_solver.errors import InputError
+from service.cli.environment import warn_of_unknown_settings
 from worker.process.start import WorkerError, run_worker
 
 DESCRIPTION, EXAMPLES = __doc__, None
@@ -24,6 +25,7 @@ def run(args: argparse.Namespace) -> int:
     if args.redis_url is None:
         hint = "give the address of the queue, for example redis://127.0.0.1:6379/0"
         raise InputError.of("--redis-url", f"is missing; {hint}")
+    warn_of_unknown_settings("worker")
     try:
         return run_worker(args.redis_url)
     except WorkerError as error:

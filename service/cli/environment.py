@@ -1,0 +1,43 @@
+"""Variables of the environment that look like settings and are none."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+
+from pydantic_settings import BaseSettings
+
+from service.api.settings import Settings
+from service.client import ClientSettings
+from service.schemas.limits import Limits
+from worker.settings import WorkerSettings
+
+PREFIX = "RPR_CUSPS_"
+MODELS: tuple[type[BaseSettings], ...] = (Limits, Settings, WorkerSettings, ClientSettings)
+"""The models that read settings from the environment."""
+
+
+def names() -> set[str]:
+    """Returns the names of all settings."""
+    return {PREFIX + name.upper() for model in MODELS for name in model.model_fields}
+
+
+def unknown_settings(environment: Mapping[str, str]) -> Iterator[str]:
+    """Yields a sentence for each variable that has the prefix of settings and is none."""
+    known = names()
+    for name in sorted(environment):
+        if name.upper().startswith(PREFIX) and name.upper() not in known:
+            yield f"{name} is not a setting and has no effect{_hint(name.upper(), known)}"
+
+
+def warn_of_unknown_settings(command: str) -> None:
+    """Say those sentences on stderr, at the start of a process."""
+    for sentence in unknown_settings(os.environ):
+        print(f"rpr-cusps {command}: {sentence}", file=sys.stderr)
+
+
+def _hint(name: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.75)
+    return f"; did you mean {near[0]}?" if near else ""
