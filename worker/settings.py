@@ -49,6 +49,12 @@ class WorkerSettings(BaseSettings):
     )
     eliminant_ttl: PositiveInt = Field(default=30 * 86400, description="lifetime of an eliminant, in seconds")
 
+    store_max_mb: PositiveInt | None = Field(
+        default=None,
+        description="memory of Redis, in MiB, above which the oldest results are removed; without it, 80 % of "
+        "Redis' own `maxmemory`, if it has one",
+    )
+
     beat_interval: PositiveFloat = Field(
         default=1.0, description="time between two heartbeats of a chunk, in seconds"
     )

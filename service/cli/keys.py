@@ -8,23 +8,14 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from datetime import UTC, datetime
-from pathlib import Path
-
-from redis.exceptions import RedisError
 
 from rpr_solver.errors import InputError
 from service.api.access.key_store import KeyStore
 from service.api.access.keys import SCOPES, is_name, make_key
 from service.cli.arguments import whole
-from service.cli.worker import add_redis_url
-from service.errors import ServiceError
-from service.stack.attached import attached
-from service.stack.errors import StackError
-from worker.connection import UnreachableError, check, connect
+from service.cli.source import add_source, opened
 from worker.settings import WorkerSettings
 
 DESCRIPTION = __doc__
@@ -66,13 +57,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     revoke = actions.add_parser("revoke", help="revoke a key", description="Revoke a key, for good.")
     revoke.add_argument("name", metavar="NAME", help="name or id of the key")
     for action in (create, show, revoke):
-        add_redis_url(action, "the Redis or Valkey server of the service (default: an embedded one)")
-        action.add_argument(
-            "--data-dir",
-            type=Path,
-            metavar="DIR",
-            help="data directory of the embedded Valkey (default: the user's data directory)",
-        )
+        add_source(action)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -82,7 +67,8 @@ def run(args: argparse.Namespace) -> int:
         InputError: the name cannot be one, is taken, or is no key's.
         ServiceError: the keys cannot be reached.
     """
-    with _store(args) as store:
+    with opened(args) as redis:
+        store = KeyStore(redis, WorkerSettings().key_prefix)
         if args.action == "create":
             _create(store, args)
         elif args.action == "revoke":
@@ -90,20 +76,6 @@ def run(args: argparse.Namespace) -> int:
         else:
             _list(store, args.format)
     return 0
-
-
-@contextmanager
-def _store(args: argparse.Namespace) -> Iterator[KeyStore]:
-    try:
-        if args.redis_url is None:
-            with attached(args.data_dir) as url, connect(url) as redis:
-                yield KeyStore(redis, WorkerSettings().key_prefix)
-        else:
-            check(args.redis_url)
-            with connect(args.redis_url) as redis:
-                yield KeyStore(redis, WorkerSettings().key_prefix)
-    except (StackError, UnreachableError, RedisError) as error:
-        raise ServiceError(str(error)) from error
 
 
 def _create(store: KeyStore, args: argparse.Namespace) -> None:

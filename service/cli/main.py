@@ -30,6 +30,7 @@ COMMANDS = {
     "serve": "run the whole service",
     "worker": "run one worker",
     "keys": "make, list and revoke API keys",
+    "store": "show and bound what a service keeps",
     "demo": "run the whole service on one example",
 }
 """Command → summary; each command is a module of this package."""

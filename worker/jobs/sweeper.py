@@ -16,6 +16,7 @@ from redis.exceptions import RedisError
 
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.interruption import run_again
+from worker.jobs.inventory import Inventory
 from worker.jobs.records import ChunkEntry, JobRecords
 from worker.settings import WorkerSettings
 
@@ -34,6 +35,7 @@ class Sweeper:
         self.settings = settings
         self.records = JobRecords(redis, settings)
         self.chunks = ChunkQueue(redis, settings)
+        self.inventory = Inventory(redis, settings)
         self.keys = self.records.keys
 
     def sweep(self) -> int:
@@ -44,6 +46,10 @@ class Sweeper:
         # The order matters: a chunk that leaves the queue after this look has a heartbeat soon, and a chunk
         # opened after the look at the records is not among them.
         self.records.adopt(_WALK)
+        if removed := self.inventory.relieve():
+            log.warning(
+                "Redis uses more memory than its bound: removed the oldest results (%d keys)", removed
+            )
         entries = self.records.open_chunks()
         waiting = self.chunks.waiting()
         missing = self._without_beat([e for e in entries if e.ref.rq_id not in waiting])

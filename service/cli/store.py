@@ -1,0 +1,120 @@
+"""Show and bound what a service keeps: results, eliminants and ended jobs, in the given Redis or in a data
+directory, whether or not the service is running. What an active job needs is never removed."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+from collections.abc import Iterable
+from dataclasses import asdict
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from rpr_solver.errors import InputError
+from service.cli.source import add_source, opened
+from worker.jobs.inventory import Inventory, Pruned, Stock
+from worker.settings import WorkerSettings
+
+DESCRIPTION = __doc__
+EXAMPLES = """\
+examples:
+  rpr-cusps store status                            keys and bytes by kind
+  rpr-cusps store prune --older-than 30d            what was not asked for again in 30 days
+  rpr-cusps store prune --max-bytes 500MB           the oldest, until 500 MB are left
+
+By themselves results go at the end of their lifetime (RPR_CUSPS_RESULT_TTL, RPR_CUSPS_ELIMINANT_TTL), and
+earlier when Redis uses more memory than RPR_CUSPS_STORE_MAX_MB.
+"""
+_SECONDS = {"s": 1, "m": 60, "h": 3600, "d": 86400}
+_BYTES = {"": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the actions and their options."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    text = "Show the keys and bytes of each kind, and the age of the oldest."
+    status = actions.add_parser("status", help="show what is kept", description=text)
+    status.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
+    text = "Remove old results, eliminants and ended jobs."
+    prune = actions.add_parser("prune", help="remove what is old", description=text)
+    prune.add_argument(
+        "--older-than",
+        type=_duration,
+        metavar="AGE",
+        help="remove what is older, as 90s, 30m, 12h or 30d, since it was computed or last found",
+    )
+    prune.add_argument(
+        "--max-bytes",
+        type=_size,
+        metavar="SIZE",
+        help="remove the oldest until all keys take no more, as 500MB or 2GiB",
+    )
+    for action in (status, prune):
+        add_source(action)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command; returns the exit status.
+
+    Raises:
+        InputError: there is nothing to prune by.
+        ServiceError: Redis cannot be reached.
+    """
+    if args.action == "prune" and args.older_than is None and args.max_bytes is None:
+        raise InputError.of("--older-than", "or --max-bytes is missing; give one of them, or both")
+    with opened(args) as redis:
+        inventory = Inventory(redis, WorkerSettings())
+        if args.action == "prune":
+            print(_told(inventory.prune(args.older_than, args.max_bytes)))
+        elif args.format == "json":
+            print(json.dumps({kind: asdict(stock) for kind, stock in inventory.stock().items()}, indent=2))
+        else:
+            _print(inventory.stock().items())
+    return 0
+
+
+def _told(pruned: Pruned) -> str:
+    needed = f"; {pruned.needed} keys are kept, since active jobs may need them" if pruned.needed else ""
+    return f"removed {pruned.keys} keys, {_bytes(pruned.size)}{needed}"
+
+
+def _print(stocks: Iterable[tuple[str, Stock]]) -> None:
+    table = Table(box=box.SIMPLE_HEAD)
+    table.add_column("kind")
+    for name in ("keys", "bytes", "oldest"):
+        table.add_column(name, justify="right")
+    total = Stock()
+    for kind, stock in stocks:
+        table.add_row(kind, str(stock.keys), _bytes(stock.size), _age(stock.oldest))
+        total.keys, total.size = total.keys + stock.keys, total.size + stock.size
+    table.add_row("all", str(total.keys), _bytes(total.size), "")
+    Console().print(table)
+
+
+def _duration(text: str) -> float:
+    match = re.fullmatch(r"(\d{1,9}(?:\.\d+)?)([smhd])", text, re.ASCII)
+    if match is None:
+        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not an age, such as 90s, 30m, 12h or 30d")
+    return float(match[1]) * _SECONDS[match[2]]
+
+
+def _size(text: str) -> int:
+    match = re.fullmatch(r"(\d{1,15})([kMG]B|[KMG]iB|)", text, re.ASCII)
+    if match is None:
+        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not a size, such as 500MB, 2GiB or 1000000")
+    return int(match[1]) * _BYTES[match[2]]
+
+
+def _bytes(size: int) -> str:
+    unit = next((name for name in ("GB", "MB", "kB") if size >= _BYTES[name]), "")
+    return f"{size / _BYTES[unit]:.1f} {unit}" if unit else f"{size} B"
+
+
+def _age(seconds: float | None) -> str:
+    if seconds is None:
+        return "–"
+    unit = next((name for name in "dhm" if seconds >= _SECONDS[name]), "s")
+    return f"{seconds / _SECONDS[unit]:.1f} {unit}"

@@ -1,0 +1,197 @@
+"""The keys of an installation by kind, with their ages and sizes, and the removal of the oldest.
+
+The age of a key is the time since it was written or its lifetime renewed, by what is left of its lifetime. A
+key without a lifetime, such as the record of an active job or an API key, has no age and is never removed. Nor
+is a result that is younger than the oldest active job: that job may have found it when it was submitted
+(which renews it), or computed it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, cast
+
+from redis import Redis
+
+from rpr_solver import SOLVER_VERSION
+from worker.settings import WorkerSettings
+
+VERSIONED = frozenset({"slice", "digits", "eliminant"})
+KINDS = ("slice", "digits", "eliminant", "document", "census-digits", "job")
+"""The kinds of keys that may be removed; all others are counted as `other`."""
+
+OTHER = "other"
+
+_PAGE = 1000
+_MARGIN = 60.0  # seconds before an active job was recorded, in which it may have found its results
+_FULL_SHARE, _ENOUGH_SHARE = 0.8, 0.9
+_PAUSE, _LONGEST = 10.0, 0.1
+
+# A key is removed only if its lifetime has not been renewed since the look at it.
+_REMOVE = """
+local removed = 0
+for i, key in ipairs(KEYS) do
+    local left = redis.call('PTTL', key)
+    if left >= 0 and left <= tonumber(ARGV[i]) then removed = removed + redis.call('UNLINK', key) end
+end
+return removed
+"""
+
+
+@dataclass(frozen=True)
+class Item:
+    """One key; `age` in seconds, None if it has no lifetime; `size` in bytes."""
+
+    key: bytes
+    kind: str
+    version: str
+    left: int
+    age: float | None
+    size: int
+
+
+@dataclass
+class Stock:
+    """All keys of one kind."""
+
+    keys: int = 0
+    size: int = 0
+    oldest: float | None = None
+
+    def add(self, item: Item) -> None:
+        """Count one key."""
+        self.keys += 1
+        self.size += item.size
+        if item.age is not None:
+            self.oldest = max(item.age, self.oldest or 0.0)
+
+
+@dataclass(frozen=True)
+class Pruned:
+    """What was removed, and the number of keys that were not, since an active job may need them."""
+
+    keys: int
+    size: int
+    needed: int
+
+
+class Inventory:
+    """The keys of one installation."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        self.redis = redis
+        self.settings = settings
+        self._prefix = settings.key_prefix.encode() + b":"
+        self._remove = redis.register_script(_REMOVE)
+        self._next = 0.0
+        self._cursor = 0
+
+    def stock(self) -> dict[str, Stock]:
+        """Returns the keys by kind; it looks at every key."""
+        found: defaultdict[str, Stock] = defaultdict(Stock)
+        for page in self._pages():
+            for item in self._items(page):
+                found[item.kind].add(item)
+        return {kind: found[kind] for kind in (*KINDS, OTHER) if kind in found}
+
+    def prune(self, older_than: float | None = None, max_bytes: int | None = None) -> Pruned:
+        """Remove the keys of a greater age, and the oldest while all keys take more bytes."""
+        items = [item for page in self._pages() for item in self._items(page)]
+        excess = sum(item.size for item in items) - (max_bytes if max_bytes is not None else float("inf"))
+        chosen: list[Item] = []
+        for item in sorted(items, key=lambda item: -(item.age or 0.0)):
+            if item.age is None or item.kind == OTHER:
+                continue
+            if (older_than is not None and item.age > older_than) or excess > 0:
+                chosen.append(item)
+                excess -= item.size
+        free = self._not_needed(chosen)
+        removed = sum(self._take(free[i : i + _PAGE]) for i in range(0, len(free), _PAGE))
+        return Pruned(removed, sum(item.size for item in free), len(chosen) - len(free))
+
+    def relieve(self) -> int:
+        """Remove old keys while Redis uses more than its bound; for the sweeper.
+
+        It takes the older half of each thousand of keys, for a tenth of a second at most. Returns the number of removed keys.
+        """
+        if time.monotonic() < self._next:
+            return 0
+        used, bound = self._memory()
+        if not bound or used <= bound:
+            self._next = time.monotonic() + _PAUSE
+            return 0
+        end, removed = time.monotonic() + _LONGEST, 0
+        while used > _ENOUGH_SHARE * bound and time.monotonic() < end:
+            self._cursor, page = cast(
+                "tuple[int, list[bytes]]",
+                self.redis.scan(self._cursor, match=self._prefix + b"*", count=_PAGE),
+            )
+            items = [item for item in self._items(page, sizes=False) if item.kind != OTHER]
+            aged = sorted((i for i in items if i.age is not None), key=lambda item: -(item.age or 0.0))
+            removed += self._take(self._not_needed(aged[: -(-len(aged) // 2)]))
+            used, bound = self._memory()
+        return removed
+
+    def _memory(self) -> tuple[int, float]:
+        """Returns what Redis uses, and its bound; 0: none."""
+        memory = cast("dict[str, Any]", self.redis.info("memory"))
+        if self.settings.store_max_mb is not None:
+            return int(memory["used_memory"]), self.settings.store_max_mb * 2.0**20
+        return int(memory["used_memory"]), _FULL_SHARE * int(memory["maxmemory"])
+
+    def _pages(self) -> Iterator[list[bytes]]:
+        cursor, started = 0, False
+        while cursor or not started:
+            started = True
+            cursor, page = cast(
+                "tuple[int, list[bytes]]", self.redis.scan(cursor, match=self._prefix + b"*", count=_PAGE)
+            )
+            yield page
+
+    def _items(self, keys: Sequence[bytes], *, sizes: bool = True) -> Iterator[Item]:
+        with self.redis.pipeline(transaction=False) as pipe:
+            for key in keys:
+                pipe.pttl(key)
+            for key in keys if sizes else ():
+                pipe.memory_usage(key)
+            replies = pipe.execute()
+        measured = replies[len(keys) :] or [0] * len(keys)
+        for key, left, size in zip(keys, replies, measured, strict=False):
+            if left == -2:  # it is gone meanwhile
+                continue
+            kind, version = self._kind(key)
+            age = max(0.0, self._lifetime(kind) - left / 1000) if left >= 0 else None
+            yield Item(key, kind, version, left, age, size or 0)
+
+    def _kind(self, key: bytes) -> tuple[str, str]:
+        kind, _, rest = key.removeprefix(self._prefix).decode(errors="replace").partition(":")
+        if kind not in KINDS:
+            return OTHER, SOLVER_VERSION
+        return kind, rest.partition(":")[0] if kind in VERSIONED else SOLVER_VERSION
+
+    def _lifetime(self, kind: str) -> float:
+        settings = self.settings
+        return {"eliminant": settings.eliminant_ttl, "job": settings.job_ttl}.get(kind, settings.result_ttl)
+
+    def _not_needed(self, items: Iterable[Item]) -> list[Item]:
+        """Returns those that no active job of their version can need."""
+        items = list(items)
+        versions = sorted({item.version for item in items})
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.time()
+            for version in versions:
+                pipe.zrange(f"{self.settings.key_prefix}:active:{version}", 0, 0, withscores=True)
+            (seconds, _), *oldest = pipe.execute()
+        ages = {
+            version: seconds - first[0][1] + _MARGIN if first else 0.0
+            for version, first in zip(versions, oldest, strict=True)
+        }
+        return [item for item in items if item.kind == "job" or (item.age or 0.0) >= ages[item.version]]
+
+    def _take(self, items: Sequence[Item]) -> int:
+        if not items:
+            return 0
+        return int(self._remove(keys=[item.key for item in items], args=[item.left for item in items]))
