@@ -44,10 +44,19 @@ def set_up(level: str, form: LogFormat, *, in_background: bool = False) -> None:
     With `in_background`, a thread writes them, so that whoever logs never waits for the reader of stderr; if
     that reader hangs, lines are dropped and counted. A process that forks must not use it.
     """
-    formatter = _Json() if form == "json" else _Text()
     handler: logging.Handler = _Background(sys.stderr) if in_background else logging.StreamHandler()
-    handler.setFormatter(formatter)
+    handler.setFormatter(_formatter(form))
     logging.basicConfig(level=level, handlers=[handler])
+
+
+def line(logger: str, message: str, form: LogFormat) -> str:
+    """Returns a warning as it would be logged, for a process that writes its few lines itself."""
+    fields = {"name": logger, "levelno": logging.WARNING, "levelname": "WARNING", "msg": message}
+    return _formatter(form).format(logging.makeLogRecord(fields))
+
+
+def _formatter(form: LogFormat) -> logging.Formatter:
+    return _Json() if form == "json" else _Text()
 
 
 class _Text(logging.Formatter):

@@ -51,8 +51,8 @@ class WorkerSettings(BaseSettings):
 
     store_max_mb: PositiveInt | None = Field(
         default=None,
-        description="memory of Redis, in MiB, above which the oldest results are removed; without it, 80 % of "
-        "Redis' own `maxmemory`, if it has one",
+        description="memory of Redis, in MiB, above which the oldest results are removed; without it, 80 % "
+        "of Redis' own `maxmemory`, if it has one",
     )
 
     beat_interval: PositiveFloat = Field(

@@ -12,10 +12,17 @@ from pydantic_settings import BaseSettings
 from service.api.settings import Settings
 from service.client import ClientSettings
 from service.schemas.limits import Limits
+from service.stack.settings import SupervisorSettings
 from worker.settings import WorkerSettings
 
 PREFIX = "RPR_CUSPS_"
-MODELS: tuple[type[BaseSettings], ...] = (Limits, Settings, WorkerSettings, ClientSettings)
+MODELS: tuple[type[BaseSettings], ...] = (
+    Limits,
+    Settings,
+    SupervisorSettings,
+    WorkerSettings,
+    ClientSettings,
+)
 """The models that read settings from the environment."""
 
 

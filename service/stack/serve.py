@@ -7,6 +7,7 @@ import socket
 import threading
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -18,7 +19,7 @@ from service.stack.api_child import ApiChild
 from service.stack.embedded_valkey import EmbeddedValkey
 from service.stack.errors import BadAddressError, StackError
 from service.stack.exposure import is_loopback, keys_policy
-from service.stack.output import say
+from service.stack.output import note, say
 from service.stack.settings import SupervisorSettings
 from service.stack.supervisor import Supervisor
 from service.stack.valkey_child import ValkeyChild
@@ -67,14 +68,16 @@ def serve(settings: ServeSettings) -> int:
 
 def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     Settings()  # a bad environment ends the stack, not a child again and again
-    level = (WorkerSettings().log_level or "WARNING").upper()
+    worker_settings = WorkerSettings()
+    level = (worker_settings.log_level or "WARNING").upper()
+    tell = partial(note, worker_settings.log_format)
     patience = SupervisorSettings().hang_seconds
     raise_file_limit()
     listener = stack.enter_context(_bind(settings.host, settings.port))
     valkey = None
     if settings.redis_url is None:
-        server = EmbeddedValkey(settings.data_dir, say)
-        valkey = ValkeyChild(server, say, patience)
+        server = EmbeddedValkey(settings.data_dir, tell)
+        valkey = ValkeyChild(server, tell, patience)
         stack.callback(valkey.stop, signals.is_repeated)
         valkey.start(signals.is_quiet)
         url, where = server.url, f"data in {server.data_dir}"
@@ -84,8 +87,8 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     if not signals.is_quiet():
         return
     policy = _keys_policy(settings, listener, url)
-    pool = WorkerPool(settings.worker_count, url, level, say, patience)
-    api = ApiChild(listener, url, policy, level, say, patience)
+    pool = WorkerPool(settings.worker_count, url, level, tell, patience)
+    api = ApiChild(listener, url, policy, level, tell, patience)
     supervisor = Supervisor(valkey, api, pool, _announcement(settings, listener, where))
     stack.callback(supervisor.stop, signals.is_repeated)
     supervisor.run(signals.is_quiet)

@@ -1,8 +1,8 @@
 """The keys of an installation by kind, with their ages and sizes, and the removal of the oldest.
 
-The age of a key is the time since it was written or its lifetime renewed, by what is left of its lifetime. A
-key without a lifetime, such as the record of an active job or an API key, has no age and is never removed. Nor
-is a result that is younger than the oldest active job: that job may have found it when it was submitted
+The age of a key is the time since it was written or its lifetime renewed, by what is left of its lifetime.
+A key without a lifetime, such as the record of an active job or an API key, has no age and is never removed.
+Nor is a result that is younger than the oldest active job: that job may have found it when it was submitted
 (which renews it), or computed it.
 """
 
@@ -12,7 +12,7 @@ import time
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import cast
 
 from redis import Redis
 
@@ -115,7 +115,8 @@ class Inventory:
     def relieve(self) -> int:
         """Remove old keys while Redis uses more than its bound; for the sweeper.
 
-        It takes the older half of each thousand of keys, for a tenth of a second at most. Returns the number of removed keys.
+        It takes the older half of each thousand of keys, for a tenth of a second at most.
+        Returns the number of removed keys.
         """
         if time.monotonic() < self._next:
             return 0
@@ -137,7 +138,7 @@ class Inventory:
 
     def _memory(self) -> tuple[int, float]:
         """Returns what Redis uses, and its bound; 0: none."""
-        memory = cast("dict[str, Any]", self.redis.info("memory"))
+        memory = self.redis.info("memory")
         if self.settings.store_max_mb is not None:
             return int(memory["used_memory"]), self.settings.store_max_mb * 2.0**20
         return int(memory["used_memory"]), _FULL_SHARE * int(memory["maxmemory"])
