@@ -8,8 +8,8 @@ L3² = const.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from flint import arb, ctx, fmpq
@@ -24,8 +24,8 @@ from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
 from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.model.classify import cos_sin
-from rpr_solver.model.exact_pose import place
-from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.exact_pose import exact_direction, place
+from rpr_solver.model.half_tangent import HalfTangent, direction
 from rpr_solver.model.jets import LocalMap, Pose
 
 
@@ -97,7 +97,7 @@ class _Fibre:
             x, y = (n / determinant for n in system.numerators)
             alpha = HalfTangent(t, arb(1)).degrees()
             others = ((x + vx / one, y + vy / one) for vx, vy in (system.first, system.second))
-            angles = [_degrees(*vector) for vector in ((x, y), *others)]
+            angles = [direction(*vector) for vector in ((x, y), *others)]
             scale = self.slice_map.scale_ball()
             return self._decimal_pose((alpha, *angles), (x / scale, y / scale), 1, bits)
 
@@ -125,12 +125,14 @@ class _Fibre:
     def _above(self, root: ExactRoot | None, order: int) -> list[DecimalPose] | None:
         """The poses at one α, a root of this order; None if they form a whole circle."""
         t, omega = place(root, self.slice_map.radicand)
-        system = self.closure.linear(*cos_sin(t, omega.field), omega.field(1), omega)
+        field = omega.field
+        cos, sin = cos_sin(t, field)
+        system = self.closure.linear(cos, sin, field(1), omega)
         determinant = system.determinant
         if not determinant.is_zero:
             inverse = (determinant * system.weight).inverse()
             x, y = (n * inverse for n in system.numerators)
-            return [self._exact_pose(_ExactPose(t, x, y, omega), order)]
+            return [self._exact_pose(Pose(cos, sin, x, y, field(1), omega), order)]
         sides = zip((system.first, system.second), system.right, strict=True)
         line = next(((v, c) for v, c in sides if not (v[0].is_zero and v[1].is_zero)), None)
         if line is None:
@@ -138,40 +140,39 @@ class _Fibre:
         (vx, vy), right = line
         # X lies on one line, at ``foot`` + w (−vy, vx), and on the circle of leg 1
         inverse = (vx * vx + vy * vy).inverse()
-        shift = right * inverse * omega.field(fmpq(1, system.weight))
-        foot = vx * shift, vy * shift
-        s1 = self.closure.squares[0]
-        w2 = (omega.field(s1) - foot[0] * foot[0] - foot[1] * foot[1]) * inverse
+        shift = right * inverse * field(fmpq(1, system.weight))
+        x, y = vx * shift, vy * shift
+        foot = Pose(cos, sin, x, y, field(1), omega)
+        w2 = (field(self.closure.squares[0]) - x * x - y * y) * inverse
         if w2.is_zero:
-            return [self._exact_pose(_ExactPose(t, *foot, omega), order)]
+            return [self._exact_pose(foot, order)]
         if w2.sign < 0:
             return []
         poses = []
-        for extension in adjoin_real_roots(omega.field, [-w2, omega.field(0), omega.field(1)]):
-            lift, w = extension.lift, extension.root
-            x, y = lift(foot[0]) - w * lift(vy), lift(foot[1]) + w * lift(vx)
-            poses.append(_ExactPose(t and lift(t), x, y, lift(omega)))
+        for extension in adjoin_real_roots(field, [-w2, field(0), field(1)]):
+            at, w = foot.mapped(extension.lift), extension.root
+            x, y = at.cos_theta - w * extension.lift(vy), at.sin_theta + w * extension.lift(vx)
+            poses.append(replace(at, cos_theta=x, sin_theta=y))
         return [
             self._exact_pose(pose, multiplicity)
             for pose, multiplicity in zip(poses, _shared(self.closure, poses, order), strict=True)
         ]
 
-    def _exact_pose(self, pose: _ExactPose, multiplicity: int) -> DecimalPose:
-        cos, sin = pose.cos_sin()
-        vectors = [(pose.x, pose.y)]
+    def _exact_pose(self, pose: Pose[Algebraic], multiplicity: int) -> DecimalPose:
+        """A pose of length 1, so that its direction θ is B1."""
+        x, y = b1 = pose.cos_theta, pose.sin_theta
+        vectors = [(pose.cos_alpha, pose.sin_alpha), b1]
         for leg in (self.slice_map.f, self.slice_map.g):
-            mx, my = leg.rotated(cos, sin, pose.omega)
-            vectors.append((pose.x + mx - leg.ax, pose.y + my - leg.ay))
-        angles = [_exact_degrees(*vector) for vector in vectors]
+            mx, my = leg.rotated(pose.cos_alpha, pose.sin_alpha, pose.omega)
+            vectors.append((x + mx - leg.ax, y + my - leg.ay))
         scale = self.slice_map.scale
 
         def decimals(bits: int) -> DecimalPose | None:
             with ctx.workprec(bits):
-                alpha = arb(180) if pose.t is None else HalfTangent(pose.t.ball(bits), arb(1)).degrees()
-                thetas = [angle(bits) for angle in angles]
-                exact = [(x, x.rational) for x in (pose.x, pose.y)]
-                b1 = [x.ball(bits) / ball_of(scale) if q is None else q / scale for x, q in exact]
-                return self._decimal_pose((alpha, *thetas), b1, multiplicity, bits)
+                angles = [exact_direction(*vector, bits) for vector in vectors]
+                exact = [(z, z.rational) for z in b1]
+                point = [z.ball(bits) / ball_of(scale) if q is None else q / scale for z, q in exact]
+                return self._decimal_pose(angles, point, multiplicity, bits)
 
         message = "the digits of a pose could not be decided"
         return decided(decimals, self.digit_bits + 128, GREATEST_BITS, message)
@@ -187,21 +188,7 @@ class _Fibre:
         return DecimalPose(alpha, theta1, (*map(angle_text, texts[:4]), *texts[4:]), multiplicity, bits)
 
 
-@dataclass(frozen=True)
-class _ExactPose:
-    """tan(α/2), or None at 180°, B1 and ω in one field (scaled units)."""
-
-    t: Algebraic | None
-    x: Algebraic
-    y: Algebraic
-    omega: Algebraic
-
-    def cos_sin(self) -> tuple[Algebraic, Algebraic]:
-        """cos α and sin α."""
-        return cos_sin(self.t, self.x.field)
-
-
-def _shared(closure: Closure, poses: Sequence[_ExactPose], order: int) -> tuple[int, ...]:
+def _shared(closure: Closure, poses: Sequence[Pose[Algebraic]], order: int) -> tuple[int, ...]:
     """The multiplicities of the poses with one α; they add up to that of α, the ``order``."""
     if order == 2:
         return (1, 1)
@@ -215,15 +202,12 @@ def _shared(closure: Closure, poses: Sequence[_ExactPose], order: int) -> tuple[
     return first, order - first
 
 
-def _local_multiplicity(closure: Closure, pose: _ExactPose) -> int | None:
+def _local_multiplicity(closure: Closure, pose: Pose[Algebraic]) -> int | None:
     """The intersection number of f = s₂ and g = s₃ on the slice; None where both gradients vanish.
 
     Where ∇f ≠ 0 it is one more than the number of derivatives of g along f = s₂ that vanish.
     """
-    cos, sin = pose.cos_sin()
-    one = pose.x.field(1)
-    at = Pose(cos, sin, pose.x, pose.y, one, pose.omega)  # length × direction is B1
-    local = LocalMap.at(closure.slice_map, at, DEGREE + 1)
+    local = LocalMap.at(closure.slice_map, pose, DEGREE + 1)
     for leg in (local.f, local.g):
         if leg.alpha.value.is_zero and leg.theta.value.is_zero:
             continue
@@ -233,26 +217,6 @@ def _local_multiplicity(closure: Closure, pose: _ExactPose) -> int | None:
                 return multiplicity
             j = local.along(leg, j)
     return None
-
-
-def _degrees(x: arb, y: arb) -> arb:
-    """The direction of (x, y); a ball that meets the negative x-axis has a valid but wide result."""
-    return arb.atan2(y, x) * 180 / arb.pi()
-
-
-def _exact_degrees(x: Algebraic, y: Algebraic) -> Callable[[int], arb]:
-    """The direction of (x, y) at any precision."""
-    if y.is_zero:
-        return lambda _: arb(0 if x.sign > 0 else 180)
-    if x.is_zero:
-        return lambda _: arb(90 * y.sign)
-
-    def ball(bits: int) -> arb:
-        x_ball, y_ball = x.ball(bits), y.ball(bits)
-        with ctx.workprec(bits):
-            return _degrees(x_ball, y_ball)
-
-    return ball
 
 
 def _sorted(poses: Sequence[DecimalPose]) -> tuple[DecimalPose, ...]:

@@ -12,7 +12,7 @@ from rpr_solver.exact.factors import ExactRoot
 from rpr_solver.exact.number_field import Algebraic, common_roots, exact_omega
 from rpr_solver.exact.rationals import rational_sqrt
 from rpr_solver.model.classify import PoseKind, classify, cos_sin
-from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.half_tangent import direction
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import SliceMap
 
@@ -38,7 +38,10 @@ class ExactPose:
     def coordinates(self, bits: int) -> tuple[arb, arb, arb | Fraction, arb | Fraction]:
         """α and θ in degrees, and the free legs in the user's unit; rational lengths are exact."""
         p = self.local.pose
-        alpha, theta = _degrees(p.cos_alpha, p.sin_alpha, bits), _degrees(p.cos_theta, p.sin_theta, bits)
+        alpha, theta = (
+            exact_direction(p.cos_alpha, p.sin_alpha, bits),
+            exact_direction(p.cos_theta, p.sin_theta, bits),
+        )
         first, second = (self._length(square, bits) for square in self.local.squared_lengths())
         return alpha, theta, first, second
 
@@ -74,10 +77,12 @@ def common_poses(
     ]
 
 
-def _degrees(cos: Algebraic, sin: Algebraic, bits: int) -> arb:
-    """The angle in (−180, 180], exact at 0 and 180."""
-    if sin.is_zero:
-        return arb(0) if cos.sign > 0 else arb(180)
-    c, s = cos.ball(bits), sin.ball(bits)
+def exact_direction(x: Algebraic, y: Algebraic, bits: int) -> arb:
+    """The angle of (x, y) in degrees, in (−180, 180], exact at multiples of 90."""
+    if y.is_zero:
+        return arb(0 if x.sign > 0 else 180)
+    if x.is_zero:
+        return arb(90 * y.sign)
+    balls = x.ball(bits), y.ball(bits)
     with ctx.workprec(bits):
-        return HalfTangent(s, 1 + c).degrees()
+        return direction(*balls)

@@ -34,6 +34,11 @@ class HalfTangent:
         return side - (d / n).atan() * 360 / arb.pi() + offset
 
 
+def direction(x: arb, y: arb) -> arb:
+    """The angle of (x, y) in degrees; a ball that meets the negative x-axis has a valid but wide result."""
+    return arb.atan2(y, x) * 180 / arb.pi()
+
+
 def pose_of(alpha: HalfTangent, theta: HalfTangent, length: arb, omega: arb) -> Pose[arb]:
     """The pose with these angles of a slice (scaled units)."""
     (cos_a, sin_a), (cos_t, sin_t) = alpha.cos_sin(), theta.cos_sin()

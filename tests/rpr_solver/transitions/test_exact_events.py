@@ -16,7 +16,7 @@ from rpr_solver.exact.factors import exact_roots, norm_factors
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.model.exact_pose import _degrees
+from rpr_solver.model.exact_pose import exact_direction
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import EventSystems, NotGeneric
@@ -178,7 +178,7 @@ def test_a_cusp_that_passes_such_a_pose_at_a_limit() -> None:
     ],
 )
 def test_angles_are_in_the_half_open_turn(cos: Fraction, sin: Fraction, degrees: float) -> None:
-    angle = _degrees(RATIONALS(Fraction(cos)), RATIONALS(Fraction(sin)), 128)
+    angle = exact_direction(RATIONALS(Fraction(cos)), RATIONALS(Fraction(sin)), 128)
     assert float(angle.mid()) == pytest.approx(degrees)
     assert angle.is_exact() or sin
 
