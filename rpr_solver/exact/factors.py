@@ -71,7 +71,7 @@ class ExactRoot:
 
     def in_field(self) -> tuple[Algebraic, Algebraic]:
         """The root and ω as elements of one real field."""
-        field = Field.of_root(self.root)
+        field = Field(self.root)
         if self.omega is not None:
             return field.generator, field(self.omega)
         if self.radicand == 1:
@@ -157,7 +157,7 @@ def exact_roots(factors: list[NormFactor]) -> Iterator[ExactRoot]:
     for factor in factors:
         for root in real_roots(QuadraticPoly.rational(factor.polynomial)):
             omega = factor.omega
-            if omega is not None and Algebraic(Field.of_root(root), omega).sign < 0:
+            if omega is not None and Algebraic(Field(root), omega).sign < 0:
                 omega = None  # a root of the conjugate P̄
             if multiplicity := factor.common + (factor.extra if omega is not None else 0):
                 yield ExactRoot(root, factor.radicand, multiplicity, omega)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import count
 
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
@@ -26,19 +27,18 @@ _PLANE = fmpq_mpoly_ctx.get(("x", "y"), "lex")
 class Field:
     """ℚ[x]/(modulus), modulus irreducible, with x sent to one of its real roots."""
 
-    modulus: fmpq_poly
-    root: RealRoot | None
-    """The embedding; None for ℚ itself, whose modulus is x."""
+    root: RealRoot
+    """The embedding: a root of the modulus, which has integer coefficients."""
 
     @classmethod
     def rationals(cls) -> Field:
-        """ℚ."""
-        return cls(fmpq_poly([0, 1]), None)
+        """ℚ, with the modulus x."""
+        return cls(*real_roots(QuadraticPoly.rational([0, 1])))
 
-    @classmethod
-    def of_root(cls, root: RealRoot) -> Field:
-        """ℚ(r) for a root r of an irreducible polynomial with integer coefficients."""
-        return cls(fmpq_poly(root.polynomial.a), root)
+    @cached_property
+    def modulus(self) -> fmpq_poly:
+        """The minimal polynomial of the root, up to a rational factor."""
+        return fmpq_poly(self.root.polynomial.a)
 
     @property
     def degree(self) -> int:
@@ -62,7 +62,6 @@ class Field:
         if self.degree == 1:
             with ctx.workprec(bits):
                 return arb(-self.modulus[0] / self.modulus[1])
-        assert self.root is not None
         return self.root.refined(bits)
 
 
@@ -134,7 +133,7 @@ def exact_omega(radicand: int) -> Algebraic:
     """ω in ℚ(ω): the generator, or 1 in ℚ where the radicand is 1."""
     if radicand == 1:
         return Field.rationals()(1)
-    return Field.of_root(real_roots(QuadraticPoly.rational([-radicand, 0, 1]))[-1]).generator
+    return Field(real_roots(QuadraticPoly.rational([-radicand, 0, 1]))[-1]).generator
 
 
 Polynomial = list[Algebraic]
@@ -203,15 +202,14 @@ def evaluate(a: Sequence[Algebraic], x: Algebraic) -> Algebraic:
 
 @dataclass(frozen=True)
 class Extension:
-    """A larger field with the image of the old generator, and the root that was adjoined."""
+    """A larger field, by the image of the old generator and the root that was adjoined."""
 
-    field: Field
     generator: Algebraic
     root: Algebraic
 
     def lift(self, x: Algebraic) -> Algebraic:
         """An element of the old field in the new one."""
-        return evaluate([self.field(c) for c in x.poly.coeffs()], self.generator)
+        return evaluate([self.root.field(c) for c in x.poly.coeffs()], self.generator)
 
 
 def adjoin_real_roots(field: Field, polynomial: Polynomial) -> Iterator[Extension]:
@@ -219,8 +217,7 @@ def adjoin_real_roots(field: Field, polynomial: Polynomial) -> Iterator[Extensio
     if len(polynomial) <= 1:
         return
     if len(polynomial) == 2:
-        root = -(polynomial[0] * polynomial[1].inverse())
-        yield Extension(field, field.generator, root)
+        yield Extension(field.generator, _linear_root(polynomial))
         return
     shift, norm = _squarefree_norm(field, polynomial)
     primitive = fmpz_poly(norm.numer())
@@ -228,7 +225,7 @@ def adjoin_real_roots(field: Field, polynomial: Polynomial) -> Iterator[Extensio
     candidates = [root for f in factors for root in real_roots(f)]
     for ball in _real_balls(polynomial):
         # w = root + shift · generator generates the new field
-        new = Field.of_root(_match(candidates, ball, field, shift))
+        new = Field(_match(candidates, ball, field, shift))
         yield _extension(field, polynomial, shift, new)
 
 
@@ -316,7 +313,7 @@ def _extension(old: Field, polynomial: Polynomial, shift: int, new: Field) -> Ex
     w = new.generator
     modulus = [new(c) for c in old.modulus.coeffs()]
     generator = _linear_root(poly_gcd(modulus, _as_polynomial_in_old_generator(polynomial, w, shift)))
-    return Extension(new, generator, w - generator * shift)
+    return Extension(generator, w - generator * shift)
 
 
 def _as_polynomial_in_old_generator(polynomial: Polynomial, w: Algebraic, shift: int) -> Polynomial:

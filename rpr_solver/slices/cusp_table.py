@@ -22,7 +22,6 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.by_balls import SlicePoses
 from rpr_solver.slices.by_fields import poses_above
@@ -154,25 +153,25 @@ class _Slice:
         plane = SliceForms.of(self.slice_map, self.scaled)
         if q.is_zero:
             plane, q = without_shared_curves(plane)
-        points: list[ClassifiedPoint] = []
         factors = norm_factors(q)
         roots = list(exact_roots(factors))
-        extra: list[ExactRoot] = []
+        places: list[ExactRoot | None] = [*roots]
         if touching is not None:
-            extra = list(exact_roots(norm_factors(QuadraticPoly.rational(touching, q.radicand))))
-        factors_of_q = [root.root.polynomial.a for root in roots]
-        for root in roots + [root for root in extra if root.root.polynomial.a not in factors_of_q]:
-            simple = root.multiplicity == 1 and not plane.shared
-            if simple and spurious.gcd(root.root.polynomial.a).degree() == 0:
-                cusps = self._by_balls([root.root])
-                if cusps is not None:
-                    points += cusps
-                    continue
-            points += map(self._point, poses_above(plane, root))
+            factors_of_q = [root.root.polynomial.a for root in roots]
+            extra = exact_roots(norm_factors(QuadraticPoly.rational(touching, q.radicand)))
+            places += (root for root in extra if root.root.polynomial.a not in factors_of_q)
         at_infinity = DEGREE_U - q.degree
-        touches_infinity = touching is not None and touching.degree() < 1
-        if at_infinity or plane.shared or touches_infinity:
-            points += map(self._point, poses_above(plane, None))
+        if at_infinity or plane.shared or (touching is not None and touching.degree() < 1):
+            places.append(None)
+        points: list[ClassifiedPoint] = []
+        for root in places:
+            cusps = None
+            if root and root.multiplicity == 1 and not plane.shared:
+                own = spurious.gcd(root.root.polynomial.a).degree() == 0
+                cusps = self._by_balls([root.root]) if own else None
+            if cusps is None:
+                cusps = [point_of_pose(pose, self.digits) for pose in poses_above(plane, root)]
+            points += cusps
         shapes: dict[int, int] = {at_infinity: 1} if at_infinity and not plane.shared else {}
         for degree, multiplicity in (shape for factor in factors for shape in factor.shape):
             shapes[multiplicity] = shapes.get(multiplicity, 0) + degree
@@ -182,9 +181,6 @@ class _Slice:
             for curve in plane.shared
         ]
         return self._table(points, len(roots), shape, "exact", curves)
-
-    def _point(self, pose: ExactPose) -> ClassifiedPoint:
-        return point_of_pose(pose, self.digits)
 
     def _table(
         self,

@@ -127,7 +127,7 @@ def stretched_closings(leg: Leg) -> Iterator[Landmark]:
 def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
     """The positive roots of an irreducible polynomial as lengths (scaled)."""
     for root in real_roots(QuadraticPoly.rational(factor)):
-        length = Field.of_root(root).generator
+        length = Field(root).generator
         if length.sign > 0:
             yield Landmark(length)
 

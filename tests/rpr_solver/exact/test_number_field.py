@@ -17,7 +17,7 @@ from rpr_solver.exact.real_roots import real_roots
 
 
 def field_of(coefficients: list[int], which: int = -1) -> Field:
-    return Field.of_root(real_roots(QuadraticPoly.rational(coefficients))[which])
+    return Field(real_roots(QuadraticPoly.rational(coefficients))[which])
 
 
 SQRT2 = field_of([-2, 0, 1])
@@ -74,7 +74,7 @@ def test_adjoining_real_roots(polynomial: list[int], expected: list[float]) -> N
     found = list(adjoin_real_roots(SQRT2, [SQRT2(c) for c in polynomial]))
     assert [value(e.root) for e in found] == pytest.approx(expected)
     for extension in found:
-        assert evaluate([extension.field(c) for c in polynomial], extension.root).is_zero
+        assert evaluate([extension.root.field(c) for c in polynomial], extension.root).is_zero
         assert value(extension.lift(SQRT2.generator)) == pytest.approx(2**0.5)
         assert (extension.generator * extension.generator - 2).is_zero
 

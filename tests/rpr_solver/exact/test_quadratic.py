@@ -11,7 +11,7 @@ from rpr_solver.exact.quadratic import DivisionError, Form, QuadraticPoly, omega
 from rpr_solver.exact.real_roots import real_roots
 
 FIELDS = {1: Field.rationals()} | {
-    r: Field.of_root(real_roots(QuadraticPoly.rational([-r, 0, 1]))[-1]) for r in (2, 3, 12, 1009)
+    r: Field(real_roots(QuadraticPoly.rational([-r, 0, 1]))[-1]) for r in (2, 3, 12, 1009)
 }
 coefficients = st.lists(st.integers(-50, 50), max_size=5).map(fmpz_poly)
 

@@ -173,7 +173,7 @@ def test_partial_derivatives_are_of_one_order_less(p: fmpq_mpoly, order: int) ->
 
 @cache
 def golden() -> Algebraic:
-    return Field.of_root(real_roots(QuadraticPoly.rational([-1, -1, 1]))[1]).generator
+    return Field(real_roots(QuadraticPoly.rational([-1, -1, 1]))[1]).generator
 
 
 @given(

@@ -154,7 +154,7 @@ def test_a_pose_has_its_angles_and_its_leg(leg: int) -> None:
 
 def test_irrational_coordinates_are_rounded_and_their_field_is_named() -> None:
     root = real_roots(QuadraticPoly.rational([-2, 0, 1]))[1]
-    field = Field.of_root(root)
+    field = Field(root)
     x = field.generator
     irrational = pose(x, -x, x * x * x, field(2), kind="cusp")
     result = point_of_pose(irrational, 30)

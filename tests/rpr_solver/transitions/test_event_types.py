@@ -9,7 +9,7 @@ from rpr_solver.transitions.event_types import Event, Landmark
 
 
 def test_a_landmark_is_its_exact_length_and_no_pose() -> None:
-    root = Field.of_root(real_roots(QuadraticPoly.rational([-2, 0, 1]))[-1])
+    root = Field(real_roots(QuadraticPoly.rational([-2, 0, 1]))[-1])
     event: Event = Landmark(root.generator)
     assert event.pose is None
     assert event.exact_length

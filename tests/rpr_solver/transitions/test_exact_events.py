@@ -44,7 +44,7 @@ PERMANENT = [
     ("right angles", 1, []),
 ]
 RATIONALS = Field.rationals()
-ROOT_TWO = Field.of_root(real_roots(QuadraticPoly.rational([-2, 0, 1]))[-1])
+ROOT_TWO = Field(real_roots(QuadraticPoly.rational([-2, 0, 1]))[-1])
 
 
 @cache

@@ -38,7 +38,7 @@ RATIONALS = Field.rationals()
 
 def field_of(*coefficients: int) -> Field:
     """ℚ of the greatest real root."""
-    return Field.of_root(real_roots(QuadraticPoly.rational(list(coefficients)))[-1])
+    return Field(real_roots(QuadraticPoly.rational(list(coefficients)))[-1])
 
 
 ROOT_TWO = field_of(-2, 0, 1)
