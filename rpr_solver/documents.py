@@ -127,10 +127,8 @@ def restrict_census(
         if any(bound is not None and bound > 0 and abs(length - bound) <= doubt for bound in (low, high)):
             return None
         if low < length and (high is None or length < high):
-            text, events = (
-                shorten(transition[leg], kept_digits),
-                _short_points(transition["events"], kept_digits),
-            )
+            text = shorten(transition[leg], kept_digits)
+            events = _short_points(transition["events"], kept_digits)
             if text is None or events is None:
                 return None
             inside.append({**transition, leg: text, "events": events})

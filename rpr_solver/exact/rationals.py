@@ -155,6 +155,11 @@ def exact_str(x: Exact) -> str:
     return f"{sign}{digits[:-places]}.{digits[-places:]}" if places else sign + digits
 
 
+def exact_or_none(x: Fraction | None) -> str | None:
+    """The canonical text of an end, or None for an open one."""
+    return None if x is None else exact_str(x)
+
+
 def _not_exact(value: object) -> str:
     if isinstance(value, bool) or not isinstance(value, Real):
         return f"{shown(value)} is a {type(value).__name__}, not an exact number"

@@ -142,10 +142,8 @@ class _Slice:
         u = root.refined(poses.bits - 64)
         with ctx.workprec(poses.bits):
             t = poses.alpha(u)
-            cusp = t and poses.cusp(u, t)
-            if not cusp:
-                return None
-            return point_of_balls(cusp, self.slice_map.fixed_leg, self.digits, poses.bits)
+            cusp = poses.cusp(u, t) if t else None
+            return point_of_balls(cusp, self.slice_map.fixed_leg, self.digits, poses.bits) if cusp else None
 
     def _exactly(self, q: QuadraticPoly) -> SliceTable:
         """The table from the irreducible factors over ℚ(ω); balls still settle simple roots if they can."""

@@ -25,7 +25,7 @@ from rpr_solver.contract import (
 )
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.precision import decided
-from rpr_solver.exact.rationals import exact_str
+from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
@@ -184,7 +184,7 @@ def check(
         raise SolverError("joint limits are not supported for this degenerate geometry")
     slice_map = result.eliminant.slice_map
     cuts = [length_text(slice_map, group, digits) for group in result.groups]
-    ends = [exact_str(low), *cuts, None if high is None else exact_str(high)]
+    ends = [exact_str(low), *cuts, exact_or_none(high)]
     intervals = []
     for start, stop, table in zip(ends, ends[1:], result.slices, strict=False):
         cusps = _within(result.eliminant, table, requirement)

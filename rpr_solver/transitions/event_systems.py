@@ -106,7 +106,9 @@ class EventSystems:
         j0, j1 = trig.form(trig.j0, (2, 1)), trig.form(trig.j1, (1, 2))
         f_theta, g_theta = (trig.form(slopes(leg)[1], (1, 1)) for leg in (slice_map.f, slice_map.g))
         m1, m2 = (trig.form(trig.j0 * d(trig.j1) - trig.j1 * d(trig.j0), (3, 3)) for d in (d_alpha, d_theta))
-        c, w = _swallowtail_forms(trig, j0, f_theta)
+        c = trig.form(trig.on_surface(trig.e), (6, 5)).quotient(f_theta)
+        along_e = trig.form(trig.on_surface(trig.along_e), (8, 7))
+        w = along_e.quotient(f_theta).quotient(f_theta).quotient(j0)
         progress(1, ELIMINATION_STEPS)
         radicand = slice_map.radicand
         parallel = System.of(slice_map, f_theta, g_theta, _circular(2, radicand))
@@ -194,13 +196,6 @@ class _Trig:
         top = len(coefficients) - 1
         terms = (c * (-self.j0) ** k * self.j1 ** (top - k) for k, c in enumerate(coefficients))
         return sum(terms, TRIG.gen(0) * 0)
-
-
-def _swallowtail_forms(trig: _Trig, j0: BiForm, f_theta: BiForm) -> tuple[BiForm, BiForm]:
-    """C and W."""
-    e = trig.form(trig.on_surface(trig.e), (6, 5))
-    along_e = trig.form(trig.on_surface(trig.along_e), (8, 7))
-    return e.quotient(f_theta), along_e.quotient(f_theta).quotient(f_theta).quotient(j0)
 
 
 def _by_length(p: fmpz_mpoly, top: int) -> tuple[fmpz_mpoly, ...]:

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact
+from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str, parse_all, parse_exact
 
 
 @dataclass(frozen=True)
@@ -52,10 +52,7 @@ class LengthRange:
 
     def to_json(self) -> dict[str, str | None]:
         """The contract's object; the range of all lengths is ``{"from": "0", "to": null}``."""
-        return {
-            "from": exact_str(self.start),
-            "to": None if self.stop is None else exact_str(self.stop),
-        }
+        return {"from": exact_str(self.start), "to": exact_or_none(self.stop)}
 
 
 def intervals_json(ends: Sequence[str | None], counts: Sequence[int]) -> list[dict[str, Any]]:

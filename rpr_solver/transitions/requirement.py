@@ -9,7 +9,7 @@ from typing import Any, TypeAlias, TypeVar
 
 from rpr_solver.contract import check_integer, check_leg
 from rpr_solver.errors import FieldProblem, InputError, shown
-from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_all, parse_exact
+from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_or_none, parse_all, parse_exact
 from rpr_solver.transitions.length_range import LengthRange
 
 Bounds: TypeAlias = tuple[Fraction | None, Fraction | None]
@@ -128,16 +128,13 @@ class Requirement:
     def to_json(self) -> dict[str, Any]:
         """The requirement of a check document, with numbers in canonical text."""
 
-        def text(x: Fraction | None) -> str | None:
-            return None if x is None else exact_str(x)
-
         return {
             "fixed_leg": self.fixed_leg,
             "range": self.range.to_json(),
             "max_cusps": self.max_cusps,
             "min_cusps": self.min_cusps,
             "limits": {
-                f"l{leg}": {"min": text(low), "max": text(high)}
+                f"l{leg}": {"min": exact_or_none(low), "max": exact_or_none(high)}
                 for leg, (low, high) in sorted(self.limits.items())
             },
         }
