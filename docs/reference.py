@@ -25,13 +25,14 @@ from service.cli.main import COMMANDS
 from service.client import ClientSettings
 from service.schemas.limits import Limits
 from service.stack.settings import SupervisorSettings
-from worker.settings import WorkerSettings
+from worker.settings import ConnectionSettings, WorkerSettings
 
 FILE = Path(__file__).with_name("reference.md")
 GROUPS: dict[str, type[BaseSettings]] = {
     "limits of requests": Limits,
     "API process": Settings,
     "jobs and workers": WorkerSettings,
+    "connection to Redis": ConnectionSettings,
     "clients": ClientSettings,
     "`rpr-cusps serve`": SupervisorSettings,
 }

@@ -27,7 +27,7 @@ MAY_IMPORT = {
     # worker: jobs in Redis, and the processes that compute
     "worker.logs": "",
     "worker.settings": "rpr_solver worker.logs",
-    "worker.connection": "",
+    "worker.connection": "worker.settings",
     "worker.jobs": "rpr_solver worker.settings worker.connection worker.logs worker.answers",
     "worker.answers": "rpr_solver worker.settings",
     "worker.process": "rpr_solver worker.settings worker.connection worker.logs worker.jobs worker.answers",

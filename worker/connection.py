@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from typing import Any, TypeVar, cast
-from urllib.parse import urlsplit
+from urllib.parse import parse_qs, urlsplit
 
 from redis import Redis
 from redis.backoff import ExponentialBackoff
@@ -14,6 +14,8 @@ from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import NoPermissionError, RedisError, ResponseError
 from redis.exceptions import TimeoutError as RedisTimeoutError
 from redis.retry import Retry
+
+from worker.settings import ConnectionSettings
 
 T = TypeVar("T")
 
@@ -68,7 +70,7 @@ def connect(url: str, *, max_connections: int = 256, timeout: float | None = Non
             `SOCKET_TIMEOUT` and a second try.
 
     Raises:
-        ValueError: the address cannot be understood.
+        ValueError: the address cannot be understood, or the file with the password not be read.
     """
     check_address(url)
     seconds = SOCKET_TIMEOUT if timeout is None else timeout
@@ -80,8 +82,34 @@ def connect(url: str, *, max_connections: int = 256, timeout: float | None = Non
         protocol=2,
         driver_info=None,  # looking up the client's own version costs a millisecond per connection
         **({} if url.startswith("unix:") else over_network),
+        **password(url),
         retry=_Retry(lost=3, unanswered=1 if timeout is None else 0),
     )
+
+
+def password(url: str) -> dict[str, Any]:
+    """Returns the option with the password of RPR_CUSPS_REDIS_PASSWORD_FILE, if `url` needs it.
+
+    Raises:
+        ValueError: the file cannot be read.
+    """
+    path = ConnectionSettings().redis_password_file
+    if path is None or url.startswith("unix:") or has_password(url):
+        return {}
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is not UTF-8"
+        raise ValueError(f"RPR_CUSPS_REDIS_PASSWORD_FILE: {str(path)!r} cannot be read ({reason})") from None
+    if not lines or not lines[0]:
+        raise ValueError(f"RPR_CUSPS_REDIS_PASSWORD_FILE: the first line of {str(path)!r} is empty")
+    return {"password": lines[0]}
+
+
+def has_password(url: str) -> bool:
+    """Whether an address has a password in it."""
+    parts = urlsplit(url)
+    return parts.password is not None or "password" in parse_qs(parts.query)
 
 
 def check(url: str) -> None:
@@ -94,11 +122,16 @@ def check(url: str) -> None:
         with connect(url, timeout=_TLS_TIMEOUT if url.startswith("rediss:") else None) as redis:
             redis.ping()
     except (RedisError, ValueError) as error:
-        no_tls = isinstance(error, RedisTimeoutError) or "WRONG_VERSION_NUMBER" in str(error)
-        hint = "; perhaps it speaks no TLS, then the address begins with redis://"
-        raise UnreachableError(
-            f"cannot reach Redis: {error}{hint if url.startswith('rediss:') and no_tls else ''}"
-        ) from error
+        hint = _tls_hint(error) if url.startswith("rediss:") else ""
+        raise UnreachableError(f"cannot reach Redis: {error}{hint}") from error
+
+
+def _tls_hint(error: Exception) -> str:
+    if isinstance(error, RedisTimeoutError) or "WRONG_VERSION_NUMBER" in str(error):
+        return "; perhaps it speaks no TLS, then the address begins with redis://"
+    if "CERTIFICATE_VERIFY_FAILED" in str(error):
+        return "; the certificate of its authority is given as ?ssl_ca_certs=FILE at the end of the address"
+    return ""
 
 
 def is_refusal(error: Exception) -> bool:

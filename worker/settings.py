@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from worker.logs import LogFormat
+
+
+class ConnectionSettings(BaseSettings):
+    """What every connection to Redis needs beside the address."""
+
+    model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
+
+    redis_password_file: Path | None = Field(
+        default=None,
+        description="file whose first line is the password of Redis, for an address without one",
+    )
 
 
 class WorkerSettings(BaseSettings):

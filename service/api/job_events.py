@@ -16,6 +16,7 @@ from redis.exceptions import RedisError
 from service.api.job_view import job_json
 from service.api.redis_access import RedisAccess
 from service.api.settings import Settings
+from worker.connection import password
 from worker.jobs.queue import JobQueue
 from worker.jobs.records import JobView
 
@@ -54,6 +55,7 @@ class JobEvents:
             socket_connect_timeout=3.0,
             decode_responses=True,
             protocol=2,
+            **password(settings.redis_url),
         )
         return cls(redis, queue, access, settings.keepalive_seconds)
 

@@ -1,0 +1,130 @@
+"""Redis, when it asks for a password, a user or a certificate."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+from redis import Redis
+
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import PATIENCE, completed, descendants, environment, started
+from tests.support.service_server import GEOMETRY
+from tests.support.tls import Certificates, tls_front
+from worker.connection import UnreachableError, check
+
+SECRET = "open-sesame"
+QUESTION = {"geometry": GEOMETRY, "l1": 14.98, "digits": 15}
+USER = (
+    *("on", f">{SECRET}", "resetkeys", "~cusps:*", "~rq:*", "resetchannels", "&rq:*"),
+    *("+@all", "-@admin", "-@dangerous", "+info"),
+)
+
+
+@pytest.fixture
+def user(redis: Redis) -> Iterator[str]:
+    """A user of Redis who may do what docs/access.md says, and no more."""
+    redis.execute_command("ACL", "SETUSER", "cusps", *USER)
+    yield "cusps"
+    redis.execute_command("ACL", "DELUSER", "cusps")
+
+
+@pytest.fixture(scope="module")
+def certificates(tmp_path_factory: pytest.TempPathFactory) -> Certificates:
+    return Certificates(tmp_path_factory.mktemp("certificates"))
+
+
+@pytest.fixture
+def port(valkey: EmbeddedValkey, certificates: Certificates) -> Iterator[int]:
+    """The port of the Redis with TLS."""
+    with tls_front(valkey.url.removeprefix("unix://"), certificates) as number:
+        yield number
+
+
+def address(port: int, certificates: Certificates, user: str = "") -> str:
+    files = {"ssl_ca_certs": "authority.pem", "ssl_certfile": "client.pem", "ssl_keyfile": "client.key"}
+    query = "&".join(f"{name}={certificates[file]}" for name, file in files.items())
+    return f"rediss://{user and f'{user}@'}127.0.0.1:{port}/0?{query}"
+
+
+def test_tls_a_user_and_a_password_nobody_sees(
+    user: str, port: int, certificates: Certificates, tmp_path: Path
+) -> None:
+    """Redis asks for TLS with a client's certificate, a user and a password. Service and worker do their
+    work, and the password is in no command line and no log.
+    """
+    (tmp_path / "password").write_text(f"{SECRET}\n")
+    variables = environment(
+        redis_url=address(port, certificates, user),
+        redis_password_file=tmp_path / "password",
+        log_level="DEBUG",
+    )
+    log = tmp_path / "log"
+    command = [sys.executable, "-m", "service", "serve", "--port", "0", "--workers", "1"]
+    with log.open("wb") as out, started(command, env=variables, stdout=-1, stderr=out, text=True) as process:
+        assert process.stdout is not None
+        base = process.stdout.readline().split()[4]
+        answer = httpx.post(
+            f"{base}/v1/cusp-tables", json=QUESTION, headers={"Prefer": "wait=30"}, timeout=PATIENCE
+        )
+        assert answer.json()["slices"][0]["count"] == 6
+        assert httpx.get(f"{base}/readyz").json()["status"] == "ready"
+        for pid in (process.pid, *descendants(process.pid)):
+            if os.path.exists(f"/proc/{pid}/cmdline"):  # noqa: PTH110
+                assert SECRET not in Path(f"/proc/{pid}/cmdline").read_text()
+        process.terminate()
+        process.wait(PATIENCE)
+    assert SECRET not in log.read_text()
+
+
+def test_a_password_is_not_taken_from_the_command_line() -> None:
+    """Somebody puts the password of Redis on the command line. The command refuses, and names the settings
+    for it.
+    """
+    for command in ("worker", "keys list"):
+        url = f"redis://:{SECRET}@127.0.0.1:1/0"
+        refused = completed(
+            [sys.executable, "-m", "service", *command.split(), "--redis-url", url], environment()
+        )
+        assert refused.returncode == 2
+        assert "RPR_CUSPS_REDIS_URL, or the password in the file" in refused.stderr
+        assert SECRET not in refused.stderr
+
+
+def test_a_server_with_the_wrong_certificate(
+    port: int, certificates: Certificates, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """Redis has a certificate of an unknown authority or another name, or wants one of the client. The
+    connection is refused within 5 s, with the reason.
+    """
+    others = Certificates(tmp_path_factory.mktemp("others"))
+    url = address(port, certificates)
+    wrong = {
+        url.replace(certificates["authority.pem"], others["authority.pem"]): "ssl_ca_certs=FILE",
+        f"rediss://127.0.0.1:{port}/0": "ssl_ca_certs=FILE",
+        f"rediss://127.0.0.1:{port}/0?ssl_ca_certs={certificates['authority.pem']}": "cannot reach Redis",
+        url.replace("client.pem", "nothing.pem"): "cannot reach Redis",
+        url.replace("127.0.0.1", "localhost"): "ssl_ca_certs=FILE",
+    }
+    for bad, reason in wrong.items():
+        start = time.monotonic()
+        with pytest.raises(UnreachableError, match=reason):
+            check(bad)
+        assert time.monotonic() - start < 5
+    check(url)
+
+
+@pytest.mark.long
+def test_a_tls_server_that_hangs() -> None:
+    """Redis with TLS takes connections and says nothing. A start fails within 5 s, with the reason."""
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        start = time.monotonic()
+        with pytest.raises(UnreachableError, match="cannot reach Redis"):
+            check(f"rediss://127.0.0.1:{silent.getsockname()[1]}/0")
+        assert time.monotonic() - start < 5
