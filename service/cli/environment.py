@@ -13,7 +13,7 @@ from service.api.settings import Settings
 from service.client import ClientSettings
 from service.schemas.limits import Limits
 from service.stack.settings import SupervisorSettings
-from worker.settings import WorkerSettings
+from worker.settings import ConnectionSettings, WorkerSettings
 
 PREFIX = "RPR_CUSPS_"
 MODELS: tuple[type[BaseSettings], ...] = (
@@ -21,6 +21,7 @@ MODELS: tuple[type[BaseSettings], ...] = (
     Settings,
     SupervisorSettings,
     WorkerSettings,
+    ConnectionSettings,
     ClientSettings,
 )
 """The models that read settings from the environment."""
