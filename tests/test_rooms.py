@@ -31,7 +31,7 @@ MAY_IMPORT = {
     "worker.jobs": "rpr_solver worker.settings worker.connection worker.logs worker.answers",
     "worker.answers": "rpr_solver worker.settings",
     "worker.process": "rpr_solver worker.settings worker.connection worker.logs worker.jobs worker.answers",
-    "worker.__main__": "worker.settings worker.process",
+    "worker.__main__": "worker.settings worker.jobs worker.process",
     "worker": "",
     # service: faces people and programs
     "service.errors": "",

@@ -8,6 +8,7 @@ import sys
 
 from pydantic import ValidationError
 
+from worker.jobs.lanes import DUTIES
 from worker.process.start import WorkerError, run_worker
 from worker.settings import settings_problem
 
@@ -18,11 +19,12 @@ def main() -> int:
     parser.add_argument("--redis-url", default=os.environ.get("RPR_CUSPS_REDIS_URL"))
     parser.add_argument("--name")
     parser.add_argument("--parent-pid", type=int, help="end with this parent process")
+    parser.add_argument("--duty", choices=DUTIES, default="all", help="light: short chunks only")
     args = parser.parse_args()
     if not args.redis_url:
         parser.error("no Redis URL: give --redis-url or set RPR_CUSPS_REDIS_URL")
     try:
-        return run_worker(args.redis_url, name=args.name, parent_pid=args.parent_pid)
+        return run_worker(args.redis_url, name=args.name, parent_pid=args.parent_pid, duty=args.duty)
     except ValidationError as error:
         message, status = settings_problem(error), 2
     except WorkerError as error:

@@ -32,14 +32,27 @@ class WorkerSettings(BaseSettings):
     key_prefix: str = Field(default="cusps", description="prefix of every Redis key")
     queue_name: str = Field(
         default="cusps",
-        description="RQ queues: NAME-VERSION (the solver's) for jobs of one chunk, else NAME-VERSION-bulk",
+        description="RQ queues: NAME-VERSION (the solver's), NAME-VERSION-bulk and NAME-VERSION-heavy",
     )
     task: str = Field(
         default="worker.process.tasks.run_chunk", description="dotted name of the function that runs a chunk"
     )
 
     chunk_size: PositiveInt = Field(default=40, description="maximum number of slices in one chunk")
-    deadline: PositiveFloat = Field(default=600.0, description="maximum run time of a chunk, in seconds")
+    chunk_seconds: PositiveFloat = Field(
+        default=1.0, description="estimated work in one chunk of a table, in seconds of one core"
+    )
+    heavy_seconds: PositiveFloat = Field(
+        default=1.5,
+        description="chunks estimated longer than this are heavy: one of several workers does not take them",
+    )
+    max_backlog: PositiveFloat = Field(
+        default=300.0,
+        description="estimated work of one lane of the queue, in seconds per worker, beyond which it is full",
+    )
+    deadline: PositiveFloat = Field(
+        default=600.0, description="maximum run time of a chunk, and maximum `deadline_s`, in seconds"
+    )
     memory_limit_mb: int | None = Field(
         default=4096, ge=64, description="maximum address space of a work horse, in MiB"
     )

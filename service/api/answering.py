@@ -7,7 +7,7 @@ from fastapi import Request, Response
 from service.api.access.caller import caller_of, subscriber_of
 from service.api.body import json_of, read_body
 from service.api.context import Context
-from service.api.job_view import job_json
+from service.api.job_view import job_json, retry_after
 from service.api.negotiation import JSON, negotiate
 from service.api.operations import Operation
 from service.api.prefer import Preferences, parse_prefer
@@ -16,6 +16,7 @@ from service.api.responses import answer_response
 from service.api.table_forms import json_bytes
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
+from service.schemas.price import check_price
 from worker.answers.kinds import Answer
 from worker.answers.requests import JobRequest
 from worker.jobs.records import JobView
@@ -26,12 +27,12 @@ async def answer_question(request: Request, context: Context, operation: Operati
     """Answer a question: 200 with the document, or 202 with the job that computes it."""
     settings = context.settings
     body = await read_body(request, settings.limits.max_body_bytes)
-    job_request = await context.parsing(_question, operation, body, settings.limits)
+    job_request, deadline_s = await context.parsing(_question, operation, body, settings.limits)
     negotiate(request.headers.getlist("accept"), tuple(dict.fromkeys((*operation.forms, JSON))))
     prefer = parse_prefer(request.headers.getlist("prefer"))
     waited, seconds = _patience(prefer, operation.implied_wait, settings.limits.max_wait_seconds)
     who = subscriber_of(caller_of(request.scope))
-    outcome = await context.redis(_begin, context, job_request, who, seconds or 0)
+    outcome = await context.redis(_begin, context, job_request, who, seconds or 0, deadline_s)
     way = "cached"
     if isinstance(outcome, JobView):
         way = "job"
@@ -45,13 +46,15 @@ async def answer_question(request: Request, context: Context, operation: Operati
     if applied := prefer.applied(waited, isinstance(outcome, JobView)):
         headers["Preference-Applied"] = applied
     if isinstance(outcome, JobView):
-        headers |= {"Location": f"/v1/jobs/{outcome.id}", "Retry-After": str(settings.poll_seconds)}
+        outcome = await context.redis(context.queue.placed, outcome)
+        headers |= {"Location": f"/v1/jobs/{outcome.id}", **retry_after(outcome, settings)}
         return Response(json_bytes(job_json(outcome, who)), 202, headers, media_type=JSON)
     return await answer_response(context, request, outcome, operation.forms, headers=headers)
 
 
-def _question(operation: Operation, body: bytes, limits: Limits) -> JobRequest:
-    return read(operation.question, json_of(body, limits), Source(limits)).job_request()
+def _question(operation: Operation, body: bytes, limits: Limits) -> tuple[JobRequest, float | None]:
+    question = read(operation.question, json_of(body, limits), Source(limits))
+    return question.job_request(), question.deadline_s
 
 
 def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[int | None, int | None]:
@@ -62,9 +65,14 @@ def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[i
     return None, min(implied, longest)
 
 
-def _begin(context: Context, job_request: JobRequest, who: Subscriber, seconds: int) -> Answer | JobView:
+def _begin(
+    context: Context, job_request: JobRequest, who: Subscriber, seconds: int, deadline_s: float | None
+) -> Answer | JobView:
     known = context.queue.known(job_request)
-    return _finished(context, context.queue.submit_for(who, job_request, seconds)) if known is None else known
+    if known is not None:
+        return known
+    check_price(job_request, context.settings.limits)
+    return _finished(context, context.queue.submit_for(who, job_request, seconds, deadline_s))
 
 
 def _waited(context: Context, view: JobView, who: Subscriber) -> Answer | JobView:

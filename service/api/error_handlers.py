@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from math import ceil
 
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
@@ -13,13 +14,21 @@ from rpr_solver.errors import InputError
 from service.api.context import Context
 from service.api.problems import ProblemError, ProblemType
 from worker.connection import is_refusal
+from worker.jobs.lanes import QueueFullError
 
 _PAGE_METHODS = {"GET", "HEAD"}
 
 
 def add_error_handlers(app: FastAPI) -> None:
     """Answer every error of the application as application/problem+json."""
-    for kind in (ProblemError, InputError, RedisError, HTTPException, RequestValidationError):
+    for kind in (
+        ProblemError,
+        InputError,
+        QueueFullError,
+        RedisError,
+        HTTPException,
+        RequestValidationError,
+    ):
         app.add_exception_handler(kind, _answer)
 
 
@@ -33,6 +42,10 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
         return error
     if isinstance(error, InputError):
         return ProblemError.of_input(error)
+    if isinstance(error, QueueFullError):
+        wait = max(1, ceil(error.seconds))
+        detail = f"The queue is full: it holds about {wait} s of work for its workers. Try again later."
+        return ProblemError(ProblemType.QUEUE_FULL, detail, headers={"Retry-After": str(wait)})
     if isinstance(error, HTTPException):
         return _http_problem(request, error)
     if isinstance(error, RequestValidationError):

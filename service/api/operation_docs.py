@@ -116,6 +116,7 @@ def question_responses(operation: Operation) -> Docs:
             ProblemType.INVALID_REQUEST,
             ProblemType.LIMIT_EXCEEDED,
             _UNAVAILABLE,
+            ProblemType.QUEUE_FULL,
             *_FAILED,
         ),
     }

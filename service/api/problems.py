@@ -91,8 +91,9 @@ class ProblemType(Enum):
     )  # fmt: skip
     LIMIT_EXCEEDED = (
         422, "The request exceeds a limit",
-        "The request is valid but larger than this service allows. The errors give the limit, its value and "
-        "the requested value; /v1/limits lists all limits.",
+        "The request is valid but larger than this service allows, or its answer would take too long. The "
+        "errors give the limit, its value and the requested or estimated value, and name what to reduce; "
+        "/v1/limits lists all limits.",
     )  # fmt: skip
     JOB_INPUT_ERROR = (
         422, "The job failed: its input cannot be solved",
@@ -129,6 +130,11 @@ class ProblemType(Enum):
         "Redis, which holds the queue and the results, cannot be reached or accepts no more data. Try again "
         "after Retry-After seconds.",
     )  # fmt: skip
+    QUEUE_FULL = (
+        503, "The queue is full",
+        "The jobs in the same lane of the queue hold too much work (`RPR_CUSPS_MAX_BACKLOG`); nothing was "
+        "queued. Try again after Retry-After seconds, the estimated time until that work is done.",
+    )  # fmt: skip
     NO_WORKER = (
         503, "No worker is running",
         "Redis answers, but no worker of this service's solver version is alive. Known results are served; "
@@ -141,7 +147,8 @@ class ProblemType(Enum):
     )  # fmt: skip
     JOB_TIMEOUT = (
         504, "The job failed: it took too long",
-        "The computation reached its deadline. Request fewer digits or simpler numbers.",
+        "The job was not done by the deadline of its request, `deadline_s`, or a part of it reached the time "
+        "limit of the service. Request fewer digits or simpler numbers, or wait longer.",
     )  # fmt: skip
 
     @property

@@ -33,7 +33,10 @@ class Settings(BaseSettings):
     )
     threads: PositiveInt = Field(default=40, description="number of threads for work on Redis")
     poll_seconds: PositiveInt = Field(
-        default=1, description="`Retry-After` until a job has ended, in seconds"
+        default=1, description="least `Retry-After` until a job has ended, in seconds"
+    )
+    longest_poll_seconds: PositiveInt = Field(
+        default=60, description="greatest `Retry-After` of a job that waits in the queue, in seconds"
     )
     retry_seconds: PositiveInt = Field(
         default=2, description="`Retry-After` when Redis cannot be reached, in seconds"

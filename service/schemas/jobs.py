@@ -49,4 +49,10 @@ class Job(BaseModel):
     started_at: str | None = Field(description="ISO 8601, UTC; null until the job starts.")
     finished_at: str | None = Field(description="ISO 8601, UTC; null until the job ends.")
     error: JobError | None = Field(description="null unless the job failed.")
+    position: int | None = Field(
+        description="Jobs before it in its lane of the queue; null unless it is queued."
+    )
+    deadline_at: str | None = Field(
+        description="When it fails unless it is done, by the latest `deadline_s`; null without one."
+    )
     links: JobLinks

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated
 
-from pydantic import Field, NonNegativeInt, PositiveInt
+from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from rpr_solver.errors import FieldProblem, InputError
@@ -43,6 +43,12 @@ class Limits(BaseSettings):
         le=4000,
         description="maximum number of digits in the numerator or denominator of an input number",
     )
+    max_cost_seconds: PositiveInt = Field(
+        default=120, description="maximum estimated work for one request, in seconds of one core"
+    )
+    deadline: PositiveFloat = Field(
+        default=600.0, description="maximum `deadline_s` of a request, and run time of a chunk, in seconds"
+    )
     max_body_bytes: PositiveInt = Field(
         default=1 << 20, description="maximum size of a request body, in bytes"
     )
@@ -58,12 +64,12 @@ class Limits(BaseSettings):
 class LimitError(InputError):
     """The input is valid but exceeds a limit."""
 
-    def __init__(self, problems: Sequence[FieldProblem], limit: str, value: int) -> None:
+    def __init__(self, problems: Sequence[FieldProblem], limit: str, value: float) -> None:
         self.limit, self.value = limit, value
         super().__init__(problems)
 
     @classmethod
     def exceeded(cls, limits: Limits, name: str, sent: str, field: str = "") -> LimitError:
         """Returns the error that `sent` exceeds the limit `name`."""
-        value: int = getattr(limits, name)
-        return cls([FieldProblem(field, f"{sent}; the limit {name} is {value}")], name, value)
+        value: float = getattr(limits, name)
+        return cls([FieldProblem(field, f"{sent}; the limit {name} is {value:.15g}")], name, value)

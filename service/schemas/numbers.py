@@ -123,6 +123,17 @@ def _samples(value: object, info: ValidationInfo) -> int | None:
     return samples
 
 
+def _deadline(value: object, info: ValidationInfo) -> float | None:
+    if value is None:
+        return None
+    limits, seconds = Source.of(info).limits, exact_number(value, info)
+    if seconds <= 0:
+        raise InputError.of("", f"is {exact_str(seconds)}; give a number of seconds > 0")
+    if seconds > limits.deadline:
+        raise LimitError.exceeded(limits, "deadline", f"is {float(seconds):.6g} s")
+    return float(seconds)
+
+
 def _count(value: object) -> int | None:
     # text is accepted here even in JSON, as it was in the first version
     return None if value is None else whole_number(value, "0 or more", is_text=isinstance(value, str))
@@ -151,6 +162,12 @@ Samples = Annotated[
     int | None, PlainValidator(_samples, json_schema_input_type=Annotated[int, Field(ge=1)] | None)
 ]
 """The requested number of points per cusp curve in each interval."""
+
+DeadlineSeconds = Annotated[
+    float | None,
+    PlainValidator(_deadline, json_schema_input_type=Annotated[float, Field(gt=0)] | None),
+]
+"""A deadline in seconds, or None."""
 
 Count = Annotated[
     int | None, PlainValidator(_count, json_schema_input_type=Annotated[int, Field(ge=0)] | None)

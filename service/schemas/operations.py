@@ -39,6 +39,13 @@ class Limit(BaseModel):
     description: str
 
 
+class TimeLimit(BaseModel):
+    """A limit in seconds and its meaning."""
+
+    value: float
+    description: str
+
+
 class LimitsDocument(BaseModel):
     """All limits on requests."""
 
@@ -51,5 +58,7 @@ class LimitsDocument(BaseModel):
     max_digits: Limit
     default_digits: Limit
     max_number_digits: Limit
+    max_cost_seconds: Limit
+    deadline: TimeLimit
     max_body_bytes: Limit
     max_wait_seconds: Limit

@@ -18,7 +18,7 @@ class LimitInfo(BaseModel):
     """The limit that was exceeded."""
 
     name: str
-    value: int
+    value: float
 
 
 class ProblemDocument(BaseModel):

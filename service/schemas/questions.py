@@ -14,7 +14,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo
 
 from rpr_solver import Manipulator
 from service.schemas.document import Document, Expected, Source, part, unnamed
-from service.schemas.numbers import Exact
+from service.schemas.numbers import DeadlineSeconds, Exact
 from worker.answers.requests import JobRequest, Kind
 
 EXAMPLE_GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
@@ -70,6 +70,13 @@ class Question(Document):
     examples: ClassVar[Examples]
 
     geometry: GeometryField
+    deadline_s: DeadlineSeconds = Field(
+        default=None,
+        exclude=True,  # no part of the question: whoever asks the same shares the answer
+        description="Seconds from now after which the answer is of no use. A job that is not done by then, "
+        "queued or running, fails as `job-timeout`; of several clients who wait for it, the one who waits "
+        "longest counts. Without it, a job may wait for as long as it must.",
+    )
 
     @property
     def kind(self) -> Kind:

@@ -22,7 +22,7 @@ from tests.support.processes import PATIENCE, Workers, environment, started, unt
 from worker.answers import keys as answer_keys
 from worker.answers import requests
 from worker.connection import connect
-from worker.jobs import chunks
+from worker.jobs import chunks, lanes
 from worker.jobs import keys as job_keys
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
@@ -133,11 +133,11 @@ def test_rq_jobs_of_others_are_skipped(redis: Redis, workers: Workers) -> None:
     queue = chunks.ChunkQueue(redis, WorkerSettings())
     chunk = {"job_id": "some", "run": "1", "index": 0, "attempt": 0}
     strangers = [
-        Queue(queue.small.name, connection=redis).enqueue(os.getpid),  # pickled
-        queue.small.enqueue("no.such.function", 1),
-        queue.bulk.enqueue_call("os.getpid", kwargs=chunk, job_id="another"),
+        Queue(queue.queues["small"].name, connection=redis).enqueue(os.getpid),  # pickled
+        queue.queues["small"].enqueue("no.such.function", 1),
+        queue.queues["bulk"].enqueue_call("os.getpid", kwargs=chunk, job_id="another"),
     ]
-    assert queue.small.serializer == JSONSerializer
+    assert queue.queues["small"].serializer == JSONSerializer
     until(lambda: workers.log.read_text().count("skipped the RQ job") == len(strangers))
     for stranger in strangers:
         assert f"skipped the RQ job {stranger.id!r}" in workers.log.read_text()
@@ -171,7 +171,7 @@ def test_each_version_of_the_solver_has_its_own_workers(
     view = ours.submit(a_request("1"))
 
     with monkeypatch.context() as other_version:
-        for module in (answer_keys, requests, job_keys, chunks):
+        for module in (answer_keys, requests, job_keys, lanes):
             other_version.setattr(module, "SOLVER_VERSION", OTHER)
         theirs = JobQueue(redis)
         assert theirs.workers() == 1

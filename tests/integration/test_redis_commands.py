@@ -22,6 +22,7 @@ def test_a_new_slice_takes_few_commands(valkey: EmbeddedValkey, redis: Redis, wo
     commands: list[str] = []
     with serving(Settings(redis_url=valkey.url)) as url, httpx.Client(base_url=url, timeout=60) as client:
         client.post("/v1/cusp-tables", json=question("10"), headers=WAIT)  # loads the scripts
+        until(lambda: not redis.keys("*:beat:*"))
         with redis.monitor() as monitor:
             reader = threading.Thread(target=read, args=(monitor, commands), daemon=True)
             reader.start()

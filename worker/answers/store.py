@@ -136,6 +136,10 @@ class ResultStore:
         raw = self.redis.get(self.keys.eliminant(request.geometry_hash, request.fixed_leg))
         return None if raw is None else rpr_solver.Eliminant.from_json(json.loads(cast(bytes, raw)))
 
+    def has_eliminant(self, request: JobRequest) -> bool:
+        """Whether the geometry's eliminant is known."""
+        return bool(self.redis.exists(self.keys.eliminant(request.geometry_hash, request.fixed_leg)))
+
     def put_eliminant(self, request: JobRequest, eliminant: rpr_solver.Eliminant) -> None:
         """Keep the eliminant of the request's geometry."""
         key = self.keys.eliminant(request.geometry_hash, request.fixed_leg)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import cast
 
@@ -14,9 +14,9 @@ from rq.exceptions import DuplicateJobError
 from rq.job import Job
 from rq.serializers import JSONSerializer
 
-from rpr_solver import SOLVER_VERSION
+from worker.jobs.attempts import ChunkEntry, ChunkRef
 from worker.jobs.keys import Keys
-from worker.jobs.records import ChunkEntry, ChunkRef
+from worker.jobs.lanes import LANES, Lane, queue_name
 from worker.settings import WorkerSettings
 
 STOP_PATIENCE = 1.0
@@ -25,29 +25,21 @@ STOP_PATIENCE = 1.0
 _LEFTOVER_TTL = 600
 
 
-def queue_names(settings: WorkerSettings) -> tuple[str, str]:
-    """Returns the queue of jobs of one chunk, which is served first, and the queue of larger jobs.
-
-    Each version of the solver has its own, so a worker never takes a chunk of another version.
-    """
-    name = f"{settings.queue_name}-{SOLVER_VERSION}"
-    return name, f"{name}-bulk"
-
-
 class ChunkQueue:
-    """The two RQ queues that carry chunks."""
+    """The RQ queues that carry chunks, one for each lane."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
         self.settings = settings
         self.keys = Keys(settings.key_prefix)
-        self.small, self.bulk = (
-            Queue(name, connection=redis, serializer=JSONSerializer) for name in queue_names(settings)
-        )
+        self.queues: Mapping[Lane, Queue] = {
+            lane: Queue(queue_name(lane, settings), connection=redis, serializer=JSONSerializer)
+            for lane in LANES
+        }
 
-    def enqueue(self, refs: Iterable[ChunkRef], *, bulk: bool, at_front: bool = False) -> None:
+    def enqueue(self, refs: Iterable[ChunkRef], lane: Lane, *, at_front: bool = False) -> None:
         """Enqueue chunks; one that is in the queue already is unchanged."""
-        queue = self.bulk if bulk else self.small
+        queue = self.queues[lane]
         for ref in refs:
             try:
                 queue.enqueue_call(
@@ -67,16 +59,16 @@ class ChunkQueue:
     def waiting(self) -> set[str]:
         """Returns the RQ ids of all chunks in the queues."""
         with self.redis.pipeline(transaction=False) as pipe:
-            for queue in (self.small, self.bulk):
+            for queue in self.queues.values():
                 pipe.lrange(queue.key, 0, -1)
             return {raw.decode() for ids in pipe.execute() for raw in ids}
 
-    def depth(self) -> int:
-        """Returns the number of chunks that wait for a worker."""
+    def depths(self) -> dict[Lane, int]:
+        """Returns the number of chunks in each lane that wait for a worker."""
         with self.redis.pipeline(transaction=False) as pipe:
-            pipe.llen(self.small.key)
-            pipe.llen(self.bulk.key)
-            return sum(pipe.execute())
+            for queue in self.queues.values():
+                pipe.llen(queue.key)
+            return dict(zip(self.queues, pipe.execute(), strict=True))
 
     def withdraw(self, entries: Iterable[ChunkEntry]) -> None:
         """Remove chunks from the queue, and stop the workers of those that are running."""
@@ -97,17 +89,17 @@ class ChunkQueue:
     def _take_out(self, ref: ChunkRef) -> bool:
         """Remove a chunk from the queue; returns False if it is not in the queue."""
         with self.redis.pipeline(transaction=False) as pipe:
-            pipe.lrem(self.small.key, 1, ref.rq_id)
-            pipe.lrem(self.bulk.key, 1, ref.rq_id)
+            for queue in self.queues.values():
+                pipe.lrem(queue.key, 1, ref.rq_id)
             pipe.hdel(self.keys.suspects, ref.rq_id)
-            removed = sum(pipe.execute()[:2])
-        if removed:
+            *removed, _ = pipe.execute()
+        if any(removed):
             self.delete(ref)
         else:
             # A worker has just taken it. RQ needs the job until that worker finds nothing to do and deletes
             # it; should the worker die first, the job expires.
             self.redis.expire(Job.key_for(ref.rq_id), _LEFTOVER_TTL)
-        return bool(removed)
+        return any(removed)
 
     def delete(self, ref: ChunkRef) -> None:
         """Delete the RQ job of a chunk that is in no queue; RQ has no other record of it."""

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from worker.jobs.attempts import ChunkRef, Lost
 from worker.jobs.chunks import ChunkQueue
-from worker.jobs.records import ChunkRef, JobRecords, Lost
+from worker.jobs.records import JobRecords
 
 
 def run_again(
     records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, lost: Lost, kind: str, detail: str
 ) -> bool:
-    """Put the next attempt at the front of the queue; False when there is none.
+    """Put the next attempt at the front of its lane; False when there is none.
 
     When it was lost too often, what it was at is given up. `kind` and `detail` say why.
     """
     following = records.reopen(ref, lost)
     if following == "too-often":
         return give_up(records, chunks, ref, kind, detail)
-    return _enqueue(chunks, following)
+    return _enqueue(records, chunks, following)
 
 
 def give_up(records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, kind: str, detail: str) -> bool:
@@ -25,7 +26,7 @@ def give_up(records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, kind: str, d
     A chunk that was at no slice, such as a document, fails its job. `kind` and `detail` say why.
     """
     if records.put_slice_error(ref, kind, detail):
-        return _enqueue(chunks, records.reopen(ref))
+        return _enqueue(records, chunks, records.reopen(ref))
     fail(records, chunks, ref, kind, detail)
     return False
 
@@ -36,8 +37,8 @@ def fail(records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, kind: str, deta
     chunks.withdraw([entry for entry in entries if entry.ref != ref])
 
 
-def _enqueue(chunks: ChunkQueue, following: ChunkRef | str) -> bool:
+def _enqueue(records: JobRecords, chunks: ChunkQueue, following: ChunkRef | str) -> bool:
     if isinstance(following, ChunkRef):
-        chunks.enqueue([following], bulk=False, at_front=True)
+        chunks.enqueue([following], records.lane(following.job_id), at_front=True)
         return True
     return False

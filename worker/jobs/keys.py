@@ -48,6 +48,21 @@ class Keys:
         return f"{self.prefix}:ends"
 
     @property
+    def queued(self) -> str:
+        """The sorted set of queued jobs, by lane and age; the scripts derive its name from `active`."""
+        return f"{self.active}:queued"
+
+    @property
+    def work(self) -> str:
+        """The estimated work that each lane was given, and has done; its name is derived in the same way."""
+        return f"{self.active}:work"
+
+    @property
+    def deadlines(self) -> str:
+        """The sorted set of the active jobs with a deadline; its name is derived in the same way."""
+        return f"{self.active}:deadlines"
+
+    @property
     def suspects(self) -> str:
         """The chunks that no worker seems to run, with the time of the first suspicion."""
         return f"{self.prefix}:suspects:{SOLVER_VERSION}"

@@ -38,8 +38,8 @@ class Load:
 
 def read_load(redis: Redis, settings: WorkerSettings) -> Load:
     """Returns the load; the ages are in seconds."""
-    keys, roster, queue = Keys(settings.key_prefix), Roster(redis, settings), ChunkQueue(redis, settings)
-    lanes = {"small": queue.small.key, "bulk": queue.bulk.key}
+    keys, roster = Keys(settings.key_prefix), Roster(redis, settings)
+    lanes = {lane: queue.key for lane, queue in ChunkQueue(redis, settings).queues.items()}
     with redis.pipeline(transaction=False) as pipe:
         for key in lanes.values():
             pipe.llen(key)

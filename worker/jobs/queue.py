@@ -5,12 +5,18 @@ All state is in Redis, so any number of API processes can serve the same jobs.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from redis import Redis
 
+from worker.answers.cost import cost
 from worker.answers.kinds import Answer, known_answer, missing_parts
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
+from worker.jobs.backlog import Backlog
 from worker.jobs.chunks import ChunkQueue
+from worker.jobs.deadlines import Deadlines
+from worker.jobs.lanes import Plan, plan
 from worker.jobs.readiness import Readiness, readiness
 from worker.jobs.records import JobRecords, JobView
 from worker.jobs.roster import Roster
@@ -28,31 +34,52 @@ class JobQueue:
         self.records = JobRecords(redis, self.settings)
         self.chunks = ChunkQueue(redis, self.settings)
         self.subscriptions = Subscriptions(redis, self.settings)
+        self.deadlines = Deadlines(redis, self.settings)
+        self.backlog = Backlog(redis, self.settings)
 
-    def submit(self, request: JobRequest) -> JobView:
+    def submit(self, request: JobRequest, deadline_s: float | None = None) -> JobView:
         """Submit a request for a table or another document; returns its job.
+
+        The job fails if it is not done in `deadline_s` seconds. If several clients submit it, the latest of
+        their deadlines counts; None is no deadline.
 
         Joins a job that is queued or running, or has succeeded and still has its results. A job that failed,
         was canceled, lost a part of its record, or whose results have expired is restarted.
+
+        Raises:
+            QueueFullError: the lane of a new job holds too much work.
         """
         seen = self.records.view(request.job_id)
         if seen is not None and not seen.is_terminal:
             if self.records.reconcile(request.job_id):
-                return seen
+                return self._joined(seen, deadline_s)
             seen = self.records.view(request.job_id)
         todo = missing_parts(request, self.store)
         if seen is not None and seen.status == "succeeded" and not todo:
             return seen
-        refs = self.records.create(request, todo, seen.run if seen else "")
+        job = self.plan(request, len(todo))
+        refs = self.records.create(request, todo, seen.run if seen else "", job, deadline_s)
         if refs:
-            self.chunks.enqueue(refs, bulk=len(refs) > 1)
+            self.chunks.enqueue(refs, job.lane)
         view = self.records.view(request.job_id)
-        return view if view is not None else self.submit(request)
+        if view is None:
+            return self.submit(request, deadline_s)
+        return view if refs is not None else self._joined(view, deadline_s)
 
-    def submit_for(self, who: Subscriber, request: JobRequest, seconds: float = 0.0) -> JobView:
+    def plan(self, request: JobRequest, parts: int) -> Plan:
+        """Returns the lane and the chunks of a job that computes so many parts of a request."""
+        whole = cost(request)
+        is_long = request.kind.by_slices and whole.once > self.settings.chunk_seconds
+        if is_long and self.store.has_eliminant(request):
+            whole = replace(whole, once=0.0)
+        return plan(whole, parts, self.settings)
+
+    def submit_for(
+        self, who: Subscriber, request: JobRequest, seconds: float = 0.0, deadline_s: float | None = None
+    ) -> JobView:
         """Submit a request for a client that may wait `seconds` for it; only such clients can end its job."""
         while True:
-            view: JobView | None = self.submit(request)
+            view: JobView | None = self.submit(request, deadline_s)
             if view is not None and not view.is_terminal:
                 if self.subscriptions.add(view.id, who, seconds):
                     return view
@@ -91,7 +118,20 @@ class JobQueue:
 
     def depth(self) -> int:
         """Returns the number of chunks that wait for a worker."""
-        return self.chunks.depth()
+        return sum(self.chunks.depths().values())
+
+    def _joined(self, view: JobView, deadline_s: float | None) -> JobView:
+        """Returns a job that another client submitted too, with the later of the deadlines."""
+        if not view.is_terminal and view.deadline_at is not None:
+            self.deadlines.extend(view.id, deadline_s)
+            view = self.records.view(view.id) or view
+        return view
+
+    def placed(self, view: JobView) -> JobView:
+        """Returns the state of a job with its place in the queue, if it waits there."""
+        if view.status != "queued":
+            return view
+        return replace(view, place=self.backlog.place(view.id))
 
     def readiness(self) -> Readiness:
         """Returns whether a job would be done now.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import secrets
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any, Literal, cast
 
@@ -18,26 +18,32 @@ from worker.answers.kinds import request_from_json
 from worker.answers.requests import JobRequest
 from worker.answers.store import dump
 from worker.jobs import scripts
+from worker.jobs.attempts import Chunk, ChunkEntry, ChunkRef, Lost, chunk_of, entry_of
 from worker.jobs.keys import Keys
+from worker.jobs.lanes import Lane, Place, Plan, QueueFullError
 from worker.logs import subject
 from worker.settings import WorkerSettings
 
 Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
-Lost = Literal["", "horses", "workers"]
-"""What a chunk has lost: its work horse while its worker lived, its worker too, or nothing."""
-
 ACTIVE: frozenset[str] = frozenset({"queued", "running"})
 
 _INCOMPLETE = (
     "The server lost a part of this job's record. Posting the request again computes what is missing."
 )
 
-_FIELDS = ("run", "status", "done", "total", "created", "started", "finished", "error")
+_OVERDUE = "The job was not done by the deadline of its request (deadline_s)."
+
+_FIELDS = ("run", "status", "done", "total", "created", "started", "finished", "error", "deadline")
 
 
 @dataclass(frozen=True)
 class JobView:
-    """The state of a job. Times are ISO 8601 in UTC."""
+    """The state of a job. Times are ISO 8601 in UTC.
+
+    Attributes:
+        deadline_at: when the job fails unless it is done; None if a client waits without a deadline.
+        place: its place in the queue, if it is queued.
+    """
 
     id: str
     status: Status
@@ -48,51 +54,13 @@ class JobView:
     finished_at: str | None
     error: dict[str, str] | None
     run: str
+    deadline_at: str | None = None
+    place: Place | None = None
 
     @property
     def is_terminal(self) -> bool:
         """Whether the job has ended."""
         return self.status not in ACTIVE
-
-
-@dataclass(frozen=True)
-class ChunkRef:
-    """One attempt at one chunk of one run of a job."""
-
-    job_id: str
-    run: str
-    index: int
-    attempt: int
-
-    @property
-    def rq_id(self) -> str:
-        """The id of the RQ job that carries this attempt."""
-        return f"{self.job_id}-{self.run}-{self.index}-{self.attempt}"
-
-
-@dataclass(frozen=True)
-class ChunkEntry:
-    """A chunk that is not done yet, as in the record of its job."""
-
-    ref: ChunkRef
-    state: str
-    horses_lost: int = 0
-    workers_lost: int = 0
-    offset: int = 0
-
-
-@dataclass(frozen=True)
-class Chunk:
-    """Some parts of a request, the position of the first one in the job, and how many of them are done.
-
-    `origin` has the id of the HTTP request that made the job, if one did.
-    """
-
-    request: JobRequest
-    parts: tuple[str, ...]
-    first_position: int
-    offset: int = 0
-    origin: Mapping[str, str] = field(default_factory=dict)
 
 
 class JobRecords:
@@ -120,6 +88,11 @@ class JobRecords:
         fields = self.redis.hmget(self.keys.job(job_id).record, _FIELDS)
         return _view(job_id, cast("list[bytes | None]", fields))
 
+    def lane(self, job_id: str) -> Lane:
+        """Returns the lane of a job's chunks."""
+        lane = cast("bytes | None", self.redis.hget(self.keys.job(job_id).record, "lane"))
+        return cast(Lane, lane.decode()) if lane else "small"
+
     def request(self, job_id: str) -> tuple[JobView, JobRequest, dict[str, Any]] | None:
         """Returns a job, its request and the errors of single slices by L1, or None if there is none."""
         keys = self.keys.job(job_id)
@@ -133,25 +106,34 @@ class JobRecords:
         by_l1 = {raw.decode(): json.loads(error) for raw, error in errors.items()}
         return view, request_from_json(fields[-1]), by_l1
 
-    def create(self, request: JobRequest, todo: Sequence[str], seen_run: str) -> list[ChunkRef] | None:
+    def create(
+        self,
+        request: JobRequest,
+        todo: Sequence[str],
+        seen_run: str,
+        plan: Plan,
+        deadline_s: float | None = None,
+    ) -> list[ChunkRef] | None:
         """Create a job, or restart it in place of the run `seen_run` ("" for none); `todo`: the open parts.
 
         Returns its chunks, or None if another client was faster.
+
+        Raises:
+            QueueFullError: its lane holds too much work.
         """
-        settings = self.settings
-        count = -(-len(todo) // settings.chunk_size)
-        size = -(-len(todo) // count) if count else 1
-        run = secrets.token_hex(4)
-        keys = self.keys.job(request.job_id)
-        is_created = self._create(
-            keys=[*keys, self.keys.active, self.keys.ends],
+        settings, run = self.settings, secrets.token_hex(4)
+        outcome, *wait = self._create(
+            keys=[*self.keys.job(request.job_id), self.keys.active, self.keys.ends, self.keys.workers],
             args=[
                 request.job_id, run, seen_run, len(request.parts), len(todo),
-                request.to_json(), dump(list(todo)), size, count, settings.job_ttl,
-                dump(_origin()),
+                request.to_json(), dump(list(todo)), plan.chunk_size, plan.chunk_count, settings.job_ttl,
+                dump(_origin()), plan.lane, _ms(plan.seconds), _ms(settings.max_backlog),
+                "" if deadline_s is None else deadline_s,
             ],
         )  # fmt: skip
-        return [ChunkRef(request.job_id, run, i, 0) for i in range(count)] if is_created else None
+        if wait:
+            raise QueueFullError(plan.lane, wait[0] / 1000)
+        return [ChunkRef(request.job_id, run, i, 0) for i in range(plan.chunk_count)] if outcome else None
 
     def origin(self, job_id: str) -> dict[str, str]:
         """Returns what the job was made for: the id of an HTTP request."""
@@ -162,11 +144,12 @@ class JobRecords:
         """Start a chunk; returns None if it is out of date."""
         keys = self.keys.job(ref.job_id)
         reply = self._start(
-            keys=[keys.record, keys.chunks, keys.events], args=[ref.run, ref.index, ref.attempt]
+            keys=[keys.record, keys.chunks, keys.events, self.keys.active],
+            args=[ref.run, ref.index, ref.attempt, ref.job_id],
         )
         if not reply:
             return None
-        return _chunk(ref, *reply)
+        return chunk_of(ref, *reply)
 
     def begin_slices(self, ref: ChunkRef) -> bool:
         """Record that the chunk solves single slices from now on; returns False if this attempt is over."""
@@ -199,10 +182,10 @@ class JobRecords:
             pipe.hget(keys.chunks, str(ref.index))
             pipe.hmget(keys.record, ["request", "todo", "chunk_size"])
             raw, fields = pipe.execute()
-        entry = raw and _entry(ref.job_id, ref.run.encode(), b"%d" % ref.index, raw)
+        entry = raw and entry_of(ref.job_id, ref.run.encode(), b"%d" % ref.index, raw)
         if not entry or entry.ref != ref or entry.state != "solving" or None in fields:
             return False
-        chunk = _chunk(ref, entry.offset, *fields)
+        chunk = chunk_of(ref, entry.offset, *fields)
         error = tables.error(chunk.request, chunk.parts[entry.offset], kind, detail)
         self.put_slice(ref, chunk, entry.offset, error)
         return True
@@ -238,6 +221,10 @@ class JobRecords:
     def cancel(self, job_id: str, *, if_unwanted: bool = False) -> list[ChunkEntry] | None:
         """Cancel the job; returns its open chunks, or None if it was not active, or a client wants it."""
         return self._finish(job_id, "unwanted" if if_unwanted else "canceled", "", "", "", "")
+
+    def expire(self, job_id: str) -> list[ChunkEntry] | None:
+        """Fail a job whose deadline is over; returns its open chunks, or None if it is not."""
+        return self._finish(job_id, "overdue", dump({"type": "timeout", "detail": _OVERDUE}), "", "", "")
 
     def reopen(self, ref: ChunkRef, lost: Lost = "") -> ChunkRef | Literal["stale", "too-often"]:
         """Open the next attempt at a chunk that was interrupted, or lost its work horse or worker."""
@@ -282,7 +269,7 @@ class JobRecords:
             if run is None or not chunks:
                 self.reconcile(job_id)
             else:
-                entries += [_entry(job_id, run, index, entry) for index, entry in chunks.items()]
+                entries += [entry_of(job_id, run, index, entry) for index, entry in chunks.items()]
         return entries
 
     def reconcile(self, job_id: str) -> bool:
@@ -330,28 +317,15 @@ class JobRecords:
         )
         if not reply:
             return None
-        return [_entry(job_id, reply[0], *pair) for pair in zip(reply[1::2], reply[2::2], strict=True)]
-
-
-def _entry(job_id: str, run: bytes, index: bytes, entry: bytes) -> ChunkEntry:
-    state, attempt, *counts = entry.decode().split(":")
-    return ChunkEntry(ChunkRef(job_id, run.decode(), int(index), int(attempt)), state, *map(int, counts))
+        return [entry_of(job_id, reply[0], *pair) for pair in zip(reply[1::2], reply[2::2], strict=True)]
 
 
 def _origin() -> dict[str, str]:
     return {"request_id": subject("request_id")} if subject("request_id") else {}
 
 
-def _chunk(
-    ref: ChunkRef, offset: int, request: bytes, todo: bytes, size: bytes, origin: bytes | None = None
-) -> Chunk:
-    first = ref.index * int(size)
-    parts = tuple(json.loads(todo)[first : first + int(size)])
-    return Chunk(request_from_json(request), parts, first, offset, json.loads(origin or "{}"))
-
-
 def _view(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:
-    run, status, done, total, created, started, finished, error = (
+    run, status, done, total, created, started, finished, error, deadline = (
         None if raw is None else raw.decode() for raw in fields[: len(_FIELDS)]
     )
     if run is None or status is None:
@@ -366,7 +340,12 @@ def _view(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:
         finished_at=_iso(finished),
         error=json.loads(error) if error else None,
         run=run,
+        deadline_at=_iso(deadline),
     )
+
+
+def _ms(seconds: float) -> int:
+    return max(1, round(1000 * seconds))
 
 
 def _iso(seconds: str | None) -> str | None:

@@ -14,16 +14,19 @@ from worker.settings import WorkerSettings
 
 _IDLE_WAIT = 1.0  # seconds that an idle worker lets pass between two beats, at most
 
+# Light workers are in a second set too, so that the workers of heavy chunks can be counted.
 # The score of a worker is the time, in milliseconds by the clock of Redis, at which it counts as gone.
 _BEAT = """
 local workers = KEYS[1]
-local name, ttl = unpack(ARGV)
+local name, ttl, is_light = unpack(ARGV)
 
 local time = redis.call('TIME')
 local now = time[1] * 1000 + math.floor(time[2] / 1000)
-redis.call('ZADD', workers, now + ttl, name)
-redis.call('ZREMRANGEBYSCORE', workers, '-inf', now)
-redis.call('PEXPIRE', workers, ttl)
+for _, key in ipairs({workers, is_light == '1' and workers .. ':light' or nil}) do
+    redis.call('ZADD', key, now + ttl, name)
+    redis.call('ZREMRANGEBYSCORE', key, '-inf', now)
+    redis.call('PEXPIRE', key, ttl)
+end
 """
 
 # Fails if a worker's beat would fail too, for example because Redis is out of memory.
@@ -54,9 +57,9 @@ class Roster:
         self._beat = redis.register_script(_BEAT)
         self._silences = redis.register_script(_SILENCES)
 
-    def beat(self, name: str) -> None:
-        """Say that the worker `name` is alive."""
-        self._beat(keys=[self.key], args=[name, self._ttl])
+    def beat(self, name: str, *, is_light: bool = False) -> None:
+        """Say that the worker `name` is alive, and whether it takes short chunks only."""
+        self._beat(keys=[self.key], args=[name, self._ttl, int(is_light)])
 
     def age(self, score: float, now: float) -> float:
         """The seconds since the last beat of a worker with this score."""
@@ -64,7 +67,8 @@ class Roster:
 
     def leave(self, name: str) -> None:
         """Say that the worker `name` ends."""
-        self.redis.zrem(self.key, name)
+        for key in (self.key, f"{self.key}:light"):
+            self.redis.zrem(key, name)
 
     def names(self) -> set[str]:
         """The workers that are alive."""

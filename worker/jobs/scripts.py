@@ -9,6 +9,11 @@ A chunk's entry is `state:attempt:horses_lost:workers_lost:offset`; it is delete
 state is `queued`, `running`, or `solving` while it solves the slice `offset`; the slices before it are done.
 Losses are counted since the last slice was done. Entries of version 0.1.0 end after the first count.
 
+Beside the set of active jobs, and named after it, there are: `:queued`, the queued jobs by lane and age;
+`:deadlines`, the jobs with a deadline by its time; `:work`, the milliseconds of estimated work that each lane
+was given (`LANE:added`) and that are done or dropped (`LANE:done`). Their difference is the lane's backlog. A
+record keeps what is `left` of its job's work, and the `ahead` of it: its lane's `added` when it was queued.
+
 Each script begins with the names of its keys and arguments, in the order in which `records` passes them.
 """
 
@@ -54,10 +59,50 @@ local function is_wanted(record)
     return false
 end
 
+local LANES = {small = 1, bulk = 2, heavy = 3}
+local function rank(lane, time) return string.format('%.3f', LANES[lane] * 1e11 + time) end
+local function add_work(active, lane, what, work)
+    redis.call('HINCRBY', active .. ':work', lane .. ':' .. what, work)
+end
+
+-- Returns the work of a lane that is not done, in milliseconds, and all that it was given.
+local function backlog(active, lane)
+    local added, done = unpack(redis.call('HMGET', active .. ':work', lane .. ':added', lane .. ':done'))
+    return math.max(0, (added or 0) - (done or 0)), added or 0
+end
+
+-- Returns the number of live workers that take chunks of a lane; 1 if there is none.
+local function workers_of(lane, workers)
+    local alive = '(' .. time[1] * 1000 + math.floor(time[2] / 1000)
+    local count = redis.call('ZCOUNT', workers, alive, '+inf')
+    if lane == 'heavy' then count = count - redis.call('ZCOUNT', workers .. ':light', alive, '+inf') end
+    return math.max(1, count)
+end
+
+local function set_deadline(record, active, job_id, seconds)
+    redis.call('HSET', record, 'deadline', string.format('%.6f', now + seconds))
+    redis.call('ZADD', active .. ':deadlines', now + seconds, job_id)
+end
+
+-- Takes a job off the active ones. Once there is none, the lanes are counted anew, since Redis may have lost
+-- records with work that is counted.
+local function retire(record, active, job_id)
+    for _, key in ipairs({active, active .. ':queued', active .. ':deadlines'}) do
+        redis.call('ZREM', key, job_id)
+    end
+    local lane, left = unpack(redis.call('HMGET', record, 'lane', 'left'))
+    if redis.call('EXISTS', active) == 0 then
+        redis.call('DEL', active .. ':queued', active .. ':deadlines', active .. ':work')
+    elseif left then
+        add_work(active, lane, 'done', left)
+    end
+    redis.call('HDEL', record, 'left', 'ahead')
+end
+
 local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl)
     count_end(record, ends, job_id, status, problem)
     redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
-    redis.call('ZREM', active, job_id)
+    retire(record, active, job_id)
     redis.call('HDEL', record, 'todo')
     redis.call('DEL', chunks, bits)
     redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'status', 'status', status)
@@ -68,14 +113,22 @@ end
 PRELUDE = _NOW + COUNT_END + _JOBS
 """The definitions that precede every script."""
 
-# Returns 1 if the job was created, 0 if another client has created or changed it meanwhile.
+# Returns {1} if the job was created, {0} if another client has created or changed it meanwhile, and
+# {-1, milliseconds until the backlog is done} if its lane is full; one in which no job waits is never full.
 CREATE = """
-local record, chunks, bits, errors, events, active, ends = unpack(KEYS)
+local record, chunks, bits, errors, events, active, ends, workers = unpack(KEYS)
 local job_id, run, seen_run, total, todo_count, request, todo = unpack(ARGV)
 local chunk_size, chunk_count, ttl, origin = unpack(ARGV, 8)
+local lane, work, max_backlog, deadline_s = unpack(ARGV, 12)
 
 local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
-if old_run and (is_active(old_status) or old_run ~= seen_run) then return 0 end
+if old_run and (is_active(old_status) or old_run ~= seen_run) then return {0} end
+local waiting, added = backlog(active, lane)
+local count = workers_of(lane, workers)
+if tonumber(todo_count) > 0 and waiting + work > max_backlog * count
+        and redis.call('ZCOUNT', active .. ':queued', rank(lane, 0), rank(lane, 1e11 - 1)) > 0 then
+    return {-1, math.ceil(waiting / count)}
+end
 redis.call('DEL', record, chunks, bits, errors, events)
 redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done', total - todo_count,
     'request', request, 'todo', todo, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
@@ -83,15 +136,48 @@ redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done
 if tonumber(todo_count) == 0 then
     redis.call('HSET', record, 'started', now)
     finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', ttl)
-    return 1
+    return {1}
 end
 for index = 0, chunk_count - 1 do redis.call('HSET', chunks, index, 'queued:0:0:0:0') end
 redis.call('ZADD', active, now, job_id)
+redis.call('HSET', record, 'lane', lane, 'left', work, 'ahead', added)
+redis.call('ZADD', active .. ':queued', rank(lane, now), job_id)
+add_work(active, lane, 'added', work)
+if deadline_s ~= '' then set_deadline(record, active, job_id, deadline_s) end
 redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued')
-return 1
+return {1}
 """
 
-# Records that a worker runs the attempt, and renews the locks of its horse, which may be inside a C call.
+# Gives an active job the deadline of one more client; the latest counts, and none is the latest of all.
+EXTEND = """
+local record, active = unpack(KEYS)
+local job_id, deadline_s = unpack(ARGV)
+
+local status, deadline = unpack(redis.call('HMGET', record, 'status', 'deadline'))
+if not is_active(status) or not deadline then return end
+if deadline_s == '' then
+    redis.call('HDEL', record, 'deadline')
+    redis.call('ZREM', active .. ':deadlines', job_id)
+elseif now + deadline_s > tonumber(deadline) then
+    set_deadline(record, active, job_id, deadline_s)
+end
+"""
+
+# Returns the number of jobs before a queued job in its lane, and the milliseconds that the work before it
+# takes its workers; nothing if the job is not queued.
+PLACE = """
+local record, active, workers = unpack(KEYS)
+local job_id = ARGV[1]
+
+local own = redis.call('ZSCORE', active .. ':queued', job_id)
+local lane, ahead = unpack(redis.call('HMGET', record, 'lane', 'ahead'))
+if not own or not ahead then return false end
+local before = redis.call('ZCOUNT', active .. ':queued', rank(lane, 0), '(' .. own)
+local _, added = backlog(active, lane)
+local done = redis.call('HGET', active .. ':work', lane .. ':done') or 0
+return {before, math.ceil(math.max(0, math.min(ahead, added) - done) / workers_of(lane, workers))}
+"""
+
 # Returns 1 if the attempt is open.
 BEAT = """
 local record, chunks, beat, locks = unpack(KEYS)
@@ -116,8 +202,8 @@ return open_chunk(record, chunks, run, index, attempt) and 1 or 0
 
 # Returns {offset, request, todo, chunk_size, origin} if the chunk may start, nothing if it is out of date.
 START = """
-local record, chunks, events = unpack(KEYS)
-local run, index, attempt = unpack(ARGV)
+local record, chunks, events, active = unpack(KEYS)
+local run, index, attempt, job_id = unpack(ARGV)
 
 local chunk = open_chunk(record, chunks, run, index, attempt)
 if not chunk then return false end
@@ -125,6 +211,7 @@ chunk.state = 'running'
 put_chunk(chunks, index, chunk)
 if redis.call('HGET', record, 'status') == 'queued' then
     redis.call('HSET', record, 'status', 'running', 'started', now)
+    redis.call('ZREM', active .. ':queued', job_id)
     redis.call('XADD', events, '*', 'type', 'status', 'status', 'running')
 end
 return {chunk.offset, unpack(redis.call('HMGET', record, 'request', 'todo', 'chunk_size', 'origin'))}
@@ -169,7 +256,15 @@ end
 if redis.call('SETBIT', bits, position, 1) == 1 then return 1 end
 local done, total = redis.call('HINCRBY', record, 'done', 1), redis.call('HGET', record, 'total')
 redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'slice', 'l1', l1, 'done', done, 'total', total)
-if done < tonumber(total) then return 1 end
+if done < tonumber(total) then
+    local lane, left = unpack(redis.call('HMGET', record, 'lane', 'left'))
+    if left then
+        local share = math.floor(left / (total - done + 1))
+        redis.call('HSET', record, 'left', left - share)
+        add_work(active, lane, 'done', share)
+    end
+    return 1
+end
 finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', job_ttl)
 return 2
 """
@@ -201,8 +296,9 @@ finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', 
 return 2
 """
 
-# Ends a job: any run if `run` is empty (a cancel), otherwise only if that attempt of that chunk is open. With
-# the status `unwanted` a job is canceled if no client wants it.
+# Ends a job: any run if `run` is empty (a cancel, or its deadline), otherwise only if that attempt of that
+# chunk is open. With the status `unwanted` a job is canceled if no client wants it; with `overdue` it fails
+# if its deadline is over.
 # Returns the run and the open chunks {run, index, entry, …} if the job was ended, nothing otherwise.
 END = """
 local record, chunks, bits, errors, events, active, ends = unpack(KEYS)
@@ -214,6 +310,10 @@ if run ~= '' and not open_chunk(record, chunks, run, index, attempt) then return
 if status == 'unwanted' then
     if is_wanted(record) then return false end
     status = 'canceled'
+elseif status == 'overdue' then
+    local deadline = redis.call('HGET', record, 'deadline')
+    if not deadline or tonumber(now) < tonumber(deadline) then return false end
+    status = 'failed'
 end
 local open = redis.call('HGETALL', chunks)
 table.insert(open, 1, job_run)
@@ -248,7 +348,7 @@ local job_id, problem, ttl = unpack(ARGV)
 
 local status = redis.call('HGET', record, 'status')
 if not is_active(status) then
-    redis.call('ZREM', active, job_id)
+    retire(record, active, job_id)
     if not status then redis.call('DEL', chunks, bits, errors, events) end
     return 0
 end

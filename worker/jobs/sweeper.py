@@ -2,7 +2,7 @@
 
 A chunk that is not done must be in a queue or have a heartbeat. A chunk with neither (its worker was killed,
 or a process died between two steps) is suspected and, if it stays so, put back in the queue. A job that lost
-one of its keys in Redis is repaired, or fails.
+one of its keys in Redis is repaired, or fails. A job whose deadline is over fails, queued or running.
 """
 
 from __future__ import annotations
@@ -14,10 +14,12 @@ from typing import cast
 from redis import Redis
 from redis.exceptions import RedisError
 
+from worker.jobs.attempts import ChunkEntry
 from worker.jobs.chunks import ChunkQueue
+from worker.jobs.deadlines import Deadlines
 from worker.jobs.interruption import run_again
 from worker.jobs.inventory import Inventory
-from worker.jobs.records import ChunkEntry, JobRecords
+from worker.jobs.records import JobRecords
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
@@ -36,6 +38,7 @@ class Sweeper:
         self.records = JobRecords(redis, settings)
         self.chunks = ChunkQueue(redis, settings)
         self.inventory = Inventory(redis, settings)
+        self.deadlines = Deadlines(redis, settings)
         self.keys = self.records.keys
 
     def sweep(self) -> int:
@@ -46,6 +49,7 @@ class Sweeper:
         # The order matters: a chunk that leaves the queue after this look has a heartbeat soon, and a chunk
         # opened after the look at the records is not among them.
         self.records.adopt(_WALK)
+        self._end_overdue_jobs()
         if removed := self.inventory.relieve():
             log.warning(
                 "Redis uses more memory than its bound: removed the oldest results (%d keys)", removed
@@ -64,6 +68,10 @@ class Sweeper:
                 continue
             except Exception:
                 log.exception("a search for lost chunks failed")
+
+    def _end_overdue_jobs(self) -> None:
+        for job_id in self.deadlines.over():
+            self.chunks.withdraw(self.records.expire(job_id) or [])
 
     def _without_beat(self, entries: list[ChunkEntry]) -> list[ChunkEntry]:
         with self.redis.pipeline(transaction=False) as pipe:

@@ -6,7 +6,7 @@ import os
 import signal
 from dataclasses import dataclass
 
-from worker.jobs.records import Lost
+from worker.jobs.attempts import Lost
 from worker.process.os_limits import signal_name, signal_of
 from worker.settings import WorkerSettings
 

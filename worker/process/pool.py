@@ -9,6 +9,7 @@ import socket
 import subprocess
 from collections.abc import Callable
 
+from worker.jobs.lanes import Duty
 from worker.process.attendance import Attendance
 from worker.process.child import Child, Process, Say, end_all, python_program
 from worker.settings import WorkerSettings
@@ -44,7 +45,9 @@ class WorkerPool:
         self._stop_patience = settings.shutdown_grace + _STOP_MARGIN
         self._attendance = Attendance(redis_url)
         patience = max(hang_seconds, _BEATS_MISSED * settings.beat_interval)
-        self._members = [_Member(self._environment, say, patience) for _ in range(count)]
+        # one of several is kept for short work
+        duties: list[Duty] = ["light" if i == 0 and count > 1 else "all" for i in range(count)]
+        self._members = [_Member(self._environment, duty, say, patience) for duty in duties]
 
     def start(self) -> None:
         """Start all workers."""
@@ -75,15 +78,19 @@ class WorkerPool:
 class _Member:
     """A place in the pool; each worker that takes it has a name of its own."""
 
-    def __init__(self, environment: dict[str, str], say: Say, patience: float) -> None:
+    def __init__(self, environment: dict[str, str], duty: Duty, say: Say, patience: float) -> None:
         self.name = ""
         self.child = Child("a worker", self._launch, say, patience)
         self._environment = environment
+        self._duty = duty
 
     def _launch(self) -> Process:
         self.name = f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(3)}"
         return subprocess.Popen(
-            python_program("worker.__main__", "--name", self.name, "--parent-pid", str(os.getpid())),
+            python_program(
+                "worker.__main__",
+                *("--name", self.name, "--parent-pid", str(os.getpid()), "--duty", self._duty),
+            ),
             env=self._environment,
             stdin=subprocess.DEVNULL,
             start_new_session=True,  # Ctrl-C on a terminal reaches the stack alone, which stops them in order

@@ -8,6 +8,7 @@ import logging
 from redis.exceptions import RedisError
 
 from worker.connection import UnreachableError, check, connect, eviction_warning
+from worker.jobs.lanes import Duty
 from worker.logs import set_up
 from worker.process.os_limits import die_with_parent
 from worker.process.tasks import Context, set_context
@@ -21,10 +22,13 @@ class WorkerError(Exception):
     """The worker cannot start; the message is for the user."""
 
 
-def run_worker(redis_url: str, *, name: str | None = None, parent_pid: int | None = None) -> int:
+def run_worker(
+    redis_url: str, *, name: str | None = None, parent_pid: int | None = None, duty: Duty = "all"
+) -> int:
     """Run one worker until it is stopped; returns the exit status.
 
-    With `parent_pid`, the worker ends at once when that parent process is gone.
+    With light duty it takes short chunks only. With `parent_pid`, it ends at once when that parent process is
+    gone.
 
     Raises:
         ValidationError: a setting is invalid.
@@ -41,7 +45,7 @@ def run_worker(redis_url: str, *, name: str | None = None, parent_pid: int | Non
         check(redis_url)
         redis = connect(redis_url)
         warning = None if parent_pid else eviction_warning(redis)  # else its parent says so
-        worker = CuspWorker(redis, settings, name, parent_pid)
+        worker = CuspWorker(redis, settings, name, parent_pid, duty)
     except UnreachableError as error:
         raise WorkerError(str(error)) from error
     except RedisError as error:

@@ -16,9 +16,10 @@ from rpr_solver.errors import InputError, SolverError
 from worker.answers.kinds import compute, known_document
 from worker.answers.store import ResultStore
 from worker.answers.tables import INTERNAL, eliminant_of, solve
+from worker.jobs.attempts import Chunk, ChunkRef
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.interruption import fail, give_up
-from worker.jobs.records import Chunk, ChunkRef, JobRecords
+from worker.jobs.records import JobRecords
 from worker.logs import about
 from worker.process.os_limits import lift_memory_limit
 from worker.settings import WorkerSettings

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import faulthandler
+import itertools
 import logging
 import os
 import secrets
@@ -28,9 +29,11 @@ from rq.worker import WorkerStatus
 
 import rpr_solver  # noqa: F401
 from worker.connection import address
-from worker.jobs.chunks import ChunkQueue, queue_names
+from worker.jobs.attempts import ChunkRef
+from worker.jobs.chunks import ChunkQueue
 from worker.jobs.interruption import fail, give_up, run_again
-from worker.jobs.records import ChunkRef, JobRecords
+from worker.jobs.lanes import Duty, lanes_of
+from worker.jobs.records import JobRecords
 from worker.jobs.roster import Roster
 from worker.jobs.sweeper import Sweeper
 from worker.logs import about
@@ -77,19 +80,23 @@ class CuspWorker(Worker):
         settings: WorkerSettings,
         name: str | None = None,
         parent_pid: int | None = None,
+        duty: Duty = "all",
     ) -> None:
+        self.settings = settings
+        self.chunks = ChunkQueue(redis, settings)
+        orders = [[self.chunks.queues[lane] for lane in order] for order in lanes_of(duty)]
         super().__init__(
-            [Queue(q, connection=redis, serializer=JSONSerializer) for q in queue_names(settings)],
+            orders[0],
             name=name or f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(3)}",
             connection=redis,
             serializer=JSONSerializer,
             worker_ttl=_REGISTER_TTL,
         )
-        self.settings = settings
         self.records = JobRecords(redis, settings)
-        self.chunks = ChunkQueue(redis, settings)
         self.sweeper = Sweeper(redis, settings)
         self.roster = Roster(redis, settings)
+        self._is_light = duty == "light"
+        self._orders = itertools.cycle(orders)
         self._parent_pid = parent_pid
         self._horse_pipe = -1
         self._current: str | None = None
@@ -141,7 +148,7 @@ class CuspWorker(Worker):
             self._sign_on()
             self.sweeper.sweep()
             self._next_sign_on = time.monotonic() + self.settings.beat_interval
-        taken = self.connection.blpop([queue.key for queue in self.queues], timeout=_QUEUE_PATIENCE)
+        taken = self.connection.blpop([queue.key for queue in next(self._orders)], timeout=_QUEUE_PATIENCE)
         if taken is None:
             return
         key, rq_id = (raw.decode() for raw in cast("tuple[bytes, bytes]", taken))
@@ -191,7 +198,7 @@ class CuspWorker(Worker):
             pipe.expire(self.key, _REGISTER_TTL)
             worker_registration.register(self, pipe)
             pipe.execute()
-        self.roster.beat(self.name)
+        self.roster.beat(self.name, is_light=self._is_light)
 
     def get_current_job_id(self, pipeline: Pipeline | None = None) -> str | None:  # noqa: ARG002
         """Returns the RQ id of the running chunk; RQ would ask Redis."""

@@ -12,7 +12,7 @@ from service.api import operation_docs as doc
 from service.api.access.caller import caller_of, subscriber_of
 from service.api.access.keys import allows
 from service.api.context import Context, ContextDep
-from service.api.job_view import job_json
+from service.api.job_view import job_json, retry_after
 from service.api.negotiation import JSON, negotiate
 from service.api.operations import forms_of
 from service.api.problems import ProblemError, ProblemType
@@ -90,11 +90,10 @@ async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Re
 def _result(context: Context, job_id: str) -> Answer:
     view = _job(context, job_id)
     if not view.is_terminal:
-        wait = str(context.settings.poll_seconds)
         raise ProblemError(
             ProblemType.JOB_NOT_FINISHED,
             f"The job is {view.status}: {view.done} of {view.total} {_unit(job_id)} are done.",
-            headers={"Retry-After": wait},
+            headers=retry_after(view, context.settings),
             extra={"job": f"/v1/jobs/{job_id}"},
         )
     if view.status != "succeeded":
@@ -135,7 +134,7 @@ def _job(context: Context, job_id: str) -> JobView:
     view = context.queue.get(job_id) if _JOB_ID.fullmatch(job_id) else None
     if view is None:
         raise _not_found(job_id)
-    return view
+    return context.queue.placed(view)
 
 
 def _withdraw(context: Context, job_id: str, who: Subscriber) -> JobView:
@@ -163,5 +162,5 @@ def _unit(job_id: str) -> str:
 def _job_response(context: Context, view: JobView) -> Response:
     headers = {"Cache-Control": "no-store"}
     if not view.is_terminal:
-        headers["Retry-After"] = str(context.settings.poll_seconds)
+        headers |= retry_after(view, context.settings)
     return Response(json_bytes(job_json(view)), headers=headers, media_type=JSON)

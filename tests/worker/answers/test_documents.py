@@ -8,8 +8,8 @@ from redis import Redis
 from rpr_solver import EXAMPLES, SolverError, poses
 from worker.answers import poses as poses_kind
 from worker.answers.requests import JobRequest
+from worker.jobs.attempts import ChunkRef
 from worker.jobs.queue import JobQueue
-from worker.jobs.records import ChunkRef
 from worker.jobs.sweeper import Sweeper
 from worker.process import tasks
 from worker.settings import WorkerSettings
@@ -120,7 +120,7 @@ def test_an_error_fails_the_job(
 def test_a_lost_document_is_put_back(queue: JobQueue, redis: Redis, request_: JobRequest) -> None:
     queue.submit(request_)
     ref = open_chunk(queue)
-    redis.delete(queue.chunks.small.key)
+    redis.delete(queue.chunks.queues["small"].key)
     queue.records.start(ref)
     sweeper = Sweeper(redis, WorkerSettings(sweep_interval=0.001, lost_grace=0))
     assert sweeper.sweep() == 1

@@ -11,7 +11,8 @@ import rpr_solver
 from tests.support.jobs import a_request
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
-from worker.jobs.records import Chunk, ChunkRef, JobRecords
+from worker.jobs.attempts import Chunk, ChunkRef
+from worker.jobs.records import JobRecords
 from worker.settings import WorkerSettings
 
 

@@ -13,9 +13,9 @@ from tests.support.jobs import a_document, a_request, table_of
 from tests.support.processes import until
 from worker.answers.requests import JobRequest
 from worker.jobs import sweeper as sweeper_module
+from worker.jobs.attempts import ChunkEntry, ChunkRef, Lost
 from worker.jobs.interruption import run_again
 from worker.jobs.queue import JobQueue
-from worker.jobs.records import ChunkEntry, ChunkRef, Lost
 from worker.jobs.sweeper import Sweeper
 from worker.settings import WorkerSettings
 
@@ -241,7 +241,7 @@ def test_a_slice_is_counted_once(queue: JobQueue, table_request: JobRequest) -> 
 
 def test_a_chunk_that_no_worker_runs_is_put_back(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
-    queue.redis.delete(queue.chunks.bulk.key)
+    queue.redis.delete(queue.chunks.queues["bulk"].key)
     sweeper = Sweeper(queue.redis, queue.settings)
     sweeper.sweep()
     assert queue.depth() == 0  # only suspected
@@ -257,7 +257,7 @@ def test_a_chunk_with_a_heartbeat_is_left_alone(queue: JobQueue) -> None:
     request = a_request("1")
     queue.submit(request)
     (ref,) = refs(queue)
-    queue.redis.delete(queue.chunks.small.key)
+    queue.redis.delete(queue.chunks.queues["small"].key)
     queue.redis.set(queue.records.keys.beat(ref.rq_id), "worker")
     sweeper = Sweeper(queue.redis, queue.settings)
     for _ in range(3):
@@ -296,7 +296,7 @@ def test_a_job_that_lost_its_place_is_found_again(
     monkeypatch.setattr(sweeper_module, "_WALK", 10)
     queue.redis.mset({f"other:{i}": i for i in range(300)})
     view = queue.submit(table_request)
-    queue.redis.delete(queue.records.keys.active, queue.chunks.bulk.key)
+    queue.redis.delete(queue.records.keys.active, queue.chunks.queues["bulk"].key)
     until(lambda: Sweeper(queue.redis, queue.settings).sweep() == 2)
     assert queue.redis.zscore(queue.records.keys.active, view.id) is not None
     assert queue.depth() == 2
@@ -338,8 +338,8 @@ def test_a_chunk_lost_too_often_fails_its_job(queue: JobQueue, table_request: Jo
     sweeper = Sweeper(queue.redis, queue.settings)
     for _ in range(2 * queue.settings.max_worker_losses + 2):
         queue.records.start(entry(queue).ref)
-        queue.redis.ltrim(queue.chunks.small.key, 1, 0)
-        queue.redis.lrem(queue.chunks.bulk.key, 1, entry(queue).ref.rq_id)
+        queue.redis.ltrim(queue.chunks.queues["small"].key, 1, 0)
+        queue.redis.lrem(queue.chunks.queues["bulk"].key, 1, entry(queue).ref.rq_id)
         sweeper.sweep()
         time.sleep(0.01)
     view = queue.get(table_request.job_id)

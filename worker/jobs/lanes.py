@@ -1,0 +1,96 @@
+"""The lanes of the queue, and the cutting of a job into chunks, both by estimated cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from rpr_solver import SOLVER_VERSION
+from worker.answers.cost import Cost
+from worker.settings import WorkerSettings
+
+Lane = Literal["small", "bulk", "heavy"]
+"""`small`: jobs of one short chunk; `bulk`: jobs of several short chunks; `heavy`: jobs with long chunks."""
+
+LANES: tuple[Lane, ...] = get_args(Lane)
+
+Duty = Literal["light", "all"]
+"""What a worker takes: short chunks only, or all."""
+
+DUTIES: tuple[Duty, ...] = get_args(Duty)
+
+_SUFFIX = {"small": "", "bulk": "-bulk", "heavy": "-heavy"}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a job is computed.
+
+    Attributes:
+        lane: the lane of its chunks.
+        chunk_size: the number of parts in a chunk; the last one may have fewer.
+        chunk_count: the number of chunks.
+        seconds: the estimated work, in seconds of one core.
+    """
+
+    lane: Lane
+    chunk_size: int
+    chunk_count: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Place:
+    """The place of a queued job: the jobs before it in its lane, and the estimated time that they take."""
+
+    position: int
+    seconds: float
+
+
+class QueueFullError(Exception):
+    """The lane of a new job holds too much work.
+
+    Attributes:
+        lane: the lane.
+        seconds: the estimated time that its workers need for that work.
+    """
+
+    def __init__(self, lane: Lane, seconds: float) -> None:
+        self.lane, self.seconds = lane, seconds
+        super().__init__(f"the lane {lane} of the queue is full")
+
+
+def plan(cost: Cost, parts: int, settings: WorkerSettings) -> Plan:
+    """Returns the plan of a job of so many parts.
+
+    A chunk is about `chunk_seconds` of work, without what is computed once for all chunks. A chunk that may
+    take much longer, since a single part or what is computed once does, is heavy.
+    """
+    if not parts:
+        return Plan("small", 1, 0, 0.0)
+    most = max(1, min(settings.chunk_size, int(settings.chunk_seconds / max(cost.each, 1e-9))))
+    count = -(-parts // most)
+    size = -(-parts // count)
+    if cost.of(size) > settings.heavy_seconds:
+        lane: Lane = "heavy"
+    else:
+        lane = "small" if count == 1 else "bulk"
+    return Plan(lane, size, -(-parts // size), cost.of(parts))
+
+
+def queue_name(lane: Lane, settings: WorkerSettings) -> str:
+    """Returns the name of a lane's RQ queue.
+
+    Each version of the solver has its own, so a worker never takes a chunk of another version.
+    """
+    return f"{settings.queue_name}-{SOLVER_VERSION}{_SUFFIX[lane]}"
+
+
+def lanes_of(duty: Duty) -> tuple[tuple[Lane, ...], ...]:
+    """Returns the orders in which a worker looks into the lanes, one after the other.
+
+    Small jobs always come first. Bulk and heavy ones take turns, so that neither waits for ever.
+    """
+    if duty == "light":
+        return (("small", "bulk"),)
+    return (("small", "heavy", "bulk"), ("small", "bulk", "heavy"))
