@@ -61,4 +61,5 @@ class LimitsDocument(BaseModel):
     max_cost_seconds: Limit
     deadline: TimeLimit
     max_body_bytes: Limit
+    max_body_members: Limit
     max_wait_seconds: Limit

@@ -273,7 +273,8 @@ def test_a_failed_job_says_why(
     idle: httpx.Client, idle_queue: JobQueue, fresh: Fresh, kind: str, status: int, slug: str
 ) -> None:
     request = a_request(fresh())
-    refs = idle_queue.records.create(request, request.parts, "")
+    plan = idle_queue.plan(request, len(request.parts))
+    refs = idle_queue.records.create(request, request.parts, "", plan)
     assert refs
     idle_queue.records.fail(refs[0], kind, "This is why.")
     answer = idle.get(f"/v1/jobs/{request.job_id}/result")

@@ -141,7 +141,7 @@ def test_every_kind_of_document_has_one_question() -> None:
             ],
         ),
         ('{"geometry": %s, "range": {"from": []}}', [("range.from", "is a list; give a number such as")]),
-        ('{"geometry": %s, "\\ud800": 1}', [("\\ud800", "unknown field; known are geometry, fixed_leg")]),
+        ('{"geometry": %s, "\\ud800": 1}', [("\\ud800", "unknown field; known are geometry, deadline_s")]),
     ],
 )
 def test_a_fault_is_reported_with_a_valid_alternative(body: str, expected: list[tuple[str, str]]) -> None:
