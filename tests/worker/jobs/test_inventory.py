@@ -40,7 +40,7 @@ def test_the_stock_by_kind(queue: JobQueue, inventory: Inventory) -> None:
     assert stock["slice"].size > 200
     assert stock["slice"].oldest == pytest.approx(3 * DAY, abs=60)
     assert stock["job"].oldest is None, "it is queued"
-    assert stock["other"].keys == 2, "the API keys, and the set of active jobs"
+    assert stock["other"].keys == 4, "the API keys; the active jobs, the queued ones, and their work"
 
 
 def test_what_is_older_is_removed(queue: JobQueue, inventory: Inventory) -> None:
