@@ -101,10 +101,9 @@ def answer_json(solve: Solve, length: Fraction, fixed_leg: int) -> dict[str, Any
     """The slice object of one length, with an ``error`` if ``solve`` raises one."""
     try:
         return solve(length)
-    except InputError as error:
-        return slice_error_json(length, fixed_leg, "input-error", str(error))
-    except SolverError as error:
-        return slice_error_json(length, fixed_leg, "solver-error", str(error))
+    except (InputError, SolverError) as error:
+        kind = "input-error" if isinstance(error, InputError) else "solver-error"
+        return slice_error_json(length, fixed_leg, kind, str(error))
 
 
 def slice_error_json(length: Exact, fixed_leg: int, kind: str, detail: str) -> dict[str, Any]:

@@ -43,10 +43,10 @@ class Event(Protocol):
 
 @dataclass(frozen=True)
 class Landmark:
-    """A length at which the number of cusps may change, without a degenerate pose."""
+    """A length, exact, at which the number of cusps may change, with its degenerate pose if one is known."""
 
     exact_length: Algebraic
-    pose: None = None
+    pose: ExactPose | None = None
 
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""

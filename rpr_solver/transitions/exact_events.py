@@ -32,27 +32,12 @@ from rpr_solver.model.exact_pose import ExactPose, common_poses
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import NotGeneric, System
+from rpr_solver.transitions.event_types import Landmark
 
 _APART_BITS = 512
 
 
-@dataclass(frozen=True)
-class ExactEvent:
-    """An event with L > 0 whose degenerate pose is exact."""
-
-    pose: ExactPose
-
-    @property
-    def exact_length(self) -> Algebraic:
-        """L (scaled)."""
-        return self.pose.length
-
-    def scaled_length(self, bits: int) -> arb:
-        """L (scaled) as a ball."""
-        return self.exact_length.ball(bits)
-
-
-def events_above(system: System, root: ExactRoot | None) -> Iterator[ExactEvent]:
+def events_above(system: System, root: ExactRoot | None) -> Iterator[Landmark]:
     """The events among the common zeros of a system above one root u; None is u = ∞."""
     for pose in located_poses(system, root):
         yield from _event(system.slice_map, pose)
@@ -70,7 +55,7 @@ def located_poses(system: System, root: ExactRoot | None) -> Iterator[Pose[Algeb
             yield replace(pose, length=length)
 
 
-def permanent_events(permanent: System) -> Iterator[ExactEvent]:
+def permanent_events(permanent: System) -> Iterator[Landmark]:
     """The events at poses that are singular for every L (J0 = J1 = 0).
 
     Raises:
@@ -120,10 +105,10 @@ def _permanent_poses(permanent: System) -> Iterator[Pose[Algebraic]]:
         yield from _common_poses(permanent, root)
 
 
-def _event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[ExactEvent]:
+def _event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[Landmark]:
     exact = ExactPose.of(slice_map, pose)
     if exact.kind not in (PoseKind.ORDINARY, PoseKind.CUSP):
-        yield ExactEvent(exact)
+        yield Landmark(exact.length, exact)
 
 
 def _common_poses(system: System, root: ExactRoot | None) -> list[Pose[Algebraic]]:
