@@ -115,9 +115,9 @@ def test_rational_lengths_and_half_turns_are_exact() -> None:
     theta = exactly(half_turn).coordinates(BITS)[1]
     assert theta.unique_fmpz() == 180
     right = Pose(constructed.RIGHT, Fraction(5), direction(0, 1), direction(0, 1))
-    flat = Constructed(right, right.manipulator(Fraction(7), (Fraction(1), Fraction(12))))
+    flat = Constructed(right, right.manipulator(Fraction(15, 2), (Fraction(1), Fraction(12))))
     assert exactly(flat).coordinates(BITS)[:2] == (arb(0), arb(0))
-    assert exactly(flat).coordinates(BITS)[2:] == (Fraction(3), Fraction(4))
+    assert exactly(flat).coordinates(BITS)[2:] == (Fraction(5, 2), Fraction(4))
 
 
 def test_a_constant_form_has_no_zero() -> None:
