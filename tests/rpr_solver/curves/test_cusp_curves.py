@@ -67,7 +67,6 @@ def agrees_with(curves: CuspCurves, whole: Census) -> None:
     [
         slow("innocenti", 1),
         ("zein-flat", 3),
-        slow("innocenti", 2),
         slow("twelve-cusps", 1),
         slow("fourteen-cusps", 2),
     ],
@@ -259,7 +258,7 @@ def test_a_walk_in_floating_point_stays_on_the_curve(name: str) -> None:
             if high - low < 1e-6 * low:
                 continue
             x = angles(a)
-            steps = 40
+            steps = 20
             for i in range(1, steps + 1):
                 s = newton.Slice(manipulator, low + (high - low) * i / steps)
                 moved = [y for leg in (0, 1) if (y := newton.newton(s, leg, x)) and newton.is_cusp(s, y)]
@@ -294,8 +293,8 @@ def test_scale_and_mirror() -> None:
         names = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
         larger = replace(m, **{name: getattr(m, name) * factor for name in names})
         mirrored = replace(m, a3y=-m.a3y, orientation="cw" if m.orientation == "ccw" else "ccw")
-        own = unless_refused(lambda: cusp_curves(m, fixed_leg=fixed_leg, digits=20), answers)
-        scaled, reflected = (cusp_curves(x, fixed_leg=fixed_leg, digits=20) for x in (larger, mirrored))
+        own = unless_refused(lambda: cusp_curves(m, fixed_leg=fixed_leg, digits=15), answers)
+        scaled, reflected = (cusp_curves(x, fixed_leg=fixed_leg, digits=15) for x in (larger, mirrored))
         check_ends(own)
         assert shape(own) == shape(scaled, factor) == shape(reflected)
         assert [c.name for c in own.curves] == [c.name for c in scaled.curves]
@@ -310,10 +309,10 @@ def test_scale_and_mirror() -> None:
 def test_random_curves_agree_with_slices() -> None:
     answers = Counter[str]()
 
-    @given(manipulators(size=20, denominators=(1, 2)), st.sampled_from([1, 2, 3]))
-    @examples(4)
+    @given(manipulators(size=6, denominators=(1,)), st.sampled_from([1, 2, 3]))
+    @examples(3)
     def agree(m: Manipulator, fixed_leg: int) -> None:
-        curves = unless_refused(lambda: cusp_curves(m, fixed_leg=fixed_leg, digits=20), answers)
+        curves = unless_refused(lambda: cusp_curves(m, fixed_leg=fixed_leg, digits=15), answers)
         eliminant = eliminate(m, fixed_leg)
         for length in curves.spread(2)[::5]:
             assert alive(curves, length) == solve_slice(eliminant, length, 15).count

@@ -24,7 +24,7 @@ from rpr_solver import (
 from tests.support.article import number
 from tests.support.article import pose as article_pose
 from tests.support.newton import Slice
-from tests.support.strategies import lengths, manipulators, rationals
+from tests.support.strategies import examples, lengths, manipulators, rationals
 
 Vector = tuple[Fraction, Fraction]
 INNOCENTI = EXAMPLES["innocenti"]
@@ -105,6 +105,7 @@ def at(table: PoseTable, alpha: Vector, b1: Vector) -> list[PlatformPose]:
 
 
 @given(heronian(), HALF_TANGENTS, rationals(-9, 9, (1, 2, 7)), rationals(-9, 9, (1, 2, 7)))
+@examples(40)
 def test_a_rational_pose_is_found_again(m: Manipulator, t: Fraction | None, x: Fraction, y: Fraction) -> None:
     vectors = legs(m, direction(t), (x, y))
     assume(all(squares(vectors)))
@@ -122,6 +123,7 @@ def test_a_rational_pose_is_found_again(m: Manipulator, t: Fraction | None, x: F
 
 
 @given(heronian(), HALF_TANGENTS, rationals(-3, 3, (1, 2, 3)))
+@examples(40)
 def test_exact_multiplicities_on_the_singular_curve(m: Manipulator, t: Fraction | None, u: Fraction) -> None:
     """J is linear in L1, so every rational (alpha, theta1) has one rational singular slice."""
     alpha, theta = direction(t), direction(u)
@@ -149,6 +151,7 @@ def test_exact_multiplicities_on_the_singular_curve(m: Manipulator, t: Fraction 
 
 
 @given(manipulators(), lengths(), lengths(), lengths())
+@examples(40)
 def test_every_pose_closes_and_complex_ones_come_in_pairs(
     m: Manipulator, l1: Fraction, l2: Fraction, l3: Fraction
 ) -> None:
@@ -181,6 +184,7 @@ def mp_legs(m: Manipulator, pose: PlatformPose) -> list[mp.mpc]:
 
 
 @given(manipulators(), lengths(), lengths(), lengths())
+@examples(40)
 def test_scale_and_mirror(m: Manipulator, l1: Fraction, l2: Fraction, l3: Fraction) -> None:
     table = poses(m, l1, l2, l3, digits=20)
     names, factor = ("a2x", "a3x", "a3y", "d1", "d2", "d3"), Fraction(22, 7)

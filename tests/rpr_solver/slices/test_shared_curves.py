@@ -198,6 +198,7 @@ def at(t: Fraction | None, u: Fraction | None) -> Pose[Algebraic]:
 
 
 @given(st.fractions(-9, 9, max_denominator=9), st.fractions(-9, 9, max_denominator=9))
+@examples(30)
 def test_a_pose_lies_on_a_curve_where_its_equation_holds(t: Fraction, u: Fraction) -> None:
     pose = at(t, u)
     assert Curve(T * U - 6).holds(pose) == (t * u == 6)

@@ -73,8 +73,13 @@ def test_windows_narrower_than_any_scan_are_found() -> None:
     assert solve_slice(eliminant, inside, 15).count == solve_slice(eliminant, outside, 15).count + 2
 
 
-@pytest.mark.parametrize("fixed_leg", [1, slow(2), slow(3)])
-@pytest.mark.parametrize("name", [slow(x) if x in SLOW_FAMILIES else x for x in FAMILIES])
+@pytest.mark.parametrize(
+    ("name", "fixed_leg"),
+    [
+        *(slow(name, 1) if name in SLOW_FAMILIES else (name, 1) for name in FAMILIES),
+        *(slow(name, 2 + i % 2) for i, name in enumerate(FAMILIES)),
+    ],
+)
 def test_every_family_agrees_with_its_slices(name: str, fixed_leg: int) -> None:
     manipulator = family(name)
     document = census_of(manipulator, fixed_leg)
@@ -108,7 +113,7 @@ def test_degenerate_angles_leave_isolated_events(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["right angles", "similar, mirrored"])
+@pytest.mark.parametrize("name", ["similar, mirrored"])
 def test_the_discriminant_agrees(name: str) -> None:
     """If both methods apply, the events are among the lengths of the discriminant."""
     m, fixed_leg = SHARED_ANGLES[name]
@@ -160,9 +165,9 @@ def test_counts_agree_with_slices() -> None:
     answers = Counter[str]()
 
     @given(manipulators(size=20, denominators=(1, 2)), st.sampled_from([1, 2, 3]), st.data())
-    @examples(8)
+    @examples(5)
     def agree(m: Manipulator, fixed_leg: int, data: st.DataObject) -> None:
-        document = unless_refused(lambda: census(m, fixed_leg=fixed_leg, digits=20), answers)
+        document = unless_refused(lambda: census(m, fixed_leg=fixed_leg, digits=15), answers)
         eliminant = eliminate(m, fixed_leg)
         for length in data.draw(st.lists(lengths(60), min_size=4, max_size=4)):
             assert solve_slice(eliminant, length, 15).count == count_at(document, length)
@@ -173,14 +178,14 @@ def test_counts_agree_with_slices() -> None:
 
 @pytest.mark.slow
 @pytest.mark.timeout(400)
-@given(manipulators(size=12), st.sampled_from([1, 2, 3]))
+@given(manipulators(size=6, denominators=(1,)), st.sampled_from([1, 2, 3]))
 @examples(3)
 def test_scale_and_mirror(m: Manipulator, fixed_leg: int) -> None:
     names = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
     factor = 10**7  # it moves the decimal point only
     larger = replace(m, **{name: getattr(m, name) * factor for name in names})
     mirrored = replace(m, a3y=-m.a3y, orientation="cw" if m.orientation == "ccw" else "ccw")
-    own, scaled, reflected = (census(x, fixed_leg=fixed_leg, digits=20) for x in (m, larger, mirrored))
+    own, scaled, reflected = (census(x, fixed_leg=fixed_leg, digits=15) for x in (m, larger, mirrored))
     assert own.counts == scaled.counts == reflected.counts
     assert [t.length for t in own.transitions] == [t.length for t in reflected.transitions]
     for a, b in zip(own.transitions, scaled.transitions, strict=True):

@@ -135,7 +135,7 @@ def test_limits_agree_with_slices() -> None:
     answers = Counter[str]()
 
     @given(manipulators(size=15, denominators=(1, 2)), st.integers(5, 30), st.data())
-    @examples(5)
+    @examples(3)
     def agree(m: Manipulator, limit: int, data: st.DataObject) -> None:
         requirement = Requirement(stop=Fraction(40), max_cusps=0, limits={2: (None, Fraction(limit))})
         report = unless_refused(lambda: check(m, requirement, digits=20), answers)
