@@ -14,7 +14,7 @@ from rpr_solver.curves.destinations import Cusp, Tracker
 from rpr_solver.curves.follower import Follower
 from rpr_solver.curves.neighbourhood import CuspForms, Place
 from rpr_solver.model.half_tangent import HalfTangent
-from tests.support.definitions import Conditions, distance
+from tests.support.definitions import Slices, distance
 from tests.support.places import cusps_in, place
 from tests.support.shared import eliminant_of
 
@@ -46,14 +46,14 @@ def all_from(tracker: Tracker, start: Fraction, other: Fraction) -> dict[int, Cu
     return tracker.destinations(followers, *sorted((start, other)))
 
 
-def traced(conditions: Conditions, tracker: Tracker, start: Fraction, other: Fraction) -> dict[int, Cusp]:
+def traced(slices: Slices, tracker: Tracker, start: Fraction, other: Fraction) -> dict[int, Cusp]:
     """The same, in floating point."""
     low, high = sorted((start, other))
     ends = {decimal(x): x for x in (low, high)}
     cusps = {x: cusps_in(tracker.table(x)) for x in (low, high)}
     result = {}
     for i, cusp in enumerate(cusps[start]):
-        end, point = conditions.trace(cusp, decimal(low), decimal(high), upwards=start < other)
+        end, point = slices.trace(cusp, decimal(low), decimal(high), upwards=start < other)
         length = ends[end]
         [index] = [k for k, x in enumerate(cusps[length]) if distance(x, point) < 1e-12]
         result[i] = length, index
@@ -62,12 +62,12 @@ def traced(conditions: Conditions, tracker: Tracker, start: Fraction, other: Fra
 
 @pytest.mark.parametrize(("m", "leg", "low", "high"), PAIRS)
 def test_every_cusp_comes_to_where_its_curve_leads(m: Manipulator, leg: int, low: str, high: str) -> None:
-    tracker, conditions = Tracker(eliminant_of(m, leg), DIGITS), Conditions(m, leg)
+    tracker, slices = Tracker(eliminant_of(m, leg), DIGITS), Slices.of(m, leg)
     ends = Fraction(low), Fraction(high)
     ways = {}
     for start, other in (ends, ends[::-1]):
         destinations = all_from(tracker, start, other)
-        assert destinations == traced(conditions, tracker, start, other)
+        assert destinations == traced(slices, tracker, start, other)
         ways.update({(start, i): cusp for i, cusp in destinations.items()})
     # every curve has two ends, and each leads to the other
     assert set(ways) == {(end, i) for end in ends for i in range(tracker.table(end).count)}

@@ -14,7 +14,7 @@ from rpr_solver import EXAMPLES, Eliminant, Manipulator
 from rpr_solver.curves.follower import Follower, LostError
 from rpr_solver.curves.neighbourhood import CuspForms, Place
 from rpr_solver.model.half_tangent import HalfTangent
-from tests.support.definitions import Conditions, Point
+from tests.support.definitions import Point, Slices
 from tests.support.places import cusps_of, place
 from tests.support.shared import eliminant_of
 
@@ -62,7 +62,7 @@ def test_a_walk_ends_where_the_curve_does(
     m: Manipulator, leg: int, low: str, high: str, turning: tuple[int, int], upwards: bool
 ) -> None:
     """At the other slice, or at another cusp of its own where the curve turns back."""
-    eliminant, conditions = eliminant_of(m, leg), Conditions(m, leg)
+    eliminant, slices = eliminant_of(m, leg), Slices.of(m, leg)
     scale = eliminant.slice_map.scale
     ends = Fraction(low), Fraction(high)
     tables = {end: cusps_of(eliminant, end, DIGITS) for end in ends}
@@ -72,7 +72,7 @@ def test_a_walk_ends_where_the_curve_does(
         met = follower(eliminant, cusp, start, upwards=upwards).walk(ends[0] * scale, ends[1] * scale, TUBES)
         assert met is not None
         length, box = met[0] / scale, met[1]
-        expected, point = conditions.trace(cusp, *map(decimal, ends), upwards=upwards, step=0.01)
+        expected, point = slices.trace(cusp, *map(decimal, ends), upwards=upwards, step=0.01)
         assert decimal(length) == expected
         [index] = held(box, tables[length])
         assert held(box, [point]) == [0]

@@ -14,7 +14,7 @@ from rpr_solver.contract import silent
 from rpr_solver.curves.destinations import Tracker
 from rpr_solver.curves.naming import Tracks, name_cusps, tracks
 from rpr_solver.transitions.survey import Survey, survey
-from tests.support.definitions import Conditions, distance
+from tests.support.definitions import Slices, distance
 from tests.support.families import family
 from tests.support.places import cusps_in
 
@@ -42,7 +42,7 @@ def leads_to(low: Fraction, high: Fraction, start: Fraction, index: int) -> tupl
     tracker = surveyed()[1]
     ends = {mp.mpf(x.numerator) / x.denominator: x for x in (low, high)}
     cusp = cusps_in(tracker.table(start))[index]
-    end, point = Conditions(FLAT).trace(cusp, *ends, upwards=start == low)
+    end, point = Slices.of(FLAT).trace(cusp, *ends, upwards=start == low)
     reached = [k for k, x in enumerate(cusps_in(tracker.table(ends[end]))) if distance(x, point) < 1e-10]
     assert len(reached) == 1
     return ends[end], reached[0]

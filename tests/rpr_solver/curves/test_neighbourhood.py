@@ -25,7 +25,7 @@ from rpr_solver.curves.neighbourhood import (
 )
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.slice_map import SliceMap
-from tests.support.definitions import Conditions
+from tests.support.definitions import Slices
 from tests.support.families import family
 from tests.support.places import angle_of, ball, cusps_of, neighbourhood, number, place, scaled
 from tests.support.shared import census_of, eliminant_of
@@ -57,7 +57,7 @@ class TestExpansions:
         ids=["flat", "flat, leg 2", "irrational, leg 3", "isosceles"],
     )
     def test_everywhere_and_about_any_pose(self, m: Manipulator, fixed_leg: int) -> None:
-        conditions, slice_map = Conditions(m, fixed_leg), SliceMap.of(m, fixed_leg)
+        slices, slice_map = Slices.of(m, fixed_leg), SliceMap.of(m, fixed_leg)
         singular, coalescence = CuspForms(slice_map).at(BITS)
         ratios: list[list[mp.mpf]] = [[], [], []]
         for alpha, theta in zip(ANGLES, ANGLES[::-1], strict=True):
@@ -65,7 +65,7 @@ class TestExpansions:
             frame = Frame.about(place(alpha, theta), scaled(slice_map, length))
             for x, y, z in self.OFFSETS:
                 point = alpha + 2 * mp.atan(x), theta + 2 * mp.atan(y), length + length * z
-                _, _, j, *e = conditions.values(*point)
+                j, *e = vars(slices.values(point, "j", "e_f", "e_g")).values()
                 # J and E hold a factor L, which their forms lack
                 weight = ((1 + mp.mpf(x) ** 2) * (1 + mp.mpf(y) ** 2)) ** 3 / point[2]
                 expected = j * weight, *(w * weight for w in e)
@@ -181,12 +181,12 @@ class TestSteeperLeg:
     @pytest.mark.parametrize("fixed_leg", [1, 2, 3])
     def test_elsewhere_gradients_are_compared_by_the_sizes_of_the_legs(self, fixed_leg: int) -> None:
         m = EXAMPLES["twelve-cusps"]
-        forms, conditions = CuspForms(SliceMap.of(m, fixed_leg)), Conditions(m, fixed_leg)
+        forms, slices = CuspForms(SliceMap.of(m, fixed_leg)), Slices.of(m, fixed_leg)
         legs = forms.slice_map.f, forms.slice_map.g
         length = scaled(forms.slice_map, mp.mpf(9))
         taken = set()
         for alpha, theta in product((-2.0, -1.0, 0.5, 1.5, 2.5), repeat=2):
-            gradients = conditions.gradients(mp.mpf(alpha), mp.mpf(theta), mp.mpf(9))[:2]
+            gradients = slices.gradients((mp.mpf(alpha), mp.mpf(theta), mp.mpf(9)), "f", "g")
             steep = [
                 (a * a + t * t) / (w.platform2 + w.base2)
                 for (a, t, _), w in zip(gradients, legs, strict=True)
@@ -202,11 +202,11 @@ class TestHeading:
 
     @pytest.mark.parametrize("fixed_leg", [1, 3])
     def test_parameter_and_directions_are_the_tangents(self, fixed_leg: int) -> None:
-        conditions = Conditions(FLAT, fixed_leg)
+        slices = Slices.of(FLAT, fixed_leg)
         bests = set()
         for length in ("9", "26.39", "31.86338", "34.6"):
             for cusp in cusps_of(eliminant_of(FLAT, fixed_leg), Fraction(length), 40):
-                alpha, theta, log_length = conditions.tangent(cusp)
+                alpha, theta, log_length = slices.tangent(cusp)
                 tangent = alpha / 2, theta / 2, log_length
                 best = max(range(3), key=lambda i: abs(tangent[i]))
                 around = neighbourhood(FLAT, cusp, BITS, fixed_leg)

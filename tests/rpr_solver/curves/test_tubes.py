@@ -27,7 +27,7 @@ from rpr_solver.curves.neighbourhood import (
     values,
 )
 from rpr_solver.curves.tubes import Tube, build
-from tests.support.definitions import Conditions, Point
+from tests.support.definitions import Point, Slices
 from tests.support.places import ball, cusps_of, neighbourhood, number, place, scaled
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples
@@ -48,23 +48,23 @@ def _precision() -> Iterator[None]:
 
 
 @cache
-def tubes_of_cusps() -> list[tuple[Conditions, Point, Tube]]:
+def tubes_of_cusps() -> list[tuple[Slices, Point, Tube]]:
     """Tubes along each coordinate that will do, from cusps of the flat manipulator's slices."""
     tubes = []
     for fixed_leg, length in SLICES:
-        conditions = Conditions(FLAT, fixed_leg)
+        slices = Slices.of(FLAT, fixed_leg)
         for cusp in cusps_of(eliminant_of(FLAT, fixed_leg), Fraction(length), 40):
             around = neighbourhood(FLAT, cusp, BITS, fixed_leg)
             for axis in range(3):
                 tube = build(around, axis, True, REACH, None)
                 if tube is not None:
-                    tubes.append((conditions, cusp, tube))
+                    tubes.append((slices, cusp, tube))
     return tubes
 
 
-def origin(tube: Tube, conditions: Conditions) -> Point:
+def origin(tube: Tube, slices: Slices) -> Point:
     """Where the local coordinates of a tube begin, in radians and in the user's unit."""
-    slice_map = eliminant_of(conditions.manipulator, conditions.fixed_leg).slice_map
+    slice_map = eliminant_of(slices.manipulator, slices.fixed_leg).slice_map
     (s, c), (s2, c2) = tube.frame.alpha, tube.frame.theta
     angles = (2 * mp.atan2(number(x), number(y)) for x, y in ((s, c), (s2, c2)))
     length = number(tube.frame.length) * slice_map.scale.denominator / slice_map.scale.numerator
@@ -88,11 +88,11 @@ def middle(tube: Tube, r: mp.mpf) -> list[mp.mpf]:
     return local
 
 
-def on_curve(tube: Tube, conditions: Conditions, share: float) -> tuple[Point, list[mp.mpf]]:
+def on_curve(tube: Tube, slices: Slices, share: float) -> tuple[Point, list[mp.mpf]]:
     """The zero of J and E at a share of the tube's reach: as it is, and in local coordinates."""
-    base = origin(tube, conditions)
+    base = origin(tube, slices)
     start = outside(base, middle(tube, number(tube.reach) * share))
-    point = conditions.newton(start, held=tube.axis)
+    point = slices.newton(start, held=tube.axis)
     assert point is not None
     return point, inside(base, point)
 
@@ -104,10 +104,10 @@ def holds(box: Place, point: Point) -> bool:
 class TestOnCuspCurves:
     def test_newtons_points_lie_in_the_tube(self) -> None:
         axes = set()
-        for conditions, _, tube in tubes_of_cusps():
+        for slices, _, tube in tubes_of_cusps():
             axes.add(tube.axis)
             for share in WHOLE:
-                local = on_curve(tube, conditions, share)[1]
+                local = on_curve(tube, slices, share)[1]
                 away = [abs(a - b) for a, b in zip(local, middle(tube, local[tube.axis]), strict=True)]
                 del away[tube.axis]
                 assert all(d < number(radius) for d, radius in zip(away, tube.radii, strict=True))
@@ -128,8 +128,8 @@ class TestOnCuspCurves:
 
     def test_its_forms_are_j_and_e_made_ready(self) -> None:
         """Both vanish on the curve, and their slopes across it are those of p and q."""
-        for conditions, _, tube in tubes_of_cusps():
-            local = on_curve(tube, conditions, 0.5)[1]
+        for slices, _, tube in tubes_of_cusps():
+            local = on_curve(tube, slices, 0.5)[1]
             r = ball(local.pop(tube.axis))
             p, q = map(ball, local)
             for number_of, n in enumerate(tube.nonlinear):
@@ -139,16 +139,16 @@ class TestOnCuspCurves:
 
     def test_the_parabola_follows_to_the_second_order(self) -> None:
         """At a tenth of the distance it is off by a thousandth."""
-        for conditions, _, tube in tubes_of_cusps():
+        for slices, _, tube in tubes_of_cusps():
             off = []
             for share in (1, 0.1):
-                local = on_curve(tube, conditions, share)[1]
+                local = on_curve(tube, slices, share)[1]
                 along = middle(tube, local[tube.axis])
                 off.append(max(abs(a - b) for a, b in zip(local, along, strict=True)))
             assert off[1] < off[0] / 300
 
     def test_the_box_of_a_slice_holds_its_cusp_and_no_other(self) -> None:
-        eliminant, conditions = eliminant_of(FLAT), Conditions(FLAT)
+        eliminant, slices = eliminant_of(FLAT), Slices.of(FLAT)
         length = Fraction("26.3901")
         target = scaled(eliminant.slice_map, mp.mpf("26.3901"))
         others = cusps_of(eliminant, length, 40)
@@ -157,7 +157,7 @@ class TestOnCuspCurves:
             tube = build(neighbourhood(FLAT, cusp, BITS), ALONG_L, True, REACH, None)
             assert tube is not None
             box = tube.place_at(target)
-            _, point = conditions.trace(cusp, mp.mpf(26), mp.mpf("26.3901"), upwards=True, step=0.001)
+            _, point = slices.trace(cusp, mp.mpf(26), mp.mpf("26.3901"), upwards=True, step=0.001)
             assert holds(box, point)
             [only] = [i for i, other in enumerate(others) if holds(box, other)]
             met.append(only)
@@ -166,15 +166,15 @@ class TestOnCuspCurves:
     def test_the_end_is_a_box_round_the_curve_near_the_end(self) -> None:
         """No wider than the tube, and nearly always much smaller."""
         widths = []
-        for conditions, cusp, _ in tubes_of_cusps():
-            if conditions.fixed_leg != 1:
+        for slices, cusp, _ in tubes_of_cusps():
+            if slices.fixed_leg != 1:
                 continue
             slice_map = eliminant_of(FLAT).slice_map
             for axis, forwards in product(range(3), (True, False)):
                 tube = build(neighbourhood(FLAT, cusp, BITS), axis, forwards, REACH, None)
                 if tube is None:
                     continue
-                point, local = on_curve(tube, conditions, 0.999 if forwards else -0.999)
+                point, local = on_curve(tube, slices, 0.999 if forwards else -0.999)
                 box, length = tube.end()
                 assert holds(box, point)
                 assert abs(length.mid() - scaled(slice_map, point[2]).mid()) < length.rad() + 1e-36

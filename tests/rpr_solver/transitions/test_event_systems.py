@@ -21,7 +21,7 @@ from rpr_solver.transitions.event_systems import (
     System,
     limit_system,
 )
-from tests.support.conditions import DIGITS, Slices, real
+from tests.support.definitions import DIGITS, Slices, real
 from tests.support.families import family
 from tests.support.strategies import examples
 

@@ -24,7 +24,7 @@ from rpr_solver.transitions.events import (
     positive_roots,
     stretched_closings,
 )
-from tests.support.conditions import DIGITS, Place, Slices, number, real, same_place
+from tests.support.definitions import DIGITS, Point, Slices, number, real, same_place
 from tests.support.families import family
 from tests.support.shared import eliminant_of
 
@@ -43,7 +43,7 @@ def events_of(m: Manipulator, fixed_leg: int) -> list[Event]:
     return list(events(systems_of(m, fixed_leg)))
 
 
-def place_of(event: Event, slice_map: SliceMap) -> Place:
+def place_of(event: Event, slice_map: SliceMap) -> Point:
     assert event.pose is not None
     alpha, theta, *_ = map(number, event.pose.coordinates(BITS))
     length = number(event.scaled_length(BITS)) / real(slice_map.scale)

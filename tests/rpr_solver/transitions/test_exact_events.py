@@ -29,7 +29,7 @@ from rpr_solver.transitions.exact_events import (
     permanent_events,
     permanent_limits,
 )
-from tests.support.conditions import DIGITS, Place, Slices, number, real, same_place
+from tests.support.definitions import DIGITS, Point, Slices, number, real, same_place
 from tests.support.families import family
 
 ZEIN = EXAMPLES["zein-flat"]
@@ -51,7 +51,7 @@ def systems_of(m: Manipulator, fixed_leg: int) -> EventSystems:
     return EventSystems.of(SliceMap.of(m, fixed_leg))
 
 
-def place_of(pose: Pose[Algebraic], length: mpf) -> Place:
+def place_of(pose: Pose[Algebraic], length: mpf) -> Point:
     entries = (pose.cos_alpha, pose.sin_alpha, pose.cos_theta, pose.sin_theta)
     cos_a, sin_a, cos_t, sin_t = (number(x.ball(256)) for x in entries)
     return mp.atan2(sin_a, cos_a), mp.atan2(sin_t, cos_t), length

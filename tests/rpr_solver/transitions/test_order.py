@@ -30,7 +30,7 @@ from rpr_solver.transitions.order import (
     _same_number,
     grouped,
 )
-from tests.support.conditions import DIGITS, Slices, number, real
+from tests.support.definitions import DIGITS, Slices, number, real
 from tests.support.families import family
 
 RATIONALS = Field.rationals()
