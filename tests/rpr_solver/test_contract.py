@@ -69,15 +69,22 @@ def test_the_defaults_are_in_the_range() -> None:
 
 @pytest.mark.parametrize("bad", [20.0, "20", True, None, Decimal(20), Fraction(20), [20]], ids=repr)
 def test_only_integers_are_integers(bad: Any) -> None:
-    field, message = problem(lambda: check_integer(bad, "count", "2 to 9"))
+    field, message = problem(lambda: check_integer(bad, "count", "2 to 9", 2, 9))
     assert field == "count"
     assert message == f"{bad!r} is a {type(bad).__name__}, not an integer; give 2 to 9"
     assert problem(lambda: check_digits(bad))[0] == "digits"
     assert problem(lambda: check_leg(bad))[0] == "fixed_leg"
 
 
+@pytest.mark.parametrize("outside", [1, 10])
+def test_an_integer_out_of_range_is_refused(outside: int) -> None:
+    message = problem(lambda: check_integer(outside, "count", "2 to 9", 2, 9))
+    assert message == ("count", f"is {outside}; give 2 to 9")
+    assert check_integer(10**9, "count", "2 or more", 2) == 10**9
+
+
 def test_an_integer_of_another_type_becomes_an_int() -> None:
-    for number in (check_integer(Small(20), "count", "any"), check_digits(Small(20)), check_leg(Small(2))):
+    for number in (check_integer(Small(20), "count", "any", 0), check_digits(Small(20)), check_leg(Small(2))):
         assert type(number) is int
 
 
