@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fastapi import Request, Response
 
+from service.api.access.admission import admit
 from service.api.access.caller import caller_of, subscriber_of
 from service.api.body import json_of, read_body
 from service.api.context import Context
@@ -31,8 +32,18 @@ async def answer_question(request: Request, context: Context, operation: Operati
     negotiate(request.headers.getlist("accept"), tuple(dict.fromkeys((*operation.forms, JSON))))
     prefer = parse_prefer(request.headers.getlist("prefer"))
     waited, seconds = _patience(prefer, operation.implied_wait, settings.limits.max_wait_seconds)
-    who = subscriber_of(caller_of(request.scope))
-    outcome = await context.redis(_begin, context, job_request, who, seconds or 0, deadline_s)
+    caller = caller_of(request.scope)
+    who = subscriber_of(caller)
+
+    def begin() -> Answer | JobView:
+        known = context.queue.known(job_request)
+        if known is not None:
+            return known
+        check_price(job_request, settings.limits)
+        admit(caller, job_request, context.queue.quotas, settings.limits)
+        return _finished(context, context.queue.submit_for(who, job_request, seconds or 0, deadline_s))
+
+    outcome = await context.redis(begin)
     way = "cached"
     if isinstance(outcome, JobView):
         way = "job"
@@ -63,16 +74,6 @@ def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[i
     if wanted is not None or implied is None or prefer.respond_async:
         return wanted, wanted
     return None, min(implied, longest)
-
-
-def _begin(
-    context: Context, job_request: JobRequest, who: Subscriber, seconds: int, deadline_s: float | None
-) -> Answer | JobView:
-    known = context.queue.known(job_request)
-    if known is not None:
-        return known
-    check_price(job_request, context.settings.limits)
-    return _finished(context, context.queue.submit_for(who, job_request, seconds, deadline_s))
 
 
 def _waited(context: Context, view: JobView, who: Subscriber) -> Answer | JobView:

@@ -11,8 +11,6 @@ from starlette.staticfiles import StaticFiles
 
 from service import __version__
 from service.api.access.guard import Guard
-from service.api.access.key_ring import KeyRing
-from service.api.access.key_store import KeyStore
 from service.api.access_log import AccessLog
 from service.api.compression import Compression
 from service.api.context import Context
@@ -56,8 +54,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.mount("/static", StaticFiles(directory=WEB), name="static")
     add_error_handlers(app)
     describe(app)
-    keys = KeyStore(context.queue.redis, context.queue.settings.key_prefix)
-    app.add_middleware(Guard, settings=settings, ring=KeyRing(keys, context.redis))
+    app.add_middleware(Guard, context=context)
     app.add_middleware(
         Compression, minimum_size=settings.gzip_bytes, compresslevel=5, thread_minimum_size=1 << 14
     )

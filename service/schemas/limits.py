@@ -56,6 +56,18 @@ class Limits(BaseSettings):
         default=20_000, description="maximum number of members and elements in a request body, about"
     )
     max_result_bytes: PositiveInt = Field(default=256 << 20, description="maximum size of a result, in bytes")
+    max_requests_per_minute: NonNegativeInt = Field(
+        default=6000,
+        description="maximum number of requests in a minute with one key, or from one network address "
+        "without keys; 0: any number; does not count for clients on the same computer without keys",
+    )
+    max_active_jobs: NonNegativeInt = Field(
+        default=500, description="maximum number of queued and running jobs, counted in the same way"
+    )
+    max_active_seconds: NonNegativeInt = Field(
+        default=7200,
+        description="maximum estimated work of these jobs, in seconds of one core, counted in the same way",
+    )
     max_wait_seconds: NonNegativeInt = Field(
         default=30, description="maximum time that `Prefer: wait` can hold a request, in seconds"
     )

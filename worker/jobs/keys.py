@@ -33,6 +33,10 @@ class Keys:
         base = f"{self.prefix}:job:{job_id}"
         return JobKeys(base, f"{base}:chunks", f"{base}:bits", f"{base}:errors", f"{base}:events")
 
+    def client(self, client: str) -> str:
+        """Returns the key of what a client holds."""
+        return f"{self.prefix}:client:{client}"
+
     def beat(self, chunk_id: str) -> str:
         """Returns the key of a running chunk's heartbeat."""
         return f"{self.prefix}:beat:{chunk_id}"

@@ -17,6 +17,7 @@ from worker.jobs.backlog import Backlog
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.deadlines import Deadlines
 from worker.jobs.lanes import Plan, plan
+from worker.jobs.quotas import Quotas
 from worker.jobs.readiness import Readiness, readiness
 from worker.jobs.records import JobRecords, JobView
 from worker.jobs.roster import Roster
@@ -36,6 +37,7 @@ class JobQueue:
         self.subscriptions = Subscriptions(redis, self.settings)
         self.deadlines = Deadlines(redis, self.settings)
         self.backlog = Backlog(redis, self.settings)
+        self.quotas = Quotas(redis, self.settings)
 
     def submit(self, request: JobRequest, deadline_s: float | None = None) -> JobView:
         """Submit a request for a table or another document; returns its job.
@@ -90,6 +92,8 @@ class JobQueue:
     def withdraw(self, job_id: str, who: Subscriber) -> JobView | None:
         """Withdraw a client from a job, which is canceled if it was the last; returns the job."""
         self.subscriptions.withdraw(job_id, who)
+        if who.is_known:
+            self.quotas.forget(who.client, job_id)
         self.chunks.withdraw(self.records.cancel(job_id, if_unwanted=True) or [])
         return self.get(job_id)
 

@@ -6,6 +6,7 @@ from collections.abc import MutableMapping
 from dataclasses import dataclass
 from typing import Any
 
+from service.api.access.hosts import is_loopback
 from service.api.access.keys import Scope
 from service.api.access_log import KEY_NAME
 from worker.jobs.subscriptions import Subscriber
@@ -26,6 +27,11 @@ class Caller:
     id: str
     name: str | None
     scope: Scope
+
+    @property
+    def is_limited(self) -> bool:
+        """Whether rates and quotas count for the caller: not for one without a key on the same computer."""
+        return not (self.is_anonymous and is_loopback(self.id.removeprefix("address:")))
 
     @property
     def is_anonymous(self) -> bool:

@@ -25,8 +25,8 @@ def describe_access(contract: dict[str, Any]) -> None:
             needed = scope_needed(method.upper(), path)
             kinds = [ProblemType.UNKNOWN_HOST]
             if needed is not None:
-                kinds += [ProblemType.UNAUTHORIZED, ProblemType.FORBIDDEN]
+                kinds += [ProblemType.UNAUTHORIZED, ProblemType.FORBIDDEN, ProblemType.TOO_MANY_REQUESTS]
                 operation["security"] = [{}, {"key": []}]
                 operation["description"] += f"\n\nOn a service that asks for keys: scope `{needed}`."
-            answers = {str(status): answer for status, answer in problems(*kinds).items()}
+            answers: dict[str, Any] = {str(status): answer for status, answer in problems(*kinds).items()}
             operation["responses"] = dict(sorted({**answers, **operation["responses"]}.items()))

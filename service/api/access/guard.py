@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+
 from redis.exceptions import RedisError
-from starlette.datastructures import Headers
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.access.caller import Caller, set_caller
 from service.api.access.hosts import is_known
 from service.api.access.key_ring import KeyRing
+from service.api.access.key_store import KeyStore
 from service.api.access.keys import allows
+from service.api.access.rate import Allowance, RateLimit
 from service.api.access.rules import scope_needed
+from service.api.context import Context
 from service.api.error_handlers import problem_of
 from service.api.problems import ProblemError, ProblemType
-from service.api.settings import Settings
 
 _CHALLENGE = 'Bearer realm="rpr-cusps"'
 
@@ -22,23 +27,28 @@ _CHALLENGE = 'Bearer realm="rpr-cusps"'
 class Guard:
     """A layer of the application; refuses before a body is read."""
 
-    def __init__(self, app: ASGIApp, settings: Settings, ring: KeyRing) -> None:
+    def __init__(self, app: ASGIApp, context: Context) -> None:
+        settings, redis, prefix = context.settings, context.queue.redis, context.queue.settings.key_prefix
         self.app = app
         self.settings = settings
-        self.ring = ring
+        self.ask = context.redis
+        self.ring = KeyRing(KeyStore(redis, prefix), context.redis)
+        self.rate = RateLimit(redis, prefix, settings.limits.max_requests_per_minute)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let one request in, or answer it with a problem."""
         if scope["type"] == "http":
+            headers: dict[str, str] = {}
+            send = _with_headers(send, headers)
             try:
-                await self._admit(scope)
+                await self._admit(scope, headers)
             except (ProblemError, RedisError) as error:
                 response = problem_of(Request(scope), error).response(scope["path"])
                 await response(scope, receive, send)
                 return
         await self.app(scope, receive, send)
 
-    async def _admit(self, scope: Scope) -> None:
+    async def _admit(self, scope: Scope, answer_headers: dict[str, str]) -> None:
         headers = Headers(scope=scope)
         _check_host(headers, self.settings.host_names)
         needed = scope_needed(scope["method"], scope["path"])
@@ -46,6 +56,11 @@ class Guard:
             return
         caller = await self._caller(scope, headers)
         set_caller(scope, caller)
+        if caller.is_limited and self.rate.limit:
+            allowance = await self.ask(self.rate.take, caller.id)
+            answer_headers.update(allowance.headers())
+            if allowance.is_over:
+                raise _too_many(allowance)
         if not allows(caller.scope, needed):
             raise ProblemError(
                 ProblemType.FORBIDDEN,
@@ -80,6 +95,25 @@ class Guard:
     async def _is_open(self) -> bool:
         required = self.settings.require_keys
         return required == "never" or (required == "auto" and await self.ring.is_empty())
+
+
+def _with_headers(send: Send, headers: Mapping[str, str]) -> Send:
+    async def send_on(message: Message) -> None:
+        if headers and message["type"] == "http.response.start":
+            MutableHeaders(scope=message).update(headers)
+        await send(message)
+
+    return send_on
+
+
+def _too_many(allowance: Allowance) -> ProblemError:
+    name = "max_requests_per_minute"
+    return ProblemError(
+        ProblemType.TOO_MANY_REQUESTS,
+        f"More than {allowance.limit} requests in a minute; the limit is {name}.",
+        headers={"Retry-After": str(max(1, math.ceil(allowance.retry_s)))},
+        extra={"limit": {"name": name, "value": allowance.limit}},
+    )
 
 
 def _check_host(headers: Headers, names: tuple[str, ...]) -> None:

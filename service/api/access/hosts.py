@@ -44,6 +44,18 @@ def is_known(header: str, names: Collection[str]) -> bool:
     )
 
 
+def is_loopback(address: str) -> bool:
+    """Whether a network address is one of this computer alone.
+
+    >>> is_loopback("127.0.0.1"), is_loopback("::1"), is_loopback("192.0.2.1"), is_loopback("unknown")
+    (True, True, False, False)
+    """
+    try:
+        return ipaddress.ip_address(address.partition("%")[0]).is_loopback
+    except ValueError:
+        return False
+
+
 def _is_address(host: str) -> bool:
     try:
         ipaddress.ip_address(host[1:-1] if host.startswith("[") else host)

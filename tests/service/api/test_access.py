@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +13,9 @@ import pytest
 from service.api.access.key_ring import _LONGEST_AGE
 from service.api.access.key_store import KeyStore
 from service.api.access.keys import Scope, make_key
+from service.api.access.rate import RateLimit
 from service.api.settings import Settings
+from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import GEOMETRY, serving
@@ -165,6 +168,66 @@ def test_no_one_is_let_in_while_it_is_not_known_whether_there_are_keys(tmp_path:
         answer = httpx.get(f"{base}/v1/limits")
         assert (answer.status_code, answer.json()["type"]) == (503, "/problems/unavailable")
         assert httpx.get(f"{base}/healthz").status_code == 200
+
+
+@pytest.fixture
+def limited(url: str, store: KeyStore) -> Iterator[httpx.Client]:  # noqa: ARG001
+    """A client, without a key, of a service with small limits that lets everyone in."""
+    limits = Limits(max_requests_per_minute=5, max_active_jobs=1)
+    with (
+        serving(Settings(redis_url=url, require_keys="never", limits=limits)) as base,
+        httpx.Client(base_url=base, timeout=PATIENCE) as client,
+    ):
+        yield client
+
+
+def test_a_key_has_an_allowance_of_requests(limited: httpx.Client, store: KeyStore) -> None:
+    one, two = bearer(store), bearer(store)
+    answers = [limited.get("/v1/limits", headers=one) for _ in range(6)]
+    assert [answer.status_code for answer in answers] == [200] * 5 + [429]
+    assert {answer.headers["ratelimit-policy"] for answer in answers} == {'"requests";q=5;w=60'}
+    left = [int(re.match(r'"requests";r=(\d+);t=\d+$', a.headers["ratelimit"])[1]) for a in answers]  # type: ignore[index]
+    assert left == [4, 3, 2, 1, 0, 0]
+    problem = answers[-1].json()
+    assert (problem["type"], problem["limit"]) == (
+        "/problems/too-many-requests",
+        {"name": "max_requests_per_minute", "value": 5},
+    )
+    assert 1 <= int(answers[-1].headers["retry-after"]) <= 12
+    assert limited.get("/v1/limits", headers=two).status_code == 200
+    assert limited.get("/healthz", headers=one).status_code == 200
+
+
+def test_the_allowance_refills(store: KeyStore) -> None:
+    rate = RateLimit(store.redis, "cusps", 6000)
+    first = rate.take("key:a")
+    assert (first.is_over, first.left) == (False, 5999)
+    few = RateLimit(store.redis, "cusps", 600)
+    while not (last := few.take("key:b")).is_over:
+        pass
+    assert 0 < last.retry_s <= 0.1
+    time.sleep(last.retry_s + 0.01)
+    assert not few.take("key:b").is_over
+
+
+def test_without_a_key_the_address_counts_but_not_that_of_this_computer(limited: httpx.Client) -> None:
+    """A proxy on this computer says whose request it is."""
+    far = {"X-Forwarded-For": "192.0.2.9"}
+    assert [limited.get("/v1/limits", headers=far).status_code for _ in range(6)] == [200] * 5 + [429]
+    here = [limited.get("/v1/limits") for _ in range(6)]
+    assert {answer.status_code for answer in here} == {200}
+    assert "ratelimit" not in here[0].headers
+
+
+def test_a_key_has_a_number_of_jobs(limited: httpx.Client, store: KeyStore) -> None:
+    key = bearer(store)
+    first = limited.post("/v1/cusp-tables", json=QUESTION, headers=key)
+    second = limited.post("/v1/cusp-tables", json={**QUESTION, "l1": 15}, headers=key)
+    assert (first.status_code, second.status_code) == (202, 429)
+    assert second.json()["limit"] == {"name": "max_active_jobs", "value": 1}
+    assert "withdraw" in second.json()["detail"]
+    assert limited.delete(first.json()["links"]["cancel"], headers=key).json()["status"] == "canceled"
+    assert limited.post("/v1/cusp-tables", json={**QUESTION, "l1": 15}, headers=key).status_code == 202
 
 
 @pytest.mark.parametrize(
