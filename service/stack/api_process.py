@@ -130,6 +130,8 @@ class ApiServer(uvicorn.Server):
 
     def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Tell of a lack of file descriptors once a minute, not for each connection that has to wait."""
+        if self.should_exit and "_start_serving" in context["message"]:
+            return  # it would accept again after a pause, but the listening socket is closed now
         if "out of system resource" not in context["message"]:
             loop.default_exception_handler(context)
         elif time.monotonic() >= self._next_complaint:

@@ -1,0 +1,300 @@
+"""`rpr-cusps serve`: the supervisor, Valkey, the API and the workers on one machine."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import time
+from concurrent.futures import ThreadPoolExecutor, wait
+from pathlib import Path
+
+import httpx
+import pytest
+
+from service.stack.data_dir import runtime_dir
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.jobs import a_request, ended
+from tests.support.processes import PATIENCE, environment, is_running, started, until
+from tests.support.service_server import GEOMETRY
+from tests.support.stack import Stack, command, failure, running
+from worker.jobs.queue import JobQueue
+from worker.settings import WorkerSettings
+
+SLOW = "tests.support.hard_tasks.slow_once"
+ENDLESS = "tests.support.hard_tasks.endless"
+PARTS = {"api_process": "the API", "valkey-server": "the embedded Valkey", "worker.__main__": "a worker"}
+HANG = 3  # seconds
+
+
+def answers(stack: Stack, l1: str) -> bool:
+    """Whether a new question is answered; waits as long as it takes."""
+
+    def ask() -> bool:
+        with contextlib.suppress(httpx.HTTPError):
+            body = {"geometry": GEOMETRY, "l1": l1, "digits": 15}
+            url, wait_for_it = f"{stack.base}/v1/cusp-tables", {"Prefer": "wait=30"}
+            return httpx.post(url, json=body, headers=wait_for_it, timeout=PATIENCE).status_code == 200
+        return False
+
+    return until(ask)
+
+
+def kill(stack: Stack, part: str, number: signal.Signals = signal.SIGKILL) -> int:
+    """Send a signal to a child; returns its process id."""
+    os.kill(pid := stack.part(part), number)
+    return pid
+
+
+def stopped(stack: Stack) -> list[str]:
+    """Stop the stack in an orderly way; returns what it complained about."""
+    stack.process.terminate()
+    assert stack.process.wait(PATIENCE) == 0
+    return stack.complaints()
+
+
+def test_all_children_are_killed(tmp_path: Path) -> None:
+    """Valkey, the API and the worker are killed at once. All are replaced, the port stays open meanwhile,
+    and accepted jobs are done."""
+    with running(tmp_path) as stack:
+        with stack.redis() as redis:
+            job = JobQueue(redis).submit(a_request(*map(str, range(1, 30))))
+            redis.waitaof(1, 0, 5000)
+        before = [kill(stack, part) for part in PARTS]
+        until(lambda: not any(map(is_running, before)))
+        assert httpx.get(f"{stack.base}/healthz", timeout=PATIENCE).status_code == 200
+        assert answers(stack, "14.98")
+        with stack.redis() as redis:
+            assert ended(JobQueue(redis), job.id).status == "succeeded"
+        complaints = stopped(stack)
+        for name in PARTS.values():
+            assert sum(line.endswith(f" {name} died (SIGKILL); starting another") for line in complaints) == 1
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT])
+@pytest.mark.parametrize("part", PARTS)
+def test_a_child_is_told_to_end(tmp_path: Path, part: str, number: signal.Signals) -> None:
+    """Valkey, the API or the worker receives SIGTERM, SIGINT, SIGHUP or SIGQUIT from somebody else. It is
+    replaced if it ends, and accepted jobs are done."""
+    with running(tmp_path) as stack:
+        with stack.redis() as redis:
+            job = JobQueue(redis).submit(a_request(*map(str, range(1, 30))))
+        pid = kill(stack, part, number)
+        if (part, number) != ("valkey-server", signal.SIGHUP):  # which ignores it
+            until(lambda: not is_running(pid))
+        assert answers(stack, "14.98")
+        with stack.redis() as redis:
+            assert ended(JobQueue(redis), job.id).status == "succeeded"
+        stopped(stack)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("part", PARTS)
+def test_a_child_hangs(tmp_path: Path, part: str) -> None:
+    """Valkey, the API or the worker is stopped by SIGSTOP for good. It is killed and replaced after
+    `RPR_CUSPS_HANG_SECONDS`, and accepted jobs are done."""
+    with running(tmp_path, hang_seconds=HANG) as stack:
+        with stack.redis() as redis:
+            job = JobQueue(redis).submit(a_request(*map(str, range(1, 30))))
+            redis.waitaof(1, 0, 5000)
+        pid = kill(stack, part, signal.SIGSTOP)
+        until(lambda: not is_running(pid))
+        assert answers(stack, "14.98")
+        with stack.redis() as redis:
+            assert ended(JobQueue(redis), job.id).status == "succeeded"
+        assert any(f"{PARTS[part]} gives no sign of life" in line for line in stopped(stack))
+
+
+@pytest.mark.long
+def test_the_supervisor_stands_still(tmp_path: Path) -> None:
+    """The supervisor is stopped by SIGSTOP for longer than a child may hang, and continued. It replaces no
+    child that lived on."""
+    with running(tmp_path, hang_seconds=HANG) as stack:
+        before = [stack.part(part) for part in PARTS]
+        stack.process.send_signal(signal.SIGSTOP)
+        assert answers(stack, "14.98")
+        time.sleep(HANG + 2)
+        stack.process.send_signal(signal.SIGCONT)
+        time.sleep(2)
+        assert [stack.part(part) for part in PARTS] == before
+        assert stopped(stack) == []
+
+
+def test_the_socket_is_removed(tmp_path: Path) -> None:
+    """The socket of Valkey is removed with its directory. Valkey is started again with the same data, and
+    jobs are done."""
+    with running(tmp_path) as stack:
+        assert answers(stack, "14.98")
+        shutil.rmtree(runtime_dir(tmp_path))
+        until(lambda: (runtime_dir(tmp_path) / "valkey.sock").exists())
+        assert answers(stack, "15")
+        [line] = stopped(stack)
+        assert re.fullmatch(
+            r"\S+Z rpr_cusps\.serve WARNING the embedded Valkey lost its socket; starting another", line
+        )
+
+
+def test_the_end_of_the_data_is_damaged_while_it_runs(tmp_path: Path) -> None:
+    """Valkey is killed and leaves a damaged end of its append-only file. The supervisor repairs it and
+    goes on."""
+    with running(tmp_path) as stack:
+        assert answers(stack, "14.98")
+        [file] = (tmp_path / "appendonlydir").glob("*.incr.aof")
+        kill(stack, "valkey-server", signal.SIGSTOP)  # else it would write on behind the damage
+        with file.open("ab") as damaged:
+            damaged.write(bytes(100))
+        kill(stack, "valkey-server")
+        assert answers(stack, "15")
+        assert any("damaged bytes off the end" in line for line in stopped(stack))
+    assert list(tmp_path.glob("*.damaged"))
+
+
+def test_idle_connections_use_up_all_files(tmp_path: Path) -> None:
+    """More clients connect than the API may have files open, and send nothing. `serve` goes on with a few
+    lines, a worker that dies is replaced, and others are served once those leave."""
+    limited = ["sh", "-c", 'ulimit -n 128; exec "$@"', "sh", *command(tmp_path)]
+    pipe = subprocess.PIPE
+    variables = environment(access_log="off")
+    with started(limited, env=variables, stdout=pipe, stderr=pipe, text=True) as process:
+        stack = Stack(process, process.stdout.readline(), tmp_path)
+        port = httpx.URL(stack.base).port
+        with contextlib.ExitStack() as idle:
+            for _ in range(160):
+                idle.enter_context(socket.create_connection(("127.0.0.1", port or 0)))
+            pid = kill(stack, "worker.__main__")
+            until(lambda: not is_running(pid))
+            time.sleep(1)
+            assert process.poll() is None
+        assert answers(stack, "14.98")
+        assert len(stopped(stack)) < 10
+
+
+@pytest.mark.long
+def test_nobody_reads_what_it_says(tmp_path: Path) -> None:
+    """The reader of stderr is gone, or no longer reads. `serve` goes on, and replaces what dies."""
+    with running(tmp_path) as stack:
+        assert stack.process.stderr is not None
+        stack.process.stderr.close()
+        for _ in range(2):
+            pid = kill(stack, "worker.__main__")
+            until(lambda pid=pid: not is_running(pid))
+            assert answers(stack, "14.98")
+        kill(stack, "api_process")
+        assert answers(stack, "15")
+
+
+ENDS = [
+    signal.SIGTERM,
+    signal.SIGKILL,
+    pytest.param(signal.SIGINT, marks=pytest.mark.long),
+    pytest.param(signal.SIGHUP, marks=pytest.mark.long),
+    pytest.param(signal.SIGQUIT, marks=pytest.mark.long),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", ENDS, ids=str)
+def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None:
+    """The supervisor receives SIGTERM, SIGINT, SIGHUP, SIGQUIT or SIGKILL, alone or with its process
+    group. Everything ends with it, and after the next start the running job is done, without a loss
+    counted unless it was killed."""
+    is_kill = number == signal.SIGKILL
+    losses = {"max_losses": 0, "max_worker_losses": 1 if is_kill else 0}
+    with running(tmp_path, workers=2, task=SLOW, **losses) as stack, stack.redis() as redis:
+        queue = JobQueue(redis, WorkerSettings(task=SLOW))
+        view = queue.submit(a_request("1"))
+        until(lambda: len(stack.parts()) == 5)  # with the work horse
+        parts = stack.parts()
+        os.killpg(stack.process.pid, number)
+        assert stack.process.wait(PATIENCE) == (-number if is_kill else 0)
+        until(lambda: not any(map(is_running, parts)))
+    with running(tmp_path, **losses) as stack, stack.redis() as redis:
+        done = ended(JobQueue(redis), view.id)
+        assert (done.run, done.status) == (view.run, "succeeded")
+
+
+@pytest.mark.long
+def test_everything_is_killed_at_once(tmp_path: Path) -> None:
+    """The supervisor and all its children are killed, three times during one job. Each start goes on with
+    the job, and it succeeds."""
+    request = a_request(*map(str, range(1, 60)))
+    for _ in range(3):
+        with running(tmp_path, workers=2) as stack, stack.redis() as redis:
+            JobQueue(redis).submit(request)
+            parts = [stack.process.pid, *stack.parts()]
+            redis.waitaof(1, 0, 5000)
+            for pid in parts:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+            until(lambda parts=parts: not any(map(is_running, parts)))
+    with running(tmp_path, workers=2) as stack, stack.redis() as redis:
+        assert ended(JobQueue(redis), request.job_id).status == "succeeded"
+
+
+@pytest.mark.slow
+def test_queued_jobs_are_resumed(tmp_path: Path) -> None:
+    """`serve` is stopped while jobs wait. They are done after the next start."""
+    requests = [a_request(str(i)) for i in range(1, 4)]
+    with running(tmp_path, workers=0) as stack, stack.redis() as redis:
+        for request in requests:
+            JobQueue(redis).submit(request)
+        stack.process.terminate()
+        assert stack.process.wait(PATIENCE) == 0
+    with running(tmp_path, workers=2) as stack, stack.redis() as redis:
+        for request in requests:
+            assert ended(JobQueue(redis), request.job_id).status == "succeeded"
+
+
+@pytest.mark.slow
+def test_a_second_signal_hurries(tmp_path: Path) -> None:
+    """`serve` receives a second signal while it stops. It ends at once, with exit status 0."""
+    settings = {"task": ENDLESS, "shutdown_grace": 60}
+    with running(tmp_path, **settings) as stack, stack.redis() as redis:
+        JobQueue(redis, WorkerSettings(task=ENDLESS)).submit(a_request("1"))
+        until(lambda: len(stack.parts()) == 4)
+        parts = stack.parts()
+        until(lambda: stack.process.poll() is not None or stack.process.terminate())
+        assert stack.process.returncode == 0
+        assert not any(is_running(pid) for pid in parts)
+
+
+@pytest.mark.slow
+def test_waiting_clients_do_not_delay_the_shutdown(tmp_path: Path) -> None:
+    """`serve` is stopped while clients wait for a job or follow its events. They are answered or cut off
+    at once."""
+    with running(tmp_path, workers=0) as stack, ThreadPoolExecutor(2) as pool:
+        with stack.redis() as redis:
+            view = JobQueue(redis).submit(a_request("1"))
+        body = {"geometry": dict(a_request("1").geometry), "l1": "1", "digits": 30}
+        waiting = pool.submit(
+            httpx.post,
+            f"{stack.base}/v1/cusp-tables",
+            json=body,
+            headers={"Prefer": "wait=30"},
+            timeout=PATIENCE,
+        )
+        with httpx.stream("GET", f"{stack.base}/v1/jobs/{view.id}/events", timeout=PATIENCE) as events:
+            assert next(events.iter_lines())
+            assert stopped(stack) == []
+        wait([waiting], PATIENCE)
+
+
+def test_a_port_that_is_taken(tmp_path: Path) -> None:
+    """The port is taken. `serve` ends with one line and exit status 1, and creates nothing."""
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        message = failure(tmp_path, port=port)
+    assert f"cannot listen on 127.0.0.1 port {port}: Address already in use" in message
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_data_directory_that_is_taken(tmp_path: Path) -> None:
+    """Another `serve` uses the data directory. This one ends with one line that names the other, and exit
+    status 1."""
+    with EmbeddedValkey(tmp_path):
+        assert f"is in use by process {os.getpid()}" in failure(tmp_path)
