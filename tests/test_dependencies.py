@@ -30,7 +30,8 @@ def names(requirements: list[str]) -> set[str]:
 
 
 RUNTIME = names(PROJECT["dependencies"])
-TESTS = RUNTIME | names(EXTRAS["test"])
+OPTIONAL = names(EXTRAS["otel"])
+TESTS = RUNTIME | OPTIONAL | names(EXTRAS["test"])
 
 
 def imported(path: Path) -> Iterator[str]:
@@ -48,7 +49,7 @@ def test_every_import_is_declared(folder: str) -> None:
         name = path.relative_to(ROOT).as_posix()
         is_shipped = folder in ("rpr_solver", "worker", "service") and name not in OF_DEVELOPERS
         for module in set(imported(path)) - OWN - sys.stdlib_module_names:
-            declared = RUNTIME if is_shipped else TESTS
+            declared = RUNTIME | OPTIONAL if is_shipped else TESTS
             assert {normal(d) for d in distributions[module]} & declared, f"{name} imports {module}"
 
 
@@ -57,7 +58,7 @@ def test_constraints_are_exact_and_hold_all_that_is_declared() -> None:
     pins = [line for line in lines if not line.startswith("#")]
     assert all(re.fullmatch(r"[\w.-]+==[\w.]+", pin) for pin in pins)
     assert pins == sorted(pins, key=lambda pin: pin.partition("==")[0].lower())
-    declared = TESTS | names(EXTRAS["dev"]) - {"rpr-cusps"}
+    declared = (TESTS | names(EXTRAS["dev"])) - {"rpr-cusps"}
     assert declared <= names(pins)
 
 

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
 import re
+import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+
+from service.cli.environment import unknown_settings
 
 DOCKER = Path(__file__).parents[1] / "docker"
 
@@ -26,26 +29,59 @@ def test_all_is_started_in_order_and_given_time_to_stop(compose: dict[str, Any])
     assert set(services) == {"redis", "api", "worker"}
     for name, service in services.items():
         assert "stop_grace_period" in service
+        assert service["restart"] == "unless-stopped"
         if name != "redis":
             assert service["depends_on"]["redis"]["condition"] == "service_healthy"
             assert service["image"] == "rpr-cusps"
+    assert "container_name" not in services["worker"], "it can be scaled"
+
+
+def test_everything_is_contained(compose: dict[str, Any]) -> None:
+    for service in compose["services"].values():
+        assert service["read_only"] is True
+        assert service["cap_drop"] == ["ALL"]
+        assert service["security_opt"] == ["no-new-privileges:true"]
+        assert {"mem_limit", "cpus"} <= service.keys()
+    assert compose["services"]["redis"]["user"].startswith("999:"), "the others: as in the image"
+    assert compose["networks"]["inside"] == {"internal": True}
 
 
 def test_the_queue_is_durable_and_forgets_nothing(compose: dict[str, Any]) -> None:
-    command = compose["services"]["redis"]["command"]
-    assert "--appendonly yes" in command
-    assert "--maxmemory-policy noeviction" in command
+    *_, program = compose["services"]["redis"]["command"]
+    assert "--appendonly yes" in program
+    assert "--maxmemory-policy noeviction" in program
     assert compose["services"]["redis"]["volumes"]
 
 
-def test_the_healthcheck_of_the_worker_is_a_program(compose: dict[str, Any]) -> None:
-    *_, program = compose["services"]["worker"]["healthcheck"]["test"]
-    compile(program, "healthcheck", "exec")
+def test_the_password_is_a_file_and_on_no_command_line(compose: dict[str, Any], tmp_path: Path) -> None:
+    assert compose["secrets"]["redis_password"] == {"file": "./redis_password"}
+    assert "docker/redis_password" in (DOCKER.parent / ".gitignore").read_text().splitlines()
+    shell, option, program = compose["services"]["redis"]["command"]
+    (tmp_path / "password").write_text("secret\n")
+    program = program.replace("$$", "$").replace("/run/secrets/redis_password", str(tmp_path / "password"))
+    program = program.replace("/tmp/valkey.conf", str(tmp_path / "conf")).replace(
+        "exec valkey-server", "echo"
+    )
+    done = subprocess.run([shell, option, program], capture_output=True, text=True, check=True)
+    assert "secret" not in done.stdout
+    assert (tmp_path / "conf").read_text() == "requirepass secret\n"
+    assert (tmp_path / "conf").stat().st_mode & 0o777 == 0o600
+    for name in ("api", "worker"):
+        environment = compose["services"][name]["environment"]
+        assert environment["RPR_CUSPS_REDIS_PASSWORD_FILE"] == "/run/secrets/redis_password"
+        assert not list(unknown_settings(environment))
+
+
+def test_each_service_has_a_health_check(compose: dict[str, Any]) -> None:
+    services = compose["services"]
+    assert services["worker"]["healthcheck"]["test"] == ["CMD", "python", "-m", "worker.process.health"]
+    assert "valkey-cli ping" in services["redis"]["healthcheck"]["test"][1]
+    assert re.search(r'^HEALTHCHECK .*\n +CMD \["python"', (DOCKER / "Dockerfile").read_text(), re.MULTILINE)
 
 
 def test_the_image_installs_from_the_constraints_and_is_not_run_by_root() -> None:
     text = (DOCKER / "Dockerfile").read_text()
-    stages = text.split("FROM python:")[1:]
+    stages = text.split("\nFROM python:")[1:]
     assert len(stages) == 2
     assert len({stage.split()[0] for stage in stages}) == 1, "both stages have the same base"
     assert "--constraint constraints.txt" in stages[0]
