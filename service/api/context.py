@@ -13,7 +13,7 @@ from redis.exceptions import RedisError
 from service.api.job_events import JobEvents
 from service.api.metrics import Metrics
 from service.api.redis_access import Breaker, RedisAccess, Refusals
-from service.api.sending import LargeAnswers
+from service.api.sending import Places
 from service.api.settings import Settings
 from service.api.threads import Threads
 from worker.connection import connect, eviction_warning
@@ -40,7 +40,8 @@ class Context:
         parsing: threads for the reading of requests.
         scraping: threads for the metrics.
         refusals: the log of what Redis refuses.
-        large_answers: those that are being sent.
+        large_answers: the large results that are being sent.
+        followers: the streams of events that are being sent.
     """
 
     settings: Settings
@@ -51,7 +52,8 @@ class Context:
     parsing: Threads
     scraping: Threads
     refusals: Refusals
-    large_answers: LargeAnswers
+    large_answers: Places
+    followers: Places
 
     @classmethod
     def of(cls, settings: Settings) -> Context:
@@ -62,19 +64,20 @@ class Context:
             timeout=settings.redis_timeout_seconds,
         )
         queue = JobQueue(redis, WorkerSettings())
-        breaker = Breaker()
+        breaker, refusals = Breaker(), Refusals()
         return cls(
             settings=settings,
             queue=queue,
-            events=JobEvents.of(settings, queue, RedisAccess(Threads(_EVENT_THREADS), breaker)),
+            events=JobEvents.of(settings, queue, RedisAccess(Threads(_EVENT_THREADS), breaker), refusals),
             metrics=Metrics(queue),
             redis=RedisAccess(Threads(settings.threads), breaker),
             parsing=Threads(_PARSING_THREADS),
             scraping=Threads(_SCRAPING_THREADS),
-            refusals=Refusals(),
-            large_answers=LargeAnswers(
-                settings.large_answers, settings.large_answer_bytes, settings.retry_seconds
+            refusals=refusals,
+            large_answers=Places(
+                "large results", settings.large_answers, settings.retry_seconds, settings.large_answer_bytes
             ),
+            followers=Places("streams of events", settings.max_followers, settings.retry_seconds),
         )
 
     async def check_redis(self) -> None:

@@ -2,68 +2,82 @@
 
 from __future__ import annotations
 
-import json
-import logging
+import asyncio
 import time
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections import OrderedDict
+from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
+from contextlib import aclosing
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import cast
 
-import anyio
 from redis.asyncio import Redis
+from redis.asyncio.retry import Retry
+from redis.backoff import ExponentialBackoff
+from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
+from service.api.job_tail import BLOCK, Tails, event_id, is_terminal
 from service.api.job_view import job_json
-from service.api.redis_access import RedisAccess
+from service.api.redis_access import RedisAccess, Refusals
 from service.api.settings import Settings
+from service.api.table_forms import json_bytes
+from worker.answers.store import dump
 from worker.connection import password
 from worker.jobs.queue import JobQueue
 from worker.jobs.records import JobView
 
-log = logging.getLogger("rpr_cusps.service")
-
-_BATCH = 200
-_MARGIN = 10.0
+_AT_ONCE = 8  # events, which are at most some 300 kB
+_KEPT = 8 << 20  # bytes of events that are kept for other followers
+_MARGIN = 2.0
 
 
 @dataclass(frozen=True)
 class Event:
-    """One entry of a job's stream."""
+    """An event as it is sent."""
 
     id: str
-    fields: Mapping[str, str]
+    text: bytes
+    is_last: bool
 
 
 class JobEvents:
-    """Reads the event streams of jobs without blocking threads."""
+    """Reads the event streams of jobs.
 
-    def __init__(self, redis: Redis, queue: JobQueue, access: RedisAccess, keepalive: float) -> None:
+    All followers of a job share one reader, and the events that it finds. A follower holds nothing but its
+    place, so one that is slow costs no memory: what is not kept any more is read again.
+    """
+
+    def __init__(
+        self, redis: Redis, queue: JobQueue, access: RedisAccess, refusals: Refusals, settings: Settings
+    ) -> None:
         self.redis = redis
         self.queue = queue
         self.access = access
-        self.keepalive = keepalive
-        self._stopping = False
-        self._reads: set[anyio.CancelScope] = set()
+        self.refusals = refusals
+        self.keepalive = settings.keepalive_seconds
+        self._tails = Tails(redis, settings.stream_connections, refusals.tell)
+        self._batches = _Batches()
+        self._is_stopping = False
 
     @classmethod
-    def of(cls, settings: Settings, queue: JobQueue, access: RedisAccess) -> JobEvents:
-        """Returns a reader with a separate connection pool; each waiting client holds one connection."""
+    def of(cls, settings: Settings, queue: JobQueue, access: RedisAccess, refusals: Refusals) -> JobEvents:
+        """Returns a reader with a separate connection pool: one for each job that is followed."""
         redis = Redis.from_url(
             settings.redis_url,
-            max_connections=settings.stream_connections,
-            socket_timeout=settings.keepalive_seconds + _MARGIN,
-            socket_connect_timeout=3.0,
+            max_connections=settings.stream_connections + 1,
+            socket_timeout=BLOCK + _MARGIN,
+            socket_connect_timeout=_MARGIN,
             decode_responses=True,
             protocol=2,
             **password(settings.redis_url),
+            retry=Retry(ExponentialBackoff(cap=0.5, base=0.05), 4, supported_errors=(RedisConnectionError,)),
         )
-        return cls(redis, queue, access, settings.keepalive_seconds)
+        return cls(redis, queue, access, refusals, settings)
 
     def stop(self) -> None:
         """End all streams and waits at shutdown; call it in the event loop."""
-        self._stopping = True
-        for read in list(self._reads):
-            read.cancel()
+        self._is_stopping = True
+        self._tails.stop()
 
     async def close(self) -> None:
         """Close the connections."""
@@ -71,113 +85,142 @@ class JobEvents:
         await self.redis.aclose()
 
     async def wait(self, job_id: str, seconds: float) -> JobView | None:
-        """Returns the job once it has ended, or its state when the time is over."""
+        """Returns the job once it has ended, or its state when the time is over.
+
+        It does not wait if too many jobs are waited for already.
+        """
         end = time.monotonic() + seconds
-        while True:
-            last = await self._last(job_id)
-            view = await self._view(job_id)
-            left = end - time.monotonic()
-            if view is None or view.is_terminal or left <= 0 or self._stopping:
-                return view
-            block_end = time.monotonic() + min(left, self.keepalive)
-            ended = False
-            while not (ended or self._stopping) and (left := block_end - time.monotonic()) > 0:
-                batch = await self._read(job_id, last, left)
-                last = batch[-1].id if batch else last
-                ended = any(_is_terminal(event) for event in batch)
+        while not self._tails.is_full:
+            async with self._tails.of(self._key(job_id)) as tail:
+                view = await self._view(job_id)
+                left = end - time.monotonic()
+                if view is None or view.is_terminal or left <= 0 or self._is_stopping:
+                    return view
+                await tail.end(left)
+        return await self._view(job_id)
 
-    async def after(self, job_id: str, last_id: str) -> list[Event]:
-        """Returns the first event after `last_id`, if it exists already."""
-        entries: Any = await self.redis.xrange(
-            self._key(job_id), min=f"({last_id}" if last_id != "0" else "-", count=1
-        )
-        return [Event(*entry) for entry in entries]
+    async def after(self, view: JobView, last_id: str) -> Sequence[Event]:
+        """Returns the next events after `last_id` that exist already."""
+        return await self._batches.get((view.run, view.id, last_id), self.access, self._read)
 
-    async def follow(self, job_id: str, last_id: str) -> AsyncIterator[bytes]:
+    async def follow(self, view: JobView, last_id: str) -> AsyncGenerator[bytes]:
         """Yields the stream as text/event-stream, from after `last_id` to the end of the job.
 
         It ends early if Redis fails; a client that reconnects resumes it.
         """
         try:
-            async for part in self._follow(job_id, last_id):
-                yield part
+            async with aclosing(self._follow(view, last_id)) as parts:
+                async for part in parts:
+                    yield part
+                    await asyncio.sleep(0)  # so that a client that is gone is noticed
         except RedisError as error:
-            log.warning("the events of %s end early: %s", job_id, error)
+            self.refusals.tell(error)
 
-    async def _follow(self, job_id: str, last_id: str) -> AsyncIterator[bytes]:
+    async def _follow(self, view: JobView, last_id: str) -> AsyncGenerator[bytes]:
         yield b"retry: 1000\n\n"
-        while True:
-            batch = await self._read(job_id, last_id, self.keepalive)
-            if self._stopping:
-                return
-            if not batch:
-                view = await self._view(job_id)
-                if view is None or view.is_terminal:
+        async with self._tails.of(self._key(view.id)) as tail:
+            while not self._is_stopping:
+                if await tail.beyond(event_id(last_id), self.keepalive):
+                    events = await self.after(view, last_id)
+                    if not events:
+                        return  # the stream expired, or the job began again
+                    for event in events:
+                        if self._is_stopping:
+                            return
+                        last_id = event.id
+                        yield event.text
+                        if event.is_last:
+                            return
+                    continue
+                now = await self._view(view.id)
+                if now is None or now.is_terminal or tail.is_over:
                     return
                 yield b": waiting\n\n"
-                continue
-            slices = await self._slices(job_id, batch)
-            for event in batch:
-                if self._stopping:
-                    return
-                last_id = event.id
-                yield await self._encode(job_id, event, slices)
-                if _is_terminal(event):
-                    return
 
-    async def _encode(self, job_id: str, event: Event, slices: Mapping[str, Any]) -> bytes:
-        fields = event.fields
+    def _read(self, job_id: str, last_id: str) -> Sequence[Event]:
+        start = f"({last_id}" if last_id != "0" else "-"
+        entries = cast(
+            "list[tuple[bytes, dict[bytes, bytes]]]",
+            self.queue.redis.xrange(self._key(job_id), min=start, count=_AT_ONCE),
+        )
+        events = [
+            (name.decode(), {key.decode(): value.decode() for key, value in fields.items()})
+            for name, fields in entries
+        ]
+        l1 = [fields["l1"] for _, fields in events if fields["type"] == "slice"]
+        slices = self._slices(job_id, l1) if l1 else {}
+        return [Event(name, self._text(job_id, name, f, slices), is_terminal(f)) for name, f in events]
+
+    def _text(self, job_id: str, name: str, fields: Mapping[str, str], slices: Mapping[str, bytes]) -> bytes:
         if fields["type"] == "slice":
             l1 = fields["l1"]
-            return sse(event.id, "slice", {"l1": l1, **_progress(fields), "slice": slices.get(l1)})
+            start = json_bytes({"l1": l1, **_progress(fields)})[:-1]
+            return sse(name, "slice", start + b',"slice":' + slices.get(l1, b"null") + b"}")
         if fields["type"] == "progress":
-            return sse(event.id, "progress", _progress(fields))
-        view = await self._view(job_id)
+            return sse(name, "progress", json_bytes(_progress(fields)))
+        view = self.queue.get(job_id)
         document = {"id": job_id, "status": fields["status"]} if view is None else job_json(view)
-        return sse(event.id, "status", {**document, "status": fields["status"]})
+        return sse(name, "status", json_bytes({**document, "status": fields["status"]}))
 
-    async def _slices(self, job_id: str, batch: Sequence[Event]) -> dict[str, Any]:
-        l1 = [event.fields["l1"] for event in batch if event.fields["type"] == "slice"]
-        return await self.access(self._known_slices, job_id, l1) if l1 else {}
-
-    def _known_slices(self, job_id: str, l1: list[str]) -> dict[str, Any]:
+    def _slices(self, job_id: str, l1: Sequence[str]) -> dict[str, bytes]:
         record = self.queue.records.request(job_id)
         if record is None:
             return {}
         _, request, errors = record
-        return {**self.queue.store.get_slices(request, l1), **errors}
+        texts = self.queue.store.get_texts(request, l1, request.digits)
+        others = self.queue.store.get_slices(request, [x for x in l1 if x not in texts])
+        return texts | {x: dump(value).encode() for x, value in {**others, **errors}.items()}
 
     async def _view(self, job_id: str) -> JobView | None:
         return await self.access(self.queue.get, job_id)
-
-    async def _last(self, job_id: str) -> str:
-        newest: Any = await self.redis.xrevrange(self._key(job_id), count=1)
-        return cast(str, newest[0][0]) if newest else "0"
-
-    async def _read(self, job_id: str, last_id: str, seconds: float) -> list[Event]:
-        block = max(1, int(seconds * 1000))
-        reply: Any = None
-        with anyio.CancelScope() as scope:
-            self._reads.add(scope)
-            try:
-                reply = await self.redis.xread({self._key(job_id): last_id}, count=_BATCH, block=block)
-            finally:
-                self._reads.discard(scope)
-        return [Event(*entry) for entry in reply[0][1]] if reply else []
 
     def _key(self, job_id: str) -> str:
         return self.queue.records.keys.job(job_id).events
 
 
-def sse(event_id: str, name: str, data: object) -> bytes:
+_Place = tuple[str, str, str]
+"""The run of a job, the job, and an event of it."""
+
+
+class _Batches:
+    """The events after a place, each read once for all who are there at about the same time."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[_Place, Sequence[Event]] = OrderedDict()
+        self._size = 0
+        self._reads: dict[_Place, asyncio.Task[Sequence[Event]]] = {}
+
+    async def get(
+        self, place: _Place, access: RedisAccess, read: Callable[[str, str], Sequence[Event]]
+    ) -> Sequence[Event]:
+        kept = self._kept.get(place)
+        if kept is not None:
+            self._kept.move_to_end(place)
+            return kept
+        task = self._reads.get(place)
+        if task is None:
+            task = self._reads[place] = asyncio.create_task(access(read, place[1], place[2]))
+            task.add_done_callback(lambda done: self._keep(place, done))
+        return await asyncio.shield(task)
+
+    def _keep(self, place: _Place, done: asyncio.Task[Sequence[Event]]) -> None:
+        del self._reads[place]
+        if done.cancelled() or done.exception() is not None or not done.result():
+            return
+        self._kept[place] = done.result()
+        self._size += _size(done.result())
+        while self._size > _KEPT and len(self._kept) > 1:
+            self._size -= _size(self._kept.popitem(last=False)[1])
+
+
+def _size(events: Sequence[Event]) -> int:
+    return sum(len(event.text) for event in events)
+
+
+def sse(event_id: str, name: str, data: bytes) -> bytes:
     """Returns one server-sent event. The id comes first; `fastapi.sse` would write it last."""
-    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False)
-    return f"id: {event_id}\nevent: {name}\ndata: {text}\n\n".encode()
+    return f"id: {event_id}\nevent: {name}\ndata: ".encode() + data + b"\n\n"
 
 
 def _progress(fields: Mapping[str, str]) -> dict[str, object]:
     return {"progress": {"done": int(fields["done"]), "total": int(fields["total"])}}
-
-
-def _is_terminal(event: Event) -> bool:
-    return event.fields["type"] == "status" and event.fields["status"] not in ("queued", "running")

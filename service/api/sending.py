@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import AsyncIterator, Iterator, Mapping
+from collections.abc import AsyncGenerator, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeVar
 
+import anyio
 from redis.exceptions import RedisError
 from starlette.responses import StreamingResponse
 from starlette.types import Receive, Scope, Send
@@ -28,16 +29,18 @@ IS_HEAD = "rpr_cusps.head"
 _PIECE = 64 << 10
 
 
-class LargeAnswers:
-    """The large answers that are being sent.
+class Places:
+    """The long answers of one sort that are being sent.
 
     Args:
+        what: what they are, for the message.
         count: how many there may be.
-        size: how many bytes they may hold together.
         retry_seconds: `Retry-After` of what is refused.
+        size: how many bytes they may hold together.
     """
 
-    def __init__(self, count: int, size: int, retry_seconds: int) -> None:
+    def __init__(self, what: str, count: int, retry_seconds: int, size: int = 0) -> None:
+        self._what = what
         self._count = count
         self._size = size
         self._retry_seconds = retry_seconds
@@ -53,7 +56,7 @@ class LargeAnswers:
         if len(self._held) >= self._count or (self._held and sum(self._held) + held > self._size):
             raise ProblemError(
                 ProblemType.BUSY,
-                f"{len(self._held)} large results are being sent at the moment; try again.",
+                f"{len(self._held)} {self._what} are being sent at the moment; try again.",
                 headers={"Retry-After": str(self._retry_seconds)},
             )
         self._held.append(held)
@@ -63,23 +66,28 @@ class LargeAnswers:
             self._held.remove(held)
 
 
-class LargeAnswer(StreamingResponse):
-    """An answer that is sent piece by piece.
+class LongAnswer(StreamingResponse):
+    """An answer that takes one of the places as long as it is sent.
 
-    If a piece is lost on the way, the connection is closed before the end, so that no client takes a part
-    for the whole.
+    Args:
+        pieces: the body.
+        headers: the header fields.
+        media_type: of the body.
+        places: those for answers of its sort.
+        held: the bytes that it holds meanwhile.
     """
 
     def __init__(
         self,
-        pieces: AsyncIterator[bytes],
+        pieces: AsyncGenerator[bytes],
         headers: Mapping[str, str],
         media_type: str,
-        answers: LargeAnswers,
-        held: int,
+        places: Places,
+        held: int = 0,
     ) -> None:
         super().__init__(pieces, headers=headers, media_type=media_type)
-        self._answers = answers
+        self._pieces = pieces
+        self._places = places
         self._held = held
         self._is_head = False
         self._path = ""
@@ -88,10 +96,21 @@ class LargeAnswer(StreamingResponse):
         """Send the answer, or the problem that there are too many."""
         self._is_head, self._path = IS_HEAD in scope, scope["path"]
         try:
-            with self._answers.one(0 if self._is_head else self._held):
+            with self._places.one(0 if self._is_head else self._held):
                 await super().__call__(scope, receive, send)
         except ProblemError as error:
             await error.response(self._path)(scope, receive, send)
+        finally:
+            with anyio.CancelScope(shield=True):
+                await self._pieces.aclose()  # else it would hold what it has until it is collected
+
+
+class LargeAnswer(LongAnswer):
+    """A large result.
+
+    If a piece is lost on the way, the connection is closed before the end, so that no client takes a part
+    for the whole.
+    """
 
     async def stream_response(self, send: Send) -> None:
         """Send the pieces as they come; only the first one if nobody reads them."""
@@ -112,14 +131,14 @@ def slices_of(body: bytes) -> Iterator[bytes]:
     return (body[first : first + _PIECE] for first in range(0, len(body), _PIECE))
 
 
-async def in_turn(first: bytes, others: Iterator[bytes], access: RedisAccess) -> AsyncIterator[bytes]:
+async def in_turn(first: bytes, others: Iterator[bytes], access: RedisAccess) -> AsyncGenerator[bytes]:
     """Yields the first piece, then the others, each of which is made in a thread when it is wanted."""
     yield first
     while (piece := await access(next, others, None)) is not None:
         yield piece
 
 
-async def at_hand(pieces: Iterator[bytes]) -> AsyncIterator[bytes]:
+async def at_hand(pieces: Iterator[bytes]) -> AsyncGenerator[bytes]:
     """Yields pieces that need no work."""
     for piece in pieces:
         yield piece

@@ -29,7 +29,12 @@ class Settings(BaseSettings):
         default=2.0, description="time to wait for an answer of Redis, in seconds"
     )
     stream_connections: int = Field(
-        default=512, ge=2, description="maximum number of clients that wait or follow events at the same time"
+        default=256,
+        ge=2,
+        description="maximum number of jobs that are waited for or followed at the same time",
+    )
+    max_followers: PositiveInt = Field(
+        default=1000, description="maximum number of clients that follow events at the same time"
     )
     threads: PositiveInt = Field(default=40, description="number of threads for work on Redis")
     poll_seconds: PositiveInt = Field(

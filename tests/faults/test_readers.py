@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
 
 import httpx
@@ -12,7 +13,7 @@ from redis import Redis
 
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.large_table import keep_table
+from tests.support.large_table import keep_table, run_job
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import serving
 from worker.jobs.queue import JobQueue
@@ -74,3 +75,68 @@ def test_too_many_large_results_at_once(valkey: EmbeddedValkey, redis: Redis) ->
             assert int(refused.headers["retry-after"]) >= 1
             assert client.get(f"/v1/jobs/{job_id}").status_code == 200
         until(lambda: client.get(path).status_code == 200)
+
+
+def calls(redis: Redis, command: str) -> int:
+    """How often a command was called so far."""
+    stats: dict[str, dict[str, int]] = redis.info("commandstats")  # type: ignore[assignment]
+    return stats.get(f"cmdstat_{command}", {"calls": 0})["calls"]
+
+
+def readers_of_events(redis: Redis) -> int:
+    return sum(client["cmd"] == "xread" for client in redis.client_list())
+
+
+def events_of(client: httpx.Client, job_id: str) -> list[str]:
+    """Follow a job to its end; returns the ids of the events."""
+    with client.stream("GET", f"/v1/jobs/{job_id}/events") as stream:
+        return [line for line in stream.iter_lines() if line.startswith("id: ")]
+
+
+def test_many_follow_one_job(valkey: EmbeddedValkey, redis: Redis) -> None:
+    """Forty clients follow one job, and one of them reads only after its end. All get every event, but
+    Redis is read once for all.
+    """
+    queue = JobQueue(redis)
+    slices, followers = 60, 40
+    work = run_job(queue, slices)
+    job_id = next(work)
+    with api(valkey.url, redis_timeout_seconds=20) as client, ThreadPoolExecutor(followers) as pool:
+        before = calls(redis, "xrange")
+        late = silent(client, f"/v1/jobs/{job_id}/events")
+        follows = [pool.submit(events_of, client, job_id) for _ in range(followers - 1)]
+        until(lambda: readers_of_events(redis) == 1)
+        for _ in work:
+            assert readers_of_events(redis) <= 1
+        [ids] = {tuple(follow.result(PATIENCE)) for follow in follows}
+        assert len(ids) == slices + 3  # queued, running, the slices, succeeded
+        assert calls(redis, "xrange") - before < 4 * slices
+        with closing(late):
+            text = b""
+            while b'"succeeded"' not in text:
+                text += late.recv(1 << 20)
+        assert text.count(b"\nid: ") == len(ids)
+
+
+def test_followers_leave(valkey: EmbeddedValkey, redis: Redis, caplog: pytest.LogCaptureFixture) -> None:
+    """Clients leave in the middle of a stream of events. It ends without a line in the log."""
+    *_, job_id = run_job(JobQueue(redis), 60)
+    with api(valkey.url) as client:
+        for _ in range(5):
+            with closing(silent(client, f"/v1/jobs/{job_id}/events")) as follower:
+                follower.recv(300)
+        until(lambda: readers_of_events(redis) == 0)
+        until(lambda: client.get("/healthz").status_code == 200)
+    assert not [record for record in caplog.records if record.name == "asyncio"]
+
+
+def test_too_many_followers(valkey: EmbeddedValkey, redis: Redis) -> None:
+    """More clients follow events than allowed. One too many is 503 with Retry-After."""
+    job_id = next(run_job(JobQueue(redis), 1))
+    path = f"/v1/jobs/{job_id}/events"
+    with api(valkey.url, max_followers=2) as client, ExitStack() as followers:
+        for _ in range(2):
+            followers.enter_context(closing(silent(client, path)))
+        refused = client.get(path)
+        assert (refused.status_code, refused.json()["type"]) == (503, "/problems/busy")
+        assert int(refused.headers["retry-after"]) >= 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -32,3 +33,17 @@ def keep_table(queue: JobQueue, count: int) -> tuple[str, dict[str, Any]]:
         pipe.execute()
     head = rpr_solver.contract.document_head(request, DIGITS, 1)
     return queue.submit(request).id, {**head, "slices": slices}
+
+
+def run_job(queue: JobQueue, count: int) -> Iterator[str]:
+    """Do a job of `count` slices as a worker does; gives its id first, and then once more for each slice."""
+    request = a_request(*(str(5000 + i) for i in range(count)), digits=DIGITS)
+    refs = queue.records.create(request, request.parts, "")
+    assert refs
+    yield request.job_id
+    for ref in refs:
+        chunk = queue.records.start(ref)
+        assert chunk is not None
+        for offset, l1 in enumerate(chunk.parts):
+            queue.records.put_slice(ref, chunk, offset, {**_slice(), "l1": l1})
+            yield request.job_id

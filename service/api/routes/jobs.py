@@ -6,7 +6,6 @@ import re
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Request, Response
-from starlette.responses import StreamingResponse
 
 from service.api import operation_docs as doc
 from service.api.access.caller import caller_of, subscriber_of
@@ -17,7 +16,7 @@ from service.api.negotiation import JSON, negotiate
 from service.api.operations import forms_of
 from service.api.problems import ProblemError, ProblemType
 from service.api.responses import answer_response
-from service.api.sending import IS_HEAD
+from service.api.sending import IS_HEAD, LongAnswer
 from service.api.table_forms import json_bytes
 from worker.answers.kinds import Answer, kind_of_job
 from worker.jobs.records import JobView
@@ -120,14 +119,13 @@ async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Re
             f"Last-Event-ID {last[:60]!r} is not an event id of this stream.",
             errors=[("Last-Event-ID", "send the id of the last event received, or omit it")],
         )
-    if view.is_terminal and last != "0" and not await context.events.after(job_id, last):
+    if view.is_terminal and last != "0" and not await context.events.after(view, last):
         return Response(status_code=204)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     if request.scope.get(IS_HEAD):
         return Response(headers=headers, media_type="text/event-stream")
-    return StreamingResponse(
-        context.events.follow(job_id, last), headers=headers, media_type="text/event-stream"
-    )
+    stream = context.events.follow(view, last)
+    return LongAnswer(stream, headers, "text/event-stream", context.followers)
 
 
 def _job(context: Context, job_id: str) -> JobView:

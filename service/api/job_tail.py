@@ -1,0 +1,145 @@
+"""The end of a job's event stream: one reader for all clients of the job in this process."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from typing import Any
+
+from redis.asyncio import Redis
+from redis.exceptions import RedisError
+
+BLOCK = 2.0
+"""Seconds for which one command waits; a server that hangs is noticed soon after."""
+
+_COUNT = 200
+
+EventId = tuple[int, int]
+
+
+def event_id(text: str) -> EventId:
+    """Returns an event's id as numbers, which compare in the order of the events."""
+    first, _, second = text.partition("-")
+    return int(first), int(second or 0)
+
+
+class Tail:
+    """Knows the newest event of a job, and wakes those who wait for it.
+
+    Attributes:
+        newest: the id of the newest event.
+        is_over: nothing comes any more: the job ended, or the reader did.
+    """
+
+    def __init__(self) -> None:
+        self.newest: EventId = (0, 0)
+        self.is_over = False
+        self._news = asyncio.Event()
+
+    async def beyond(self, last: EventId, seconds: float) -> bool:
+        """Wait until there are events after `last`, the stream is over, or the time is."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                while self.newest <= last and not self.is_over:
+                    await self._news.wait()
+        return self.newest > last
+
+    async def end(self, seconds: float) -> None:
+        """Wait until the stream is over, or the time is."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                while not self.is_over:
+                    await self._news.wait()
+
+    def tell(self, newest: EventId, is_over: bool) -> None:
+        """Wake those who wait."""
+        self.newest, self.is_over = max(newest, self.newest), is_over
+        self._news.set()
+        self._news = asyncio.Event()
+
+
+class _Read:
+    """A reader, and the number of its clients."""
+
+    def __init__(self, tail: Tail) -> None:
+        self.tail = tail
+        self.clients = 0
+        self.begun: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self.task: asyncio.Task[None] | None = None
+
+
+class Tails:
+    """The readers of all jobs that have clients, at most `limit`."""
+
+    def __init__(self, redis: Redis, limit: int, on_error: Callable[[Exception], None]) -> None:
+        self._redis = redis
+        self._limit = limit
+        self._on_error = on_error
+        self._reads: dict[str, _Read] = {}
+
+    @property
+    def is_full(self) -> bool:
+        """Whether no other job can be followed."""
+        return len(self._reads) >= self._limit
+
+    @asynccontextmanager
+    async def of(self, key: str) -> AsyncIterator[Tail]:
+        """The end of a stream, from now on.
+
+        Raises:
+            RedisError: Redis cannot be reached.
+        """
+        read = self._reads.get(key)
+        if read is None:
+            read = self._reads[key] = _Read(Tail())
+            read.task = asyncio.create_task(self._run(key, read))
+        read.clients += 1
+        try:
+            await asyncio.shield(read.begun)
+            yield read.tail
+        finally:
+            read.clients -= 1
+            if not read.clients:
+                self._forget(key, read)
+                assert read.task is not None
+                read.task.cancel()
+
+    def stop(self) -> None:
+        """End all readers."""
+        for key, read in list(self._reads.items()):
+            self._forget(key, read)
+            read.tail.tell((0, 0), is_over=True)
+
+    async def _run(self, key: str, read: _Read) -> None:
+        try:
+            newest: Any = await self._redis.xrevrange(key, count=1)
+            read.tail.newest = event_id(newest[0][0]) if newest else (0, 0)
+            read.begun.set_result(None)
+            while read.clients and not read.tail.is_over:  # redis-py may swallow a cancellation
+                await self._step(key, read.tail)
+        except RedisError as error:
+            self._on_error(error)
+            if not read.begun.done():
+                read.begun.set_exception(error)
+        finally:
+            self._forget(key, read)
+            read.tail.tell((0, 0), is_over=True)
+            if not read.begun.done():
+                read.begun.cancel()
+
+    async def _step(self, key: str, tail: Tail) -> None:
+        last = f"{tail.newest[0]}-{tail.newest[1]}"
+        reply: Any = await self._redis.xread({key: last}, count=_COUNT, block=int(1000 * BLOCK))
+        if reply:
+            entries = reply[0][1]
+            tail.tell(event_id(entries[-1][0]), is_over=any(is_terminal(fields) for _, fields in entries))
+
+    def _forget(self, key: str, read: _Read) -> None:
+        if self._reads.get(key) is read:
+            del self._reads[key]
+
+
+def is_terminal(fields: dict[str, str]) -> bool:
+    """Whether an event is the last one of its job."""
+    return fields["type"] == "status" and fields["status"] not in ("queued", "running")
