@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import TypeVar
@@ -56,17 +56,6 @@ def add_options(parser: argparse.ArgumentParser, form: str, dest: str, metavar: 
     """Add an option for each leg, such as `--l{}-range`; their values are collected in order."""
     names = (form.format(leg) for leg in LEGS)
     parser.add_argument(*names, dest=dest, action=Options, default=[], metavar=metavar, help=text)
-
-
-def whole(what: str, high: int, low: int = 0) -> Callable[[str], int]:
-    """Returns the conversion of an option that is a whole number."""
-
-    def parse(text: str) -> int:
-        if not (text.isascii() and text.isdigit() and len(text) < 10 and low <= int(text) <= high):
-            raise argparse.ArgumentTypeError(f"{text[:40]!r} is not {what} from {low} to {high}")
-        return int(text)
-
-    return parse
 
 
 def add_geometry(parser: argparse.ArgumentParser) -> None:

@@ -19,14 +19,13 @@ from service.cli.pages import progress_bar, write_table
 from service.cli.solve import report
 from service.client import ServiceClient
 from service.errors import ServiceError
+from worker.process.child import python_program
 from worker.process.os_limits import end_process
 
 DESCRIPTION, EXAMPLES = __doc__, None
 
 EXAMPLE, L1 = "innocenti", "14.98"
 
-# Unlike `-m`, this does not import a directory named "service" in the current directory.
-_PROGRAM = "import sys; sys.path.append(sys.argv.pop(1)); from service.cli.main import main; sys.exit(main())"
 _STOP_PATIENCE = 15.0
 
 
@@ -63,14 +62,13 @@ def run(args: argparse.Namespace) -> int:
 @contextmanager
 def _service(data_dir: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """Run `rpr-cusps serve` on a free port with its data in `data_dir`; gives the process and its address."""
-    root = str(Path(__file__).parents[2])
     environment = {key: value for key, value in os.environ.items() if key != "RPR_CUSPS_REDIS_URL"}
     environment["RPR_CUSPS_ACCESS_LOG"] = "off"
     process = subprocess.Popen(
-        [
-            *(sys.executable, "-P", "-c", _PROGRAM, root, "serve", "--port", "0"),
-            *("--data-dir", str(data_dir), "--parent-pid", str(os.getpid())),
-        ],
+        python_program(
+            "service.cli.main",
+            *("serve", "--port", "0", "--data-dir", str(data_dir), "--parent-pid", str(os.getpid())),
+        ),
         env=environment,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,

@@ -7,9 +7,8 @@ import argparse
 import signal
 from pathlib import Path
 
-from service.cli.arguments import whole
 from service.cli.environment import warn_of_unknown_settings
-from service.cli.worker import add_redis_url
+from service.cli.options import add_redis_url, whole
 from service.stack.serve import ServeSettings, serve
 from worker.process.os_limits import die_with_parent
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from redis import Redis
 from redis.exceptions import RedisError
 
-from service.cli.worker import add_redis_url
+from service.cli.options import add_redis_url
 from service.errors import ServiceError
 from service.stack.attached import attached
 from service.stack.errors import StackError

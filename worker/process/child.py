@@ -56,7 +56,8 @@ class Child:
         try:
             process = self._launch()
         except Exception as error:  # whatever it is, it may be over in a moment
-            if (text := f"cannot start {self.what}: {error}; trying again") != self._told:
+            why = "out of memory" if isinstance(error, MemoryError) else error
+            if (text := f"cannot start {self.what}: {why}; trying again") != self._told:
                 self._say(text)
             self._told = text
             self._delay(is_repeated=True)

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
 import signal
+import sys
 
 import pytest
 
+from tests.support.processes import completed, environment
 from worker.process.os_limits import STOP_SIGNALS, on_stop_signals
 
 
@@ -21,3 +23,11 @@ def test_a_hangup_that_is_ignored_stays_so(is_ignored: bool) -> None:
     finally:
         for number, old in before.items():
             signal.signal(number, old)
+
+
+def test_as_many_files_as_the_system_allows() -> None:
+    program = (
+        "import resource as r; from worker.process.os_limits import raise_file_limit as f; "
+        "r.setrlimit(r.RLIMIT_NOFILE, (64, 200)); f(); f(); print(r.getrlimit(r.RLIMIT_NOFILE))"
+    )
+    assert completed([sys.executable, "-c", program], environment()).stdout == "(200, 200)\n"
