@@ -16,9 +16,9 @@ import pytest
 
 
 class Certificates:
-    """An authority, and certificates by it for the server (127.0.0.1) and a client, made with `openssl`."""
+    """An authority, and certificates by it for the server (at `host`) and a client, made with `openssl`."""
 
-    def __init__(self, directory: Path) -> None:
+    def __init__(self, directory: Path, host: str = "127.0.0.1") -> None:
         if shutil.which("openssl") is None:
             pytest.skip("openssl is not installed, so there are no certificates")
         self.directory = directory
@@ -27,7 +27,7 @@ class Certificates:
             request = str(directory / f"{name}.csr")
             self._openssl("req", *self._new(name, out=request), "-subj", f"/CN={name}")
             extension = directory / f"{name}.ext"
-            extension.write_text("subjectAltName=IP:127.0.0.1\n")
+            extension.write_text(f"subjectAltName=IP:{host}\n")
             self._openssl(
                 *("x509", "-req", "-in", request, "-CA", self["authority.pem"]),
                 *("-CAkey", self["authority.key"], "-CAcreateserial"),
@@ -46,7 +46,7 @@ class Certificates:
 
 
 @contextmanager
-def tls_front(unix_socket: str, certificates: Certificates) -> Iterator[int]:
+def tls_front(unix_socket: str, certificates: Certificates, host: str = "127.0.0.1") -> Iterator[int]:
     """Forwards TLS connections, of clients with a certificate only; gives the port."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.load_cert_chain(certificates["server.pem"], certificates["server.key"])
@@ -68,7 +68,7 @@ def tls_front(unix_socket: str, certificates: Certificates) -> Iterator[int]:
         daemon_threads = True
         block_on_close = False
 
-    with Server(("127.0.0.1", 0), Handler) as front:
+    with Server((host, 0), Handler) as front:
         thread = threading.Thread(target=front.serve_forever, args=(0.05,), daemon=True)
         thread.start()
         yield front.server_address[1]
