@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any, Self
 
 import httpx
@@ -27,13 +28,13 @@ class ClientSettings(BaseSettings):
 
 
 class ServiceClient:
-    """A client of one service, with the key `RPR_CUSPS_API_KEY` if it is set.
+    """A client of one service; with the key `RPR_CUSPS_API_KEY`, if that is set and wanted.
 
     Raises:
         ServiceError: the URL is not an HTTP address.
     """
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, *, with_key: bool = True) -> None:
         self.url = url
         try:
             parsed = httpx.URL(url)
@@ -44,7 +45,7 @@ class ServiceClient:
                 f"{url!r} is not an HTTP address; give for example http://127.0.0.1:8000", is_input=True
             )
         # proxies of the environment are not for this machine
-        key = ClientSettings().api_key
+        key = ClientSettings().api_key if with_key else None
         self._http = httpx.Client(
             base_url=url,
             headers={} if key is None else {"Authorization": f"Bearer {key.get_secret_value()}"},
@@ -63,6 +64,8 @@ class ServiceClient:
     ) -> dict[str, Any]:
         """Post a request and wait for its table; `on_progress(done, total)` follows the job.
 
+        An interrupt (Ctrl-C) withdraws the request.
+
         Raises:
             ServiceError: the service refused, failed, or cannot be reached.
         """
@@ -70,6 +73,14 @@ class ServiceClient:
         if answer.status_code == 200:
             return _object(answer)
         job = _object(answer)
+        try:
+            return self._followed(job, on_progress)
+        except KeyboardInterrupt:
+            with suppress(ServiceError):
+                self._send("DELETE", job["links"].get("cancel") or job["links"]["self"])
+            raise
+
+    def _followed(self, job: Mapping[str, Any], on_progress: Callable[[int, int], None]) -> dict[str, Any]:
         pause = 0.05
         while job["status"] in ("queued", "running"):
             on_progress(job["progress"]["done"], job["progress"]["total"])

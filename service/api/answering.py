@@ -49,7 +49,7 @@ async def answer_question(request: Request, context: Context, operation: Operati
         way = "job"
         if seconds is not None:
             view = await context.events.wait(outcome.id, seconds) or outcome
-            outcome = await context.redis(_waited, context, view, who)
+            outcome = await context.redis(_waited, context, view, who, await request.is_disconnected())
     else:
         waited = None
     context.metrics.count_answer(job_request.kind.name, way)
@@ -76,9 +76,11 @@ def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[i
     return None, min(implied, longest)
 
 
-def _waited(context: Context, view: JobView, who: Subscriber) -> Answer | JobView:
+def _waited(context: Context, view: JobView, who: Subscriber, is_gone: bool) -> Answer | JobView:
     outcome = _finished(context, view)
-    if isinstance(outcome, JobView):
+    if isinstance(outcome, JobView) and is_gone:
+        context.queue.leave(view.id, who)
+    elif isinstance(outcome, JobView):
         context.queue.subscriptions.add(view.id, who)
     return outcome
 

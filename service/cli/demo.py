@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
         _service(Path(directory)) as (process, url),
     ):
         _say(f"The service runs at {url}; posting the manipulator {EXAMPLE!r} at L1 = {L1}.")
-        with ServiceClient(url) as client, progress_bar(1) as progress:
+        with ServiceClient(url, with_key=False) as client, progress_bar(1) as progress:
             request = {"geometry": MANIPULATORS[EXAMPLE].to_json(), "l1": L1}
             table = client.cusp_table(request, progress)
         write_table(table, "table")
@@ -63,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
 def _service(data_dir: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """Run `rpr-cusps serve` on a free port with its data in `data_dir`; gives the process and its address."""
     environment = {key: value for key, value in os.environ.items() if key != "RPR_CUSPS_REDIS_URL"}
-    environment["RPR_CUSPS_ACCESS_LOG"] = "off"
+    environment |= {"RPR_CUSPS_ACCESS_LOG": "off", "RPR_CUSPS_REQUIRE_KEYS": "never"}
     process = subprocess.Popen(
         python_program(
             "service.cli.main",

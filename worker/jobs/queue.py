@@ -97,6 +97,11 @@ class JobQueue:
         self.chunks.withdraw(self.records.cancel(job_id, if_unwanted=True) or [])
         return self.get(job_id)
 
+    def leave(self, job_id: str, who: Subscriber) -> None:
+        """Note that a client that waited is gone. Its job goes on, unless all have withdrawn."""
+        self.subscriptions.leave(job_id, who)
+        self.chunks.withdraw(self.records.cancel(job_id, if_unwanted=True) or [])
+
     def known(self, request: JobRequest) -> Answer | None:
         """Returns the complete answer if it is known or follows from known documents, else None."""
         return known_answer(request, self.store)

@@ -85,6 +85,7 @@ class Subscriptions:
     """The clients of jobs."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        self.redis = redis
         self.keys = Keys(settings.key_prefix)
         self._subscribe = redis.register_script(scripts.PRELUDE + _SUBSCRIBE)
         self._withdraw = redis.register_script(scripts.PRELUDE + _WITHDRAW)
@@ -97,6 +98,10 @@ class Subscriptions:
         until = seconds + _MARGIN if seconds > 0 else 0
         args = [who.name, who.token, until, MANY]
         return bool(self._subscribe(keys=[self.keys.job(job_id).record], args=args))
+
+    def leave(self, job_id: str, who: Subscriber) -> None:
+        """Note that the request of a client waits no longer; a subscription it has not withdrawn stays."""
+        self.redis.hdel(self.keys.job(job_id).record, f"wait:{who.token}")
 
     def withdraw(self, job_id: str, who: Subscriber) -> None:
         """Withdraw the subscription of a client.

@@ -142,6 +142,30 @@ def test_a_job_is_ended_by_those_who_asked_for_it(guarded: httpx.Client, store: 
     assert after_delete(admin, "?force=true") == "canceled"
 
 
+def test_a_client_that_disconnects_withdraws_nothing(guarded: httpx.Client, store: KeyStore) -> None:
+    key, late = {**bearer(store), "Prefer": "wait=1"}, httpx.Timeout(9, read=0.3)
+
+    def disconnect() -> str:
+        with pytest.raises(httpx.ReadTimeout):
+            httpx.post(f"{guarded.base_url}/v1/cusp-tables", json=QUESTION, headers=key, timeout=late)
+        [name] = store.redis.scan_iter("cusps:job:*:events")
+        return str(name.decode()).split(":")[2]
+
+    def waits() -> bool:
+        return any(name.startswith(b"wait:") for name in store.redis.hkeys(f"cusps:job:{job_id}"))
+
+    def status() -> str:
+        return str(guarded.get(f"/v1/jobs/{job_id}", headers=key).json()["status"])
+
+    job_id = disconnect()
+    until(lambda: not waits())
+    assert status() == "queued"
+    disconnect()
+    assert waits()
+    assert guarded.delete(f"/v1/jobs/{job_id}", headers=key).json()["status"] == "queued"
+    until(lambda: status() == "canceled")  # once the request that waited for nobody has ended
+
+
 def test_no_secret_is_kept(guarded: httpx.Client, store: KeyStore) -> None:
     key = bearer(store)
     guarded.post("/v1/cusp-tables", json=QUESTION, headers=key)

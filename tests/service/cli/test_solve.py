@@ -20,6 +20,7 @@ from service import __version__
 from tests.support.cli_process import ENVIRONMENT, Run, command, run
 from tests.support.processes import PATIENCE, started, until
 from tests.support.service_server import GEOMETRY
+from worker.jobs.queue import JobQueue
 
 
 def test_solve_prints_json_like_the_service(base_url: str) -> None:
@@ -238,3 +239,26 @@ def test_the_demonstration_stops_everything_on_ctrl_c(tmp_path: Path) -> None:
     with pytest.raises(httpx.ConnectError):
         httpx.get(address)
     assert "6 cusps" in out
+
+
+def test_an_interrupt_withdraws_the_question(idle_url: str, idle_queue: JobQueue) -> None:
+    """Once the client knows its job."""
+    question = command("solve", "innocenti", "--l1", "33.777", "--digits", "20", "--url", idle_url)
+    active = idle_queue.records.keys.active
+
+    def looks() -> float:
+        found = re.search(r'method="GET",route="/v1/jobs/\{job_id\}",status="200"\} (\S+)', metrics())
+        return float(found[1]) if found else 0.0
+
+    def metrics() -> str:
+        return httpx.get(f"{idle_url}/metrics").text
+
+    others, before = set(idle_queue.redis.zrange(active, 0, -1)), looks()
+    with started(question, env=ENVIRONMENT, stderr=subprocess.DEVNULL) as process:
+        until(lambda: looks() > before)
+        [job_id] = set(idle_queue.redis.zrange(active, 0, -1)) - others
+        process.send_signal(signal.SIGINT)
+        assert process.wait(PATIENCE) == 130
+    job = idle_queue.get(job_id.decode())
+    assert job is not None
+    assert job.status == "canceled"
