@@ -5,6 +5,7 @@ python benchmarks/census.py
 
 from __future__ import annotations
 
+import argparse
 import statistics
 import time
 from collections.abc import Callable
@@ -39,6 +40,8 @@ def naive_critical(systems: EventSystems) -> fmpz_mpoly:
 
 def main() -> None:
     """Print the table."""
+    form = argparse.RawDescriptionHelpFormatter
+    argparse.ArgumentParser(description=__doc__, formatter_class=form).parse_args()
     slice_map = SliceMap.of(MANIPULATOR)
     systems = EventSystems.of(slice_map)
     both = timed(lambda: EventSystems.of(slice_map))

@@ -8,6 +8,7 @@ data directory, and stops it at the end.
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
 import signal
@@ -21,7 +22,7 @@ from collections.abc import Callable
 import httpx
 
 GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"}
-SCAN = {"geometry": GEOMETRY, "l1": {"start": "0.1", "stop": "50.1", "step": "0.1"}}
+SCAN = {"geometry": GEOMETRY, "l1": {"from": "0.1", "to": "50.1", "step": "0.1"}}
 ONE = {"geometry": GEOMETRY, "l1": "14.98"}
 CALLS = 200
 
@@ -52,6 +53,8 @@ def scan(client: httpx.Client) -> tuple[float, int, int]:
 
 def main() -> None:
     """Print the table."""
+    form = argparse.RawDescriptionHelpFormatter
+    argparse.ArgumentParser(description=__doc__, formatter_class=form).parse_args()
     with tempfile.TemporaryDirectory() as data:
         command = [sys.executable, "-m", "service", "serve", "--port", "0", "--data-dir", data]
         begin = time.perf_counter()

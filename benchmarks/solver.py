@@ -8,6 +8,7 @@ slice, the same resultant at its L1, its factors, and `roots(tol)` of the factor
 
 from __future__ import annotations
 
+import argparse
 import statistics
 import time
 from collections.abc import Callable
@@ -66,6 +67,8 @@ def naive_slice(slice_map: SliceMap, length: Fraction) -> list[arb]:
 
 def main() -> None:
     """Print the table."""
+    form = argparse.RawDescriptionHelpFormatter
+    argparse.ArgumentParser(description=__doc__, formatter_class=form).parse_args()
     slice_map = SliceMap.of(MANIPULATOR)
     eliminant = eliminate(MANIPULATOR)
     ours, peer = timed(lambda: eliminate(MANIPULATOR)), timed(lambda: naive_elimination(slice_map), 3)

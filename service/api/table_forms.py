@@ -7,20 +7,18 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import rpr_solver
+from service.schemas.forms import SHARED, compact, ndjson_line
 from worker.answers.stored_tables import StoredTable
-
-_IN_EACH_LINE = ("geometry_hash", "fixed_leg", "digits", "solver_version")
 
 
 def json_bytes(document: object) -> bytes:
     """Returns a document as compact JSON."""
-    return json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode()
+    return compact(document).encode()
 
 
 def ndjson_bytes(table: Mapping[str, Any]) -> bytes:
     """Returns the slices of a table, one JSON object per line, each with the head of the table."""
-    shared = {key: table[key] for key in _IN_EACH_LINE if key in table}
-    return b"".join(json_bytes({**shared, **part}) + b"\n" for part in table["slices"])
+    return b"".join(ndjson_line(table, part).encode() for part in table["slices"])
 
 
 def json_pieces(table: StoredTable) -> Iterator[bytes]:
@@ -61,4 +59,4 @@ def _json_start(table: StoredTable) -> bytes:
 
 
 def _line_start(table: StoredTable) -> bytes:
-    return json_bytes({key: table.head[key] for key in _IN_EACH_LINE})[:-1] + b","
+    return json_bytes({key: table.head[key] for key in SHARED})[:-1] + b","

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import codecs
+import difflib
 import sys
-import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TypeVar
@@ -29,12 +30,16 @@ _MANIPULATOR: TypeAdapter[Manipulator] = TypeAdapter(GeometryField)
 MAX_LOCAL_SLICES = 1_000_000
 LEGS = (1, 2, 3)
 
+STANDARD_INPUT = "-"
+
 *_FIRST, _LAST = EXAMPLES
-GEOMETRY = textwrap.fill(
+GEOMETRY = (
     "GEOMETRY is a JSON file, - for standard input, or a built-in manipulator: "
-    f'{", ".join(_FIRST)} or {_LAST}. Numbers are exact: 17.04, "17.04", "426/25".',
-    width=110,
+    f'{", ".join(_FIRST)} or {_LAST}. Numbers are exact: 17.04, "17.04", "426/25".'
 )
+
+_OPTIONS = {name: f"--{name.replace('_', '-')}" for name in ("digits", "fixed_leg", "samples", "method")}
+_MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
 
 class Options(argparse.Action):
@@ -68,13 +73,13 @@ def add_digits(parser: argparse.ArgumentParser, default: int) -> None:
     parser.add_argument("--digits", metavar="N", help=f"significant digits, 15 to 1000 (default: {default})")
 
 
-def add_format(parser: argparse.ArgumentParser, *, csv: bool = False) -> None:
+def add_format(parser: argparse.ArgumentParser, *more: str) -> None:
     """Add `--format`."""
-    forms = ("table", "json", "csv") if csv else ("table", "json")
+    forms = ("table", "json", *more)
     parser.add_argument("--format", choices=forms, default="table", help="default: table")
 
 
-def add_ranges(parser: argparse.ArgumentParser, text: str, form: str = "A:B") -> None:
+def add_ranges(parser: argparse.ArgumentParser, text: str, form: str = "FROM:TO") -> None:
     """Add the range of lengths, and `--fixed-leg`."""
     add_options(parser, "--l{}-range", "ranges", form, text)
     parser.add_argument(
@@ -88,7 +93,7 @@ def source(names: Mapping[str, str] | None = None) -> Source:
     The number of slices is practically unlimited, since they are computed locally.
     """
     limits = Limits(max_slices=MAX_LOCAL_SLICES, max_article_slices=MAX_LOCAL_SLICES)
-    return Source(limits, names or {}, is_text=True)
+    return Source(limits, {**_OPTIONS, **(names or {})}, is_text=True)
 
 
 def ask(model: type[Q], args: argparse.Namespace, members: Mapping[str, object], origin: Source) -> Q:
@@ -107,20 +112,48 @@ def geometry_of(name: str) -> object:
     Raises:
         InputError: the file cannot be read or is not JSON.
     """
-    if name in EXAMPLES:
-        return EXAMPLES[name]
+    return EXAMPLES[name] if name in EXAMPLES else json_of(name, text_of(name))
+
+
+def text_of(name: str) -> bytes:
+    """Returns the UTF-8 text of a file or of standard input; a byte order mark is taken off.
+
+    Raises:
+        InputError: it cannot be read.
+    """
     try:
-        return parse_json(sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes())
+        content = sys.stdin.buffer.read() if name == STANDARD_INPUT else Path(name).read_bytes()
     except OSError as error:
-        hint = f"give a JSON file, -, or one of {', '.join(EXAMPLES)}"
+        near = difflib.get_close_matches(name, EXAMPLES, n=1)
+        known = f"a JSON file, -, or one of {', '.join(EXAMPLES)}"
+        hint = f"did you mean {near[0]}?" if near else f"give {known}"
         raise InputError.of("GEOMETRY", f"{name!r} cannot be read ({error.strerror}); {hint}") from None
+    for mark, encoding in _MARKS.items():
+        if content.startswith(mark):
+            return content.decode(encoding, "replace").encode()
+    return content
+
+
+def json_of(name: str, text: bytes) -> object:
+    """Returns the JSON in a file.
+
+    Raises:
+        InputError: it is not JSON.
+    """
+    try:
+        return parse_json(text, "the text")
     except JsonError as error:
-        raise InputError.of("GEOMETRY", f"in {name!r}: {error.detail}") from None
+        raise InputError.of("GEOMETRY", f"in {shown_name(name)}: {error.detail}") from None
+
+
+def shown_name(name: str) -> str:
+    """Returns the name of a source of geometry as messages give it."""
+    return "standard input" if name == STANDARD_INPUT else repr(name)
 
 
 def fixed_leg_of(text: str) -> int:
     """Returns the leg that `--fixed-leg` names."""
-    with named("fixed_leg"):
+    with named("--fixed-leg"):
         return part(_FIXED_LEG.validate_python, text, source())
 
 
@@ -138,8 +171,22 @@ def leg_and_range(args: argparse.Namespace) -> tuple[int, dict[str, str | None],
         return int(option[3]), split_ends(text), option
 
 
+def leg_of(options: Sequence[tuple[str, str]], fixed_leg: str | None, what: str) -> int:
+    """Returns the fixed leg: as `--fixed-leg` names it, else that of the first option, else 1.
+
+    Raises:
+        InputError: an option is about another leg.
+    """
+    leg = fixed_leg_of(fixed_leg) if fixed_leg is not None else int(options[0][0][3]) if options else 1
+    for option, _ in options:
+        if option[2:4] != f"l{leg}":
+            cause = "--fixed-leg" if fixed_leg is not None else "fixed leg"
+            raise InputError.of(option, f"with {cause} {leg} the {what} are --l{leg}")
+    return leg
+
+
 def range_values(text: str, option: str, origin: Source) -> tuple[Fraction, ...]:
-    """Returns the lengths of `START:STOP:STEP`."""
+    """Returns the lengths of `FROM:TO:STEP`."""
     with named(option):
         return part(SliceRange.model_validate, split_range(text), origin).values(origin.limits)
 

@@ -15,10 +15,10 @@ from service.cli.pages import (
     about,
     counted,
     counted_range,
-    progress_bar,
     rows_of,
     write_document,
 )
+from service.cli.progress import progress_bar
 from service.schemas.census import CensusRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -26,7 +26,7 @@ EXAMPLES = """\
 examples:
   rpr-cusps census innocenti --digits 20
   rpr-cusps census innocenti --l1-range 28:31 --format json
-  rpr-cusps census robot.json --l2-range :40 --format csv    with leg 2 fixed
+  rpr-cusps census robot.json --l2-range :40 --format csv     leg 2 fixed
 """
 
 
@@ -35,7 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     arguments.add_geometry(parser)
     arguments.add_ranges(parser, "the range of lengths; either end may be omitted (default: all)")
     arguments.add_digits(parser, 90)
-    arguments.add_format(parser, csv=True)
+    arguments.add_format(parser, "csv")
 
 
 def run(args: argparse.Namespace) -> int:

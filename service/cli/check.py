@@ -25,7 +25,8 @@ from rpr_solver import EXAMPLES as MANIPULATORS
 from rpr_solver.errors import InputError, SolverError
 from service.cli import arguments
 from service.cli.check_reports import Outcome, document, github_annotations, junit_xml, page
-from service.cli.pages import progress_bar, write_document
+from service.cli.pages import write_document
+from service.cli.progress import progress_bar
 from service.schemas.checks import RequirementDocument
 from service.schemas.document import named, part, read
 from service.schemas.lengths import split_ends

@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import rpr_solver
-from rpr_solver.errors import InputError
 from service.cli import arguments
-from service.cli.pages import Page, Section, about, counted, progress_bar, rows_of, write_document
+from service.cli.pages import Page, Section, about, counted, rows_of, write_document
+from service.cli.progress import progress_bar
 from service.schemas.curves import CuspCurvesRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -27,14 +27,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
     arguments.add_ranges(
-        parser, "the range of lengths (default: all); with STEP, also the lengths of points", "A:B[:STEP]"
+        parser, "the range of lengths (default: all); with STEP, also the lengths of points", "FROM:TO[:STEP]"
     )
     arguments.add_options(parser, "--l{}", "lengths", "X", "a length at which to compute points; repeatable")
     parser.add_argument(
         "--samples", metavar="N", help="number of points of each curve in every interval between transitions"
     )
     arguments.add_digits(parser, 90)
-    arguments.add_format(parser, csv=True)
+    arguments.add_format(parser, "csv")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -59,13 +59,9 @@ def _question(args: argparse.Namespace) -> CuspCurvesRequest:
         [(option, text)] = args.ranges
         lengths += arguments.range_values(text, option, arguments.source())
         args.ranges = [(option, text.rpartition(":")[0])]
-    if args.fixed_leg is None and args.lengths:
-        args.fixed_leg = args.lengths[0][0][3]
-    leg, ends, range_option = arguments.leg_and_range(args)
-    for option, text in args.lengths:
-        if option != f"--l{leg}":
-            raise InputError.of(option, f"with fixed leg {leg} the lengths are --l{leg}")
-        lengths.append(text)
+    leg = arguments.leg_of([*args.ranges, *args.lengths], args.fixed_leg, "lengths")
+    _, ends, range_option = arguments.leg_and_range(args)
+    lengths += [text for _, text in args.lengths]
     names = {"range": range_option, f"l{leg}": f"--l{leg}" if args.lengths else range_option}
     members = {"fixed_leg": leg, "range": ends, f"l{leg}": lengths or None, "samples": args.samples}
     return arguments.ask(CuspCurvesRequest, args, members, arguments.source(names))

@@ -15,7 +15,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rpr_solver import EXAMPLES as MANIPULATORS
-from service.cli.pages import progress_bar, write_table
+from service.cli.pages import write_table
+from service.cli.progress import progress_bar
 from service.cli.solve import report
 from service.client import ServiceClient
 from service.errors import ServiceError

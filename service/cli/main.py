@@ -1,25 +1,26 @@
 """The command line `rpr-cusps`.
 
-Exit status: 0 success, 1 a question without an answer or a check that failed, 2 bad input, 3 the service
-failed or cannot be reached, 130 interrupted.
+Exit status: 0 success, 1 a question without an answer, a check that failed or output that cannot be written,
+2 bad input, 3 the service failed or cannot be reached, 130 interrupted.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib
-import os
 import sys
 from collections.abc import Sequence
-from typing import Any, NoReturn
+from typing import Any
 
 from pydantic import ValidationError
 
 from rpr_solver.errors import InputError, SolverError
 from service import __version__
+from service.cli import output
+from service.cli.help import BAD_INPUT, Parser
 from service.errors import ServiceError
 
-NO_ANSWER, BAD_INPUT, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 1, 2, 3, 130, 141
+NO_ANSWER, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 1, 3, 130, 141
 
 COMMANDS = {
     "solve": "compute cusp tables and print them",
@@ -35,7 +36,9 @@ COMMANDS = {
 }
 """Command → summary; each command is a module of this package."""
 
-_FORMATTER = argparse.RawDescriptionHelpFormatter
+_SERVERS = ("serve", "worker")
+"""Commands that need no stdout."""
+
 _DESCRIPTION = "Certified cusp points in the joint space of planar 3-RPR parallel manipulators."
 _EXAMPLES = """\
 examples:
@@ -46,21 +49,18 @@ examples:
 """
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        """Print one line instead of the whole usage."""
-        self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit status."""
+    output.prepare()
     argv = sys.argv[1:] if argv is None else argv
-    parser, command = _parser(argv)
-    args = parser.parse_args(argv)
-    name = f"rpr-cusps {args.command}"
+    name = "rpr-cusps"
     try:
+        args, command = _parsed(argv)
+        name = f"rpr-cusps {args.command}"
+        if args.command not in _SERVERS:
+            output.stdout()  # a closed one is noticed before the work, not after it
         status: int = command.run(args)
-        sys.stdout.flush()
+        output.flush()
         return status
     except InputError as error:
         return _fail(name, str(error), BAD_INPUT)
@@ -72,32 +72,39 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(name, f"no answer (solver-error): {error}", NO_ANSWER)
     except ServiceError as error:
         return _fail(name, str(error), BAD_INPUT if error.is_input else NO_SERVICE)
+    except output.OutputError as error:
+        output.discard()
+        return _fail(name, str(error), NO_ANSWER)
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        # keeps the interpreter's final flush from failing too
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        output.discard()
         return BROKEN_PIPE
 
 
-def _parser(argv: Sequence[str]) -> tuple[_Parser, Any]:
-    """Returns the parser and the module of the command; to start quickly, no other module is imported."""
-    parser = _Parser("rpr-cusps", description=_DESCRIPTION, epilog=_EXAMPLES, formatter_class=_FORMATTER)
+def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Any]:
+    """Returns the arguments and the module of the command; to start quickly, no other module is imported."""
+    parser = Parser("rpr-cusps", description=_DESCRIPTION, epilog=_EXAMPLES)
     parser.add_argument("--version", action="version", version=f"rpr-cusps {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     chosen = next((word for word in argv if not word.startswith("-")), None)
     module: Any = None
+    own = parser
     for name, summary in COMMANDS.items():
         options: dict[str, Any] = {}
         if name == chosen:
             module = importlib.import_module(f"service.cli.{name}")
             options = {"description": module.DESCRIPTION, "epilog": module.EXAMPLES}
-        command = commands.add_parser(name, help=summary, formatter_class=_FORMATTER, **options)
+        command = commands.add_parser(name, help=summary, **options)
         if name == chosen:
             module.configure(command)
-    return parser, module
+            own = command
+    args, unknown = parser.parse_known_args(argv)
+    if unknown:
+        own.refuse_unknown(unknown)
+    return args, module
 
 
 def _fail(name: str, message: str, status: int) -> int:
-    print(f"{name}: {' '.join(message.split())}", file=sys.stderr)
+    output.say(f"{name}: {' '.join(message.split())}")
     return status

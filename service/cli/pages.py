@@ -1,21 +1,18 @@
-"""Documents on stdout, as tables for a terminal or as JSON, CSV and aligned text; progress on stderr."""
+"""Documents on stdout: as tables that fit a terminal, as aligned text with all digits, or as JSON or CSV."""
 
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
-import rpr_solver
+from service.cli import layout, output
 
 _HEADINGS = {
     "alpha_deg": "α [deg]",
@@ -23,19 +20,8 @@ _HEADINGS = {
     **{f"l{i}": f"L{i}" for i in (1, 2, 3)},
     "b1_x": "B1 x",
     "b1_y": "B1 y",
+    "multiplicity": "mult.",
 }
-_COLUMN_PADDING = 3
-_LEAST_WIDTH = 8
-
-
-@contextmanager
-def progress_bar(total: int, what: str = "slices") -> Iterator[rpr_solver.Progress]:
-    """A progress bar on stderr, if that is a terminal; gives the callback that moves it."""
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not sys.stderr.isatty()) as progress:
-        task = progress.add_task(what, total=total)
-        yield lambda done, total: progress.update(task, completed=done, total=total)
 
 
 @dataclass(frozen=True)
@@ -47,37 +33,70 @@ class Section:
     notes: Sequence[str] = ()
     failed: bool = False
 
+    def spelled(self) -> Section:
+        """Returns the section in ASCII."""
+        rows = [list(map(output.spelled, row)) for row in self.rows]
+        notes = list(map(output.spelled, self.notes))
+        return Section(output.spelled(self.title), rows, notes, self.failed)
+
 
 @dataclass(frozen=True)
 class Page:
-    """A document as a person reads it."""
+    """A document as a person reads it.
+
+    Attributes:
+        about: the first line.
+        sections: what follows.
+        digits: the significant digits of its numbers, if they all have the same.
+        formats: the values of `--format` that keep all digits on a terminal.
+        last: the last line.
+    """
 
     about: str
     sections: Sequence[Section]
     digits: int | None = None
+    formats: Sequence[str] = ("json",)
+    last: str = ""
+
+    def spelled(self) -> Page:
+        """Returns the page in ASCII."""
+        sections = [section.spelled() for section in self.sections]
+        return replace(
+            self, about=output.spelled(self.about), sections=sections, last=output.spelled(self.last)
+        )
 
 
 def write_table(table: dict[str, Any], form: str) -> None:
-    """Print a cusp table as `table`, `json` or `csv`."""
+    """Print a cusp table as `table` or `json`."""
     sections = []
     for part in table["slices"]:
         sections += [_slice(part), *([_audit(part["audit"])] if "audit" in part else [])]
-    page = Page(about(table), sections, table["digits"])
-    write_document(table, page, form, csv=rpr_solver.table_csv)
+    page = Page(about(table), sections, table["digits"], formats=("json", "csv"))
+    write_document(table, page, form)
 
 
 def write_document(document: Any, page: Page, form: str, csv: Callable[[Any], str] | None = None) -> None:
     """Print a document as `json` or `csv`, or its page: fitted to a terminal, else aligned text with all
     digits."""
-    out = sys.stdout
+    out = output.stdout()
+    unicode = output.is_unicode(out)
     if form == "json":
-        out.write(json.dumps(document, indent=2, ensure_ascii=False) + "\n")
-    elif form == "csv" and csv is not None:
-        out.write(csv(document))
-    elif out.isatty():
-        _write_rich(page, Console(file=out))
+        output.write(json.dumps(document, indent=2, ensure_ascii=not unicode) + "\n")
+        return
+    if form == "csv" and csv is not None:
+        output.write(csv(document))
+        return
+    if csv is not None:
+        page = replace(page, formats=("json", "csv"))
+    if not unicode:
+        page = page.spelled()
+    if out.isatty():
+        console = Console(file=out, highlight=False, soft_wrap=True)
+        with console.capture() as captured:
+            _print_fitted(page, console, "…" if unicode else "...")
+        output.write(captured.get())
     else:
-        out.writelines(line + "\n" for line in _text_lines(page))
+        output.write("".join(line + "\n" for line in _text_lines(page)))
 
 
 def rows_of(points: Sequence[Mapping[str, Any]], keys: Sequence[str] | None = None) -> list[list[str]]:
@@ -172,48 +191,59 @@ def _text_lines(page: Page) -> Iterator[str]:
                 for row in section.rows
             )
         yield from (f"  {note}" for note in section.notes)
+    if page.last:
+        yield ""
+        yield page.last
 
 
-def _write_rich(page: Page, console: Console) -> None:
-    console.print(Text(page.about, style="dim"))
+def _print_fitted(page: Page, console: Console, more: str) -> None:
+    width = console.width
     shortened = False
+
+    def lines(text: str, style: str = "", indent: str = "") -> None:
+        nonlocal shortened
+        short = layout.with_short_numbers(text, width, more)
+        shortened = shortened or short != text
+        for line in layout.wrapped(short, width, indent):
+            console.print(Text(line, style=style))
+
+    lines(page.about, "dim")
     for section in page.sections:
         console.print()
-        console.print(Text(section.title, style="bold red" if section.failed else "bold"))
+        lines(section.title, "bold red" if section.failed else "bold", "  ")
         if section.rows:
-            headings, *rows = section.rows
-            # border and padding on both sides of every column
-            widths = _fitting([*section.rows], console.width - 2)
-            table = Table(box=box.ROUNDED)
-            for key in headings:
-                table.add_column(Text(key), no_wrap=True)
-            for row in rows:
-                cells = [_fit(cell, width) for cell, width in zip(row, widths, strict=True)]
-                shortened = shortened or cells != row
-                table.add_row(*map(Text, cells))
-            console.print(table)
+            shortened |= _print_rows(section.rows, console, more)
         for note in section.notes:
-            console.print(Text(f"  {note}"), no_wrap=True, overflow="ellipsis")
+            lines(f"  {note}", indent="    ")
+    if page.last:
+        console.print()
+        lines(page.last, "bold")
     if shortened:
         digits = "all digits" if page.digits is None else f"all {page.digits} digits"
-        hint = f"Cut to fit; {digits} are in --format json or csv, and in a pipe or file."
-        console.print(Text(hint, style="dim"))
+        forms = " or ".join(page.formats)
+        lines(f"Cut to fit; {digits} are in --format {forms}, and in a pipe or file.", "dim")
 
 
-def _fitting(rows: Sequence[Sequence[str]], width: int) -> list[int]:
-    """Returns column widths that fit; short columns leave their room to long ones."""
-    needed = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    left, widths = width - _COLUMN_PADDING * len(needed), [0] * len(needed)
-    for n, i in enumerate(sorted(range(len(needed)), key=needed.__getitem__)):
-        widths[i] = max(min(needed[i], left // (len(needed) - n)), _LEAST_WIDTH)
-        left -= widths[i]
-    return widths
+def _print_rows(rows: Sequence[Sequence[str]], console: Console, more: str) -> bool:
+    """Print a table; returns whether a number was shortened."""
+    widths = layout.column_widths(rows, console.width, more)
+    if widths is None:
+        records = list(layout.records(rows, console.width, more))
+        for line in records[:-1]:
+            console.print(Text(line))
+        return any(more in line for line in records)
+    cells = [
+        [layout.shortened(cell, width, more) for cell, width in zip(row, widths, strict=True)] for row in rows
+    ]
+    table = Table(box=box.ROUNDED)
+    for heading in cells[0]:
+        table.add_column(Text(heading), no_wrap=True)
+    for row in cells[1:]:
+        table.add_row(*map(Text, row))
+    console.print(table)
+    return cells != [list(row) for row in rows]
 
 
 def _where(part: dict[str, Any]) -> str:
     key = next(name for name in ("l1", "l2", "l3") if name in part)
     return f"{key.upper()} = {part[key]}"
-
-
-def _fit(cell: str, width: int) -> str:
-    return cell if len(cell) <= width else f"{cell[: width - 1]}…"

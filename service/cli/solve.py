@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import rpr_solver
 from rpr_solver.article.audit import article_document
+from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError
-from service.cli import arguments
-from service.cli.pages import failures, progress_bar, write_table
+from service.cli import arguments, output
+from service.cli.pages import failures, write_table
+from service.cli.progress import progress_bar
 from service.errors import ServiceError
+from service.schemas.forms import csv_header, csv_lines, ndjson_line
 from service.schemas.tables import ARTICLE, METHODS, CuspTableRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -20,23 +23,29 @@ examples:
   rpr-cusps solve innocenti --l1 14.98
   rpr-cusps solve innocenti --l1 14.98 --method article
   rpr-cusps solve zein-flat --l1 2 --l1 5/2 --digits 200 --format json
-  rpr-cusps solve robot.json --l1-range 0.1:50.1:0.1 --digits 30 --format csv > cusps.csv
-  echo '{"a2x":15.91,"a3x":0,"a3y":10,"d1":17.04,"d2":16.54,"d3":20.84}' | rpr-cusps solve - --l1 14.98
+  rpr-cusps solve robot.json --l1-range 0.1:50.1:0.1 --format csv > cusps.csv
+  rpr-cusps solve - --l2 17 < robot.json                      leg 2 fixed
 
-A terminal shows as many digits as fit; every other output has all of them.
+A terminal shows as many digits as fit; every other output has all of them. CSV and NDJSON are printed slice
+by slice, and Ctrl-C keeps what is done.
 """
+
+STREAMED = ("csv", "ndjson")
+"""Formats that are printed slice by slice."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
-    text = "the fixed length of a slice; repeatable (--l2 with fixed leg 2, …)"
+    text = "the fixed length of a slice; repeatable (--l2: leg 2 is fixed, …)"
     arguments.add_options(parser, "--l{}", "slices", "X", text)
-    text = "slices from START to STOP in steps of STEP; STOP is included if a step meets it"
-    arguments.add_options(parser, "--l{}-range", "slices", "START:STOP:STEP", text)
+    text = "slices from FROM to TO in steps of STEP; TO is included if a step meets it"
+    arguments.add_options(parser, "--l{}-range", "slices", "FROM:TO:STEP", text)
     arguments.add_digits(parser, 90)
-    parser.add_argument("--fixed-leg", default="1", metavar="LEG", help="the fixed leg (default: 1)")
-    arguments.add_format(parser, csv=True)
+    parser.add_argument(
+        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the slices, or 1)"
+    )
+    arguments.add_format(parser, *STREAMED)
     parser.add_argument(
         "--method",
         choices=METHODS,
@@ -51,29 +60,64 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
-    slices = list(dict.fromkeys(question.slices))
-    with progress_bar(len(slices)) as progress:
+    count = len(dict.fromkeys(question.slices))
+    slices: Iterable[dict[str, Any]]
+    with progress_bar(count) as progress:
         if args.url is not None:
-            table = _ask_service(args.url, question, progress)
-        elif question.method == ARTICLE:
-            table = article_document(question.geometry, slices, question.digits, progress)
+            head = _ask_service(args.url, question, progress)
+            slices = head["slices"]
         else:
-            leg, digits = question.fixed_leg, question.digits
-            table = rpr_solver.table_document(
-                question.geometry, slices, fixed_leg=leg, digits=digits, progress=progress
-            )
-    write_table(table, args.format)
+            head, slices = _solve(question, progress)
+        table = {**head, "slices": _streamed(head, slices, args.format)}
+    if args.format not in STREAMED:
+        write_table(table, args.format)
     return report(table)
 
 
+def _solve(
+    question: CuspTableRequest, progress: rpr_solver.Progress
+) -> tuple[dict[str, Any], Iterable[dict[str, Any]]]:
+    """Returns the head of the table, and its slices as they are solved."""
+    slices = list(dict.fromkeys(question.slices))
+    manipulator, leg, digits = question.geometry, question.fixed_leg, question.digits
+    if question.method == ARTICLE:
+        table = article_document(manipulator, slices, digits, progress)
+        return table, table["slices"]
+
+    def solved() -> Iterator[dict[str, Any]]:
+        eliminant = rpr_solver.eliminate(manipulator, leg)
+        for done, length in enumerate(slices):
+            progress(done, len(slices))
+            yield rpr_solver.slice_json(eliminant, length, digits)
+        progress(len(slices), len(slices))
+
+    return document_head(manipulator, digits, leg), solved()
+
+
+def _streamed(head: Mapping[str, Any], slices: Iterable[dict[str, Any]], form: str) -> list[dict[str, Any]]:
+    """Returns the slices; as CSV or NDJSON each is printed at once, and only those without an answer are
+    kept."""
+    if form not in STREAMED:
+        return list(slices)
+    failed = []
+    if form == "csv":
+        output.write(csv_header(head))
+    for part in slices:
+        with output.unbroken():
+            output.write(csv_lines(head, part) if form == "csv" else ndjson_line(head, part))
+            output.flush()
+        if "error" in part:
+            failed.append(part)
+    output.flush()
+    return failed
+
+
 def _question(args: argparse.Namespace) -> CuspTableRequest:
-    leg = arguments.fixed_leg_of(args.fixed_leg)
+    leg = arguments.leg_of(args.slices, args.fixed_leg, "slices")
     name = f"l{leg}"
     origin = arguments.source({name: f"--{name}"})
     slices: list[object] = []
     for option, text in args.slices:
-        if not option.startswith(f"--{name}"):
-            raise InputError.of(option, f"with --fixed-leg {leg} the slices are --{name}")
         slices += arguments.range_values(text, option, origin) if option.endswith("-range") else [text]
     if not slices:
         raise InputError.of(f"--{name}", f"is missing; give a slice, for example --{name} 14.98")
@@ -96,7 +140,7 @@ def report(table: dict[str, Any]) -> int:
     """Report the slices without an answer on stderr; returns the exit status."""
     failed = failures(table)
     for where, error in failed:
-        print(f"rpr-cusps solve: {where}: no answer ({error['type']}): {error['detail']}", file=sys.stderr)
+        output.say(f"rpr-cusps solve: {where}: no answer ({error['type']}): {error['detail']}")
     if not failed:
         return 0
     return 2 if any(error["type"] == "input-error" for _, error in failed) else 1

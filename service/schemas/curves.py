@@ -39,7 +39,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
             {
                 "digits": 15,
                 "range": {"from": 27, "to": 29},
-                "l1": {"start": 27, "stop": 29, "step": "0.1"},
+                "l1": {"from": 27, "to": 29, "step": "0.1"},
             },
         ),
         "samples": (

@@ -11,10 +11,16 @@ MAX_DEPTH = 32
 
 
 class JsonError(ValueError):
-    """The text is not strict JSON; ``field`` is the repeated key, or "body"."""
+    """The text is not strict JSON.
 
-    def __init__(self, detail: str, field: str = "body") -> None:
-        self.detail, self.field = detail, field[:100]
+    Attributes:
+        detail: the fault, in a sentence.
+        field: the repeated key, or "body".
+        line: the line of the fault, if it is known.
+    """
+
+    def __init__(self, detail: str, field: str = "body", line: int | None = None) -> None:
+        self.detail, self.field, self.line = detail, field[:100], line
         super().__init__(detail)
 
 
@@ -24,8 +30,12 @@ class JsonNumber(str):
     __slots__ = ()
 
 
-def parse_json(body: bytes) -> object:
+def parse_json(body: bytes, name: str = "The body") -> object:
     """Parse strict JSON (RFC 8259). Numbers become :class:`JsonNumber`, with every digit.
+
+    Args:
+        body: the text, in UTF-8.
+        name: what messages call it.
 
     Raises:
         JsonError: not UTF-8, not JSON, a key given twice, or nested too deeply.
@@ -36,7 +46,7 @@ def parse_json(body: bytes) -> object:
     try:
         text = body.decode("utf-8")
     except UnicodeDecodeError as error:
-        raise JsonError(f"The body is not valid UTF-8: byte {error.start} cannot be decoded.") from None
+        raise JsonError(f"{name} is not valid UTF-8: byte {error.start} cannot be decoded.") from None
     try:
         value: object = json.loads(
             text,
@@ -47,11 +57,12 @@ def parse_json(body: bytes) -> object:
         )
     except json.JSONDecodeError as error:
         raise JsonError(
-            f"The body is not valid JSON: {error.msg} at line {error.lineno}, column {error.colno}."
+            f"{name} is not valid JSON: {error.msg} at line {error.lineno}, column {error.colno}.",
+            line=error.lineno,
         ) from None
     except RecursionError:
-        raise _too_deep() from None
-    _check_depth(value)
+        raise _too_deep(name) from None
+    _check_depth(value, name)
     return value
 
 
@@ -78,13 +89,13 @@ def _refuse_constant(name: str) -> NoReturn:
     raise JsonError(f"{name} is not a JSON number; every number must be finite.")
 
 
-def _check_depth(value: object) -> None:
+def _check_depth(value: object, name: str) -> None:
     level: list[object] = [value]
     for _ in range(MAX_DEPTH):
         level = [child for parent in level for child in _children(parent)]
         if not level:
             return
-    raise _too_deep()
+    raise _too_deep(name)
 
 
 def _children(value: object) -> Iterator[object]:
@@ -92,5 +103,5 @@ def _children(value: object) -> Iterator[object]:
     return (child for child in members if isinstance(child, dict | list))
 
 
-def _too_deep() -> JsonError:
-    return JsonError(f"The body is nested more than {MAX_DEPTH} levels deep.")
+def _too_deep(name: str) -> JsonError:
+    return JsonError(f"{name} is nested more than {MAX_DEPTH} levels deep.")

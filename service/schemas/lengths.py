@@ -28,10 +28,12 @@ _NUMBERS: TypeAdapter[tuple[Fraction, ...]] = TypeAdapter(tuple[Exact, ...])
 
 
 class SliceRange(Document):
-    """The values start, start + step, …, up to stop, which is included if it is one of them."""
+    """The values `from`, `from` + `step`, …, up to `to`, which is included if it is one of them."""
 
-    start: Exact
-    stop: Exact
+    expected: ClassVar[str] = 'give an object with "from", "to" and "step"'
+
+    start: Exact = Field(alias="from", description="The first value.")
+    stop: Exact = Field(alias="to", description="The end of the range; >= `from`.")
     step: Exact = Field(description="> 0")
 
     @model_validator(mode="after")
@@ -39,9 +41,10 @@ class SliceRange(Document):
         if self.step <= 0:
             raise InputError.of("step", f"is {exact_str(self.step)}; a step must be > 0")
         if self.stop < self.start:
+            start, stop = self._names()[:2]
             raise InputError.of(
-                "stop",
-                f"is {exact_str(self.stop)}, less than start = {exact_str(self.start)}; the range is empty",
+                stop,
+                f"is {exact_str(self.stop)}, less than {start} = {exact_str(self.start)}; the range is empty",
             )
         return self
 
@@ -54,6 +57,18 @@ class SliceRange(Document):
         count = int((self.stop - self.start) // self.step) + 1
         check_count(count, limits)
         return tuple(self.start + i * self.step for i in range(count))
+
+
+class StartStopRange(SliceRange):
+    """The older spelling of a range of slices: `start` is `from`, and `stop` is `to`."""
+
+    start: Exact = Field(description="The first value.")
+    stop: Exact = Field(description="The end of the range; >= `start`.")
+
+    @classmethod
+    def is_meant(cls, value: Mapping[str, Any]) -> bool:
+        """Whether an object has the older names and none of the newer."""
+        return not value.keys().isdisjoint({"start", "stop"}) and value.keys().isdisjoint({"from", "to"})
 
 
 class OpenRange(Document):
@@ -123,21 +138,21 @@ def check_count(count: int, limits: Limits) -> None:
 
 
 def split_range(text: str) -> dict[str, str]:
-    """Returns the parts of `START:STOP:STEP`.
+    """Returns the parts of `FROM:TO:STEP`.
 
     >>> split_range("14:15:0.5")
-    {'start': '14', 'stop': '15', 'step': '0.5'}
+    {'from': '14', 'to': '15', 'step': '0.5'}
     """
-    return _split(text, ("start", "stop", "step"), "START:STOP:STEP, for example 0.1:50.1:0.1")
+    return _split(text, ("from", "to", "step"), "FROM:TO:STEP, for example 0.1:50.1:0.1")
 
 
 def split_ends(text: str, names: tuple[str, str] = ("from", "to")) -> dict[str, str | None]:
-    """Returns the parts of `A:B`, either of which may be missing.
+    """Returns the parts of `FROM:TO`, either of which may be missing.
 
     >>> split_ends("10:61/2"), split_ends(":")
     ({'from': '10', 'to': '61/2'}, {'from': None, 'to': None})
     """
-    parts = _split(text, names, "A:B, for example 10:20, 10: or :20")
+    parts = _split(text, names, "FROM:TO, for example 10:20, 10: or :20")
     return {name: part if part.strip() else None for name, part in parts.items()}
 
 
@@ -151,7 +166,8 @@ def _split(text: str, names: Sequence[str], form: str) -> dict[str, str]:
 def _slices(value: object, info: ValidationInfo) -> tuple[Fraction, ...]:
     source = Source.of(info)
     if isinstance(value, Mapping):
-        return part(SliceRange.model_validate, value, source).values(source.limits)
+        form = StartStopRange if StartStopRange.is_meant(value) else SliceRange
+        return part(form.model_validate, value, source).values(source.limits)
     if not isinstance(value, list | tuple):
         return (exact_number(value, info),)
     if not value:
@@ -163,7 +179,11 @@ def _slices(value: object, info: ValidationInfo) -> tuple[Fraction, ...]:
 Slices = Annotated[
     tuple[Exact, ...],
     PlainValidator(
-        _slices, json_schema_input_type=Exact | Annotated[list[Exact], Field(min_length=1)] | SliceRange
+        _slices,
+        json_schema_input_type=Exact
+        | Annotated[list[Exact], Field(min_length=1)]
+        | SliceRange
+        | StartStopRange,
     ),
 ]
 """One length, a list of them, or a range."""
@@ -198,7 +218,7 @@ class SlicesOfOneLeg(Document):
         yield from super()._problems_of_members(value, known)
         own = [name for name in LEGS if name in known]
         if cls.needs_slices and not any(name in value for name in own):
-            hint = 'give a number, a list of numbers, or {"start": …, "stop": …, "step": …}'
+            hint = 'give a number, a list of numbers, or {"from": …, "to": …, "step": …}'
             yield FieldProblem(own[0], f"is missing; {hint}")
 
     @classmethod

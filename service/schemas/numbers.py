@@ -70,14 +70,14 @@ def whole_number(value: object, expected: str, *, is_text: bool) -> int:
     if isinstance(value, int) and not isinstance(value, bool):
         return value
     if not isinstance(value, str if is_text else JsonNumber):
-        raise InputError.of("", f"is {json_kind(value)}; give the number {expected}")
+        raise InputError.of("", f"is {json_kind(value)}; give a whole number: {expected}")
     text = str(value)
     try:
         exact = parse_exact(text, "")
     except InputError:
-        raise InputError.of("", f"is {text[:40]}; give {expected}") from None
+        raise InputError.of("", f"is {text[:40]}; give a whole number: {expected}") from None
     if exact.denominator != 1:
-        raise InputError.of("", f"is {text[:40]}; give the whole number {expected}")
+        raise InputError.of("", f"is {text[:40]}; give a whole number: {expected}")
     return int(exact)
 
 

@@ -22,7 +22,7 @@ from worker.answers.requests import Kind
 ARTICLE = "article"
 METHODS = ("fast", ARTICLE)
 
-_SCAN = {"start": "0.1", "stop": "50.1", "step": "0.1"}
+_SCAN = {"from": "0.1", "to": "50.1", "step": "0.1"}
 _TURNED = {**EXAMPLE_GEOMETRY, "d1": "426/25", "orientation": "ccw"}
 
 

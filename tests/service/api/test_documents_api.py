@@ -183,7 +183,7 @@ def test_cusp_curves_are_followed_once_and_sampled_at_will(api: httpx.Client) ->
         ({"l1": []}, "l1: is an empty list"),
         ({"l2": 3}, "l2: unknown field; with fixed_leg 1 the slices are l1"),
         ({"samples": 0}, "samples: is 0; give 1 to 5"),
-        ({"samples": 1.5}, "samples: is 1.5; give the whole number 1 to 5"),
+        ({"samples": 1.5}, "samples: is 1.5; give a whole number: 1 to 5"),
         ({"samples": 6}, "samples: asks for 6 points; the limit max_samples is 5"),
         ({"l1": {"start": 1, "stop": 100, "step": 1}}, "the limit max_slices is 5"),
     ],

@@ -88,7 +88,7 @@ def test_joint_limits_and_another_leg(run_here: Run) -> None:
         (("--l1-range", "1:2", "--max-cusps", "-1"), "at least 0"),
         (("--l1-range", "1:2", "--max-cusps", "many"), "--max-cusps: is many"),
         (("--l1-range", "1:2", "--max-cusps", "1", "--l1-limits", "1:2"), "limits the fixed leg"),
-        (("--l1-range", "1:2", "--max-cusps", "1", "--l2-limits", "1"), "is not A:B"),
+        (("--l1-range", "1:2", "--max-cusps", "1", "--l2-limits", "1"), "is not FROM:TO"),
         (("--l1-range", "1:2", "--max-cusps", "1", "--l2-limits", "2:1"), "--l2-limits.max: is 1"),
         (("--l1-range", "1:2", "--max-cusps", "1", "--jobs", "0"), "--jobs: is 0"),
     ],

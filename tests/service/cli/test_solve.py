@@ -82,7 +82,7 @@ def test_the_geometry_may_come_from_a_file_or_standard_input(run_here: Run, tmp_
         (("solve", "innocenti", "--l1", "1", "--digits", "1001"), "", "max_digits is 1000"),
         (("solve", "innocenti", "--l1", "1", "--fixed-leg", "4"), "", "must be 1, 2 or 3"),
         (("solve", "innocenti", "--l1", "1", "--fixed-leg", "2"), "", "the slices are --l2"),
-        (("solve", "innocenti", "--l1-range", "1:2"), "", "START:STOP:STEP"),
+        (("solve", "innocenti", "--l1-range", "1:2"), "", "FROM:TO:STEP"),
         (("solve", "innocenti", "--l1-range", "2:1:1"), "", "range is empty"),
         (("solve", "innocenti", "--l1-range", "0:1:1e-300"), "", "max_slices"),
         (("solve", "innocenti", "--l1", "1", "--format", "xml"), "", "invalid choice: 'xml'"),

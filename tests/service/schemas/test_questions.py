@@ -95,7 +95,7 @@ def test_a_range_is_the_same_on_the_command_line(start: Fraction | None, stop: F
 def test_only_on_the_command_line_is_text_a_whole_number() -> None:
     body = {"geometry": EXAMPLES["innocenti"], "digits": "30", "fixed_leg": "2"}
     assert content(CensusRequest, body, OPTIONS)["fixed_leg"] == 2
-    with pytest.raises(InputError, match="digits: is a string; give the number 15 to 1000"):
+    with pytest.raises(InputError, match="digits: is a string; give a whole number: 15 to 1000"):
         read(CensusRequest, body, JSON)
 
 

@@ -1,0 +1,77 @@
+"""Help that fits the terminal, and errors in one line that say where to read more."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import sys
+import textwrap
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+from service.cli import output
+
+BAD_INPUT = 2
+
+
+class Formatter(argparse.RawDescriptionHelpFormatter):
+    """Breaks lines between words only, and the lines of examples so that they can still be pasted."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        parts = (
+            "\n".join(_example(line, width) for line in part.splitlines())
+            if "\n " in part
+            else textwrap.fill(part, width, initial_indent=indent, break_long_words=False)
+            for part in text.strip("\n").split("\n\n")
+        )
+        return "\n\n".join(parts)
+
+    def _format_action_invocation(self, action: argparse.Action) -> str:
+        if not action.option_strings or action.nargs == 0:
+            return super()._format_action_invocation(action)
+        value = self._format_args(action, self._get_default_metavar_for_optional(action))
+        return f"{', '.join(action.option_strings)} {value}"
+
+
+def _example(line: str, width: int) -> str:
+    """Returns a command and the remark beside it; what does not fit goes on in the next line."""
+    if len(line) <= width:
+        return line
+    command, _, remark = line.strip().partition("   ")
+    lines = textwrap.wrap(
+        command,
+        width - 2,
+        initial_indent="  ",
+        subsequent_indent="      ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    remarks = textwrap.wrap(remark.strip(), width, initial_indent=" " * 6, subsequent_indent=" " * 6)
+    return "\n".join([" \\\n".join(lines), *remarks])
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser of a command whose errors are one line."""
+
+    def __init__(self, prog: str | None = None, **options: Any) -> None:
+        super().__init__(prog, **{"formatter_class": Formatter, **options})
+
+    def error(self, message: str) -> NoReturn:
+        """Print one line instead of the whole usage."""
+        self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        if file is not None and file is sys.stdout:
+            output.write(message)  # argparse would drop what cannot be written
+            output.flush()
+        else:
+            output.say(message.rstrip("\n"))
+
+    def refuse_unknown(self, words: Sequence[str]) -> NoReturn:
+        """Name the words that the command does not know, and the option that was meant."""
+        known = [name.lstrip("-") for action in self._actions for name in action.option_strings]
+        options = [word.partition("=")[0] for word in words if word.startswith("-") and len(word) > 1]
+        if not options:
+            self.error(f"there is no place for {' '.join(words)!r}")
+        near = difflib.get_close_matches(options[0].lstrip("-"), known, n=1)
+        self.error(f"unknown option {options[0]}" + (f"; did you mean --{near[0]}?" if near else ""))

@@ -1,0 +1,154 @@
+"""Text on stdout and stderr, whatever these are: not UTF-8, full, or closed."""
+
+from __future__ import annotations
+
+import codecs
+import io
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import TextIO
+
+_SPELLED = {
+    "α": "alpha",
+    "θ": "theta",
+    "ω": "omega",
+    "∞": "inf",
+    "→": "->",
+    "…": "...",
+    "·": "*",
+    "√": "sqrt",
+    "−": "-",
+    "–": "-",
+    "±": "+-",
+    "≤": "<=",
+    "≥": ">=",
+    "≠": "!=",
+    "×": "x",
+    "°": " deg",
+    "²": "^2",
+    "³": "^3",
+    "ℚ": "Q",
+    "ℤ": "Z",
+    "ℝ": "R",
+    "’": "'",
+}
+_ERRORS = "rpr-cusps.spelled"
+
+
+class OutputError(Exception):
+    """What the command prints cannot be written; the message is for the user."""
+
+
+def spelled(text: str) -> str:
+    """Returns text in ASCII, with mathematical signs in words.
+
+    >>> spelled("θ1 → ∞")
+    'theta1 -> inf'
+    """
+    return "".join(c if c.isascii() else _SPELLED.get(c) or _escaped(c) for c in text)
+
+
+def prepare() -> None:
+    """Let no character be an error: what a stream's encoding lacks is spelled."""
+    codecs.register_error(_ERRORS, _spell)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors=_ERRORS)
+
+
+def is_unicode(stream: TextIO) -> bool:
+    """Whether a stream can take every character."""
+    return (getattr(stream, "encoding", None) or "utf-8").lower().startswith("utf")
+
+
+def stdout() -> TextIO:
+    """Returns the stream.
+
+    Raises:
+        OutputError: it is closed.
+    """
+    if sys.stdout is None:
+        raise OutputError("stdout is closed; nothing can be printed")
+    return sys.stdout
+
+
+def write(text: str) -> None:
+    """Print text as it is.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    try:
+        stdout().writelines(text.splitlines(keepends=True))
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise _cannot(error) from None
+
+
+def flush() -> None:
+    """Hand over all that was printed.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    try:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise _cannot(error) from None
+
+
+@contextmanager
+def unbroken() -> Iterator[None]:
+    """Hold back a first Ctrl-C until the block has ended, so that no line is cut; a second one ends it."""
+    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+    presses = 0
+
+    def count(_number: int, _frame: FrameType | None) -> None:
+        nonlocal presses
+        presses += 1
+        if presses > 1:
+            raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, count)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if presses:
+        raise KeyboardInterrupt
+
+
+def discard() -> None:
+    """Keep the interpreter's last flush from failing too."""
+    if sys.stdout is not None:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def say(text: str) -> None:
+    """Print a line for people on stderr, if there is one."""
+    if sys.stderr is not None:
+        print(text, file=sys.stderr, flush=True)
+
+
+def _cannot(error: OSError) -> OutputError:
+    return OutputError(f"cannot write to stdout: {error.strerror}")
+
+
+def _spell(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(map(spelled, error.object[error.start : error.end])), error.end
+
+
+def _escaped(character: str) -> str:
+    return character.encode("ascii", "backslashreplace").decode()

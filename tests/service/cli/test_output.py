@@ -1,0 +1,172 @@
+"""What the command line prints where stdout is not UTF-8, full, closed, narrow, or left early."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import re
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rpr_solver import EXAMPLES, table_csv, table_document
+from service.cli.main import COMMANDS
+from tests.support.cli_process import ENVIRONMENT, Run, command, run
+from tests.support.processes import PATIENCE, started
+
+SLICE = ("solve", "innocenti", "--l1", "14.98", "--digits", "15")
+SCAN = ("solve", "zein-flat", "--l1-range", "1:50:0.001", "--digits", "60")
+
+
+def into(args: tuple[str, ...], redirection: str) -> subprocess.CompletedProcess[str]:
+    """Runs a command as a shell does."""
+    shell = ["sh", "-c", f'exec "$@" {redirection}', "sh", *command(*args)]
+    return subprocess.run(
+        shell, env=ENVIRONMENT, capture_output=True, text=True, timeout=PATIENCE, check=False
+    )
+
+
+def test_an_encoding_without_greek_letters_gets_words() -> None:
+    done = run(*SLICE, PYTHONIOENCODING="latin-1")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.splitlines()[3].split() == ["alpha", "[deg]", "theta1", "[deg]", "L2", "L3"]
+
+
+def test_json_without_unicode_is_the_same_json() -> None:
+    done = run(*SLICE, "--format", "json", PYTHONIOENCODING="ascii")
+    assert done.stdout.isascii()
+    expected = table_document(EXAMPLES["innocenti"], "14.98", digits=15)
+    assert json.loads(done.stdout) == expected
+
+
+@pytest.mark.parametrize("form", ["table", "csv"])
+def test_a_full_disk_is_one_line(form: str) -> None:
+    done = into((*SLICE, "--format", form), ">/dev/full")
+    assert done.returncode == 1
+    assert done.stderr == "rpr-cusps solve: cannot write to stdout: No space left on device\n"
+
+
+def test_the_help_on_a_full_disk_is_one_line() -> None:
+    done = into(("--help",), ">/dev/full")
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+
+
+def test_a_closed_stdout_is_noticed_before_the_work() -> None:
+    done = into(SCAN, ">&-")
+    assert (done.returncode, done.stderr) == (
+        1,
+        "rpr-cusps solve: stdout is closed; nothing can be printed\n",
+    )
+
+
+def test_a_closed_stderr_leaves_stdout_alone() -> None:
+    done = into(("solve", "innocenti", "--l1", "0", "--digits", "15", "--format", "csv"), "2>&-")
+    assert done.returncode == 2
+    assert [line.split(",")[0] for line in done.stdout.splitlines()] == ["l1", "0"]
+
+
+def test_ctrl_c_keeps_the_slices_of_a_scan_that_are_done() -> None:
+    with started(
+        command(*SCAN, "--format", "csv"), stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=ENVIRONMENT
+    ) as process:
+        seen = b"".join(process.stdout.readline() for _ in range(6))
+        process.send_signal(signal.SIGINT)
+        rest, err = process.stdout.read(), process.stderr.read()
+        assert (process.wait(PATIENCE), err) == (130, b"")
+    printed = (seen + rest).decode()
+    lengths = list(dict.fromkeys(line.partition(",")[0] for line in printed.splitlines()[1:]))
+    assert printed == table_csv(table_document(EXAMPLES["zein-flat"], lengths, digits=60))
+    assert 1 <= len(lengths) < 49_000
+
+
+def test_ndjson_is_a_slice_a_line(run_here: Run) -> None:
+    done = run_here("solve", "zein-flat", "--l1", "1", "--l1", "0", "--digits", "15", "--format", "ndjson")
+    first, second = map(json.loads, done.stdout.splitlines())
+    document = table_document(EXAMPLES["zein-flat"], ["1", "0"], digits=15)
+    head = {key: document[key] for key in ("geometry_hash", "fixed_leg", "digits", "solver_version")}
+    assert [first, second] == [{**head, **part} for part in document["slices"]]
+    assert done.returncode == 2
+
+
+def on_terminal(width: int, *args: str) -> list[str]:
+    """Returns what a command prints on a terminal of this width, without colours and the progress bar."""
+    main, side = pty.openpty()
+    environment = {**ENVIRONMENT, "TERM": "xterm", "COLUMNS": str(width)}
+    with started(command(*args), stdout=side, stderr=subprocess.DEVNULL, env=environment) as process:
+        os.close(side)
+        text = b"".join(chunks(main)).decode()
+        assert process.wait(PATIENCE) == 0
+    return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text).splitlines()
+
+
+def chunks(terminal: int) -> Iterator[bytes]:
+    try:
+        while part := os.read(terminal, 65536):
+            yield part
+    except OSError:  # on Linux: the other end is closed
+        os.close(terminal)
+
+
+@pytest.mark.parametrize("width", [40, 80, 200])
+def test_words_are_whole_on_a_terminal_and_lines_fit(width: int) -> None:
+    census = on_terminal(width, "census", "zein-flat", "--l1-range", "22:32", "--digits", "60")
+    assert sum("swallowtail" in line for line in census) == 4
+    legs = ("--l1", "14.98", "--l2", "16", "--l3", "20")
+    poses = on_terminal(width, "poses", "innocenti", *legs)
+    assert "mult." in " ".join(poses)
+    assert any("all 90 digits are in --format json" in " ".join(poses[i : i + 3]) for i in range(len(poses)))
+    assert "csv" not in " ".join(poses)
+    assert max(map(len, census + poses)) <= width
+    assert any("d3 = 20.84" in line for line in poses)
+
+
+@pytest.mark.parametrize("name", ["", *COMMANDS])
+def test_help_fits_80_columns(run_here: Run, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    done = run_here(*([name] if name else []), "--help")
+    assert max(map(len, done.stdout.splitlines())) <= 80
+
+
+def test_a_file_of_another_system_is_read(run_here: Run, tmp_path: Path) -> None:
+    text = json.dumps(EXAMPLES["innocenti"].to_json())
+    plain = run_here("solve", "-", "--l1", "3", "--digits", "15", stdin=text).stdout
+    for encoding in ("utf-8-sig", "utf-16"):
+        file = tmp_path / "robot.json"
+        file.write_bytes(text.encode(encoding))
+        assert run_here("solve", str(file), "--l1", "3", "--digits", "15").stdout == plain
+
+
+def test_the_leg_of_the_slices_is_the_fixed_leg(run_here: Run) -> None:
+    done = run_here("solve", "zein-flat", "--l2", "17", "--digits", "15", "--format", "json")
+    assert json.loads(done.stdout) == table_document(EXAMPLES["zein-flat"], 17, fixed_leg=2, digits=15)
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("solve", "inocenti", "--l1", "1"), "did you mean innocenti?"),
+        (("solve", "innocenti", "--l1", "1", "--foo"), "unknown option --foo; see rpr-cusps solve --help"),
+        (("census", "innocenti", "--formt", "csv"), "unknown option --formt; did you mean --format?"),
+        (("solve", "innocenti", "more", "--l1", "1"), "there is no place for 'more'"),
+        (("solve", "innocenti", "--l1", "1", "--l2", "1"), "--l2: with fixed leg 1 the slices are --l1"),
+        (("solve", "innocenti", "--l1", "1", "--digits", "9"), "--digits: asks for 9 digits"),
+        (("check", "innocenti", "--l1-range", "1:2", "--max-cusps", "x"), "is x; give a whole number: 0 or"),
+        (
+            ("check", "innocenti", "--l1-range", "1:2", "--max-cusps", "8", "--min-cusps", "9"),
+            "--max-cusps: is 8, less than",
+        ),
+    ],
+)
+def test_a_message_says_what_would_be_right(run_here: Run, args: tuple[str, ...], said: str) -> None:
+    done = run_here(*args)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert said in done.stderr
+
+
+def test_text_that_is_no_json_is_named_by_its_source(run_here: Run) -> None:
+    done = run_here("solve", "-", "--l1", "1", stdin="{bad")
+    assert "GEOMETRY: in standard input: the text is not valid JSON" in done.stderr
