@@ -15,6 +15,7 @@ Exception
 ├── QueueFullError          (the worker's) worker.jobs.lanes: the lane of a new job holds too much work
 ├── ResultLostError         (the worker's) worker.answers.stored_tables: a result expired while it was read
 ├── QuotaError              (the worker's) worker.jobs.quotas: a client holds too much of the queue
+├── OutputError             cli.output: what a command prints cannot be written
 ├── ServiceError            errors: the service refused, failed, or cannot be reached
 ├── UnreachableError        (the worker's) worker.connection: nobody answers at the address of Redis
 └── WorkerError             (the worker's) worker.process.start: the worker cannot start
