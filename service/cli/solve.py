@@ -55,6 +55,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--url", help="compute by the service at this address, for example http://127.0.0.1:8000"
     )
+    parser.add_argument(
+        "--deadline", metavar="SECONDS", help="with --url: give up if the table is not there by then"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -115,13 +118,15 @@ def _streamed(head: Mapping[str, Any], slices: Iterable[dict[str, Any]], form: s
 def _question(args: argparse.Namespace) -> CuspTableRequest:
     leg = arguments.leg_of(args.slices, args.fixed_leg, "slices")
     name = f"l{leg}"
-    origin = arguments.source({name: f"--{name}"})
+    origin = arguments.source({name: f"--{name}", "deadline_s": "--deadline"})
     slices: list[object] = []
     for option, text in args.slices:
         slices += arguments.range_values(text, option, origin) if option.endswith("-range") else [text]
     if not slices:
         raise InputError.of(f"--{name}", f"is missing; give a slice, for example --{name} 14.98")
-    members = {"fixed_leg": leg, name: slices, "method": args.method}
+    if args.deadline is not None and args.url is None:
+        raise InputError.of("--deadline", "is for jobs of a service; give --url too, or leave it out")
+    members = {"fixed_leg": leg, name: slices, "method": args.method, "deadline_s": args.deadline}
     return arguments.ask(CuspTableRequest, args, members, origin)
 
 

@@ -8,6 +8,7 @@ import sys
 from rpr_solver.errors import InputError
 from service.cli.environment import warn_of_unknown_settings
 from service.cli.options import add_redis_url
+from worker.jobs.lanes import DUTIES
 from worker.process.start import WorkerError, run_worker
 
 DESCRIPTION, EXAMPLES = __doc__, None
@@ -18,6 +19,13 @@ FAILED = 1
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     add_redis_url(parser, "the Redis or Valkey server with the queue")
+    parser.add_argument(
+        "--duty",
+        choices=DUTIES,
+        default="all",
+        help="light: only chunks of about a second, so that short questions never wait for long ones; at "
+        "least one worker must do all (default: all)",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -27,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
         raise InputError.of("--redis-url", f"is missing; {hint}")
     warn_of_unknown_settings("worker")
     try:
-        return run_worker(args.redis_url)
+        return run_worker(args.redis_url, duty=args.duty)
     except WorkerError as error:
         print(f"rpr-cusps worker: {error}", file=sys.stderr)
         return FAILED

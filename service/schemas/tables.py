@@ -83,7 +83,8 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     def body(self) -> dict[str, Any]:
         """Returns the question as the body of a request."""
         content = self.content()
-        return {f"l{self.fixed_leg}": content.pop("l1"), **content, "method": self.method}
+        deadline = {} if self.deadline_s is None else {"deadline_s": self.deadline_s}
+        return {f"l{self.fixed_leg}": content.pop("l1"), **content, "method": self.method, **deadline}
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question; duplicate slices are removed."""

@@ -6,8 +6,8 @@ from typing import Any
 
 from rpr_solver import EXAMPLES
 from tests.support.processes import until
-from worker.answers import poses, tables
-from worker.answers.requests import JobRequest
+from worker.answers import censuses, poses, tables
+from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.stored_tables import StoredTable
 from worker.jobs.queue import JobQueue
 from worker.jobs.records import JobView
@@ -22,6 +22,11 @@ def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:
 def a_document() -> JobRequest:
     content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": "14.98", "l2": "15", "l3": "30"}
     return JobRequest(poses.KIND, {**content, "digits": 20})
+
+
+def a_census(digits: int = 30) -> JobRequest:
+    content = {"geometry": EXAMPLES["innocenti"].to_json(), "fixed_leg": 1, "digits": digits}
+    return JobRequest(censuses.KIND, {**content, "range": ALL_LENGTHS})
 
 
 def table_of(queue: JobQueue, job_id: str) -> dict[str, Any]:

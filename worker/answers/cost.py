@@ -10,12 +10,14 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, lcm
+from typing import Any
 
 from worker.answers import article, censuses, checks, curves, poses, tables
 from worker.answers.requests import JobRequest, Kind
 
 _INTERVALS = 20  # between two transitions, of a typical manipulator
-_LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+_BALLS_SPREAD = 1000  # bits; beyond, the balls of a slice with few digits do not decide it
+_SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
 @dataclass(frozen=True)
@@ -35,29 +37,36 @@ class Sizes:
     """The sizes that decide the cost.
 
     Attributes:
-        geometry: bits of the longest side of the manipulator, once all are integers without a common factor.
+        geometry: bits of the sides of the manipulator, once all are integers without a common factor: a mean
+            in which the longest counts half as much again.
         lengths: bits of the longest numerator or denominator of the leg lengths in the question.
+        spread: bits of the quotient of the longest and the shortest of all these lengths.
         digits: significant digits of the answer.
         count: the slices of a table, or the lengths at which curves are sampled; else 1.
     """
 
     geometry: int
     lengths: int
+    spread: int
     digits: int
     count: int
 
 
 def sizes(request: JobRequest) -> Sizes:
     """Returns the sizes of a request."""
-    sides = [Fraction(request.geometry[name]) for name in _LENGTHS]
+    content = request.content
+    sides = [Fraction(request.geometry[name]) for name in _SIDES]
+    legs = [Fraction(text) for text in _lengths(content)]
     unit = lcm(*(side.denominator for side in sides))
     whole = [side.numerator * (unit // side.denominator) for side in sides]
-    common = gcd(*whole) or 1
-    content = request.content
+    common = gcd(*whole).bit_length() - 1
+    bits = [abs(x).bit_length() - common for x in whole if x]
+    scales = [_scale(x) for x in (*sides, *legs) if x]
     points = len(content.get("lengths", ())) + _INTERVALS * (content.get("samples") or 0)
     return Sizes(
-        geometry=max(abs(x) for x in whole).bit_length() - common.bit_length() + 1,
-        lengths=_bits(_lengths(request)),
+        geometry=(max(bits) + 2 * sum(bits) // len(sides)) // 3,
+        lengths=max((max(x.numerator.bit_length(), x.denominator.bit_length()) for x in legs), default=1),
+        spread=max(scales) - min(scales),
         digits=request.digits,
         count=len(content["l1"]) if isinstance(content.get("l1"), list) else max(1, points),
     )
@@ -73,40 +82,52 @@ def seconds(kind: Kind, size: Sizes) -> float:
     return _COSTS[kind](size).of(size.count if kind.by_slices else 1)
 
 
-def _lengths(request: JobRequest) -> Iterable[str]:
-    content = request.content
+def _lengths(content: Mapping[str, Any]) -> Iterable[str]:
     if "l2" in content:
         return [content[leg] for leg in ("l1", "l2", "l3")]
-    if "requirement" in content:
-        requirement = content["requirement"]
-        limits = [end for limit in (requirement.get("limits") or {}).values() for end in limit.values()]
-        return [end for end in (*requirement["range"].values(), *limits) if end]
-    ends = [end for end in content.get("range", {}).values() if end]
-    return [*content.get("l1", ()), *content.get("lengths", ()), *ends]
+    requirement = content.get("requirement", content)
+    ends = [requirement.get("range", {}), *(requirement.get("limits") or {}).values()]
+    listed = [*content.get("l1", ()), *content.get("lengths", ())]
+    return [*listed, *(end for pair in ends for end in pair.values() if end)]
 
 
-def _bits(numbers: Iterable[str]) -> int:
-    exact = map(Fraction, numbers)
-    return max((max(x.numerator.bit_length(), x.denominator.bit_length()) for x in exact), default=1)
+def _scale(x: Fraction) -> int:
+    return x.numerator.bit_length() - x.denominator.bit_length()
 
 
 def _elimination(size: Sizes) -> float:
+    """Modulo so many primes, and the coefficients from their residues."""
     return 0.016 * size.geometry + 1.4e-5 * size.geometry**2
 
 
 def _slice(size: Sizes) -> float:
-    return 0.008 + 2e-5 * size.geometry + 6e-6 * size.lengths + 1.2e-5 * size.digits
+    """In balls; lengths of very different sizes need a higher precision, and at last number fields."""
+    balls = 0.005 + 2e-5 * size.geometry + 6e-6 * size.lengths + 1.2e-5 * size.digits + 4e-6 * size.spread**2
+    return balls + (_exact_slice(size) if size.spread > _BALLS_SPREAD else 0.0)
+
+
+def _exact_slice(size: Sizes) -> float:
+    return 0.1 + 1e-3 * size.geometry**2
+
+
+def _article(size: Sizes) -> float:
+    return (0.3 + 0.03 * size.geometry + 0.0012 * size.geometry**2) * size.count
 
 
 def _events(size: Sizes) -> float:
-    return 1.0 + 0.06 * size.geometry + 0.0045 * size.geometry**2
+    """All transitions of a manipulator."""
+    return 2.0 + 0.15 * size.geometry + 0.003 * size.geometry**2 + 0.001 * size.digits
+
+
+def _poses(size: Sizes) -> float:
+    return 0.005 + 1e-5 * (size.geometry + size.lengths + size.digits) + 1e-7 * size.spread**2
 
 
 _COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {
     tables.KIND: lambda size: Cost(_elimination(size), _slice(size)),
-    article.KIND: lambda size: Cost(0.0, 0.4 * _events(size) * size.count),
-    poses.KIND: lambda size: Cost(0.0, 0.005 + 1e-5 * (size.geometry + size.lengths + size.digits)),
+    article.KIND: lambda size: Cost(0.0, _article(size)),
+    poses.KIND: lambda size: Cost(0.0, _poses(size)),
     censuses.KIND: lambda size: Cost(0.0, _events(size)),
     checks.KIND: lambda size: Cost(0.0, _events(size)),
-    curves.KIND: lambda size: Cost(0.0, 2.5 + _events(size) + 0.05 * size.count),
+    curves.KIND: lambda size: Cost(0.0, 2.5 + _events(size) + _slice(size) * size.count),
 }

@@ -1,0 +1,140 @@
+"""Heavy load and deadlines."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import httpx
+from redis import Redis
+
+from service.api.settings import Settings
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.jobs import a_census, a_request, ended
+from tests.support.processes import PATIENCE, Workers, until
+from tests.support.service_server import GEOMETRY, serving
+from worker.jobs.queue import JobQueue
+from worker.settings import WorkerSettings
+
+WAIT = {"Prefer": "wait=30"}
+EXTREME = {"a2x": "1e200", "a3x": "0", "a3y": "1", "d1": "1", "d2": "1e-100", "d3": "1"}
+
+
+def blocking(redis: Redis) -> JobQueue:
+    """A queue whose jobs wait for the key `gate`, without using a processor."""
+    return JobQueue(redis, WorkerSettings(task="tests.support.hard_tasks.gated"))
+
+
+def a_slice(l1: str) -> dict[str, object]:
+    return {"geometry": GEOMETRY, "l1": l1, "digits": 15}
+
+
+def test_small_questions_pass_heavy_ones(valkey: EmbeddedValkey, redis: Redis, workers: Workers) -> None:
+    """Heavy questions come to two workers. One is kept for short work, and small questions are answered at
+    once."""
+    queue = blocking(redis)
+    workers.start_odd("worker", "--duty", "light")
+    workers.start()
+    heavy = [queue.submit(a_census(digits)).id for digits in (30, 31, 32)]
+    until(lambda: redis.llen("begun") == 1)
+    with (
+        serving(Settings(redis_url=valkey.url)) as url,
+        httpx.Client(base_url=url, timeout=PATIENCE) as client,
+    ):
+        for l1 in ("14.98", "27"):
+            answer = client.post("/v1/cusp-tables", json=a_slice(l1), headers=WAIT)
+            assert answer.status_code == 200
+        waiting = client.get(f"/v1/jobs/{heavy[2]}")
+        assert (waiting.json()["status"], waiting.json()["position"]) == ("queued", 1)
+        assert int(waiting.headers["retry-after"]) > 1
+    assert redis.llen("begun") == 1, "the light worker takes no heavy chunk, even if it is idle"
+    redis.set("gate", "open")
+    assert {ended(queue, job).status for job in heavy} == {"succeeded"}
+
+
+def test_heavy_and_bulk_chunks_take_turns(redis: Redis, workers: Workers) -> None:
+    """Heavy and long jobs come to one worker. It serves both in turns, and neither waits for ever."""
+    queue = blocking(redis)
+    table = queue.submit(a_request(*map(str, range(1, 201)))).id
+    censuses = [queue.submit(a_census(digits)).id for digits in (30, 31, 32)]
+    redis.set("gate", "open")
+    workers.start()
+    assert {ended(queue, job).status for job in censuses} == {"succeeded"}
+    ends = [queue.get(job) for job in censuses]
+    assert ended(queue, table).status == "succeeded"
+    last = max(view.finished_at or "" for view in ends if view is not None)
+    done = queue.get(table)
+    assert done is not None
+    assert done.started_at is not None
+    assert done.started_at < last
+
+
+def test_what_would_hold_the_workers_is_not_queued(valkey: EmbeddedValkey, redis: Redis) -> None:
+    """Requests of 150 bytes would take minutes. They are refused before anything is queued."""
+    body = {"geometry": EXTREME, "l1": "1e-200", "digits": 15}
+    with (
+        serving(Settings(redis_url=valkey.url)) as url,
+        httpx.Client(base_url=url, timeout=PATIENCE) as client,
+    ):
+        answers = [client.post("/v1/cusp-tables", json={**body, "digits": digits}) for digits in (15, 16)]
+        answers.append(client.post("/v1/censuses", json={"geometry": EXTREME}))
+    assert {answer.status_code for answer in answers} == {422}
+    assert {answer.json()["limit"]["name"] for answer in answers} == {"max_cost_seconds"}
+    assert JobQueue(redis).depth() == 0
+
+
+def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) -> None:
+    """Six hundred new questions come at once. As many as the queue holds are accepted, and 503 tells the
+    others when to come again."""
+    each = JobQueue(redis).plan(a_request("1"), 1).seconds
+    room = WorkerSettings().max_backlog
+    redis.hset(JobQueue(redis).records.keys.work, "small:added", round(1000 * (room - 100.5 * each)))
+    with (
+        serving(Settings(redis_url=valkey.url)) as url,
+        httpx.Client(base_url=url, timeout=PATIENCE) as client,
+        ThreadPoolExecutor(16) as pool,
+    ):
+        bodies = [{"geometry": {**GEOMETRY, "a3y": f"{10 + n}"}, "l1": "1", "digits": 30} for n in range(600)]
+        answers = list(pool.map(lambda body: client.post("/v1/cusp-tables", json=body), bodies))
+    refused = [answer for answer in answers if answer.status_code == 503]
+    accepted = [answer for answer in answers if answer.status_code == 202]
+    assert len(accepted) + len(refused) == 600
+    assert len(accepted) == JobQueue(redis).depth() <= 150
+    assert {answer.json()["type"] for answer in refused} == {"/problems/queue-full"}
+    assert all(0.9 * room < int(answer.headers["retry-after"]) <= room for answer in refused)
+
+
+def test_a_request_ends_at_its_deadline(valkey: EmbeddedValkey, redis: Redis, workers: Workers) -> None:
+    """A job is not done by the deadline of its request, running or queued. It fails, `timeout`; its work
+    horse ends, and the worker goes on."""
+    queue = blocking(redis)
+    workers.start(sweep_interval=0.2)
+    running = queue.submit(a_request("1"), deadline_s=1.5)
+    until(lambda: redis.llen("begun") == 1)
+    waiting = queue.submit(a_request("2"), deadline_s=0.5)
+    with (
+        serving(Settings(redis_url=valkey.url)) as url,
+        httpx.Client(base_url=url, timeout=PATIENCE) as client,
+    ):
+        for job in (waiting.id, running.id):
+            start = time.monotonic()
+            view = ended(queue, job)
+            assert (view.status, view.error and view.error["type"]) == ("failed", "timeout")
+            assert time.monotonic() - start < PATIENCE / 2
+            assert client.get(f"/v1/jobs/{job}/result").status_code == 504
+        answer = client.post("/v1/cusp-tables", json=a_slice("27"), headers=WAIT)
+        assert answer.status_code == 200
+
+
+def test_the_most_patient_client_counts(redis: Redis, workers: Workers) -> None:
+    """Two clients share a job, with different deadlines. It goes on until the later one."""
+    queue = blocking(redis)
+    workers.start(sweep_interval=0.1)
+    job = queue.submit(a_request("1"), deadline_s=0.6).id
+    queue.submit(a_request("1"), deadline_s=60)
+    time.sleep(1.2)
+    view = queue.get(job)
+    assert view is not None
+    assert view.status == "running"
+    redis.set("gate", "open")
+    assert ended(queue, job).status == "succeeded"

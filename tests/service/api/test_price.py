@@ -1,0 +1,167 @@
+"""Requests that cost too much, a full queue, places in it, and deadlines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from datetime import datetime
+from typing import Any
+
+import httpx
+import pytest
+from redis import Redis
+
+from service.api.settings import Settings
+from service.schemas.limits import Limits
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import PATIENCE
+from tests.support.service_server import GEOMETRY, serving
+from worker.connection import connect
+from worker.settings import WorkerSettings
+
+Fresh = Callable[[], str]
+
+EXTREME = {"a2x": "1e200", "a3x": "0", "a3y": "1", "d1": "1", "d2": "1e-100", "d3": "1"}
+LONG = {name: f"{x}{'7318526904' * 39}" if name != "a3x" else x for name, x in GEOMETRY.items()}
+LONG["a3y"] = "10." + "3" * 390
+
+
+@pytest.fixture
+def redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
+    """A database of its own, for a service without a worker."""
+    with connect(f"{valkey.url}?db=2") as client:
+        client.flushdb()
+        yield client
+
+
+@pytest.fixture
+def alone(valkey: EmbeddedValkey, redis: Redis, monkeypatch: pytest.MonkeyPatch) -> Iterator[httpx.Client]:  # noqa: ARG001
+    """A client of a service without a worker, with room for a little work."""
+    monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG", "0.7")
+    settings = Settings(redis_url=f"{valkey.url}?db=2", limits=Limits(deadline=50))
+    with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
+        yield client
+
+
+def table(l1: object, **more: Any) -> dict[str, Any]:
+    return {"geometry": GEOMETRY, "l1": l1, "digits": 15, **more}
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "fields"),
+    [
+        ("cusp-tables", {"geometry": EXTREME, "l1": "1e-200", "digits": 15}, {"geometry"}),
+        (
+            "cusp-tables",
+            {"geometry": {**EXTREME, "d2": "1e-101"}, "l1": "1e-200", "digits": 15},
+            {"geometry"},
+        ),
+        ("censuses", {"geometry": EXTREME}, {"geometry"}),
+        ("censuses", {"geometry": LONG}, {"geometry"}),
+        ("cusp-curves", {"geometry": LONG}, {"geometry"}),
+        ("checks", {"geometry": LONG, "requirement": {"max_cusps": 8}}, {"geometry"}),
+        (
+            "cusp-tables",
+            {"geometry": {**GEOMETRY, "d1": "17.0412345678"}, "method": "article", "l1": list(range(1, 51))},
+            {"l1"},
+        ),
+    ],
+)
+def test_what_takes_too_long_is_refused_at_once(
+    alone: httpx.Client, path: str, body: dict[str, Any], fields: set[str]
+) -> None:
+    answer = alone.post(f"/v1/{path}", json=body)
+    problem = answer.json()
+    assert (answer.status_code, problem["type"]) == (422, "/problems/limit-exceeded")
+    assert problem["limit"] == {"name": "max_cost_seconds", "value": 120}
+    assert {error["field"] for error in problem["errors"]} == fields
+    for error in problem["errors"]:
+        assert error["message"].startswith("would take about ")
+        assert "; the limit max_cost_seconds is 120; " in error["message"]
+    assert alone.get("/metrics").text.count("rpr_cusps_jobs_active 0.0") == 1
+
+
+def test_usual_questions_are_far_below_the_limit(alone: httpx.Client) -> None:
+    body = table({"start": "0.01", "stop": "20", "step": "0.01"}, digits=1000)
+    assert alone.post("/v1/cusp-tables", json=body).status_code == 202
+    assert alone.post("/v1/cusp-curves", json={"geometry": GEOMETRY, "samples": 50}).status_code == 202
+
+
+def test_a_full_queue_says_when_to_come_again(alone: httpx.Client) -> None:
+    accepted = [alone.post("/v1/cusp-tables", json=table(n)) for n in range(1, 5)]
+    assert {answer.status_code for answer in accepted} == {202}
+    full = alone.post("/v1/cusp-tables", json=table(5))
+    assert (full.status_code, full.json()["type"]) == (503, "/problems/queue-full")
+    assert full.headers["retry-after"] == "1"
+    again = alone.post("/v1/cusp-tables", json=table(1))
+    assert (again.status_code, again.json()["id"]) == (202, accepted[0].json()["id"])
+    for answer in (accepted[0], again):
+        alone.delete(answer.json()["links"]["cancel"])
+    assert alone.post("/v1/cusp-tables", json=table(5)).status_code == 202
+
+
+def test_a_queued_job_shows_its_place(alone: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "digits": 30}
+    jobs = [alone.post("/v1/censuses", json={**body, "fixed_leg": 1})]
+    jobs.append(alone.post("/v1/cusp-tables", json=table(1)))
+    assert [job.json()["position"] for job in jobs] == [0, 0], "each in its lane"
+    assert {job.headers["retry-after"] for job in jobs} == {"1"}
+    second = alone.post("/v1/cusp-tables", json=table(2)).json()
+    shown = alone.get(second["links"]["self"])
+    assert shown.json()["position"] == 1
+    assert alone.get(second["links"]["result"]).headers["retry-after"] == shown.headers["retry-after"]
+
+
+def test_the_wait_follows_the_estimate(valkey: EmbeddedValkey, redis: Redis) -> None:  # noqa: ARG001
+    settings = Settings(redis_url=f"{valkey.url}?db=2", longest_poll_seconds=7)
+    with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
+        bodies = [{"geometry": GEOMETRY, "digits": digits} for digits in (30, 31, 32, 33)]
+        answers = [client.post("/v1/censuses", json=body) for body in bodies]
+    waits = [int(answer.headers["retry-after"]) for answer in answers]
+    assert waits[0] == 1
+    assert waits == sorted(waits)
+    assert 2 <= waits[1] <= 6
+    assert waits[-1] == 7, "at most"
+
+
+def test_a_deadline_is_no_part_of_the_question(alone: httpx.Client) -> None:
+    job = alone.post("/v1/cusp-tables", json=table(1, deadline_s=30)).json()
+    assert datetime.fromisoformat(job["deadline_at"]) > datetime.fromisoformat(job["created_at"])
+    same = alone.post("/v1/cusp-tables", json=table(1, deadline_s="40.5")).json()
+    assert same["id"] == job["id"]
+    assert same["deadline_at"] > job["deadline_at"]
+    assert alone.post("/v1/cusp-tables", json=table(1)).json()["deadline_at"] is None
+
+
+@pytest.mark.parametrize(
+    ("deadline", "kind", "message"),
+    [
+        (50.5, "limit-exceeded", "is 50.5 s; the limit deadline is 50"),
+        (0, "invalid-request", "is 0; give a number of seconds > 0"),
+        ("soon", "invalid-request", "'soon' is not a finite number"),
+    ],
+)
+def test_deadlines_that_are_refused(alone: httpx.Client, deadline: object, kind: str, message: str) -> None:
+    for path, body in (("cusp-tables", table(1)), ("censuses", {"geometry": GEOMETRY})):
+        problem = alone.post(f"/v1/{path}", json={**body, "deadline_s": deadline}).json()
+        assert problem["type"] == f"/problems/{kind}"
+        [error] = problem["errors"]
+        assert error["field"] == "deadline_s"
+        assert error["message"].startswith(message)
+
+
+def test_the_limits_show_the_greatest_deadline(api: httpx.Client) -> None:
+    limits = api.get("/v1/limits").json()
+    assert limits["deadline"]["value"] == WorkerSettings().deadline == 600
+    assert limits["max_cost_seconds"]["value"] == 120
+
+
+def test_a_known_answer_has_no_price(api: httpx.Client, valkey: EmbeddedValkey, fresh: Fresh) -> None:
+    body = table(fresh())
+    assert api.post("/v1/cusp-tables", json=body, headers={"Prefer": "wait=30"}).status_code == 200
+    strict = Settings(redis_url=valkey.url, limits=Limits(max_cost_seconds=1))
+    with serving(strict) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
+        assert client.post("/v1/cusp-tables", json=body).status_code == 200
+        many = table([f"{fresh()}1" for _ in range(500)])
+        problem = client.post("/v1/cusp-tables", json=many).json()
+    assert [error["field"] for error in problem["errors"]] == ["l1"]
+    assert problem["errors"][0]["message"].endswith("; ask for fewer than 500")

@@ -1,0 +1,83 @@
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+import pytest
+
+from rpr_solver import EXAMPLES, Requirement
+from worker.answers import article, censuses, checks, curves, poses, tables
+from worker.answers.cost import Sizes, cost, seconds, sizes
+from worker.answers.kinds import KINDS
+from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
+
+INNOCENTI = EXAMPLES["innocenti"].to_json()
+EXTREME = {"a2x": "1" + "0" * 200, "a3x": "0", "a3y": "1", "d1": "1", "d2": f"0.{'0' * 99}1", "d3": "1"}
+TINY = f"0.{'0' * 199}1"
+LONG = {name: "".join(reversed(x)) + "7" * 390 for name, x in INNOCENTI.items()} | {"a3x": "1", "d3": "2"}
+
+
+def request(kind: Kind, content: Mapping[str, Any], geometry: Mapping[str, str] = INNOCENTI) -> JobRequest:
+    return JobRequest(kind, {"geometry": geometry, "fixed_leg": 1, "digits": 30, **content})
+
+
+def estimate(kind: Kind, content: Mapping[str, Any], geometry: Mapping[str, str] = INNOCENTI) -> float:
+    return seconds(kind, sizes(request(kind, content, geometry)))
+
+
+WHOLE = {"range": ALL_LENGTHS}
+CONTENTS: dict[Kind, Mapping[str, Any]] = {
+    tables.KIND: {"l1": ["14.98"]},
+    article.KIND: {"l1": ["14.98"]},
+    poses.KIND: {"l1": "14.98", "l2": "15", "l3": "30"},
+    censuses.KIND: WHOLE,
+    checks.KIND: {"requirement": Requirement(1, 20, 25, 8, limits={2: (5, 20)}).to_json()},
+    curves.KIND: {**WHOLE, "lengths": [], "samples": None},
+}
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_each_kind_has_a_cost_that_grows_with_each_size(kind: Kind) -> None:
+    size = sizes(request(kind, CONTENTS[kind]))
+    usual = seconds(kind, size)
+    assert 0.001 < usual < 10
+    for field in fields(Sizes):
+        prices = [seconds(kind, replace(size, **{field.name: n})) for n in (1, 10, 100, 1000, 10_000)]
+        assert prices == sorted(prices), field.name
+
+
+@pytest.mark.parametrize(
+    ("kind", "content", "geometry", "low", "high"),
+    [
+        # measured by benchmarks/cost.py; within a factor of three
+        (tables.KIND, {"l1": ["14.98"], "digits": 15}, INNOCENTI, 0.06, 0.6),
+        (tables.KIND, {"l1": [str(n) for n in range(1, 2001)], "digits": 15}, INNOCENTI, 2.5, 22),
+        (tables.KIND, {"l1": [str(n) for n in range(1, 2001)], "digits": 1000}, INNOCENTI, 10, 90),
+        (tables.KIND, {"l1": ["14.98"], "digits": 10_000}, INNOCENTI, 0.15, 1.4),
+        (tables.KIND, {"l1": ["1"], "digits": 15}, EXTREME, 4, 35),
+        (tables.KIND, {"l1": [TINY], "digits": 15}, EXTREME, 150, 1500),
+        (censuses.KIND, WHOLE, INNOCENTI, 0.7, 6),
+        (censuses.KIND, WHOLE, LONG, 600, 1e5),
+        (curves.KIND, CONTENTS[curves.KIND], LONG, 600, 1e5),
+    ],
+)
+def test_estimates(
+    kind: Kind, content: Mapping[str, Any], geometry: Mapping[str, str], low: float, high: float
+) -> None:
+    assert low < estimate(kind, content, geometry) < high
+
+
+def test_only_slices_have_a_part_in_common() -> None:
+    table = cost(request(tables.KIND, {"l1": ["1", "2"]}))
+    assert table.once > table.each > 0
+    assert table.of(2) == table.once + 2 * table.each
+    assert cost(request(censuses.KIND, WHOLE)).once == 0
+
+
+def test_the_unit_of_length_does_not_matter() -> None:
+    in_km = {name: f"{x}000" if "." not in x else x.replace(".", "") + "0" for name, x in INNOCENTI.items()}
+    in_km = {**in_km, "orientation": "ccw"}
+    assert (
+        sizes(request(censuses.KIND, WHOLE, in_km)).geometry == sizes(request(censuses.KIND, WHOLE)).geometry
+    )
