@@ -26,11 +26,13 @@ MAY_IMPORT = {
     "rpr_solver": "errors contract exact model kinematics slices documents transitions article curves",
     # worker: jobs in Redis, and the processes that compute
     "worker.logs": "",
+    "worker.tracing": "",
     "worker.settings": "rpr_solver worker.logs",
     "worker.connection": "worker.settings",
-    "worker.jobs": "rpr_solver worker.settings worker.connection worker.logs worker.answers",
+    "worker.jobs": "rpr_solver worker.settings worker.connection worker.logs worker.tracing worker.answers",
     "worker.answers": "rpr_solver worker.settings",
-    "worker.process": "rpr_solver worker.settings worker.connection worker.logs worker.jobs worker.answers",
+    "worker.process": "rpr_solver worker.settings worker.connection worker.logs worker.tracing worker.jobs "
+    "worker.answers",
     "worker.__main__": "worker.settings worker.jobs worker.process",
     "worker": "",
     # service: faces people and programs

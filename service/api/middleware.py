@@ -9,6 +9,7 @@ import logging
 import re
 import secrets
 import time
+from contextlib import AbstractContextManager, nullcontext
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
@@ -18,6 +19,7 @@ from service.api.access_log import AccessLog
 from service.api.metrics import Metrics
 from service.api.problems import ProblemError, ProblemType
 from service.api.sending import IS_HEAD
+from worker import tracing
 from worker.logs import about
 
 log = logging.getLogger("rpr_cusps.service")
@@ -44,7 +46,7 @@ class RequestEnvelope:
             return
         sent_id = Headers(scope=scope).get(REQUEST_ID, "")
         request_id = sent_id if _REQUEST_ID.fullmatch(sent_id) else secrets.token_hex(8)
-        with about(request_id=request_id), self.metrics.in_flight.track_inprogress():
+        with about(request_id=request_id), self.metrics.in_flight.track_inprogress(), _span(scope):
             await self._answer(request_id, scope, receive, send)
 
     async def _answer(self, request_id: str, scope: Scope, receive: Receive, send: Send) -> None:
@@ -93,3 +95,16 @@ class RequestEnvelope:
             if UNCOUNTED not in scope:
                 self.metrics.observe(scope, method, status, seconds)
                 self.access_log.note(scope, method, status, size, seconds)
+            if tracing.is_on():
+                route = getattr(scope.get("route"), "path", "")
+                attributes = {"http.route": route, "http.response.status_code": status}
+                name = f"{method} {route}".rstrip()
+                tracing.describe(name, {"rpr_cusps.request_id": request_id, **attributes})
+
+
+def _span(scope: Scope) -> AbstractContextManager[object]:
+    """The span of a request, which goes on with the trace of its client."""
+    if not tracing.is_on() or UNCOUNTED in scope:
+        return nullcontext()
+    method, headers = scope["method"], Headers(scope=scope)
+    return tracing.span(method, headers, {"http.request.method": method}, is_server=True)

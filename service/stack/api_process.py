@@ -23,6 +23,7 @@ from starlette.types import Receive, Scope, Send
 from service.api.app import create_app
 from service.api.middleware import UNCOUNTED
 from service.api.settings import Settings
+from worker import tracing
 from worker.connection import connect
 from worker.jobs.sweeper import Sweeper
 from worker.logs import set_up
@@ -46,6 +47,8 @@ def main() -> int:
     settings = Settings()
     worker_settings = WorkerSettings()
     set_up((worker_settings.log_level or "WARNING").upper(), worker_settings.log_format, in_background=True)
+    if tracing.prepare("api"):
+        tracing.start()
     sweep(settings.redis_url)
     server = ApiServer(
         server_config(create_app(settings)), socket.socket(fileno=args.health), args.parent_pid

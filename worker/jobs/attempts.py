@@ -44,7 +44,7 @@ class ChunkEntry:
 class Chunk:
     """Some parts of a request, the position of the first one in the job, and how many of them are done.
 
-    `origin` has the id of the HTTP request that made the job, if one did.
+    `origin` has the id of the HTTP request that made the job, if one did, and its trace.
     """
 
     request: JobRequest

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import secrets
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -12,6 +13,7 @@ from typing import Any, Literal, cast
 from redis import Redis
 from redis.commands.core import Script
 
+from worker import tracing
 from worker.answers import tables
 from worker.answers.keys import ResultKeys
 from worker.answers.kinds import request_from_json
@@ -136,7 +138,7 @@ class JobRecords:
         return [ChunkRef(request.job_id, run, i, 0) for i in range(plan.chunk_count)] if outcome else None
 
     def origin(self, job_id: str) -> dict[str, str]:
-        """Returns what the job was made for: the id of an HTTP request."""
+        """Returns what the job was made for: the id of an HTTP request, and its trace."""
         raw = cast("bytes | None", self.redis.hget(self.keys.job(job_id).record, "origin"))
         return json.loads(raw) if raw else {}
 
@@ -321,7 +323,11 @@ class JobRecords:
 
 
 def _origin() -> dict[str, str]:
-    return {"request_id": subject("request_id")} if subject("request_id") else {}
+    """Returns the id of the HTTP request that is being answered, and where its trace goes on."""
+    known = {"request_id": subject("request_id")} if subject("request_id") else {}
+    if trace := tracing.carrier():
+        known |= {**trace, "submitted": str(time.time_ns())}
+    return known
 
 
 def _view(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:

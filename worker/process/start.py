@@ -7,6 +7,7 @@ import logging
 
 from redis.exceptions import RedisError
 
+from worker import tracing
 from worker.connection import UnreachableError, check, connect, eviction_warning
 from worker.jobs.lanes import Duty
 from worker.logs import set_up
@@ -37,6 +38,7 @@ def run_worker(
     settings = WorkerSettings()
     level = (settings.log_level or "INFO").upper()
     set_up(level, settings.log_format)
+    tracing.prepare("worker")
     # at INFO, a chunk is one line of ours and several of RQ's
     logging.getLogger("rq.worker").setLevel("WARNING" if level == "INFO" else level)
     if parent_pid is not None:

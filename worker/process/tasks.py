@@ -13,6 +13,7 @@ from redis.exceptions import RedisError
 from rpr_solver import Eliminant
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError, SolverError
+from worker import tracing
 from worker.answers.kinds import compute, known_document
 from worker.answers.store import ResultStore
 from worker.answers.tables import INTERNAL, eliminant_of, solve
@@ -58,8 +59,13 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
     chunk = records.start(ref)
     if chunk is None:
         return
-    with about(**chunk.origin):
+    tracing.start()
+    told = {"job": job_id, "chunk": index, "attempt": attempt, "kind": chunk.request.kind.name}
+    if "submitted" in chunk.origin:
+        tracing.record("queue wait", chunk.origin, int(chunk.origin["submitted"]), told)
+    with about(request_id=chunk.origin.get("request_id", "")), tracing.span("chunk", chunk.origin, told):
         _run(ref, chunk, records)
+    tracing.flush()
 
 
 def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> None:
@@ -98,10 +104,12 @@ def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: Resul
         value = store.get_slices(chunk.request, [l1]).get(l1)
         if value is None:
             if eliminant is None:
-                eliminant = eliminant_of(chunk.request, store)
+                with tracing.span("elimination"):
+                    eliminant = eliminant_of(chunk.request, store)
                 if not records.begin_slices(ref):
                     return
-            value = solve(eliminant, l1, chunk.request)
+            with tracing.span("slice", attributes={"l1": l1}):
+                value = solve(eliminant, l1, chunk.request)
         if not records.put_slice(ref, chunk, offset, value):
             return
 
@@ -114,7 +122,8 @@ def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: R
             raise AttemptOver
 
     progress = Throttle(tell)
-    document = known_document(request, store) or compute(request, store, progress)
+    with tracing.span(request.kind.name):
+        document = known_document(request, store) or compute(request, store, progress)
     records.put_document(ref, request, document)
 
 

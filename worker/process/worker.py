@@ -287,7 +287,7 @@ class CuspWorker(Worker):
         if outcome is not None:  # else the horse has logged it
             how = f"stopped ({ended_for})" if ended_for else "lost its work horse"
             seconds = time.monotonic() - start
-            with about(**self._origin(ref)):
+            with about(request_id=self._origin(ref).get("request_id", "")):
                 log.info("chunk %d: %s after %.2f s", ref.index, how, seconds)
         self._settle(ref, outcome)
 
