@@ -71,6 +71,18 @@ class ProblemType(Enum):
         410, "The result has expired",
         "The job succeeded, but its result has expired. Post the request again.",
     )  # fmt: skip
+    MALFORMED_REQUEST = (
+        400, "The request is not HTTP",
+        "What was sent is not a request as HTTP/1.1 has it, or its head is too long.",
+    )  # fmt: skip
+    REQUEST_TIMEOUT = (
+        408, "The request came too slowly",
+        "The head or the body of the request did not arrive in time, and the connection was closed.",
+    )  # fmt: skip
+    HEADERS_TOO_LARGE = (
+        431, "The header fields are too large",
+        "The header fields have more bytes together than the service reads.",
+    )  # fmt: skip
     BODY_TOO_LARGE = (
         413, "The body is too large",
         "The request body is larger than the limit max_body_bytes (see /v1/limits).",

@@ -65,6 +65,27 @@ class Settings(BaseSettings):
         description="names of the service, comma-separated, that a Host header may have beside addresses and "
         "localhost; `*.example.com` for those below a name, `*` for all",
     )
+    header_seconds: PositiveFloat = Field(
+        default=10.0,
+        description="time for the head of a request, from the opening of the connection, in seconds",
+    )
+    body_seconds: PositiveFloat = Field(
+        default=30.0, description="time for the body of a request, in seconds"
+    )
+    idle_seconds: PositiveInt = Field(
+        default=15, description="time between two requests of a connection, in seconds"
+    )
+    stall_seconds: PositiveFloat = Field(
+        default=30.0, description="time in which a client must read some of an answer, in seconds"
+    )
+    max_header_bytes: PositiveInt = Field(
+        default=32 << 10, description="maximum size of the header fields of a request, in bytes"
+    )
+    max_connections: PositiveInt = Field(
+        default=10_000,
+        description="maximum number of connections, and no more than open files allow; beyond it, the "
+        "one that is idle for the longest time is closed",
+    )
     large_answers: PositiveInt = Field(
         default=32, description="maximum number of large results that are sent at the same time"
     )

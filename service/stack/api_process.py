@@ -21,6 +21,7 @@ from fastapi import FastAPI
 from starlette.types import Receive, Scope, Send
 
 from service.api.app import create_app
+from service.api.http_protocol import uvicorn_options
 from service.api.middleware import UNCOUNTED
 from service.api.settings import Settings
 from worker import tracing
@@ -51,14 +52,14 @@ def main() -> int:
         tracing.start()
     sweep(settings.redis_url)
     server = ApiServer(
-        server_config(create_app(settings)), socket.socket(fileno=args.health), args.parent_pid
+        server_config(create_app(settings), settings), socket.socket(fileno=args.health), args.parent_pid
     )
     on_stop_signals(server.request_stop)
     server.run(sockets=[socket.socket(fileno=args.listener)])
     return 0
 
 
-def server_config(app: FastAPI) -> uvicorn.Config:
+def server_config(app: FastAPI, settings: Settings) -> uvicorn.Config:
     """How uvicorn serves the application."""
     return uvicorn.Config(
         app,
@@ -66,6 +67,7 @@ def server_config(app: FastAPI) -> uvicorn.Config:
         log_level=logging.getLevelName(logging.getLogger().level).lower(),
         access_log=False,
         timeout_graceful_shutdown=_CLOSE_PATIENCE,
+        **uvicorn_options(settings),
     )
 
 

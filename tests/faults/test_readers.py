@@ -77,6 +77,15 @@ def test_too_many_large_results_at_once(valkey: EmbeddedValkey, redis: Redis) ->
         until(lambda: client.get(path).status_code == 200)
 
 
+def test_a_reader_that_stops_reading(valkey: EmbeddedValkey, redis: Redis) -> None:
+    """A client asks for a large result and reads nothing. Its connection is closed, and its place is free."""
+    job_id, _ = keep_table(JobQueue(redis), MANY)
+    path = f"/v1/jobs/{job_id}/result"
+    with api(valkey.url, large_answers=1, stall_seconds=0.5) as client, closing(silent(client, path)):
+        assert client.get(path).status_code == 503
+        until(lambda: client.get(path).status_code == 200)
+
+
 def calls(redis: Redis, command: str) -> int:
     """How often a command was called so far."""
     stats: dict[str, dict[str, int]] = redis.info("commandstats")  # type: ignore[assignment]

@@ -13,6 +13,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from service.api.app import create_app
+from service.api.http_protocol import uvicorn_options
 from service.api.settings import Settings
 from tests.support.processes import PATIENCE, until
 
@@ -31,7 +32,8 @@ def serving_app(app: FastAPI) -> Iterator[str]:
     """The same for a given application."""
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
-        server = uvicorn.Server(uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=1))
+        options = uvicorn_options(app.state.context.settings)
+        server = uvicorn.Server(uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=1, **options))
         thread = threading.Thread(target=server.run, args=([listener],), daemon=True)
         thread.start()
         until(lambda: server.started or not thread.is_alive())

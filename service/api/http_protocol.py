@@ -1,0 +1,223 @@
+"""HTTP connections with limits: on the time that a client may take, on header bytes, and on their number."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import OrderedDict
+from functools import partial
+from typing import Any, ClassVar
+
+import h11
+from starlette.types import ASGIApp, Receive, Scope, Send
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+from service.api.problems import MEDIA_TYPE, ProblemError, ProblemType
+from service.api.settings import Settings
+
+try:
+    import resource
+except ImportError:  # pragma: no cover  # Windows
+    resource = None  # type: ignore[assignment]
+
+_OTHER_FILES = 64  # log, listener, static files, …
+_FEWEST = 16
+
+
+def uvicorn_options(settings: Settings) -> dict[str, Any]:
+    """Returns the options of uvicorn for connections with the limits of the settings."""
+    return {
+        "http": type(
+            "LimitedProtocol",
+            (LimitedProtocol,),
+            {"settings": settings, "all": Connections(most_connections(settings))},
+        ),
+        "timeout_keep_alive": settings.idle_seconds,
+        "h11_max_incomplete_event_size": settings.max_header_bytes,
+    }
+
+
+def most_connections(settings: Settings) -> int:
+    """Returns how many connections there may be, so that file descriptors are left for Redis and the rest."""
+    if resource is None:  # pragma: no cover
+        return settings.max_connections
+    files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if files == resource.RLIM_INFINITY:
+        return settings.max_connections
+    left = files - _OTHER_FILES - settings.redis_connections - settings.stream_connections
+    return min(settings.max_connections, max(_FEWEST, left, files // 4))
+
+
+class Connections:
+    """The open connections. If there are too many, the one that is idle for the longest time is closed."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._busy: set[LimitedProtocol] = set()
+        self._idle: OrderedDict[LimitedProtocol, None] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._busy) + len(self._idle)
+
+    def set_idle(self, connection: LimitedProtocol) -> None:
+        """A connection is new, or has no request any more."""
+        self._busy.discard(connection)
+        self._idle.setdefault(connection)
+        if len(self) > self._most:
+            oldest, _ = self._idle.popitem(last=False)
+            oldest.transport.abort()
+
+    def set_busy(self, connection: LimitedProtocol) -> None:
+        """A connection has a request that is being answered."""
+        self._idle.pop(connection, None)
+        self._busy.add(connection)
+
+    def remove(self, connection: LimitedProtocol) -> None:
+        """A connection is closed."""
+        self._idle.pop(connection, None)
+        self._busy.discard(connection)
+
+
+class LimitedProtocol(H11Protocol):
+    """uvicorn's protocol for a client that may be slow, silent, or none at all."""
+
+    settings: ClassVar[Settings]
+    all: ClassVar[Connections]
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self.app = partial(_with_short_headers, self.app, self.settings.max_header_bytes)
+        self._timers: dict[str, asyncio.TimerHandle] = {}
+        self._awaited: object = None
+
+    # -- what asyncio and uvicorn call -------------------------------------------------------------
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        self._await("head")
+        self._count()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        super().connection_lost(exc)
+        self.all.remove(self)
+        for name in list(self._timers):
+            self._stop(name)
+
+    def data_received(self, data: bytes) -> None:
+        super().data_received(data)
+        self._mind()
+
+    def on_response_complete(self) -> None:
+        super().on_response_complete()
+        self._mind()
+
+    def timeout_keep_alive_handler(self) -> None:
+        super().timeout_keep_alive_handler()
+        self._end_soon()
+
+    def pause_writing(self) -> None:
+        super().pause_writing()
+        self._start("stall", self.settings.stall_seconds, self.transport.abort)
+
+    def resume_writing(self) -> None:
+        super().resume_writing()
+        self._stop("stall")
+
+    def send_400_response(self, msg: str) -> None:
+        """Answer what is not HTTP, or has a header that is too long, as any other error."""
+        if len(self.conn.trailing_data[0]) > self.settings.max_header_bytes:
+            self._refuse(ProblemType.HEADERS_TOO_LARGE, _too_large(self.settings.max_header_bytes))
+        else:
+            self._refuse(ProblemType.MALFORMED_REQUEST, msg)
+
+    # -- the limits --------------------------------------------------------------------------------
+
+    def _mind(self) -> None:
+        """Limit the time for what the client must send next."""
+        if self.transport.is_closing():
+            return
+        self._count()
+        if self.conn.their_state is h11.SEND_BODY:
+            self._await(self.cycle)
+        elif self._is_answering():
+            self._await(None)
+        elif self.conn.trailing_data[0]:
+            self._await("head")
+        elif self.cycle is not None:
+            self._await(None)  # uvicorn closes an idle connection
+
+    def _is_answering(self) -> bool:
+        return self.cycle is not None and not self.cycle.response_complete
+
+    def _count(self) -> None:
+        if self.client is None:
+            return  # not from the network
+        if self._is_answering():
+            self.all.set_busy(self)
+        else:
+            self.all.set_idle(self)
+
+    def _await(self, what: object) -> None:
+        """Await the head of a request, the body of a cycle, or nothing."""
+        if what is self._awaited:
+            return
+        self._awaited = what
+        self._stop("await")
+        if what is not None:
+            is_head = what == "head"
+            seconds = self.settings.header_seconds if is_head else self.settings.body_seconds
+            self._start("await", seconds, partial(self._late, is_head))
+
+    def _late(self, is_head: bool) -> None:
+        if is_head and not self.conn.trailing_data[0]:
+            self.transport.close()
+        else:
+            what, limit = ("head", "header_seconds") if is_head else ("body", "body_seconds")
+            seconds = getattr(self.settings, limit)
+            self._refuse(ProblemType.REQUEST_TIMEOUT, f"The {what} did not arrive within {seconds:g} s.")
+
+    def _refuse(self, kind: ProblemType, detail: str) -> None:
+        """Send a problem and close the connection; only close it if an answer has begun."""
+        if self.conn.our_state not in (h11.IDLE, h11.SEND_RESPONSE):
+            self.transport.abort()
+            return
+        if self._is_answering():
+            self.cycle.disconnected = True
+            self.cycle.message_event.set()
+        answer = ProblemError(kind, detail).response()
+        headers = [
+            ("content-type", MEDIA_TYPE),
+            ("content-length", str(len(answer.body))),
+            ("connection", "close"),
+        ]
+        for event in (
+            h11.Response(status_code=answer.status_code, headers=headers),
+            h11.Data(data=bytes(answer.body)),
+            h11.EndOfMessage(),
+        ):
+            self.transport.write(self.conn.send(event) or b"")
+        self.transport.close()
+        self._end_soon()
+
+    def _end_soon(self) -> None:
+        """A closed connection lives until everything is sent, but not longer than this."""
+        self._start("end", self.settings.stall_seconds, self.transport.abort)
+
+    def _start(self, name: str, seconds: float, then: Any) -> None:
+        self._stop(name)
+        self._timers[name] = self.loop.call_later(seconds, then)
+
+    def _stop(self, name: str) -> None:
+        if timer := self._timers.pop(name, None):
+            timer.cancel()
+
+
+async def _with_short_headers(app: ASGIApp, most: int, scope: Scope, receive: Receive, send: Send) -> None:
+    if sum(len(name) + len(value) + len(": \r\n") for name, value in scope["headers"]) <= most:
+        await app(scope, receive, send)
+        return
+    error = ProblemError(ProblemType.HEADERS_TOO_LARGE, _too_large(most), headers={"Connection": "close"})
+    await error.response(scope["path"])(scope, receive, send)
+
+
+def _too_large(most: int) -> str:
+    return f"The header fields may have {most} bytes (max_header_bytes)."

@@ -1,0 +1,165 @@
+"""Connections that are many, slow, silent, or do not speak HTTP."""
+
+from __future__ import annotations
+
+import json
+import re
+import resource
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from typing import Any
+
+import httpx
+import pytest
+
+from service.api.settings import Settings
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import PATIENCE, environment, started, until
+from tests.support.service_server import serving
+from worker.process.os_limits import raise_file_limit
+
+ASK = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+POST = ASK.replace(b"GET /healthz", b"POST /v1/poses")[:-2] + (
+    b"Content-Type: application/json\r\nContent-Length: 100\r\n\r\n{"
+)
+OK = b'{"status":"ok"}'
+HURRIED = {"header_seconds": 0.5, "body_seconds": 0.5, "idle_seconds": 1, "stall_seconds": 0.5}
+
+
+@contextmanager
+def api(valkey: EmbeddedValkey, **settings: Any) -> Iterator[tuple[str, int]]:
+    """A service with short times."""
+    with serving(Settings(redis_url=valkey.url, **{**HURRIED, **settings})) as url:
+        host, port = url.removeprefix("http://").split(":")
+        yield host, int(port)
+
+
+def connection(address: tuple[str, int]) -> closing[socket.socket]:
+    return closing(socket.create_connection(address, timeout=PATIENCE))
+
+
+def read(client: socket.socket) -> bytes:
+    """Read until the server closes."""
+    parts = []
+    try:
+        while part := client.recv(1 << 16):
+            parts.append(part)
+    except ConnectionResetError:
+        pass
+    return b"".join(parts)
+
+
+def is_open(client: socket.socket) -> bool:
+    """Whether the server has not closed a silent connection."""
+    client.setblocking(False)
+    try:
+        return client.recv(1) != b""
+    except BlockingIOError:
+        return True
+    except ConnectionResetError:
+        return False
+
+
+def assert_problem(answer: bytes, status: int, slug: str) -> None:
+    head, _, body = answer.partition(b"\r\n\r\n")
+    assert head.startswith(b"HTTP/1.1 %d " % status)
+    assert b"application/problem+json" in head
+    assert json.loads(body)["type"] == f"/problems/{slug}"
+
+
+def test_slow_clients(valkey: EmbeddedValkey) -> None:
+    """A client sends nothing, or half a head, or half a body, or is idle after its answer. Its connection is
+    closed in time, with 408 if it had begun to ask.
+    """
+    with api(valkey) as address, ExitStack() as clients:
+        nothing, head, body, idle, again = (clients.enter_context(connection(address)) for _ in range(5))
+        head.sendall(ASK[:30])
+        body.sendall(POST)
+        idle.sendall(ASK)
+        again.sendall(ASK)
+        answer = b""
+        while not answer.endswith(OK):
+            answer += again.recv(1 << 16)
+        again.sendall(ASK[:10])
+        assert read(nothing) == b""
+        assert_problem(read(head), 408, "request-timeout")
+        assert_problem(read(body), 408, "request-timeout")
+        assert_problem(read(again), 408, "request-timeout")
+        assert read(idle).endswith(OK)
+
+
+def test_a_body_that_never_ends(valkey: EmbeddedValkey) -> None:
+    """A client sends its body byte by byte. Its time is over all the same: 408."""
+    with api(valkey) as address, connection(address) as client:
+        client.sendall(POST)
+        client.setblocking(False)
+        until(lambda: _answer_after_a_byte(client).startswith(b"HTTP/1.1 408 "))
+
+
+def _answer_after_a_byte(client: socket.socket) -> bytes:
+    try:
+        client.send(b" ")
+        return client.recv(1 << 16)
+    except BlockingIOError:
+        return b""
+
+
+@pytest.mark.parametrize(
+    ("sent", "status", "slug"),
+    [
+        (b"\x16\x03\x01\x02\x00\x01\x00", 400, "malformed-request"),
+        (b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: x\r\n\r\n", 400, "malformed-request"),
+        (b"GET / HTTP/1.1\r\nHost: localhost\r\nX: " + b"y" * 70_000, 431, "headers-too-large"),
+        (b"GET / HTTP/1.1\r\nHost: localhost\r\n" + b"X: y\r\n" * 9_000 + b"\r\n", 431, "headers-too-large"),
+    ],
+    ids=["TLS", "length", "long", "many"],
+)
+def test_what_is_not_http(valkey: EmbeddedValkey, sent: bytes, status: int, slug: str) -> None:
+    """A client sends what is not HTTP, or very many or long header fields. A problem document says so."""
+    with api(valkey) as address, connection(address) as client:
+        client.sendall(sent)
+        answer = read(client)
+    assert_problem(answer, status, slug)
+
+
+def test_more_connections_than_allowed(valkey: EmbeddedValkey) -> None:
+    """More connections are opened than allowed. The ones that are idle for the longest time are closed."""
+    with api(valkey, max_connections=20, header_seconds=60) as address, ExitStack() as stack:
+        clients = [stack.enter_context(connection(address)) for _ in range(40)]
+        with httpx.Client(base_url=f"http://{address[0]}:{address[1]}", timeout=PATIENCE) as client:
+            assert client.get("/healthz").status_code == 200
+        states = [is_open(client) for client in clients]
+        assert sum(states) <= 20
+        assert states == sorted(states)  # the oldest are closed
+        assert states[-1]
+
+
+@pytest.mark.long
+def test_ten_thousand_idle_and_six_hundred_slow_connections(valkey: EmbeddedValkey) -> None:
+    """Ten thousand connections are idle and six hundred are slow, or as many as this process may open. Others
+    are served at once.
+    """
+    command = [sys.executable, "-m", "service", "serve", "--port", "0", "--workers", "0"]
+    with (
+        started(
+            [*command, "--redis-url", valkey.url], stdout=subprocess.PIPE, env=environment(), text=True
+        ) as stack,
+        ExitStack() as clients,
+    ):
+        match = re.search(r":(\d+) \(", stack.stdout.readline())
+        assert match
+        address = ("127.0.0.1", int(match[1]))
+        raise_file_limit()
+        for i in range(min(10_600, resource.getrlimit(resource.RLIMIT_NOFILE)[0] - 200)):
+            client = clients.enter_context(connection(address))
+            if i % 17 == 0:
+                client.sendall(POST if i % 2 else ASK[:20])
+        with httpx.Client(base_url=f"http://127.0.0.1:{address[1]}", timeout=PATIENCE) as client:
+            for path in ("/healthz", "/docs", "/v1/limits", "/metrics"):
+                begin = time.monotonic()
+                assert client.get(path).status_code == 200
+                assert time.monotonic() - begin < 10
