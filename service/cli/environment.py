@@ -10,33 +10,31 @@ from collections.abc import Iterable, Iterator, Mapping
 from pydantic_settings import BaseSettings
 
 from service.api.settings import Settings
-from service.client import ClientSettings
 from service.schemas.limits import Limits
 from service.stack.settings import SupervisorSettings
 from worker.settings import ConnectionSettings, WorkerSettings
 
 PREFIX = "RPR_CUSPS_"
-MODELS: tuple[type[BaseSettings], ...] = (
-    Limits,
-    Settings,
-    SupervisorSettings,
-    WorkerSettings,
-    ConnectionSettings,
-    ClientSettings,
-)
-"""The models that read settings from the environment."""
+
+
+def models() -> tuple[type[BaseSettings], ...]:
+    """Returns the models that read settings from the environment."""
+    from service.client import ClientSettings  # imported here to keep the start of `serve` quick
+
+    return Limits, Settings, SupervisorSettings, WorkerSettings, ConnectionSettings, ClientSettings
 
 
 def names() -> set[str]:
     """Returns the names of all settings."""
-    return {PREFIX + name.upper() for model in MODELS for name in model.model_fields}
+    return {PREFIX + name.upper() for model in models() for name in model.model_fields}
 
 
 def unknown_settings(environment: Mapping[str, str]) -> Iterator[str]:
     """Yields a sentence for each variable that has the prefix of settings and is none."""
-    known = names()
-    for name in sorted(environment):
-        if name.upper().startswith(PREFIX) and name.upper() not in known:
+    set_here = sorted(name for name in environment if name.upper().startswith(PREFIX))
+    known = names() if set_here else set()
+    for name in set_here:
+        if name.upper() not in known:
             yield f"{name} is not a setting and has no effect{_hint(name.upper(), known)}"
 
 
