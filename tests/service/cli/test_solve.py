@@ -33,7 +33,7 @@ def test_solve_prints_json_like_the_service(base_url: str) -> None:
 
 def test_solve_by_a_service_is_the_same(base_url: str) -> None:
     slices = ("--l1", "14.98", "--l1-range", "10.001:10.05:0.001", "--digits", "40", "--format", "csv")
-    there = run("solve", "zein-flat", *slices, "--url", base_url)
+    there = run("solve", "zein-flat", *slices, "--url", base_url, "--deadline", "300")
     here = run("solve", "zein-flat", *slices)
     assert (there.returncode, there.stderr) == (0, "")
     assert there.stdout == here.stdout
@@ -87,6 +87,9 @@ def test_the_geometry_may_come_from_a_file_or_standard_input(run_here: Run, tmp_
         (("solve", "innocenti", "--l1-range", "0:1:1e-300"), "", "max_slices"),
         (("solve", "innocenti", "--l1", "1", "--format", "xml"), "", "invalid choice: 'xml'"),
         (("solve", "innocenti", "--l1", "1", "--url", "ftp://x"), "", "not an HTTP address"),
+        (("solve", "innocenti", "--l1", "1", "--deadline", "5"), "", "--deadline: is for jobs of a service"),
+        (("solve", "innocenti", "--l1", "1", "--deadline", "0", "--url", "http://x"), "", "--deadline: is 0"),
+        (("worker", "--duty", "none"), "", "invalid choice: 'none'"),
         (("solve", "-", "--l1", "1"), "{", "not valid JSON"),
         (("solve", "-", "--l1", "1"), '{"a2x": 0}', "geometry.d1: is missing"),
         (("solve", "-", "--l1", "1"), "[1]", "geometry: is a list"),
