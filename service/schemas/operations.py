@@ -62,6 +62,7 @@ class LimitsDocument(BaseModel):
     deadline: TimeLimit
     max_body_bytes: Limit
     max_body_members: Limit
+    max_result_bytes: Limit
     max_requests_per_minute: Limit
     max_active_jobs: Limit
     max_active_seconds: Limit
