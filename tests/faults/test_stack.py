@@ -10,6 +10,7 @@ import signal
 import socket
 import subprocess
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 
@@ -186,6 +187,45 @@ def test_nobody_reads_what_it_says(tmp_path: Path) -> None:
             assert answers(stack, "14.98")
         kill(stack, "api_process")
         assert answers(stack, "15")
+
+
+@pytest.mark.long
+def test_the_disk_is_full(small_disk: Path) -> None:
+    """The disk of the data and of the log is full, and every child is killed. `serve` goes on, refuses new
+    questions with 503, replaces the children, and answers again once there is room."""
+    data, filler = small_disk / "data", small_disk / "filler"
+    variables = environment(access_log="off")
+    with (
+        open("/dev/full", "w") as log,  # noqa: PTH123
+        started(command(data), env=variables, stdout=subprocess.PIPE, stderr=log, text=True) as process,
+    ):
+        stack = Stack(process, process.stdout.readline(), data)
+        assert answers(stack, "14.98")
+        with filler.open("wb", buffering=0) as file, contextlib.suppress(OSError):
+            while True:
+                file.write(bytes(4096))
+        body = {"geometry": GEOMETRY, "l1": "3", "digits": 15}
+        until(lambda: httpx.post(f"{stack.base}/v1/cusp-tables", json=body).status_code == 503)
+        killed = [kill(stack, part) for part in PARTS]
+        until(lambda: not any(map(is_running, killed)))
+        time.sleep(2)
+        assert process.poll() is None
+        filler.unlink()
+        assert answers(stack, "15")
+        process.terminate()
+        assert process.wait(PATIENCE) == 0
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system of 4 MiB."""
+    mount = ["mount", "-t", "tmpfs", "-o", "size=4m,mode=700", "tmpfs", str(tmp_path)]
+    if subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("a file system can be mounted by root only")
+    try:
+        yield tmp_path
+    finally:
+        subprocess.run(["umount", str(tmp_path)], check=True)
 
 
 ENDS = [
