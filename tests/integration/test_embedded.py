@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import shutil
 import stat
 import sys
 from pathlib import Path
@@ -63,3 +64,12 @@ def test_default_data_directory(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     assert default_data_dir() == tmp_path / ".local" / "share" / "rpr-cusps"
     monkeypatch.setattr(sys, "platform", "darwin")
     assert default_data_dir() == tmp_path / "Library" / "Application Support" / "rpr-cusps"
+
+
+def test_a_copy_of_the_data_directory_is_a_backup(tmp_path: Path) -> None:
+    with EmbeddedValkey(tmp_path / "data") as server, connect(server.url) as client:
+        client.set("kept", "1")
+        shutil.copytree(tmp_path / "data", tmp_path / "copy", ignore=shutil.ignore_patterns("lock"))
+        client.set("later", "1")
+    with EmbeddedValkey(tmp_path / "copy") as server, connect(server.url) as client:
+        assert client.keys() == [b"kept"]

@@ -11,6 +11,7 @@ from redis import Redis
 
 from service.api.metric_families import OF_INSTALLATION, OF_PROCESS
 from service.api.settings import Settings
+from service.cli.environment import names
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_document, a_request
 from tests.support.processes import PATIENCE, until
@@ -138,3 +139,10 @@ def test_a_scrape_costs_as_little_with_more_jobs(queue: JobQueue) -> None:
         queue.submit(a_request(str(i + 100)))
         queue.submit(a_request(str(i + 1), str(i + 2), str(i + 3)))
     assert cost_of_reading() == few <= 14
+
+
+def test_the_guide_for_operators_names_metrics_and_settings_that_exist() -> None:
+    text = (REFERENCE.parent / "operating.md").read_text()
+    shown = {family.shown for family in (*OF_PROCESS, *OF_INSTALLATION)}
+    assert set(re.findall(r"rpr_cusps_\w+", text)) <= shown
+    assert set(re.findall(r"RPR_CUSPS_[A-Z_]*[A-Z]", text)) <= names()
