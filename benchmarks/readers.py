@@ -73,7 +73,8 @@ def running_job(queue: JobQueue, slices: int, digits: int) -> tuple[str, Callabl
     l1 = [str(10_000 + i) for i in range(slices)]
     content = {"geometry": MANIPULATOR.to_json(), "fixed_leg": 1, "digits": digits, "l1": l1}
     request = JobRequest(tables.KIND, content)
-    refs = queue.records.create(request, request.parts, "") or []
+    plan = queue.plan(request, slices)
+    refs = queue.records.create(request, request.parts, "", plan) or []
     for ref in refs:  # as its worker would say
         queue.redis.set(queue.records.keys.beat(ref.rq_id), 1, ex=10 * SECONDS)
     one = rpr_solver.slice_json(rpr_solver.eliminate(MANIPULATOR), Fraction("14.98"), digits)

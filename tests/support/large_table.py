@@ -38,7 +38,8 @@ def keep_table(queue: JobQueue, count: int) -> tuple[str, dict[str, Any]]:
 def run_job(queue: JobQueue, count: int) -> Iterator[str]:
     """Do a job of `count` slices as a worker does; gives its id first, and then once more for each slice."""
     request = a_request(*(str(5000 + i) for i in range(count)), digits=DIGITS)
-    refs = queue.records.create(request, request.parts, "")
+    plan = queue.plan(request, len(request.parts))
+    refs = queue.records.create(request, request.parts, "", plan)
     assert refs
     yield request.job_id
     for ref in refs:
