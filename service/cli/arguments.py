@@ -191,12 +191,11 @@ def range_values(text: str, option: str, origin: Source) -> tuple[Fraction, ...]
         return part(SliceRange.model_validate, split_range(text), origin).values(origin.limits)
 
 
-def manipulator_of(name: str) -> Manipulator:
-    """Returns a manipulator by its built-in name or from a file.
+def read_manipulator(geometry: object) -> Manipulator:
+    """Returns the manipulator in the JSON of a geometry.
 
     Raises:
-        InputError: the file cannot be read, or is not a manipulator.
+        InputError: it is none.
     """
-    geometry = geometry_of(name)
     with named("geometry"):
         return part(_MANIPULATOR.validate_python, geometry, source())

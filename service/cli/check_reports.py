@@ -1,31 +1,47 @@
-"""The outcomes of checks as text, JUnit XML and GitHub annotations."""
+"""The outcomes of checks as a JSON document and as a page."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Context, Decimal
+from fractions import Fraction
 from typing import Any
-from xml.etree import ElementTree
 
 from rpr_solver import EXAMPLES
+from service.cli.arguments import STANDARD_INPUT
 from service.cli.pages import Page, Section, counted, counted_range
 
-SUITE = "rpr-cusps check"
-_NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_SHORT = Context(prec=6)
 
 
 @dataclass(frozen=True)
 class Outcome:
     """The report on one geometry, or the error in its place.
 
-    `error` has a type ("input-error", "solver-error", …) and a detail.
+    Attributes:
+        source: the name of the file, a built-in name, or `-`.
+        report: the report.
+        error: a type ("input-error", "solver-error", …) and a detail.
+        seconds: how long it took.
+        line: the line of the file to look at, if it is a file.
     """
 
     source: str
     report: Mapping[str, Any] | None = None
     error: Mapping[str, str] | None = None
     seconds: float = 0.0
+    line: int | None = None
+
+    @property
+    def name(self) -> str:
+        """The source as messages name it."""
+        return "standard input" if self.source == STANDARD_INPUT else self.source
+
+    @property
+    def is_file(self) -> bool:
+        """Whether the source is a file."""
+        return self.source != STANDARD_INPUT and self.source not in EXAMPLES
 
     @property
     def passed(self) -> bool:
@@ -33,8 +49,21 @@ class Outcome:
         return self.report is not None and bool(self.report["passed"])
 
     @property
+    def is_bad(self) -> bool:
+        """Whether there is no geometry to check."""
+        return self.error is not None and self.error["type"] == "input-error"
+
+    @property
+    def verdict(self) -> str:
+        """One or two words."""
+        if self.passed:
+            return "passed"
+        return "failed" if self.error is None else "bad input" if self.is_bad else "no answer"
+
+    @property
     def message(self) -> str:
-        """One line on the failure: the first offending slice and its first cusp, or the error."""
+        """One line on the failure: the first offending slice and its first cusp, with six digits, or the
+        error."""
         if self.error is not None:
             return " ".join(self.error["detail"].split())
         if self.report is None or self.passed:
@@ -42,15 +71,43 @@ class Outcome:
         first = self.report["violations"][0]
         leg = f"l{self.report['requirement']['fixed_leg']}"
         count = counted(first["count"], "cusp")
-        text = f"{count} at {leg.upper()} = {first['example'][leg]}, {_demand(self.report['requirement'])}"
+        length = short(first["example"][leg])
+        text = f"{count} at {leg.upper()} = {length}, {_demand(self.report['requirement'])}"
         if cusps := first["example"]["cusps"]:
-            text += "; the first: " + ", ".join(f"{key} = {value}" for key, value in cusps[0].items())
+            text += "; the first: " + ", ".join(f"{key} = {short(value)}" for key, value in cusps[0].items())
         return text
+
+    def rows(self, *, shorten: bool = False) -> Iterator[list[str]]:
+        """Yields what violates the requirement as a table, its headings first."""
+        if self.report is None or self.passed:
+            return
+        leg = f"l{self.report['requirement']['fixed_leg']}"
+        number = short if shorten else str
+        violations = self.report["violations"]
+        if leg in violations[0]:
+            yield [leg.upper(), "cusps"]
+            yield from ([number(part[leg]), str(part["count"])] for part in violations)
+            return
+        yield ["from", "to", "cusps"]
+        for part in violations:
+            stop = "∞" if part["to"] is None else number(part["to"])
+            yield [number(part["from"]), stop, str(part["count"])]
 
     def to_json(self) -> dict[str, object]:
         """Returns the report, or the error, with the name of the geometry."""
         verdict = {"source": self.source, "passed": self.passed}
         return {**verdict, "report": self.report} if self.error is None else {**verdict, "error": self.error}
+
+
+def short(text: str) -> str:
+    """Returns a number with six significant digits.
+
+    >>> short("426/25"), short("-69.1293760614882"), short("1e-30")
+    ('17.04', '-69.1294', '1e-30')
+    """
+    x = Fraction(text)
+    value = _SHORT.divide(Decimal(x.numerator), Decimal(x.denominator))
+    return f"{value.normalize(_SHORT):.6g}"
 
 
 def document(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> dict[str, object]:
@@ -67,65 +124,29 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> Page:
     sections = []
     for outcome in outcomes:
         if outcome.passed:
-            sections.append(Section(f"{outcome.source}: passed, {_span(outcome)}"))
+            sections.append(Section(f"{outcome.name}: passed, {_span(outcome)}"))
             continue
-        verdict = "failed" if outcome.error is None else "no answer"
-        sections.append(
-            Section(f"{outcome.source}: {verdict}: {outcome.message}", list(_rows(outcome)), failed=True)
-        )
-    return Page(_about(requirement), sections)
+        title = f"{outcome.name}: {outcome.verdict}: {outcome.message}"
+        sections.append(Section(title, list(outcome.rows()), failed=True))
+    return Page(about(requirement), sections, last=summary(outcomes))
 
 
-def junit_xml(outcomes: Sequence[Outcome]) -> str:
-    """Returns JUnit XML with a test case per geometry."""
-    suite = ElementTree.Element(
-        "testsuite",
-        name=SUITE,
-        tests=str(len(outcomes)),
-        failures=str(sum(not o.passed and o.error is None for o in outcomes)),
-        errors=str(sum(o.error is not None for o in outcomes)),
-        skipped="0",
-        time=f"{sum(o.seconds for o in outcomes):.3f}",
-    )
-    for outcome in outcomes:
-        case = ElementTree.SubElement(
-            suite, "testcase", classname=SUITE, name=_xml(outcome.source), time=f"{outcome.seconds:.3f}"
-        )
-        if outcome.error is not None:
-            kind, name = _xml(outcome.error["type"]), "error"
-        elif not outcome.passed:
-            kind, name = "requirement", "failure"
-        else:
-            continue
-        element = ElementTree.SubElement(case, name, message=_xml(outcome.message), type=kind)
-        element.text = "\n".join(" ".join(row) for row in _rows(outcome))
-    suites = ElementTree.Element("testsuites")
-    suites.append(suite)
-    ElementTree.indent(suites)
-    return ElementTree.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"
+def summary(outcomes: Sequence[Outcome]) -> str:
+    """Returns a line such as "27 checked: 11 passed, 14 failed, 2 bad"."""
+    bad = sum(outcome.is_bad for outcome in outcomes)
+    without = sum(outcome.error is not None for outcome in outcomes) - bad
+    passed = sum(outcome.passed for outcome in outcomes)
+    parts = [f"{passed} passed", f"{len(outcomes) - passed - bad - without} failed"]
+    parts += [f"{count} {what}" for count, what in ((bad, "bad"), (without, "without an answer")) if count]
+    return f"{len(outcomes)} checked: {', '.join(parts)}"
 
 
-def github_annotations(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    """Yields a GitHub workflow command for each geometry that does not pass."""
-    for outcome in outcomes:
-        if outcome.passed:
-            continue
-        title = "check failed" if outcome.error is None else f"no answer ({outcome.error['type']})"
-        if outcome.source == "-" or outcome.source in EXAMPLES:
-            where = f"title={_property(f'{outcome.source}: {title}')}"
-        else:
-            where = f"file={_property(outcome.source)},title={_property(title)}"
-        yield f"::error {where}::{_data(outcome.message)}"
-
-
-def _demand(requirement: Mapping[str, Any]) -> str:
-    bounds = {"at most": requirement["max_cusps"], "at least": requirement["min_cusps"]}
-    demand = " and ".join(f"{words} {bound}" for words, bound in bounds.items() if bound is not None)
-    return f"{demand} {'allowed' if requirement['min_cusps'] is None else 'required'}"
-
-
-def _about(requirement: Mapping[str, Any]) -> str:
-    ends, leg = requirement["range"], requirement["fixed_leg"]
+def about(requirement: Mapping[str, Any]) -> str:
+    """Returns the line that describes a requirement."""
+    leg = requirement["fixed_leg"]
+    if "expect_cusps" in requirement:
+        return f"cusps at L{leg} = {', '.join(requirement[f'l{leg}'])}: {_demand(requirement)}"
+    ends = requirement["range"]
     upper = "" if ends["to"] is None else f" up to {ends['to']}"
     limits = "".join(
         f", {key.upper()} within {bounds['min'] or 0}:{bounds['max'] or ''}"
@@ -134,27 +155,16 @@ def _about(requirement: Mapping[str, Any]) -> str:
     return f"cusps for L{leg} from {ends['from']}{upper}{limits}: {_demand(requirement)}"
 
 
+def _demand(requirement: Mapping[str, Any]) -> str:
+    if "expect_cusps" in requirement:
+        return f"{requirement['expect_cusps']} expected"
+    bounds = {"at most": requirement["max_cusps"], "at least": requirement["min_cusps"]}
+    if requirement["max_cusps"] == requirement["min_cusps"]:
+        return f"{requirement['max_cusps']} required"
+    demand = " and ".join(f"{words} {bound}" for words, bound in bounds.items() if bound is not None)
+    return f"{demand} {'allowed' if requirement['min_cusps'] is None else 'required'}"
+
+
 def _span(outcome: Outcome) -> str:
     assert outcome.report is not None
     return counted_range(outcome.report["min_cusps_found"], outcome.report["max_cusps_found"], "cusp")
-
-
-def _rows(outcome: Outcome) -> Iterator[list[str]]:
-    if outcome.report is None:
-        return
-    yield ["from", "to", "cusps"]
-    for part in outcome.report["violations"]:
-        yield [part["from"], part["to"] or "∞", str(part["count"])]
-
-
-def _xml(text: str) -> str:
-    """Replace the characters that XML 1.0 excludes."""
-    return _NOT_XML.sub("\ufffd", text)
-
-
-def _data(text: str) -> str:
-    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
-
-
-def _property(text: str) -> str:
-    return _data(text).replace(":", "%3A").replace(",", "%2C")

@@ -32,7 +32,7 @@ def designs(tmp_path: Path) -> Path:
 
 def test_a_requirement_that_holds() -> None:
     done = run("check", "zein-flat", *RANGE, "--max-cusps", "4", "--format", "json")
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, done.stderr) == (0, "1 checked: 1 passed, 0 failed\n")
     printed = json.loads(done.stdout)
     requirement = Requirement.from_json({"range": {"from": "1", "to": "10"}, "max_cusps": 4})
     assert printed["requirement"] == requirement.to_json()
@@ -51,7 +51,9 @@ def test_a_folder_in_parallel_with_all_reports(designs: Path) -> None:
     report = designs.parent / "report.xml"
     done = run("check", str(designs), *RANGE, "--max-cusps", "4", "--jobs", "2", "--junit", str(report))
     assert done.returncode == 2
-    assert f"{designs / 'c.json'}: no answer (input-error)" in done.stderr
+    assert done.stderr == ""
+    assert done.stdout.count("c.json: bad input: ") == 1
+    assert done.stdout.splitlines()[-1] == "3 checked: 2 passed, 0 failed, 1 bad"
     titles = [line for line in done.stdout.splitlines() if line.startswith(str(designs))]
     assert [Path(line.split(":")[0]).name for line in titles] == ["a.json", "b.json", "c.json"]
     cases = ElementTree.parse(report).findall("testsuite/testcase")
@@ -62,10 +64,12 @@ def test_a_folder_in_parallel_with_all_reports(designs: Path) -> None:
 def test_annotations_on_github_leave_the_json_whole(run_here: Run) -> None:
     args = ("check", "-", *RANGE, "--min-cusps", "3")
     shown = run_here(*args, "--github", stdin=ZEIN)
-    assert shown.stdout.splitlines()[-1].startswith("::error title=-%3A check failed::2 cusps at L1 = ")
+    assert shown.stdout.splitlines()[-1].startswith(
+        "::error title=standard input%3A check failed::2 cusps at L1 = "
+    )
     machine = run(*args, "--format", "json", stdin=ZEIN, GITHUB_ACTIONS="true")
     assert json.loads(machine.stdout)["passed"] is False
-    assert machine.stderr.startswith("::error ")
+    assert machine.stderr.splitlines()[1].startswith("::error ")
     assert (shown.returncode, machine.returncode) == (1, 1)
 
 
@@ -91,6 +95,11 @@ def test_joint_limits_and_another_leg(run_here: Run) -> None:
         (("--l1-range", "1:2", "--max-cusps", "1", "--l2-limits", "1"), "is not FROM:TO"),
         (("--l1-range", "1:2", "--max-cusps", "1", "--l2-limits", "2:1"), "--l2-limits.max: is 1"),
         (("--l1-range", "1:2", "--max-cusps", "1", "--jobs", "0"), "--jobs: is 0"),
+        (("--l1", "1"), "--expect-cusps: is missing"),
+        (("--l1", "1", "--expect-cusps", "x"), "--expect-cusps: is x; give a whole number"),
+        (("--l1", "0", "--expect-cusps", "1"), "--l1: is 0; a leg length must be > 0"),
+        (("--l1", "1", "--l1-range", "1:2", "--expect-cusps", "1"), "does not go with single slices"),
+        (("--l1-range", "1:2", "--max-cusps", "1", "--expect-cusps", "1"), "give no other"),
     ],
 )
 def test_a_bad_option_is_one_line_and_status_2(run_here: Run, args: tuple[str, ...], said: str) -> None:
@@ -108,6 +117,53 @@ def test_a_file_name_that_is_no_text(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "a\ufffd.json: passed" in done.stdout
     assert len(ElementTree.parse(report).findall("testsuite/testcase")) == 2
+
+
+def test_single_slices(run_here: Run) -> None:
+    args = ("check", "zein-flat", "--l1", "14.98", "--l1", "69/2", "--digits", "15")
+    done = run_here(*args, "--expect-cusps", "4")
+    assert (done.returncode, done.stderr) == (1, "")
+    assert done.stdout.startswith("cusps at L1 = 14.98, 34.5: 4 expected\n")
+    assert "zein-flat: failed: 8 cusps at L1 = 34.5, 4 expected; the first: alpha_deg = " in done.stdout
+    done = run_here(*args[:4], "--expect-cusps", "4", "--format", "json")
+    report = json.loads(done.stdout)["checks"][0]["report"]
+    assert report["requirement"] == {"fixed_leg": 1, "l1": ["14.98"], "expect_cusps": 4}
+    assert report["slices"] == [{"l1": "14.98", "count": 4}]
+    assert (done.returncode, report["violations"]) == (0, [])
+
+
+def test_an_expectation_of_a_range_is_a_maximum_and_a_minimum(run_here: Run) -> None:
+    done = run_here("check", "zein-flat", *RANGE, "--expect-cusps", "4", "--format", "json")
+    requirement = json.loads(done.stdout)["requirement"]
+    assert (requirement["max_cusps"], requirement["min_cusps"]) == (4, 4)
+
+
+def test_reports_are_opened_before_the_work(run_here: Run, tmp_path: Path) -> None:
+    missing = str(tmp_path / "none" / "report")
+    for option in ("--junit", "--sarif"):
+        done = run_here("check", "innocenti", "--l1-range", "1:50", "--max-cusps", "6", option, missing)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr.startswith(f"rpr-cusps check: {option}: {missing!r} cannot be written")
+
+
+def test_a_report_on_a_full_disk_is_one_line() -> None:
+    done = run("check", "zein-flat", "--l1", "1", "--expect-cusps", "4", "--junit", "/dev/full")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == "rpr-cusps check: cannot write to '/dev/full': No space left on device\n"
+
+
+def test_a_fault_in_a_file_is_annotated_at_its_line(run_here: Run, tmp_path: Path) -> None:
+    for name, text in {
+        "a": '{"a2x": 1,\n"a3x": 1,\n"a3x": 1}',
+        "b": ZEIN.replace('"d1": "', '\n"d1": "-'),
+        "c": "{\n\n!}",
+    }.items():
+        (tmp_path / f"{name}.json").write_text(text)
+    done = run_here("check", str(tmp_path), *RANGE, "--max-cusps", "4", "--github")
+    found = [line.split(",")[:2] for line in done.stdout.splitlines() if line.startswith("::error")]
+    lines = [(Path(file).name, line) for file, line in found]
+    assert lines == [("a.json", "line=3"), ("b.json", "line=2"), ("c.json", "line=3")]
+    assert done.stdout.count("a.json") == 2
 
 
 def test_an_empty_folder_is_bad_input(run_here: Run, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from typing import Any
 from xml.etree import ElementTree
@@ -9,7 +10,8 @@ from xml.etree import ElementTree
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.cli.check_reports import Outcome, document, github_annotations, junit_xml, page
+from service.cli.check_files import github_annotations, junit_xml, sarif
+from service.cli.check_reports import Outcome, document, page, summary
 
 REQUIREMENT: dict[str, Any] = {
     "fixed_leg": 2,
@@ -30,7 +32,8 @@ FAILED_REPORT = {
 PASSED_REPORT = {**FAILED_REPORT, "passed": True, "max_cusps_found": 0, "violations": []}
 
 GOOD = Outcome("good.json", PASSED_REPORT, seconds=0.25)
-BAD = Outcome("a/bad.json", FAILED_REPORT, seconds=0.5)
+BAD = Outcome("a/bad.json", FAILED_REPORT, seconds=0.5, line=7)
+FAULTY = Outcome("b d.json", error={"type": "input-error", "detail": "no"}, line=3)
 LOST = Outcome("lost.json", error={"type": "solver-error", "detail": "two\nlines"})
 
 
@@ -76,9 +79,27 @@ def test_junit_has_a_case_for_each_geometry() -> None:
 def test_annotations_name_the_file() -> None:
     built_in = Outcome("innocenti", FAILED_REPORT)
     failed, lost, named = github_annotations([GOOD, BAD, LOST, built_in])
-    assert failed == f"::error file=a/bad.json,title=check failed::{BAD.message}"
+    assert failed == f"::error file=a/bad.json,line=7,title=check failed::{BAD.message}"
     assert lost == "::error file=lost.json,title=no answer (solver-error)::two lines"
     assert named.startswith("::error title=innocenti%3A check failed::")
+
+
+def test_sarif_has_a_result_for_each_geometry_that_does_not_pass() -> None:
+    log = json.loads(sarif([GOOD, BAD, LOST, FAULTY]))
+    [run] = log["runs"]
+    assert log["version"] == "2.1.0"
+    rules = {rule["id"] for rule in run["tool"]["driver"]["rules"]}
+    assert [result["ruleId"] for result in run["results"]] == ["requirement", "no-answer", "input-error"]
+    assert {result["ruleId"] for result in run["results"]} <= rules
+    places = [result["locations"][0]["physicalLocation"] for result in run["results"]]
+    assert places[0] == {"artifactLocation": {"uri": "a/bad.json"}, "region": {"startLine": 7}}
+    assert places[2] == {"artifactLocation": {"uri": "b%20d.json"}, "region": {"startLine": 3}}
+    assert run["results"][0]["message"]["text"] == f"a/bad.json: {BAD.message}"
+
+
+def test_the_summary_counts_each_verdict() -> None:
+    assert summary([GOOD, BAD, BAD]) == "3 checked: 1 passed, 2 failed"
+    assert summary([GOOD, LOST, FAULTY]) == "3 checked: 1 passed, 0 failed, 1 bad, 1 without an answer"
 
 
 @given(st.text(), st.text())

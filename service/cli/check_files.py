@@ -1,0 +1,104 @@
+"""The outcomes of checks for other programs: JUnit XML, SARIF and GitHub annotations."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import PurePath
+from typing import Any
+from urllib.parse import quote
+from xml.etree import ElementTree
+
+from service import __version__
+from service.cli.check_reports import Outcome
+
+SUITE = "rpr-cusps check"
+SARIF_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
+_NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_RULES = {
+    "requirement": "The number of cusps violates the requirement.",
+    "input-error": "The file is not a geometry.",
+    "no-answer": "The requirement could not be decided.",
+}
+
+
+def junit_xml(outcomes: Sequence[Outcome]) -> str:
+    """Returns JUnit XML with a test case per geometry."""
+    suite = ElementTree.Element(
+        "testsuite",
+        name=SUITE,
+        tests=str(len(outcomes)),
+        failures=str(sum(not o.passed and o.error is None for o in outcomes)),
+        errors=str(sum(o.error is not None for o in outcomes)),
+        skipped="0",
+        time=f"{sum(o.seconds for o in outcomes):.3f}",
+    )
+    for outcome in outcomes:
+        case = ElementTree.SubElement(
+            suite, "testcase", classname=SUITE, name=_xml(outcome.source), time=f"{outcome.seconds:.3f}"
+        )
+        if outcome.is_file:
+            case.set("file", _xml(outcome.source))
+        if outcome.is_file and outcome.line is not None:
+            case.set("line", str(outcome.line))
+        if outcome.error is not None:
+            kind, name = _xml(outcome.error["type"]), "error"
+        elif not outcome.passed:
+            kind, name = "requirement", "failure"
+        else:
+            continue
+        element = ElementTree.SubElement(case, name, message=_xml(outcome.message), type=kind)
+        element.text = "\n".join(" ".join(row) for row in outcome.rows(shorten=True))
+    suites = ElementTree.Element("testsuites")
+    suites.append(suite)
+    ElementTree.indent(suites)
+    return ElementTree.tostring(suites, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def sarif(outcomes: Sequence[Outcome]) -> str:
+    """Returns SARIF 2.1.0 with a result for each geometry that does not pass."""
+    driver = {
+        "name": "rpr-cusps",
+        "version": __version__,
+        "rules": [{"id": name, "shortDescription": {"text": text}} for name, text in _RULES.items()],
+    }
+    run = {"tool": {"driver": driver}, "results": [_result(o) for o in outcomes if not o.passed]}
+    return json.dumps({"$schema": SARIF_SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
+
+
+def github_annotations(outcomes: Sequence[Outcome]) -> Iterator[str]:
+    """Yields a GitHub workflow command for each geometry that does not pass."""
+    for outcome in outcomes:
+        if outcome.passed:
+            continue
+        title = "check failed" if outcome.error is None else f"{outcome.verdict} ({outcome.error['type']})"
+        if outcome.is_file:
+            line = "" if outcome.line is None else f"line={outcome.line},"
+            where = f"file={_property(outcome.source)},{line}title={_property(title)}"
+        else:
+            where = f"title={_property(f'{outcome.name}: {title}')}"
+        yield f"::error {where}::{_data(outcome.message)}"
+
+
+def _result(outcome: Outcome) -> dict[str, Any]:
+    rule = "requirement" if outcome.error is None else "input-error" if outcome.is_bad else "no-answer"
+    place: dict[str, Any] = {"artifactLocation": {"uri": quote(PurePath(outcome.source).as_posix())}}
+    if outcome.line is not None:
+        place["region"] = {"startLine": outcome.line}
+    located = {"locations": [{"physicalLocation": place}]} if outcome.is_file else {}
+    text = f"{outcome.name}: {outcome.message}"
+    return {"ruleId": rule, "level": "error", "message": {"text": text}, **located}
+
+
+def _xml(text: str) -> str:
+    """Replace the characters that XML 1.0 excludes."""
+    return _NOT_XML.sub("\ufffd", text)
+
+
+def _data(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    return _data(text).replace(":", "%3A").replace(",", "%2C")

@@ -1,0 +1,100 @@
+"""The examples of CI, run as GitHub, GitLab and pre-commit would run them."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+import yaml
+
+from tests.support.cli_process import ENVIRONMENT
+from tests.support.processes import PATIENCE, ROOT
+
+EXPECTED = {"passing": 0, "failing": 1}
+BIN = Path(sys.executable).parent
+
+
+@pytest.fixture(params=EXPECTED)
+def example(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """A copy of an example."""
+    folder = tmp_path / request.param
+    shutil.copytree(ROOT / "examples" / request.param, folder)
+    return folder
+
+
+def loaded(path: Path) -> Any:
+    return yaml.safe_load(path.read_text(encoding="utf-8"))
+
+
+def bash(script: str, folder: Path, **variables: str) -> subprocess.CompletedProcess[str]:
+    path = os.pathsep.join([str(BIN), ENVIRONMENT["PATH"]])
+    return subprocess.run(
+        ["bash", "-euo", "pipefail", "-c", script],
+        cwd=folder,
+        env={**ENVIRONMENT, "PATH": path, **variables},
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+    )
+
+
+def test_on_github(example: Path) -> None:
+    [_, step] = loaded(example / ".github/workflows/cusps.yml")["jobs"]["check"]["steps"]
+    action = loaded(ROOT / "action.yml")
+    given = {name: part.get("default") for name, part in action["inputs"].items()} | step["with"]
+    assert given.keys() == action["inputs"].keys()
+    check = action["runs"]["steps"][-1]
+    variables = {
+        name: given[re.fullmatch(r"\$\{\{ inputs\.(\S+) \}\}", value)[1]]  # type: ignore[index]
+        for name, value in check["env"].items()
+    }
+    done = bash(check["run"], example, GITHUB_ACTIONS="true", **variables)
+    assert (done.returncode, done.stderr) == (EXPECTED[example.name], "")
+    annotations = [line for line in done.stdout.splitlines() if line.startswith("::error")]
+    cases = ElementTree.parse(example / given["junit"]).findall("testsuite/testcase")
+    results = json.loads((example / given["sarif"]).read_text())["runs"][0]["results"]
+    assert len(cases) == 2
+    assert len(annotations) == len(results) == done.returncode
+    if annotations:
+        assert annotations[0].startswith(
+            "::error file=robots/gripper.json,line=1,title=check failed::6 cusps"
+        )
+        [place] = results[0]["locations"]
+        assert place["physicalLocation"]["artifactLocation"]["uri"] == "robots/gripper.json"
+
+
+def test_on_gitlab(example: Path) -> None:
+    [include] = loaded(example / ".gitlab-ci.yml")["include"]
+    name = include["component"].rpartition("/")[2].partition("@")[0]
+    text = (ROOT / "templates" / f"{name}.yml").read_text(encoding="utf-8")
+    spec, jobs = yaml.safe_load_all(text)
+    given = {key: part.get("default") for key, part in spec["spec"]["inputs"].items()} | include["inputs"]
+    [job] = jobs.values()
+    script = "\n".join(job["script"])
+    for key, value in given.items():
+        script = script.replace(f"$[[ inputs.{key} ]]", value)
+    assert "$[[" not in script
+    done = bash(script, example)
+    assert (done.returncode, done.stderr) == (EXPECTED[example.name], "")
+    assert (example / job["artifacts"]["reports"]["junit"]).is_file()
+
+
+def test_with_pre_commit(example: Path) -> None:
+    [repository] = loaded(example / ".pre-commit-config.yaml")["repos"]
+    [hook] = repository["hooks"]
+    [known] = [entry for entry in loaded(ROOT / ".pre-commit-hooks.yaml") if entry["id"] == hook["id"]]
+    files = [str(path.relative_to(example)) for path in sorted(example.rglob("*.json"))]
+    chosen = [name for name in files if re.search(hook["files"], name)]
+    script = " ".join([known["entry"], *hook["args"], *chosen])
+    done = bash(script, example)
+    assert done.returncode == EXPECTED[example.name]
+    assert done.stdout.splitlines()[-1].startswith("2 checked: ")
