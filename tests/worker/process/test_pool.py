@@ -8,7 +8,9 @@ from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import until
+from worker.jobs.keys import Keys
 from worker.process.pool import WorkerPool
+from worker.settings import WorkerSettings
 
 
 def test_a_dead_worker_is_reported_and_replaced(
@@ -27,3 +29,17 @@ def test_a_dead_worker_is_reported_and_replaced(
     finally:
         pool.stop()
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(("count", "light"), [(1, 0), (2, 1)])
+def test_one_of_several_workers_is_kept_for_short_work(
+    valkey: EmbeddedValkey, redis: Redis, count: int, light: int
+) -> None:
+    pool = WorkerPool(count, valkey.url)
+    pool.start()
+    try:
+        until(pool.is_ready)
+        workers = Keys(WorkerSettings().key_prefix).workers
+        assert (redis.zcard(workers), redis.zcard(f"{workers}:light")) == (count, light)
+    finally:
+        pool.stop()
