@@ -67,7 +67,6 @@ def agrees_with(curves: CuspCurves, whole: Census) -> None:
     [
         slow("innocenti", 1),
         ("zein-flat", 3),
-        slow("twelve-cusps", 1),
         slow("fourteen-cusps", 2),
     ],
 )
@@ -148,7 +147,7 @@ def test_names_do_not_depend_on_what_is_asked_for() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("exponent", [12, 30, 60])
+@pytest.mark.parametrize("exponent", [12, 60])
 def test_slices_right_beside_transitions(exponent: int) -> None:
     """The cusps that merge there are followed as far as they are distinct."""
     precise = census_of(INNOCENTI, digits=80)
@@ -246,10 +245,9 @@ def angles(p: CurvePoint) -> newton.Point:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["innocenti", "zein-flat"])
-def test_a_walk_in_floating_point_stays_on_the_curve(name: str) -> None:
+def test_a_walk_in_floating_point_stays_on_the_curve() -> None:
     """From sample to sample by small steps of L and Newton's method, away from the ends of the curve."""
-    manipulator = EXAMPLES[name]
+    manipulator = EXAMPLES["zein-flat"]
     whole = curves_of(manipulator)
     walked: Counter[str] = Counter()
     for c in whole.sampled(whole.spread(5)).curves:
@@ -288,7 +286,7 @@ def test_scale_and_mirror() -> None:
     factor = 10**7  # it moves the decimal point only
 
     @given(manipulators(size=6, denominators=(1,)), st.sampled_from([1, 2, 3]))
-    @examples(2)
+    @examples(1)
     def agree(m: Manipulator, fixed_leg: int) -> None:
         names = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
         larger = replace(m, **{name: getattr(m, name) * factor for name in names})
