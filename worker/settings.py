@@ -56,6 +56,9 @@ class WorkerSettings(BaseSettings):
     memory_limit_mb: int | None = Field(
         default=4096, ge=64, description="maximum address space of a work horse, in MiB"
     )
+    niceness: int = Field(
+        default=10, ge=0, le=19, description="by how much work horses leave the cores to other processes (nice)"
+    )
     max_losses: NonNegativeInt = Field(
         default=2,
         description="maximum number of times a slice or document is retried after its work horse died",

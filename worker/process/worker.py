@@ -254,6 +254,7 @@ class CuspWorker(Worker):
                 signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
                 os.close(reader)
                 limit_memory(self.settings.memory_limit_mb)
+                os.nice(self.settings.niceness)  # the API answers known questions meanwhile
                 # without a parent-death signal, this ends an orphan soon after the deadline
                 quiet = os.open(os.devnull, os.O_WRONLY)
                 faulthandler.dump_traceback_later(
