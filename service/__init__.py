@@ -16,6 +16,7 @@ Exception
 ├── ResultLostError         (the worker's) worker.answers.stored_tables: a result expired while it was read
 ├── QuotaError              (the worker's) worker.jobs.quotas: a client holds too much of the queue
 ├── OutputError             cli.output: what a command prints cannot be written
+├── ItemsLostError          (the worker's) worker.jobs.batches: the items of a batch are not there
 ├── ServiceError            errors: the service refused, failed, or cannot be reached
 ├── UnreachableError        (the worker's) worker.connection: nobody answers at the address of Redis
 └── WorkerError             (the worker's) worker.process.start: the worker cannot start

@@ -32,15 +32,16 @@ class WorkerSettings(BaseSettings):
     key_prefix: str = Field(default="cusps", description="prefix of every Redis key")
     queue_name: str = Field(
         default="cusps",
-        description="RQ queues: NAME-VERSION (the solver's), NAME-VERSION-bulk and NAME-VERSION-heavy",
+        description="RQ queues: NAME-VERSION (the solver's), and the same with -bulk, -heavy, -batch and "
+        "-heavy-batch",
     )
     task: str = Field(
         default="worker.process.tasks.run_chunk", description="dotted name of the function that runs a chunk"
     )
 
-    chunk_size: PositiveInt = Field(default=40, description="maximum number of slices in one chunk")
+    chunk_size: PositiveInt = Field(default=40, description="maximum number of slices or items in one chunk")
     chunk_seconds: PositiveFloat = Field(
-        default=1.0, description="estimated work in one chunk of a table, in seconds of one core"
+        default=1.0, description="estimated work in one chunk of a table or a batch, in seconds of one core"
     )
     heavy_seconds: PositiveFloat = Field(
         default=1.5,
@@ -57,11 +58,14 @@ class WorkerSettings(BaseSettings):
         default=4096, ge=64, description="maximum address space of a work horse, in MiB"
     )
     niceness: int = Field(
-        default=10, ge=0, le=19, description="by how much work horses leave the cores to other processes (nice)"
+        default=10,
+        ge=0,
+        le=19,
+        description="by how much work horses leave the cores to other processes (nice)",
     )
     max_losses: NonNegativeInt = Field(
         default=2,
-        description="maximum number of times a slice or document is retried after its work horse died",
+        description="maximum number of times a slice, document or item is retried after its work horse died",
     )
     max_worker_losses: NonNegativeInt = Field(
         default=10,

@@ -12,6 +12,7 @@ from typing import Any
 import flint
 
 import rpr_solver
+from worker.answers import items
 from worker.process import tasks
 
 # A proof that this is a prime takes minutes, in one C call that holds the interpreter's lock.
@@ -21,6 +22,11 @@ HARD_PRIME = 10**1000 + 453
 def endless(**chunk: Any) -> None:
     """A long C call."""
     _run(lambda: flint.fmpz(HARD_PRIME).is_prime(), chunk)
+
+
+def endless_at_13(**chunk: Any) -> None:
+    """The same, of the slice at 13."""
+    _run_unlucky(lambda: flint.fmpz(HARD_PRIME).is_prime(), chunk)
 
 
 def greedy(**chunk: Any) -> None:
@@ -124,7 +130,8 @@ def _run(act: Callable[..., object], chunk: dict[str, Any], only_slice: str = ""
         act(*([progress] if inspect.signature(act).parameters else []))
         return {"pid": os.getpid()}
 
-    tasks.solve = solve  # type: ignore[assignment]
-    tasks.compute = compute
-    tasks.eliminant_of = lambda *_: None  # type: ignore[assignment]
+    for module in (tasks, items):
+        module.solve = solve  # type: ignore[attr-defined]
+        module.compute = compute  # type: ignore[attr-defined]
+        module.eliminant_of = lambda *_: None  # type: ignore[attr-defined]
     tasks.run_chunk(**chunk)

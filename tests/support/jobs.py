@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from rpr_solver import EXAMPLES
 from tests.support.processes import until
 from worker.answers import censuses, poses, tables
+from worker.answers.batches import new_batch
+from worker.answers.items import Item
 from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.stored_tables import StoredTable
+from worker.jobs.batches import Batches, StoredItem
 from worker.jobs.queue import JobQueue
 from worker.jobs.records import JobView
 
@@ -45,3 +49,16 @@ def ended(queue: JobQueue, job_id: str) -> JobView:
         return view if view.is_terminal else None
 
     return until(terminal)
+
+
+def submit_batch(queue: JobQueue, items: Sequence[Item]) -> JobView:
+    """Makes a batch of items, as they are."""
+    token, batches = new_batch(), Batches(queue.redis, queue.settings)
+    batches.push(token, items)
+    costs = {i: 0.01 for i, item in enumerate(items) if item.request is not None}
+    return batches.begin(token, len(items), costs)
+
+
+def read_batch(queue: JobQueue, view: JobView) -> list[StoredItem]:
+    """Returns the items of a batch as they stand."""
+    return Batches(queue.redis, queue.settings).read(view.id, range(view.total))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.contract import Progress
-from worker.answers import article, censuses, checks, curves, poses, tables
+from worker.answers import article, batches, censuses, checks, curves, poses, tables
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable, stored_table
@@ -41,7 +41,10 @@ COMPUTATIONS: Mapping[Kind, Computation] = {
     curves.KIND: Computation(curves.compute, curves.derive),
 }
 KINDS = (tables.KIND, *COMPUTATIONS)
-_BY_NAME = {kind.name: kind for kind in KINDS}
+"""The kinds of documents."""
+
+_OF_JOBS = (*KINDS, batches.KIND)
+_BY_NAME = {kind.name: kind for kind in _OF_JOBS}
 
 
 Answer = Document | StoredTable
@@ -86,8 +89,13 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
 
 
 def kind_of_job(job_id: str) -> Kind | None:
-    """Returns the kind of document that a job computes, or None if the id is not a job's."""
-    return next((kind for kind in KINDS if job_id.startswith(kind.prefix)), None)
+    """Returns what a job computes, a kind of document or a batch, or None if the id is not a job's."""
+    return next((kind for kind in _OF_JOBS if job_id.startswith(kind.prefix)), None)
+
+
+def is_batch(job_id: str) -> bool:
+    """Whether a job is a batch."""
+    return job_id.startswith(batches.KIND.prefix)
 
 
 def request_from_json(text: str | bytes) -> JobRequest:

@@ -23,12 +23,14 @@ class Kind:
         prefix: the prefix of job ids.
         unit: the unit of its jobs' progress.
         by_slices: whether each slice is computed, kept and counted separately.
+        by_items: whether a job consists of questions of its own, as a batch does.
     """
 
     name: str
     prefix: str
     unit: str = "steps"
     by_slices: bool = False
+    by_items: bool = False
 
 
 @dataclass(frozen=True)
@@ -73,18 +75,21 @@ class JobRequest:
 
     @property
     def parts(self) -> Sequence[str]:
-        """The parts that are computed and counted separately: the slices, or only the whole document."""
+        """The parts that are computed and counted separately: the slices, the positions of the items, or only
+        the whole document."""
+        if self.kind.by_items:
+            return [str(index) for index in range(self.content["count"])]
         parts: Sequence[str] = self.content["l1"] if self.kind.by_slices else (self.kind.name,)
         return parts
 
     @cached_property
     def content_hash(self) -> str:
         """The hash of the question and the solver's version."""
-        question = (
-            [self.geometry_hash, self.fixed_leg, self.digits, self.parts]
-            if self.kind.by_slices
-            else [self.kind.name, self.content]
-        )
+        question: list[object] = [self.kind.name, self.content]
+        if self.kind.by_slices:
+            question = [self.geometry_hash, self.fixed_leg, self.digits, self.parts]
+        elif self.kind.by_items:  # known before its items are
+            question = [self.kind.name, self.content["batch"]]
         return hashlib.sha256(json.dumps([SOLVER_VERSION, *question], sort_keys=True).encode()).hexdigest()
 
     @property

@@ -31,6 +31,28 @@ end
 return measured
 """
 
+KEEP_SLICE = """
+-- Keeps a slice; an answer that is known has its lifetime renewed, and is never replaced by an error.
+local function keep_slice(slice, known_digits, json, is_error, digits, ttl)
+    if not redis.call('SET', slice, json, 'EX', ttl, 'NX') and not is_error then
+        redis.call('EXPIRE', slice, ttl)
+    end
+    if not is_error then
+        redis.call('SADD', known_digits, digits)
+        redis.call('EXPIRE', known_digits, ttl)
+    end
+end
+"""
+"""The Lua function that keeps a slice."""
+
+_KEEP = (
+    KEEP_SLICE
+    + """
+local json, is_error, digits, ttl = unpack(ARGV)
+keep_slice(KEYS[1], KEYS[2], json, is_error == '1', digits, ttl)
+"""
+)
+
 
 @dataclass(frozen=True)
 class Measured:
@@ -57,6 +79,7 @@ class ResultStore:
         self.holder = holder
         self.keys = ResultKeys(self.settings.key_prefix)
         self._measure = redis.register_script(_MEASURE)
+        self._keep = redis.register_script(_KEEP)
 
     def slice_keys(self, request: JobRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
         """Returns the keys of slices of a request, at its own or another number of digits."""
@@ -130,6 +153,16 @@ class ResultStore:
             if pipe.command_stack:
                 self._note_digits(pipe, request)
                 pipe.execute()
+
+    def put_slice(self, request: JobRequest, l1: str, value: SliceJson) -> None:
+        """Keep a slice of a request, or the error in its place."""
+        geometry = request.geometry_hash, request.fixed_leg
+        failed = "error" in value
+        ttl = self.settings.error_ttl if failed else self.settings.result_ttl
+        self._keep(
+            keys=[self.keys.slice(*geometry, request.digits, l1), self.keys.digits(*geometry)],
+            args=[dump(value), int(failed), request.digits, ttl],
+        )
 
     def get_eliminant(self, request: JobRequest) -> rpr_solver.Eliminant | None:
         """Returns the geometry's eliminant, or None if it is not known."""

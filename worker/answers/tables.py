@@ -22,12 +22,19 @@ INTERNAL = "An unexpected error; the worker's log has the details."
 
 def missing(request: JobRequest, store: ResultStore) -> Sequence[str]:
     """Returns the slices that are not known, and renews the lifetime of the known ones."""
+    return look_up(request, store)[0]
+
+
+def look_up(request: JobRequest, store: ResultStore) -> tuple[list[str], dict[str, SliceJson]]:
+    """Returns the same, and the known errors of single slices by L1."""
     absent: list[str] = []
+    errors: dict[str, SliceJson] = {}
     for group in in_groups(request.parts):
         slices = store.get_slices(request, group)
         store.renew_slices(request, slices)
         absent += [x for x in group if x not in slices]
-    return absent
+        errors |= {x: value for x, value in slices.items() if "error" in value}
+    return absent, errors
 
 
 def eliminant_of(request: JobRequest, store: ResultStore) -> Eliminant:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from worker.answers.kinds import is_batch
 from worker.jobs.attempts import ChunkRef, Lost
+from worker.jobs.batches import Batches
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.records import JobRecords
 
@@ -21,11 +23,13 @@ def run_again(
 
 
 def give_up(records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, kind: str, detail: str) -> bool:
-    """Give up the slice that is being solved, and have the others computed; False when none is left.
+    """Give up the slice or item at which a chunk is, and have the others computed; False when none is left.
 
-    A chunk that was at no slice, such as a document, fails its job. `kind` and `detail` say why.
+    A chunk that was at none, such as a document, fails its job. `kind` and `detail` say why.
     """
-    if records.put_slice_error(ref, kind, detail):
+    batches = Batches(records.redis, records.settings)
+    put = batches.give_up_item if is_batch(ref.job_id) else records.put_slice_error
+    if put(ref, kind, detail):
         return _enqueue(records, chunks, records.reopen(ref))
     fail(records, chunks, ref, kind, detail)
     return False

@@ -33,6 +33,10 @@ class Keys:
         base = f"{self.prefix}:job:{job_id}"
         return JobKeys(base, f"{base}:chunks", f"{base}:bits", f"{base}:errors", f"{base}:events")
 
+    def items(self, job_id: str) -> str:
+        """Returns the key of the items of a batch; the scripts derive it from the record's."""
+        return f"{self.job(job_id).record}:items"
+
     def client(self, client: str) -> str:
         """Returns the key of what a client holds."""
         return f"{self.prefix}:client:{client}"

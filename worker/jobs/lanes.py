@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -9,8 +10,9 @@ from rpr_solver import SOLVER_VERSION
 from worker.answers.cost import Cost
 from worker.settings import WorkerSettings
 
-Lane = Literal["small", "bulk", "heavy"]
-"""`small`: jobs of one short chunk; `bulk`: jobs of several short chunks; `heavy`: jobs with long chunks."""
+Lane = Literal["small", "bulk", "heavy", "batch", "heavy-batch"]
+"""`small`: jobs of one short chunk; `bulk`: jobs of several short chunks; `heavy`: jobs with long chunks;
+`batch` and `heavy-batch`: batches with short and with long chunks, however many they are."""
 
 LANES: tuple[Lane, ...] = get_args(Lane)
 
@@ -19,7 +21,8 @@ Duty = Literal["light", "all"]
 
 DUTIES: tuple[Duty, ...] = get_args(Duty)
 
-_SUFFIX = {"small": "", "bulk": "-bulk", "heavy": "-heavy"}
+_MOST_CHUNKS = 1000  # of a batch, unless its items take so long that a chunk would come near the deadline
+_SAFE_SHARE = 0.25  # of the deadline, for all items of a chunk
 
 
 @dataclass(frozen=True)
@@ -78,19 +81,42 @@ def plan(cost: Cost, parts: int, settings: WorkerSettings) -> Plan:
     return Plan(lane, size, -(-parts // size), cost.of(parts))
 
 
+def plan_batch(costs: Sequence[float], settings: WorkerSettings) -> Plan:
+    """Returns the plan of a batch whose items are estimated to take so many seconds each.
+
+    A chunk is about `chunk_seconds` of work, and stays far below the deadline if all its items are as long as
+    the longest one.
+    """
+    if not costs:
+        return Plan("batch", 1, 0, 0.0)
+    total, longest = sum(costs), max(costs)
+    mean = total / len(costs)
+    size = max(1, min(settings.chunk_size, int(settings.chunk_seconds / max(mean, 1e-9))))
+    size = max(size, -(-len(costs) // _MOST_CHUNKS))
+    size = max(1, min(size, int(_SAFE_SHARE * settings.deadline / max(longest, 1e-9))))
+    is_heavy = max(longest, mean * size) > settings.heavy_seconds
+    return Plan("heavy-batch" if is_heavy else "batch", size, -(-len(costs) // size), total)
+
+
 def queue_name(lane: Lane, settings: WorkerSettings) -> str:
     """Returns the name of a lane's RQ queue.
 
     Each version of the solver has its own, so a worker never takes a chunk of another version.
     """
-    return f"{settings.queue_name}-{SOLVER_VERSION}{_SUFFIX[lane]}"
+    return f"{settings.queue_name}-{SOLVER_VERSION}{'' if lane == 'small' else f'-{lane}'}"
 
 
 def lanes_of(duty: Duty) -> tuple[tuple[Lane, ...], ...]:
     """Returns the orders in which a worker looks into the lanes, one after the other.
 
-    Small jobs always come first. Bulk and heavy ones take turns, so that neither waits for ever.
+    Small jobs always come first. The others take turns, so that none waits for ever: any two lanes that hold
+    work have equal shares, so a batch of hours delays other jobs only by its chunk in hand.
     """
     if duty == "light":
-        return (("small", "bulk"),)
-    return (("small", "heavy", "bulk"), ("small", "bulk", "heavy"))
+        return (("small", "bulk", "batch"), ("small", "batch", "bulk"))
+    return (
+        ("small", "heavy", "bulk", "batch", "heavy-batch"),
+        ("small", "batch", "heavy-batch", "heavy", "bulk"),
+        ("small", "bulk", "heavy", "heavy-batch", "batch"),
+        ("small", "heavy-batch", "batch", "bulk", "heavy"),
+    )

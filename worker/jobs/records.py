@@ -29,13 +29,13 @@ from worker.settings import WorkerSettings
 Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
 ACTIVE: frozenset[str] = frozenset({"queued", "running"})
 
-_INCOMPLETE = (
+INCOMPLETE = (
     "The server lost a part of this job's record. Posting the request again computes what is missing."
 )
 
 _OVERDUE = "The job was not done by the deadline of its request (deadline_s)."
 
-_FIELDS = ("run", "status", "done", "total", "created", "started", "finished", "error", "deadline")
+_FIELDS = ("run", "status", "done", "total", "created", "started", "finished", "error", "deadline", "failed")
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,7 @@ class JobView:
     Attributes:
         deadline_at: when the job fails unless it is done; None if a client waits without a deadline.
         place: its place in the queue, if it is queued.
+        failed: the items of a batch that are done without an answer.
     """
 
     id: str
@@ -58,6 +59,7 @@ class JobView:
     run: str
     deadline_at: str | None = None
     place: Place | None = None
+    failed: int = 0
 
     @property
     def is_terminal(self) -> bool:
@@ -279,7 +281,7 @@ class JobRecords:
 
         A job without its chunks fails, since no worker could ever end it.
         """
-        problem = dump({"type": "worker-lost", "detail": _INCOMPLETE})
+        problem = dump({"type": "worker-lost", "detail": INCOMPLETE})
         return bool(
             self._reconcile(
                 keys=[*self.keys.job(job_id), self.keys.active, self.keys.ends],
@@ -331,7 +333,7 @@ def _origin() -> dict[str, str]:
 
 
 def _view(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:
-    run, status, done, total, created, started, finished, error, deadline = (
+    run, status, done, total, created, started, finished, error, deadline, failed = (
         None if raw is None else raw.decode() for raw in fields[: len(_FIELDS)]
     )
     if run is None or status is None:
@@ -347,6 +349,7 @@ def _view(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:
         error=json.loads(error) if error else None,
         run=run,
         deadline_at=_iso(deadline),
+        failed=int(failed or 0),
     )
 
 

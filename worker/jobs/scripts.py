@@ -19,6 +19,7 @@ Each script begins with the names of its keys and arguments, in the order in whi
 
 from __future__ import annotations
 
+from worker.answers.store import KEEP_SLICE
 from worker.jobs.ends import COUNT_END
 
 _NOW = """
@@ -59,7 +60,7 @@ local function is_wanted(record)
     return false
 end
 
-local LANES = {small = 1, bulk = 2, heavy = 3}
+local LANES = {small = 1, bulk = 2, heavy = 3, batch = 4, ['heavy-batch'] = 5}
 local function rank(lane, time) return string.format('%.3f', LANES[lane] * 1e11 + time) end
 local function add_work(active, lane, what, work)
     redis.call('HINCRBY', active .. ':work', lane .. ':' .. what, work)
@@ -75,7 +76,9 @@ end
 local function workers_of(lane, workers)
     local alive = '(' .. time[1] * 1000 + math.floor(time[2] / 1000)
     local count = redis.call('ZCOUNT', workers, alive, '+inf')
-    if lane == 'heavy' then count = count - redis.call('ZCOUNT', workers .. ':light', alive, '+inf') end
+    if string.find(lane, '^heavy') then
+        count = count - redis.call('ZCOUNT', workers .. ':light', alive, '+inf')
+    end
     return math.max(1, count)
 end
 
@@ -99,22 +102,56 @@ local function retire(record, active, job_id)
     redis.call('HDEL', record, 'left', 'ahead')
 end
 
+-- The list of a batch's items; no other job has one.
+local function items_of(record) return record .. ':items' end
+
 local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl)
     count_end(record, ends, job_id, status, problem)
     redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
     retire(record, active, job_id)
     redis.call('HDEL', record, 'todo')
-    redis.call('DEL', chunks, bits)
+    redis.call('DEL', chunks)
+    if redis.call('EXPIRE', items_of(record), ttl) == 0 then redis.call('DEL', bits) end
     redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'status', 'status', status)
-    for _, key in ipairs({record, errors, events}) do redis.call('EXPIRE', key, ttl) end
+    for _, key in ipairs({record, bits, errors, events}) do redis.call('EXPIRE', key, ttl) end
+end
+
+-- Notes that the chunk has done the part `offset`, the last one of it or not.
+local function advance(chunks, index, chunk, offset, is_last)
+    if is_last then
+        redis.call('HDEL', chunks, index)
+    elseif tonumber(offset) >= chunk.offset then
+        chunk.offset, chunk.horses, chunk.workers = offset + 1, 0, 0
+        put_chunk(chunks, index, chunk)
+    end
+end
+
+-- Counts a part that is done, and ends the job with the last one; `event` is what to tell of it.
+-- Returns 1 if more parts remain, 2 if the job is done.
+local function count_part(record, chunks, bits, errors, events, active, ends, job_id, job_ttl, event)
+    local done, total = redis.call('HINCRBY', record, 'done', 1), redis.call('HGET', record, 'total')
+    for _, value in ipairs({'done', done, 'total', total}) do table.insert(event, value) end
+    redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', unpack(event))
+    if done < tonumber(total) then
+        local lane, left = unpack(redis.call('HMGET', record, 'lane', 'left'))
+        if left then
+            local share = math.floor(left / (total - done + 1))
+            redis.call('HSET', record, 'left', left - share)
+            add_work(active, lane, 'done', share)
+        end
+        return 1
+    end
+    finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', job_ttl)
+    return 2
 end
 """
 
 PRELUDE = _NOW + COUNT_END + _JOBS
 """The definitions that precede every script."""
 
-# Returns {1} if the job was created, {0} if another client has created or changed it meanwhile, and
-# {-1, milliseconds until the backlog is done} if its lane is full; one in which no job waits is never full.
+# Returns {1} if the job was created, {0} if another client has created or changed it meanwhile or items of a
+# batch are missing, and {-1, milliseconds until the backlog is done} if its lane is full; one in which no job
+# waits is never full. The items of a batch that are no part of `todo` have failed.
 CREATE = """
 local record, chunks, bits, errors, events, active, ends, workers = unpack(KEYS)
 local job_id, run, seen_run, total, todo_count, request, todo = unpack(ARGV)
@@ -123,6 +160,9 @@ local lane, work, max_backlog, deadline_s = unpack(ARGV, 12)
 
 local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if old_run and (is_active(old_status) or old_run ~= seen_run) then return {0} end
+local items = items_of(record)
+local is_batch = string.match(job_id, '^ba%-') ~= nil
+if is_batch and redis.call('LLEN', items) ~= tonumber(total) then return {0} end
 local waiting, added = backlog(active, lane)
 local count = workers_of(lane, workers)
 if tonumber(todo_count) > 0 and waiting + work > max_backlog * count
@@ -133,6 +173,10 @@ redis.call('DEL', record, chunks, bits, errors, events)
 redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done', total - todo_count,
     'request', request, 'todo', todo, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
     'origin', origin)
+if is_batch then
+    redis.call('PERSIST', items)
+    redis.call('HSET', record, 'failed', total - todo_count)
+end
 if tonumber(todo_count) == 0 then
     redis.call('HSET', record, 'started', now)
     finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', ttl)
@@ -231,43 +275,24 @@ return 1
 
 # Keeps the result in any case, since it is valid whatever the state of the job, then counts it once.
 # Returns 0 if the attempt is out of date, 1 if more slices remain, 2 if the job is done.
-SLICE = """
+SLICE = (
+    KEEP_SLICE
+    + """
 local slice, known_digits, record, chunks, bits, errors, events, active, ends = unpack(KEYS)
 local job_id, run, index, attempt = unpack(ARGV)
 local offset, is_last, position, l1, json, is_error, digits, slice_ttl, job_ttl = unpack(ARGV, 5)
 is_last, is_error = is_last == '1', is_error == '1'
 
-if not redis.call('SET', slice, json, 'EX', slice_ttl, 'NX') and not is_error then
-    redis.call('EXPIRE', slice, slice_ttl)
-end
-if not is_error then
-    redis.call('SADD', known_digits, digits)
-    redis.call('EXPIRE', known_digits, slice_ttl)
-end
+keep_slice(slice, known_digits, json, is_error, digits, slice_ttl)
 local chunk = open_chunk(record, chunks, run, index, attempt)
 if not chunk then return 0 end
 if is_error then redis.call('HSET', errors, l1, json) end
-if is_last then
-    redis.call('HDEL', chunks, index)
-elseif tonumber(offset) >= chunk.offset then
-    chunk.offset, chunk.horses, chunk.workers = offset + 1, 0, 0
-    put_chunk(chunks, index, chunk)
-end
+advance(chunks, index, chunk, offset, is_last)
 if redis.call('SETBIT', bits, position, 1) == 1 then return 1 end
-local done, total = redis.call('HINCRBY', record, 'done', 1), redis.call('HGET', record, 'total')
-redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'slice', 'l1', l1, 'done', done, 'total', total)
-if done < tonumber(total) then
-    local lane, left = unpack(redis.call('HMGET', record, 'lane', 'left'))
-    if left then
-        local share = math.floor(left / (total - done + 1))
-        redis.call('HSET', record, 'left', left - share)
-        add_work(active, lane, 'done', share)
-    end
-    return 1
-end
-finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', job_ttl)
-return 2
+local event = {'type', 'slice', 'l1', l1}
+return count_part(record, chunks, bits, errors, events, active, ends, job_id, job_ttl, event)
 """
+)
 
 # Records the progress of a job of one chunk that counts its own steps; after an interruption, only once the
 # new attempt is as far as the last one. Returns 0 if the attempt is out of date.
@@ -349,7 +374,7 @@ local job_id, problem, ttl = unpack(ARGV)
 local status = redis.call('HGET', record, 'status')
 if not is_active(status) then
     retire(record, active, job_id)
-    if not status then redis.call('DEL', chunks, bits, errors, events) end
+    if not status then redis.call('DEL', chunks, bits, errors, events, items_of(record)) end
     return 0
 end
 if redis.call('EXISTS', chunks) == 0 then

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from redis import Redis
@@ -14,13 +15,16 @@ from rpr_solver import Eliminant
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError, SolverError
 from worker import tracing
+from worker.answers.items import ItemSolver, Outcome
 from worker.answers.kinds import compute, known_document
+from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.answers.tables import INTERNAL, eliminant_of, solve
 from worker.jobs.attempts import Chunk, ChunkRef
+from worker.jobs.batches import Batches, ItemsLostError
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.interruption import fail, give_up
-from worker.jobs.records import JobRecords
+from worker.jobs.records import INCOMPLETE, JobRecords
 from worker.logs import about
 from worker.process.os_limits import lift_memory_limit
 from worker.settings import WorkerSettings
@@ -73,8 +77,7 @@ def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> None:
     store = ResultStore(_context.redis, _context.settings, holder=ref.rq_id)
     start, kind, detail = time.monotonic(), "", ""
     try:
-        work = _solve_slices if chunk.request.kind.by_slices else _compute_document
-        work(ref, chunk, records, store)
+        _work_of(chunk)(ref, chunk, records, store)
     except AttemptOver:
         return
     except RedisError:
@@ -83,6 +86,8 @@ def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> None:
         kind, detail = "input-error", str(error)
     except SolverError as error:
         kind, detail = "solver-error", str(error)
+    except ItemsLostError:
+        kind, detail = "worker-lost", INCOMPLETE
     except MemoryError:
         lift_memory_limit()
         kind, detail = "resource-exhausted", EXHAUSTED
@@ -92,9 +97,16 @@ def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> None:
     if kind:
         end = give_up if kind == "resource-exhausted" else fail
         end(records, ChunkQueue(_context.redis, _context.settings), ref, kind, detail)
-    what = f"{len(chunk.parts)} slices" if chunk.request.kind.by_slices else chunk.request.kind.name
+    of = chunk.request.kind
+    what = f"{len(chunk.parts)} {of.unit}" if of.by_slices or of.by_items else of.name
     seconds = time.monotonic() - start
     log.info("chunk %d (%s): %s after %.2f s", ref.index, what, kind or "done", seconds)
+
+
+def _work_of(chunk: Chunk) -> Callable[[ChunkRef, Chunk, JobRecords, ResultStore], None]:
+    if chunk.request.kind.by_items:
+        return _answer_items
+    return _solve_slices if chunk.request.kind.by_slices else _compute_document
 
 
 def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
@@ -112,6 +124,32 @@ def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: Resul
                 value = solve(eliminant, l1, chunk.request)
         if not records.put_slice(ref, chunk, offset, value):
             return
+
+
+def _answer_items(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
+    batches = Batches(records.redis, records.settings)
+    items = batches.items_of(ref, chunk)
+    solver = ItemSolver(store)
+    for offset in range(chunk.offset, len(chunk.parts)):
+        request = items[offset].request
+        assert request is not None, "what is not valid is not to be done"
+        if not batches.put_item(ref, chunk, offset, _outcome(solver, request, chunk.parts[offset])):
+            return
+
+
+def _outcome(solver: ItemSolver, request: JobRequest, item: str) -> Outcome:
+    """Answer one item; its failure leaves the others unaffected."""
+    try:
+        return solver.answer(request)
+    except (MemoryError, RedisError):
+        raise
+    except InputError as error:
+        return Outcome({"type": "input-error", "detail": str(error)})
+    except SolverError as error:
+        return Outcome({"type": "solver-error", "detail": str(error)})
+    except Exception:
+        log.exception("item %s failed", item)
+        return Outcome({"type": "internal-error", "detail": INTERNAL})
 
 
 def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:

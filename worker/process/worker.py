@@ -28,6 +28,7 @@ from rq.utils import now
 from rq.worker import WorkerStatus
 
 import rpr_solver  # noqa: F401
+from worker.answers.kinds import is_batch
 from worker.connection import address
 from worker.jobs.attempts import ChunkRef
 from worker.jobs.chunks import ChunkQueue
@@ -356,7 +357,7 @@ class CuspWorker(Worker):
     def _record(self, ref: ChunkRef, outcome: Outcome) -> None:
         if isinstance(outcome, RunAgain):
             run_again(self.records, self.chunks, ref, outcome.lost, outcome.kind, outcome.detail)
-        elif isinstance(outcome, GivenUp):
+        elif isinstance(outcome, GivenUp) or (outcome.kind and is_batch(ref.job_id)):
             give_up(self.records, self.chunks, ref, outcome.kind, outcome.detail)
         elif outcome.kind:
             fail(self.records, self.chunks, ref, outcome.kind, outcome.detail)

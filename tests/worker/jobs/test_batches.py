@@ -1,0 +1,208 @@
+"""The life of a batch, with the test acting as the worker."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+
+from tests.support.jobs import a_document, a_request
+from worker.answers.batches import batch_request, new_batch
+from worker.answers.items import Item, ItemSolver, Outcome
+from worker.jobs.attempts import ChunkEntry, ChunkRef
+from worker.jobs.batches import Batches, ItemsLostError, StoredItem
+from worker.jobs.interruption import give_up, run_again
+from worker.jobs.lanes import LANES, lanes_of, plan_batch
+from worker.jobs.queue import JobQueue
+from worker.jobs.records import JobView
+from worker.settings import WorkerSettings
+
+BAD = Item("bad", problem={"type": "/problems/invalid-request", "status": 422})
+FAILED = Outcome({"type": "solver-error", "detail": "undecided"})
+
+
+@pytest.fixture
+def batches(queue: JobQueue) -> Batches:
+    return Batches(queue.redis, queue.settings)
+
+
+def begin(batches: Batches, items: Sequence[Item]) -> JobView:
+    token = new_batch()
+    for first in range(0, len(items), 2):
+        batches.push(token, items[first : first + 2])
+    costs = {i: 0.01 for i, item in enumerate(items) if item.problem is None}
+    return batches.begin(token, len(items), costs)
+
+
+def questions(*l1: str) -> list[Item]:
+    return [Item(f"item {x}", a_request(x)) for x in l1]
+
+
+def entries(queue: JobQueue) -> list[ChunkEntry]:
+    return sorted(queue.records.open_chunks(), key=lambda entry: entry.ref.index)
+
+
+def work(queue: JobQueue, batches: Batches, ref: ChunkRef, *outcomes: Outcome) -> None:
+    """Count the next items of a chunk."""
+    chunk = queue.records.start(ref)
+    assert chunk is not None
+    for offset, outcome in enumerate(outcomes, chunk.offset):
+        batches.put_item(ref, chunk, offset, outcome)
+
+
+def states(batches: Batches, view: JobView) -> list[str]:
+    return [stored.state for stored in batches.read(view.id, range(view.total))]
+
+
+def now(queue: JobQueue, view: JobView) -> JobView:
+    current = queue.get(view.id)
+    assert current is not None
+    return current
+
+
+def test_from_queued_to_succeeded(queue: JobQueue, batches: Batches) -> None:
+    items = [*questions("1", "2"), BAD, *questions("3", "4")]
+    view = begin(batches, items)
+    assert view.id.startswith("ba-")
+    assert (view.status, view.done, view.total, view.failed) == ("queued", 1, 5, 1)
+    assert queue.redis.ttl(batches.keys.items(view.id)) == -1
+    first, second = (entry.ref for entry in entries(queue))
+    chunk = queue.records.start(first)
+    assert chunk is not None
+    assert chunk.parts == ("0", "1", "3")
+    assert [item.id for item in batches.items_of(first, chunk)] == ["item 1", "item 2", "item 3"]
+    work(queue, batches, first, Outcome(), FAILED)
+    assert states(batches, view) == ["succeeded", "failed", "failed", "open", "open"]
+    assert (now(queue, view).done, now(queue, view).failed) == (3, 2)
+    work(queue, batches, first, Outcome(slices={"3": {"l1": "3", "error": {}}}))
+    work(queue, batches, second, Outcome())
+    done = now(queue, view)
+    assert (done.status, done.done, done.failed) == ("succeeded", 5, 2)
+    assert states(batches, view) == ["succeeded", "failed", "failed", "succeeded", "succeeded"]
+    stored = batches.read(view.id, [1, 2, 3])
+    assert stored[0].outcome == FAILED
+    assert stored[1] == StoredItem(2, BAD, "failed", Outcome())
+    assert stored[2].outcome.slices == {"3": {"l1": "3", "error": {}}}
+    for key in (*batches.keys.job(view.id)[2:], batches.keys.items(view.id)):
+        assert queue.redis.ttl(key) > 0
+
+
+def test_an_item_is_counted_once_and_only_by_the_current_attempt(queue: JobQueue, batches: Batches) -> None:
+    view = begin(batches, questions("1", "2"))
+    [entry] = entries(queue)
+    work(queue, batches, entry.ref, Outcome())
+    chunk = queue.records.start(entry.ref)
+    assert chunk is not None
+    assert batches.put_item(entry.ref, chunk, 0, FAILED)
+    assert (now(queue, view).done, now(queue, view).failed) == (1, 0)
+    assert queue.records.reopen(entry.ref) != "stale"
+    assert not batches.put_item(entry.ref, chunk, 1, Outcome())
+    assert now(queue, view).done == 1
+
+
+def test_what_kills_a_horse_costs_one_item(queue: JobQueue, batches: Batches) -> None:
+    view = begin(batches, questions("1", "2", "3"))
+    work(queue, batches, entries(queue)[0].ref, Outcome())
+    for _ in range(queue.settings.max_losses + 1):
+        [entry] = entries(queue)
+        assert queue.records.start(entry.ref) is not None
+        assert run_again(queue.records, queue.chunks, entry.ref, "horses", "worker-crashed", "again")
+    assert states(batches, view) == ["succeeded", "failed", "open"]
+    [entry] = entries(queue)
+    assert queue.records.start(entry.ref) is not None
+    assert not give_up(queue.records, queue.chunks, entry.ref, "timeout", "too long")
+    view = now(queue, view)
+    assert (view.status, view.failed) == ("succeeded", 2)
+    assert [s.outcome.failure for s in batches.read(view.id, [1, 2])] == [
+        {"type": "worker-crashed", "detail": "again"},
+        {"type": "timeout", "detail": "too long"},
+    ]
+
+
+def test_a_canceled_batch_keeps_what_is_done(queue: JobQueue, batches: Batches) -> None:
+    view = begin(batches, questions("1", "2", "3", "4"))
+    work(queue, batches, entries(queue)[0].ref, FAILED, Outcome())
+    canceled = queue.cancel(view.id)
+    assert canceled is not None
+    assert (canceled.status, canceled.done, canceled.failed) == ("canceled", 2, 1)
+    assert states(batches, view) == ["failed", "succeeded", "open", "open"]
+    assert queue.depth() == 1  # what was begun
+
+
+def test_all_items_bad_is_done_at_once(batches: Batches) -> None:
+    view = begin(batches, [BAD, BAD])
+    assert (view.status, view.done, view.failed) == ("succeeded", 2, 2)
+
+
+def test_items_that_are_missing(queue: JobQueue, batches: Batches) -> None:
+    token = new_batch()
+    batches.push(token, questions("1"))
+    with pytest.raises(ItemsLostError):
+        batches.begin(token, 2, {0: 1.0, 1: 1.0})
+    batches.drop(token)
+    assert queue.redis.keys("cusps:job:*") == []
+    view = begin(batches, questions("1"))
+    queue.redis.delete(batches.keys.items(view.id))
+    chunk = queue.records.start(entries(queue)[0].ref)
+    assert chunk is not None
+    with pytest.raises(ItemsLostError):
+        batches.items_of(entries(queue)[0].ref, chunk)
+    assert batches.read(view.id, [0]) == []
+
+
+def test_a_batch_is_one_submission() -> None:
+    one, another = new_batch(), new_batch()
+    assert batch_request(one).job_id == batch_request(one, 7).job_id != batch_request(another).job_id
+    assert batch_request(one, 3).parts == ["0", "1", "2"]
+
+
+def test_an_answer_is_computed_once_and_renewed(queue: JobQueue) -> None:
+    solver = ItemSolver(queue.store)
+    table, document = a_request("14.98", "27"), a_document()
+    for request in (table, document):
+        assert queue.known(request) is None
+        assert solver.answer(request) == Outcome()
+        assert queue.known(request) is not None
+    kept = [*queue.store.slice_keys(table, table.parts), queue.store.keys.document(document.content_hash)]
+    for key in kept:
+        queue.redis.expire(key, 5)
+    before = queue.redis.info("commandstats")["cmdstat_set"]["calls"]  # type: ignore[index]
+    assert solver.answer(table) == solver.answer(document) == Outcome()
+    assert all(queue.redis.ttl(key) > 5 for key in kept)
+    assert queue.redis.info("commandstats")["cmdstat_set"]["calls"] == before  # type: ignore[index]
+
+
+def test_a_slice_without_an_answer_is_an_error_of_its_table(queue: JobQueue) -> None:
+    error = {"l1": "5", "error": {"type": "solver-error", "detail": "undecided"}}
+    queue.store.put_slice(a_request("5"), "5", error)
+    assert ItemSolver(queue.store).answer(a_request("14.98", "5")) == Outcome(slices={"5": error})
+
+
+@pytest.mark.parametrize(
+    ("costs", "lane", "size"),
+    [
+        ([0.01] * 100, "batch", 40),  # as many as are allowed
+        ([0.5] * 10, "batch", 2),
+        ([2.0] * 10, "heavy-batch", 1),
+        ([0.01] * 99 + [2.0], "heavy-batch", 33),
+        ([0.9] * 5000, "heavy-batch", 5),  # no more than a thousand chunks
+        ([100.0] * 5000, "heavy-batch", 1),  # far below the deadline
+    ],
+)
+def test_chunks_by_price(costs: list[float], lane: str, size: int) -> None:
+    plan = plan_batch(costs, WorkerSettings(chunk_size=40))
+    assert plan.lane == lane
+    assert plan.chunk_count * plan.chunk_size >= len(costs) > (plan.chunk_count - 1) * plan.chunk_size
+    assert plan.chunk_size * max(costs) < WorkerSettings().deadline
+    assert plan.chunk_size == size
+    assert plan.seconds == pytest.approx(sum(costs))
+
+
+def test_no_lane_waits_for_a_batch() -> None:
+    """Of any two lanes that hold work, each comes first as often; small jobs always do."""
+    orders = lanes_of("all")
+    assert all(order[0] == "small" and set(order) == set(LANES) for order in orders)
+    assert all("heavy" not in lane for order in lanes_of("light") for lane in order)
+    for one in LANES[1:]:
+        for other in set(LANES[1:]) - {one}:
+            assert sum(order.index(one) < order.index(other) for order in orders) * 2 == len(orders)

@@ -1,0 +1,107 @@
+"""The items of a batch: what is asked in each, and the computation of its answer."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from rpr_solver import Eliminant
+from worker.answers.kinds import compute, known_document, missing_parts, request_from_json
+from worker.answers.requests import JobRequest
+from worker.answers.store import ResultStore, dump
+from worker.answers.tables import eliminant_of, look_up, solve
+
+
+@dataclass(frozen=True)
+class Item:
+    """One item: a question, or the problem in the place of one that is not valid.
+
+    Attributes:
+        id: the name that its sender gave it.
+        request: the question in canonical form.
+        problem: a problem document.
+    """
+
+    id: str | None = None
+    request: JobRequest | None = None
+    problem: Mapping[str, Any] | None = None
+
+    def to_json(self) -> str:
+        """Returns the item as it is kept."""
+        parts: dict[str, Any] = {} if self.id is None else {"id": self.id}
+        if self.request is not None:
+            parts |= {"kind": self.request.kind.name, "content": self.request.content}
+        return dump(parts if self.problem is None else {**parts, "problem": self.problem})
+
+
+def item_from_json(text: bytes) -> Item:
+    """The inverse of :meth:`Item.to_json`."""
+    parts = json.loads(text)
+    request = request_from_json(text) if "content" in parts else None
+    return Item(parts.get("id"), request, parts.get("problem"))
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What an item has beside the results in the store.
+
+    Attributes:
+        failure: `type` and `detail`, if it has no answer.
+        slices: L1 → error, for single slices of its table without an answer.
+    """
+
+    failure: Mapping[str, str] | None = None
+    slices: Mapping[str, Any] = field(default_factory=dict)
+
+    def to_json(self) -> str:
+        """Returns the outcome as it is kept; empty if there is nothing to keep."""
+        if self.failure is not None:
+            return dump({"failure": self.failure})
+        return dump({"slices": self.slices}) if self.slices else ""
+
+
+def outcome_from_json(text: bytes | None) -> Outcome:
+    """The inverse of :meth:`Outcome.to_json`; None is an outcome that was not kept."""
+    parts = json.loads(text) if text else {}
+    return Outcome(parts.get("failure"), parts.get("slices", {}))
+
+
+class ItemSolver:
+    """Answers one question after the other; neighbours about one manipulator share its eliminant."""
+
+    def __init__(self, store: ResultStore) -> None:
+        self.store = store
+        self._eliminant: tuple[tuple[str, int], Eliminant] | None = None
+
+    def answer(self, request: JobRequest) -> Outcome:
+        """Compute what is not known of an answer, keep it, and renew the lifetime of what is known.
+
+        Raises:
+            InputError: the question has no answer.
+            SolverError: it could not be decided.
+        """
+        if request.kind.by_slices:
+            return Outcome(slices=self._solve_slices(request))
+        if missing_parts(request, self.store):
+            self.store.document(request, lambda: self._document(request))
+        return Outcome()
+
+    def _document(self, request: JobRequest) -> dict[str, Any]:
+        return known_document(request, self.store) or compute(request, self.store, lambda _done, _total: None)
+
+    def _solve_slices(self, request: JobRequest) -> dict[str, Any]:
+        absent, errors = look_up(request, self.store)
+        for l1 in absent:
+            value = solve(self._eliminant_of(request), l1, request)
+            self.store.put_slice(request, l1, value)
+            if "error" in value:
+                errors[l1] = value
+        return errors
+
+    def _eliminant_of(self, request: JobRequest) -> Eliminant:
+        of = request.geometry_hash, request.fixed_leg
+        if self._eliminant is None or self._eliminant[0] != of:
+            self._eliminant = of, eliminant_of(request, self.store)
+        return self._eliminant[1]

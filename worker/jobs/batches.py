@@ -1,0 +1,190 @@
+"""Batches in Redis: jobs whose parts are items, in a list beside the record.
+
+The items are pushed while they are received, before the job is made; until then the list has a short
+lifetime. An item that is not valid carries its problem, and is no part of what is to be done. What an item
+leaves beside the results in the store is in the hash of errors, and its bit says that it is done.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, cast
+
+from redis import Redis
+
+from worker.answers.batches import batch_request
+from worker.answers.items import Item, Outcome, item_from_json, outcome_from_json
+from worker.jobs import scripts
+from worker.jobs.attempts import Chunk, ChunkRef, chunk_of, entry_of
+from worker.jobs.chunks import ChunkQueue
+from worker.jobs.keys import Keys
+from worker.jobs.lanes import plan_batch
+from worker.jobs.records import JobRecords, JobView
+from worker.settings import WorkerSettings
+
+INTAKE_TTL = 120
+"""Seconds for which the items of a batch are kept until more come, or the batch begins."""
+
+# Counts an item of a batch once, whose results are kept; `outcome`: what it has beside them, or empty.
+# Returns 0 if the attempt is out of date, 1 if more items remain, 2 if the batch is done.
+_ITEM = """
+local record, chunks, bits, errors, events, active, ends = unpack(KEYS)
+local job_id, run, index, attempt = unpack(ARGV)
+local offset, is_last, item, outcome, is_failed, job_ttl = unpack(ARGV, 5)
+
+local chunk = open_chunk(record, chunks, run, index, attempt)
+if not chunk then return 0 end
+advance(chunks, index, chunk, offset, is_last == '1')
+if redis.call('SETBIT', bits, item, 1) == 1 then return 1 end
+if outcome ~= '' then redis.call('HSET', errors, item, outcome) end
+if is_failed == '1' then redis.call('HINCRBY', record, 'failed', 1) end
+local event = {'type', 'item', 'item', item, 'status', is_failed == '1' and 'failed' or 'succeeded'}
+return count_part(record, chunks, bits, errors, events, active, ends, job_id, job_ttl, event)
+"""
+
+ItemState = Literal["open", "succeeded", "failed"]
+
+
+class ItemsLostError(Exception):
+    """Redis no longer has the items of a batch; or it took too long until it began."""
+
+
+@dataclass(frozen=True)
+class StoredItem:
+    """An item, and how it stands.
+
+    Attributes:
+        index: its position in the batch, from 0.
+        item: what is asked, or the problem in its place.
+        state: how it stands; `open` until it is done.
+        outcome: what it has beside the results in the store.
+    """
+
+    index: int
+    item: Item
+    state: ItemState
+    outcome: Outcome
+
+
+class Batches:
+    """The batches of one installation. Instances are cheap and may be shared between threads."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        self.redis = redis
+        self.settings = settings
+        self.keys = Keys(settings.key_prefix)
+        self.records = JobRecords(redis, settings)
+        self._item = redis.register_script(scripts.PRELUDE + _ITEM)
+
+    # -- accepting ---------------------------------------------------------------------------------
+
+    def push(self, token: str, items: Sequence[Item]) -> None:
+        """Add items to a batch that has not begun."""
+        key = self._items(batch_request(token).job_id)
+        with self.redis.pipeline() as pipe:
+            if items:
+                pipe.rpush(key, *(item.to_json() for item in items))
+            pipe.expire(key, INTAKE_TTL)
+            pipe.execute()
+
+    def drop(self, token: str) -> None:
+        """Forget the items of a batch that has not begun."""
+        self.redis.delete(self._items(batch_request(token).job_id))
+
+    def begin(self, token: str, count: int, costs: Mapping[int, float]) -> JobView:
+        """Make the job of a batch from its items.
+
+        Args:
+            token: its token.
+            count: the number of all its items.
+            costs: the estimated seconds of the valid ones, by their positions.
+
+        Raises:
+            ItemsLostError: the items are not there.
+            QueueFullError: its lane holds too much work.
+        """
+        request = batch_request(token, count)
+        plan = plan_batch(list(costs.values()), self.settings)
+        refs = self.records.create(request, [str(index) for index in costs], "", plan)
+        view = self.records.view(request.job_id)
+        if refs is None or view is None:
+            raise ItemsLostError(request.job_id)
+        ChunkQueue(self.redis, self.settings).enqueue(refs, plan.lane)
+        return view
+
+    # -- computing ---------------------------------------------------------------------------------
+
+    def items_of(self, ref: ChunkRef, chunk: Chunk) -> list[Item]:
+        """Returns the items of a chunk.
+
+        Raises:
+            ItemsLostError: Redis no longer has them.
+        """
+        first, last = int(chunk.parts[0]), int(chunk.parts[-1])
+        texts = cast("list[bytes]", self.redis.lrange(self._items(ref.job_id), first, last))
+        if len(texts) != last - first + 1:
+            raise ItemsLostError(ref.job_id)
+        return [item_from_json(texts[int(part) - first]) for part in chunk.parts]
+
+    def put_item(self, ref: ChunkRef, chunk: Chunk, offset: int, outcome: Outcome) -> bool:
+        """Count an item of a chunk, whose results are kept; returns False if this attempt is over."""
+        reply = self._item(
+            keys=[*self.keys.job(ref.job_id), self.keys.active, self.keys.ends],
+            args=[
+                ref.job_id, ref.run, ref.index, ref.attempt,
+                offset, int(offset == len(chunk.parts) - 1), chunk.parts[offset],
+                outcome.to_json(), int(outcome.failure is not None), self.settings.job_ttl,
+            ],
+        )  # fmt: skip
+        return bool(reply == 1)
+
+    def give_up_item(self, ref: ChunkRef, kind: str, detail: str) -> bool:
+        """Record that the item at which a chunk is has no answer; returns False if there is none."""
+        keys = self.keys.job(ref.job_id)
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.hget(keys.chunks, str(ref.index))
+            pipe.hmget(keys.record, ["request", "todo", "chunk_size"])
+            raw, fields = pipe.execute()
+        entry = raw and entry_of(ref.job_id, ref.run.encode(), b"%d" % ref.index, raw)
+        if not entry or entry.ref != ref or None in fields:
+            return False
+        chunk = chunk_of(ref, entry.offset, *fields)
+        self.put_item(ref, chunk, entry.offset, Outcome({"type": kind, "detail": detail}))
+        return True
+
+    # -- reading -----------------------------------------------------------------------------------
+
+    def done(self, job_id: str) -> bytes:
+        """Returns the bits of the items that are done, the first one in the highest bit of the first byte."""
+        return cast("bytes | None", self.redis.get(self.keys.job(job_id).bits)) or b""
+
+    def read(self, job_id: str, indices: Sequence[int]) -> list[StoredItem]:
+        """Returns items of a batch, without those that are lost."""
+        keys = self.keys.job(job_id)
+        with self.redis.pipeline(transaction=False) as pipe:
+            for index in indices:
+                pipe.lindex(self._items(job_id), index)
+            pipe.get(keys.bits)
+            pipe.hmget(keys.errors, [str(index) for index in indices])
+            *texts, bits, outcomes = pipe.execute()
+        found = zip(indices, texts, outcomes, strict=True)
+        return [_stored(index, text, bits or b"", outcome) for index, text, outcome in found if text]
+
+    def _items(self, job_id: str) -> str:
+        return self.keys.items(job_id)
+
+
+def is_done(bits: bytes, index: int) -> bool:
+    """Whether the bit of an item is set."""
+    return index // 8 < len(bits) and bool(bits[index // 8] & (0x80 >> index % 8))
+
+
+def _stored(index: int, text: bytes, bits: bytes, outcome: bytes | None) -> StoredItem:
+    item, kept = item_from_json(text), outcome_from_json(outcome)
+    state: ItemState = "open"
+    if item.problem is not None or kept.failure is not None:
+        state = "failed"
+    elif is_done(bits, index):
+        state = "succeeded"
+    return StoredItem(index, item, state, kept)
