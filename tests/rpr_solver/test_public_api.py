@@ -118,6 +118,8 @@ NUMBER_TAKERS: dict[str, tuple[str, Callable[[Any], Any]]] = {
 
 BAD: list[object] = [10.5, float("nan"), NumpyLikeFloat(), True, b"27", "", "ten", "1/0", "nan", {"l1": 3}]
 SPELLINGS = ["10", "10.0", "20/2", "1e1", Decimal(10), Decimal("1E+1"), Fraction(10), NumpyLikeInteger()]
+DEAR = ("article_table",)
+"""Answers that take a while; two spellings of their number suffice."""
 OPEN_END = ("part", "within", "spread", "restrict", "LengthRange", "Requirement")
 """The parameters for which None is an open end."""
 
@@ -136,8 +138,14 @@ def test_an_inexact_number_is_refused_by_name(name: str, bad: object) -> None:
     assert fields(lambda: call(bad)) == {field}
 
 
-@pytest.mark.parametrize("spelling", SPELLINGS, ids=repr)
-@pytest.mark.parametrize("name", NUMBER_TAKERS)
+@pytest.mark.parametrize(
+    ("name", "spelling"),
+    [
+        (name, spelling)
+        for name in NUMBER_TAKERS
+        for spelling in (SPELLINGS[:1] + SPELLINGS[-1:] if name in DEAR else SPELLINGS)
+    ],
+)
 def test_every_exact_spelling_gives_the_same_answer(name: str, spelling: Exact) -> None:
     _, call = NUMBER_TAKERS[name]
     assert call(spelling) == call(10)

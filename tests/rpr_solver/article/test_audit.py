@@ -18,12 +18,13 @@ from rpr_solver import (
 from tests.support.reference import CASES
 from tests.support.strategies import examples, lengths, manipulators
 
+QUICK = ("innocenti", "flat-base", "congruent")
 VECTORS = [
     pytest.param(
         case["geometry"],
         item,
         id=f"{case['name']}-{item['l1']}",
-        marks=() if n == 0 and case["name"] in ("innocenti", "flat-base", "congruent") else pytest.mark.slow,
+        marks=pytest.mark.long if n else [] if case["name"] in QUICK else pytest.mark.slow,
     )
     for case in CASES
     for n, item in enumerate(case["slices"])

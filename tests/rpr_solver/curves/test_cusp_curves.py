@@ -32,6 +32,9 @@ from tests.support.strategies import examples, manipulators, unless_refused
 INNOCENTI = EXAMPLES["innocenti"]
 FAMILY_LEGS = [(name, i % 3 + 1) for i, name in enumerate(FAMILIES)]
 slow = partial(pytest.param, marks=pytest.mark.slow)
+long = partial(pytest.param, marks=pytest.mark.long)
+QUICK = ("both flat", "similar", "congruent")
+DEAR = ("similar, mirrored", "congruent, mirrored", "d1 = a2x", "isosceles")
 
 
 def alive(curves: CuspCurves, length: Fraction) -> int:
@@ -67,7 +70,7 @@ def agrees_with(curves: CuspCurves, whole: Census) -> None:
     [
         slow("innocenti", 1),
         ("zein-flat", 3),
-        slow("fourteen-cusps", 2),
+        long("fourteen-cusps", 2),
     ],
 )
 def test_generic_curves_begin_and_end_in_pairs(name: str, fixed_leg: int) -> None:
@@ -93,7 +96,7 @@ def test_the_first_manipulators_curves() -> None:
 
 @pytest.mark.parametrize(
     ("name", "fixed_leg"),
-    [(x if x[0] in ("both flat", "similar", "congruent") else slow(*x)) for x in FAMILY_LEGS],
+    [(x if x[0] in QUICK else long(*x) if x[0] in DEAR else slow(*x)) for x in FAMILY_LEGS],
 )
 def test_every_family_agrees_with_its_census(name: str, fixed_leg: int) -> None:
     curves = curves_of(family(name), fixed_leg)
