@@ -69,6 +69,7 @@ class JobEvents:
             socket_connect_timeout=_MARGIN,
             decode_responses=True,
             protocol=2,
+            driver_info=None,
             **password(settings.redis_url),
             retry=Retry(ExponentialBackoff(cap=0.5, base=0.05), 4, supported_errors=(RedisConnectionError,)),
         )

@@ -36,10 +36,12 @@ class ChunkQueue:
             lane: Queue(queue_name(lane, settings), connection=redis, serializer=JSONSerializer)
             for lane in LANES
         }
+        self._noted: set[Lane] = set()
 
     def enqueue(self, refs: Iterable[ChunkRef], lane: Lane, *, at_front: bool = False) -> None:
         """Enqueue chunks; one that is in the queue already is unchanged."""
         queue = self.queues[lane]
+        names = self.redis.pipeline(transaction=False)  # RQ notes the queue's name for each of its jobs
         for ref in refs:
             try:
                 queue.enqueue_call(
@@ -52,9 +54,13 @@ class ChunkQueue:
                     failure_ttl=600,
                     description=ref.rq_id,
                     at_front=at_front,
+                    pipeline=names,
                 )
             except DuplicateJobError:
                 continue
+        if lane not in self._noted:
+            names.execute()
+            self._noted.add(lane)
 
     def waiting(self) -> set[str]:
         """Returns the RQ ids of all chunks in the queues."""
