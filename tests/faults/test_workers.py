@@ -18,7 +18,15 @@ from rq.serializers import JSONSerializer
 from rpr_solver import SOLVER_VERSION
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request, ended
-from tests.support.processes import PATIENCE, Workers, environment, started, until
+from tests.support.processes import (
+    PATIENCE,
+    Workers,
+    descendants,
+    environment,
+    is_running,
+    started,
+    until,
+)
 from worker.answers import keys as answer_keys
 from worker.answers import requests
 from worker.connection import connect
@@ -72,6 +80,27 @@ def test_redis_answers_too_late(redis: Redis, workers: Workers) -> None:
     assert succeeds(redis)
     assert worker.poll() is None
     assert "Traceback" not in workers.log.read_text()
+
+
+def test_a_worker_that_is_cut_off_ends_its_work(own_valkey: EmbeddedValkey, own_workers: Workers) -> None:
+    """A worker does not reach Redis while it computes. It ends its work horse before another worker may take
+    over; once it reaches Redis again, the chunk runs again, without a loss.
+    """
+    settings = {"beat_interval": 0.2, "beat_ttl": 1.5, "lost_grace": 0.2, "max_losses": 0}
+    worker = own_workers.start(**settings, task="tests.support.hard_tasks.gated")
+    with connect(own_valkey.url) as redis:
+        queue = JobQueue(redis, WorkerSettings(task="tests.support.hard_tasks.gated"))
+        view = queue.submit(a_request("1"))
+        until(lambda: redis.llen("begun") == 1)
+        (horse,) = descendants(worker.pid)
+        os.kill(own_valkey.pid, signal.SIGSTOP)
+        try:
+            until(lambda: not is_running(horse))
+        finally:
+            os.kill(own_valkey.pid, signal.SIGCONT)
+        redis.set("gate", 1)
+        assert ended(queue, view.id).status == "succeeded"
+    assert worker.poll() is None
 
 
 def test_redis_is_gone_when_the_worker_is_stopped(own_valkey: EmbeddedValkey, own_workers: Workers) -> None:

@@ -55,7 +55,7 @@ def judge_exit(status: int | None, ended_for: str | None, settings: WorkerSettin
         return None
     if ended_for == "deadline":
         return Failed("timeout", f"The computation was stopped at the time limit of {settings.deadline:g} s.")
-    if ended_for == "shutdown":
+    if ended_for in ("shutdown", "silence"):
         return RunAgain()
     if ended_for is not None:
         return Failed("", "")

@@ -38,7 +38,8 @@ from worker.jobs.records import JobRecords
 from worker.jobs.roster import Roster
 from worker.jobs.sweeper import Sweeper
 from worker.logs import about
-from worker.process.horse_exit import UNANSWERED, UNRECORDED, GivenUp, Outcome, RunAgain, judge_exit
+from worker.process.horse import BeatAlarm, perform
+from worker.process.horse_exit import UNANSWERED, GivenUp, Outcome, RunAgain, judge_exit
 from worker.process.os_limits import STOP_SIGNALS, die_with_parent, limit_memory, on_stop_signals
 from worker.process.outage import Outage
 from worker.settings import WorkerSettings
@@ -50,19 +51,6 @@ _REGISTER_TTL = 15
 _QUEUE_PATIENCE = 1  # seconds to block on empty queues; heartbeats and the sweep need short rounds
 _GOODBYE_PATIENCE = 2.0
 _LISTEN_PAUSE = 1.0
-
-
-def perform(job: Job) -> int:
-    """Run a chunk in this process, the work horse; returns its exit status."""
-    try:
-        job.func(**job.kwargs)
-    except RedisError as error:
-        log.warning("the outcome of %s could not be recorded: %s", job.id, error)
-        return UNRECORDED
-    except Exception:
-        log.exception("%s failed", job.id)
-        return 1
-    return 0
 
 
 class CuspWorker(Worker):
@@ -306,6 +294,12 @@ class CuspWorker(Worker):
 
     def _watch(self, ref: ChunkRef) -> str | None:
         """Supervise the horse until it exits; returns the reason for ending it, if the worker did."""
+        # sooner than another worker may take the chunk over
+        patience = self.settings.beat_ttl + self.settings.lost_grace / 2
+        with BeatAlarm(patience, self.kill_horse) as alarm:
+            return self._supervise(ref, alarm) or ("silence" if alarm.has_rung else None)
+
+    def _supervise(self, ref: ChunkRef, alarm: BeatAlarm) -> str | None:
         settings = self.settings
         start = time.monotonic()
         deadline, next_beat, stop_at = start + settings.deadline, start + settings.beat_interval, float("inf")
@@ -329,16 +323,18 @@ class CuspWorker(Worker):
             elif moment >= next_beat:
                 next_beat = moment + settings.beat_interval
                 self._stop_requested = self._stop_requested or self._is_orphan()
-                if not self._is_still_open(ref):
+                if not self._is_still_open(ref, alarm):
                     ended_for = ended_for or "canceled"
             if ended_for is not None:
                 self.kill_horse()
 
-    def _is_still_open(self, ref: ChunkRef) -> bool:
+    def _is_still_open(self, ref: ChunkRef, alarm: BeatAlarm) -> bool:
         try:
+            is_open = self.records.beat(ref, self.name)
+            alarm.reset()
             self._register(WorkerStatus.BUSY)
             self.sweeper.sweep()
-            return self.records.beat(ref, self.name)
+            return is_open
         except RedisError as error:
             log.warning("heartbeat failed: %s", error)
             return True

@@ -36,7 +36,8 @@ def test_what_is_given_up() -> None:
 
 
 def test_what_is_run_again() -> None:
-    assert judge_exit(int(signal.SIGKILL), "shutdown", SETTINGS) == RunAgain()
+    for reason in ("shutdown", "silence"):
+        assert judge_exit(int(signal.SIGKILL), reason, SETTINGS) == RunAgain()
     for number in (signal.SIGKILL, signal.SIGSEGV):
         killed = judge_exit(int(number), None, SETTINGS)
         assert isinstance(killed, RunAgain)
