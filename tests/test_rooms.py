@@ -41,7 +41,7 @@ MAY_IMPORT = {
     "service.api": "rpr_solver worker service service.schemas",
     "service.openapi_yaml": "service.api service.schemas",
     "service.stack": "worker service service.schemas service.api",
-    "service.client": "service.errors",
+    "service.client": "rpr_solver service.errors service.schemas",
     "service.cli": "rpr_solver worker service service.errors service.schemas service.client service.stack "
     "service.api",
     "service.__main__": "service.cli",

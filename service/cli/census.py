@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import rpr_solver
-from service.cli import arguments
+from service.cli import arguments, remote
 from service.cli.pages import (
     Page,
     Section,
@@ -36,25 +36,34 @@ def configure(parser: argparse.ArgumentParser) -> None:
     arguments.add_ranges(parser, "the range of lengths; either end may be omitted (default: all)")
     arguments.add_digits(parser, 90)
     arguments.add_format(parser, "csv")
+    remote.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     leg, ends, option = arguments.leg_and_range(args)
     origin = arguments.source({"range": option})
-    question = arguments.ask(CensusRequest, args, {"fixed_leg": leg, "range": ends}, origin)
-    start, stop = question.range.ends
+    members = {"fixed_leg": leg, "range": ends, **remote.deadline_of(args)}
+    question = arguments.ask(CensusRequest, args, members, origin)
     with progress_bar(1, "steps") as progress:
-        document = rpr_solver.census(
-            question.geometry,
-            fixed_leg=leg,
-            digits=question.digits,
-            start=start,
-            stop=stop,
-            progress=progress,
-        ).to_json()
+        if args.url is None:
+            document = _census(question, progress)
+        else:
+            document = remote.document_of(args.url, question, progress)
     write_document(document, _page(document), args.format, csv=rpr_solver.census_csv)
     return 0
+
+
+def _census(question: CensusRequest, progress: rpr_solver.Progress) -> dict[str, Any]:
+    start, stop = question.range.ends
+    return rpr_solver.census(
+        question.geometry,
+        fixed_leg=question.fixed_leg,
+        digits=question.digits,
+        start=start,
+        stop=stop,
+        progress=progress,
+    ).to_json()
 
 
 def _page(document: Mapping[str, Any]) -> Page:

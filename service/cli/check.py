@@ -17,8 +17,9 @@ from pydantic import TypeAdapter
 
 from rpr_solver import CHECK_DIGITS
 from rpr_solver.errors import InputError
-from service.cli import arguments, output
+from service.cli import arguments, output, remote
 from service.cli.check_files import github_annotations, junit_xml, sarif
+from service.cli.check_remote import check_by_service
 from service.cli.check_reports import Outcome, document, page, summary
 from service.cli.check_run import Demand, check_all
 from service.cli.check_sources import expand, geometry
@@ -72,6 +73,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--github", action="store_true", help="print GitHub annotations (default on GitHub Actions)"
     )
     parser.add_argument("--jobs", metavar="N", help="number of processes (default: one per core)")
+    remote.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -81,6 +83,7 @@ def run(args: argparse.Namespace) -> int:
         digits = part(TypeAdapter(Digits).validate_python, digits, arguments.source())
     demand = _demand(args)
     jobs = _jobs(args.jobs)
+    deadline = remote.seconds_of(args)
     geometries = list(map(geometry, expand(args.geometry)))
     with ExitStack() as stack:
         files = {
@@ -88,7 +91,10 @@ def run(args: argparse.Namespace) -> int:
             for form in _FILES
             if (name := getattr(args, form)) is not None
         }
-        outcomes = check_all(geometries, demand, digits, jobs)
+        if args.url is None:
+            outcomes = check_all(geometries, demand, digits, jobs)
+        else:
+            outcomes = check_by_service(args.url, geometries, demand, digits, deadline)
         for form, file in files.items():
             _write(file, _FILES[form](outcomes))
     _print(outcomes, demand, args)

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import rpr_solver
-from service.cli import arguments
+from service.cli import arguments, remote
 from service.cli.pages import Page, Section, about, counted, rows_of, write_document
 from service.cli.progress import progress_bar
 from service.schemas.curves import CuspCurvesRequest
@@ -35,22 +35,28 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     arguments.add_digits(parser, 90)
     arguments.add_format(parser, "csv")
+    remote.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
-    lengths, samples = question.slices, question.samples
     with progress_bar(1, "steps") as progress:
-        whole = rpr_solver.cusp_curves(
-            question.geometry, fixed_leg=question.fixed_leg, digits=question.digits, progress=progress
-        )
-        part = whole.part(*question.range.ends, lengths=lengths, samples=samples, progress=progress)
-    document = part.to_json()
-    write_document(
-        document, _page(document, bool(lengths or samples)), args.format, csv=rpr_solver.curves_csv
-    )
+        if args.url is None:
+            document = _curves(question, progress)
+        else:
+            document = remote.document_of(args.url, question, progress)
+    has_points = bool(question.slices or question.samples)
+    write_document(document, _page(document, has_points), args.format, csv=rpr_solver.curves_csv)
     return 0
+
+
+def _curves(question: CuspCurvesRequest, progress: rpr_solver.Progress) -> dict[str, Any]:
+    whole = rpr_solver.cusp_curves(
+        question.geometry, fixed_leg=question.fixed_leg, digits=question.digits, progress=progress
+    )
+    lengths, samples = question.slices, question.samples
+    return whole.part(*question.range.ends, lengths=lengths, samples=samples, progress=progress).to_json()
 
 
 def _question(args: argparse.Namespace) -> CuspCurvesRequest:
@@ -63,7 +69,13 @@ def _question(args: argparse.Namespace) -> CuspCurvesRequest:
     _, ends, range_option = arguments.leg_and_range(args)
     lengths += [text for _, text in args.lengths]
     names = {"range": range_option, f"l{leg}": f"--l{leg}" if args.lengths else range_option}
-    members = {"fixed_leg": leg, "range": ends, f"l{leg}": lengths or None, "samples": args.samples}
+    members = {
+        "fixed_leg": leg,
+        "range": ends,
+        f"l{leg}": lengths or None,
+        "samples": args.samples,
+        **remote.deadline_of(args),
+    }
     return arguments.ask(CuspCurvesRequest, args, members, arguments.source(names))
 
 

@@ -18,7 +18,7 @@ from rpr_solver import EXAMPLES as MANIPULATORS
 from service.cli.pages import write_table
 from service.cli.progress import progress_bar
 from service.cli.solve import report
-from service.client import ServiceClient
+from service.client import ServiceClient, cusp_table
 from service.errors import ServiceError
 from worker.process.child import python_program
 from worker.process.os_limits import end_process
@@ -47,8 +47,8 @@ def run(args: argparse.Namespace) -> int:
     ):
         _say(f"The service runs at {url}; posting the manipulator {EXAMPLE!r} at L1 = {L1}.")
         with ServiceClient(url, with_key=False) as client, progress_bar(1) as progress:
-            request = {"geometry": MANIPULATORS[EXAMPLE].to_json(), "l1": L1}
-            table = client.cusp_table(request, progress)
+            asked = cusp_table(MANIPULATORS[EXAMPLE], L1)
+            table = client.ask(asked, progress).document
         write_table(table, "table")
         sys.stdout.flush()
         if args.keep:

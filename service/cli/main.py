@@ -18,7 +18,7 @@ from rpr_solver.errors import InputError, SolverError
 from service import __version__
 from service.cli import output
 from service.cli.help import BAD_INPUT, Parser
-from service.errors import ServiceError
+from service.errors import JobInterrupted, ServiceError
 
 NO_ANSWER, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 1, 3, 130, 141
 
@@ -28,6 +28,9 @@ COMMANDS = {
     "curves": "follow each cusp from where it appears to where it vanishes",
     "check": "prove or refute a requirement on the number of cusps",
     "poses": "compute all poses for given leg lengths",
+    "status": "print the state of a job of a service",
+    "fetch": "wait for a job of a service and print its result",
+    "cancel": "withdraw from a job of a service",
     "serve": "run the whole service",
     "worker": "run one worker",
     "keys": "make, list and revoke API keys",
@@ -75,6 +78,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except output.OutputError as error:
         output.discard()
         return _fail(name, str(error), NO_ANSWER)
+    except JobInterrupted as interrupt:
+        return _fail(name, str(interrupt), INTERRUPTED) if str(interrupt) else INTERRUPTED
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:

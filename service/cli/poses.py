@@ -8,8 +8,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import rpr_solver
-from service.cli import arguments
+from service.cli import arguments, remote
 from service.cli.pages import Page, Section, about, counted, rows_of, write_document
+from service.cli.progress import progress_bar
 from service.schemas.poses import PosesRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -29,15 +30,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(f"--l{leg}", required=True, metavar="X", help=f"length of leg {leg}")
     arguments.add_digits(parser, 90)
     arguments.add_format(parser)
+    remote.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     names = {f"l{leg}": f"--l{leg}" for leg in arguments.LEGS}
     lengths = {name: getattr(args, name) for name in names}
-    question = arguments.ask(PosesRequest, args, lengths, arguments.source(names))
-    legs = question.l1, question.l2, question.l3
-    table = rpr_solver.poses(question.geometry, *legs, digits=question.digits).to_json()
+    members = {**lengths, **remote.deadline_of(args)}
+    question = arguments.ask(PosesRequest, args, members, arguments.source(names))
+    if args.url is None:
+        legs = question.l1, question.l2, question.l3
+        table = rpr_solver.poses(question.geometry, *legs, digits=question.digits).to_json()
+    else:
+        with progress_bar(1, "steps") as progress:
+            table = remote.document_of(args.url, question, progress)
     write_document(table, _page(table), args.format)
     return 0
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack
 from typing import Any
 
 import rpr_solver
 from rpr_solver.article.audit import article_document
 from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError
-from service.cli import arguments, output
+from service.cli import arguments, output, remote
 from service.cli.pages import failures, write_table
 from service.cli.progress import progress_bar
-from service.errors import ServiceError
 from service.schemas.forms import csv_header, csv_lines, ndjson_line
 from service.schemas.tables import ARTICLE, METHODS, CuspTableRequest
 
@@ -52,26 +52,25 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=METHODS[0],
         help="article: the article's own algorithm with an audit; slower, leg 1 only (default: fast)",
     )
-    parser.add_argument(
-        "--url", help="compute by the service at this address, for example http://127.0.0.1:8000"
-    )
-    parser.add_argument(
-        "--deadline", metavar="SECONDS", help="with --url: give up if the table is not there by then"
-    )
+    remote.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
     count = len(dict.fromkeys(question.slices))
-    slices: Iterable[dict[str, Any]]
-    with progress_bar(count) as progress:
-        if args.url is not None:
-            head = _ask_service(args.url, question, progress)
-            slices = head["slices"]
-        else:
+    slices: Iterable[Mapping[str, Any]]
+    with ExitStack() as stack:
+        progress = stack.enter_context(progress_bar(count))
+        if args.url is None:
             head, slices = _solve(question, progress)
-        table = {**head, "slices": _streamed(head, slices, args.format)}
+        elif args.format in STREAMED:
+            client = stack.enter_context(remote.client_of(args.url))
+            head, slices = remote.slices_of(client, question, progress)
+        else:
+            head = remote.document_of(args.url, question, progress)
+            slices = head["slices"]
+        table = {**head, "slices": _printed(head, slices, args.format)}
     if args.format not in STREAMED:
         write_table(table, args.format)
     return report(table)
@@ -97,7 +96,9 @@ def _solve(
     return document_head(manipulator, digits, leg), solved()
 
 
-def _streamed(head: Mapping[str, Any], slices: Iterable[dict[str, Any]], form: str) -> list[dict[str, Any]]:
+def _printed(
+    head: Mapping[str, Any], slices: Iterable[Mapping[str, Any]], form: str
+) -> list[Mapping[str, Any]]:
     """Returns the slices; as CSV or NDJSON each is printed at once, and only those without an answer are
     kept."""
     if form not in STREAMED:
@@ -118,27 +119,14 @@ def _streamed(head: Mapping[str, Any], slices: Iterable[dict[str, Any]], form: s
 def _question(args: argparse.Namespace) -> CuspTableRequest:
     leg = arguments.leg_of(args.slices, args.fixed_leg, "slices")
     name = f"l{leg}"
-    origin = arguments.source({name: f"--{name}", "deadline_s": "--deadline"})
+    origin = arguments.source({name: f"--{name}"})
     slices: list[object] = []
     for option, text in args.slices:
         slices += arguments.range_values(text, option, origin) if option.endswith("-range") else [text]
     if not slices:
         raise InputError.of(f"--{name}", f"is missing; give a slice, for example --{name} 14.98")
-    if args.deadline is not None and args.url is None:
-        raise InputError.of("--deadline", "is for jobs of a service; give --url too, or leave it out")
-    members = {"fixed_leg": leg, name: slices, "method": args.method, "deadline_s": args.deadline}
+    members = {"fixed_leg": leg, name: slices, "method": args.method, **remote.deadline_of(args)}
     return arguments.ask(CuspTableRequest, args, members, origin)
-
-
-def _ask_service(url: str, question: CuspTableRequest, progress: rpr_solver.Progress) -> dict[str, Any]:
-    from service.client import ServiceClient  # imported here: httpx is slow to load
-
-    try:
-        client = ServiceClient(url)
-    except ServiceError as error:
-        raise InputError.of("--url", str(error)) from None
-    with client:
-        return client.cusp_table(question.body(), progress)
 
 
 def report(table: dict[str, Any]) -> int:

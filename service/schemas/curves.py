@@ -78,6 +78,11 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
         lengths = [exact_str(x) for x in sorted(set(self.slices))]
         return {**self.model_dump(exclude={"l1", "l2", "l3"}), "lengths": lengths}
 
+    def _asked(self) -> dict[str, Any]:
+        content = self.content()
+        lengths = content.pop("lengths")
+        return {**content, **({f"l{self.fixed_leg}": lengths} if lengths else {})}
+
 
 class CurveEnd(BaseModel):
     """Where a curve begins or ends."""

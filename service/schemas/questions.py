@@ -87,6 +87,15 @@ class Question(Document):
     def content(self) -> dict[str, Any]:
         """Returns the canonical form: plain JSON, the same for every spelling of the question."""
 
+    def body(self) -> dict[str, Any]:
+        """Returns the question as the body of a request."""
+        deadline = {} if self.deadline_s is None else {"deadline_s": self.deadline_s}
+        return {**self._asked(), **deadline}
+
+    def _asked(self) -> dict[str, Any]:
+        """Returns the question in the words of a request."""
+        return self.content()
+
     def job_request(self) -> JobRequest:
         """Returns the request for the job that answers the question."""
         return JobRequest(self.kind, self.content())

@@ -80,11 +80,9 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
         """The kind of the document; tables by the article's algorithm have a separate one."""
         return article.KIND if self.method == ARTICLE else tables.KIND
 
-    def body(self) -> dict[str, Any]:
-        """Returns the question as the body of a request."""
+    def _asked(self) -> dict[str, Any]:
         content = self.content()
-        deadline = {} if self.deadline_s is None else {"deadline_s": self.deadline_s}
-        return {f"l{self.fixed_leg}": content.pop("l1"), **content, "method": self.method, **deadline}
+        return {f"l{self.fixed_leg}": content.pop("l1"), **content, "method": self.method}
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question; duplicate slices are removed."""

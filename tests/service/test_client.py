@@ -1,14 +1,227 @@
+"""The clients against a real service: every kind of question, streams, retries, and withdrawal."""
+
 from __future__ import annotations
 
+import doctest
+import json
+import re
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from fractions import Fraction
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+import anyio
 import pytest
 
-from service.client import ServiceClient
+import rpr_solver
+from rpr_solver import EXAMPLES, InputError, Requirement
+from service.api.operations import OPERATIONS
+from service.client import (
+    Asked,
+    AsyncServiceClient,
+    ServiceClient,
+    census,
+    check,
+    cusp_curves,
+    cusp_table,
+    poses,
+)
+from service.client.questions import PATHS
 from service.errors import ServiceError
+from tests.support.processes import ROOT
+from worker.jobs.queue import JobQueue
+
+ZEIN = EXAMPLES["zein-flat"]
+AT_MOST_4 = Requirement(start=1, stop=10, max_cusps=4)
+
+KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
+    "cusp table": (
+        cusp_table(ZEIN, [10, "69/2", 0], digits=20),
+        lambda: rpr_solver.table_document(ZEIN, [10, "69/2", 0], digits=20),
+    ),
+    "cusp table of leg 2": (
+        cusp_table(ZEIN, 17, digits=15, fixed_leg=2),
+        lambda: rpr_solver.table_document(ZEIN, 17, digits=15, fixed_leg=2),
+    ),
+    "census": (
+        census(ZEIN, digits=20, start=22, stop="32"),
+        lambda: rpr_solver.restrict_census(rpr_solver.census(ZEIN, digits=20).to_json(), 22, 32),
+    ),
+    "cusp curves": (
+        cusp_curves(ZEIN, digits=15, start=3, stop=4, lengths=["3.5"], deadline=300),
+        lambda: rpr_solver.cusp_curves(ZEIN, digits=15).part(3, 4, lengths=[Fraction("3.5")]).to_json(),
+    ),
+    "check": (
+        check(ZEIN, AT_MOST_4, digits=15),
+        lambda: rpr_solver.check(ZEIN, AT_MOST_4, digits=15).to_json(),
+    ),
+    "poses": (
+        poses(ZEIN, 15, "61/2", 40, digits=15),
+        lambda: rpr_solver.poses(ZEIN, 15, "61/2", 40, digits=15).to_json(),
+    ),
+}
 
 
+def compact(document: object) -> bytes:
+    return json.dumps(document, separators=(",", ":"), ensure_ascii=False).encode()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_answer_is_the_library_s_byte_for_byte(base_url: str, kind: str) -> None:
+    asked, library = KINDS[kind]
+    with ServiceClient(base_url) as client:
+        answer = client.ask(asked)
+    assert answer.content == compact(library())
+    assert compact(answer.document) == answer.content
+    dumped = answer.typed.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    assert dumped == answer.document
+
+
+def test_the_client_knows_every_operation() -> None:
+    known = {question: (path, model) for question, (path, model) in PATHS.items()}
+    assert known == {o.question: (o.path, o.answer) for o in OPERATIONS}
+
+
+def test_the_asynchronous_client_asks_several_questions_at_once(base_url: str) -> None:
+    answers = {}
+
+    async def ask(client: AsyncServiceClient, kind: str) -> None:
+        answers[kind] = (await client.ask(KINDS[kind][0])).content
+
+    async def main() -> None:
+        async with AsyncServiceClient(base_url) as client, anyio.create_task_group() as group:
+            for kind in KINDS:
+                group.start_soon(ask, client, kind)
+
+    anyio.run(main)
+    with ServiceClient(base_url) as client:
+        assert answers == {kind: client.ask(asked).content for kind, (asked, _) in KINDS.items()}
+
+
+def test_slices_come_in_the_order_asked_while_the_job_runs(base_url: str, fresh: Callable[[], str]) -> None:
+    lengths = [fresh() for _ in range(12)]
+    with ServiceClient(base_url) as client:
+        client.ask(cusp_table(ZEIN, lengths[5:7], digits=15))
+        asked = cusp_table(ZEIN, [*reversed(lengths), "0"], digits=15)
+        streamed = list(client.slices(asked))
+        assert compact(streamed) == compact(client.ask(asked).document["slices"])
+        assert list(client.slices(asked)) == streamed
+
+    async def main() -> list[Any]:
+        async with AsyncServiceClient(base_url) as client:
+            return [part async for part in client.slices(asked)]
+
+    assert anyio.run(main) == streamed
+
+
+def test_the_first_slices_are_there_before_the_last(base_url: str, fresh: Callable[[], str]) -> None:
+    asked = cusp_table(ZEIN, [fresh() for _ in range(60)], digits=400)
+    with ServiceClient(base_url) as client:
+        slices = client.slices(asked)
+        next(slices)
+        job = client.job(asked.question.job_request().job_id)
+        assert job["status"] == "running"
+        slices.close()
+        assert client.job(job["id"])["status"] in ("canceled", "succeeded")
+
+
+def test_progress_is_told_and_results_have_forms(base_url: str, fresh: Callable[[], str]) -> None:
+    seen: list[tuple[int, int]] = []
+    asked = cusp_table(ZEIN, [fresh() for _ in range(200)], digits=60)
+    with ServiceClient(base_url) as client:
+        document = client.ask(asked, lambda done, total: seen.append((done, total))).document
+        job_id = asked.question.job_request().job_id
+        assert client.job(job_id)["status"] == client.cancel(job_id)["status"] == "succeeded"
+        assert client.result(job_id, "text/csv").decode() == rpr_solver.table_csv(document)
+    assert seen[-1] == (200, 200)
+
+
+def test_a_canceled_task_withdraws_its_question(idle_url: str, idle_queue: JobQueue) -> None:
+    asked = cusp_table(ZEIN, "77.001", digits=15)
+    job_id = asked.question.job_request().job_id
+
+    async def main() -> None:
+        async with AsyncServiceClient(idle_url) as client:
+            with anyio.move_on_after(2):
+                await client.ask(asked)
+
+    anyio.run(main)
+    job = idle_queue.get(job_id)
+    assert job is not None
+    assert job.status == "canceled"
+
+
+def test_the_document_about_clients(base_url: str) -> None:
+    text = (ROOT / "docs" / "client.md").read_text(encoding="utf-8")
+    code = "\n".join(re.findall(r"^```pycon\n(.*?)^```$", text, re.MULTILINE | re.DOTALL))
+    examples = doctest.DocTestParser().get_doctest(
+        code.replace("http://127.0.0.1:8000", base_url), {}, "client.md", "client.md", 0
+    )
+    assert doctest.DocTestRunner().run(examples) == (0, 11)
+
+
+def test_faults_are_named_before_anything_is_sent() -> None:
+    with pytest.raises(InputError, match="digits"):
+        census(ZEIN, digits=9)
+    with pytest.raises(InputError, match=r"l2: is -1; a leg length must be > 0"):
+        poses(ZEIN, 1, -1, 1)
+
+
+def test_a_refusal_has_its_problem(idle_url: str) -> None:
+    with ServiceClient(idle_url) as client, pytest.raises(ServiceError) as refused:
+        client.ask(cusp_table(ZEIN, range(1, 50), digits=15))
+    assert (refused.value.is_input, refused.value.status, refused.value.problem) == (
+        True,
+        422,
+        "limit-exceeded",
+    )
+
+
+class Busy(BaseHTTPRequestHandler):
+    """Refuses the first two requests as a busy service does."""
+
+    seen = 0
+
+    def do_POST(self) -> None:
+        self.rfile.read(int(self.headers["Content-Length"]))
+        type(self).seen += 1
+        status = {1: 503, 2: 429}.get(self.seen, 200)
+        body = b'{"count":1}' if status == 200 else b"{}"
+        self.send_response(status)
+        self.send_header("Content-Length", str(len(body)))
+        self.send_header("Retry-After", "0")
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_: object) -> None:
+        """Print nothing."""
+
+
+@contextmanager
+def busy() -> Iterator[str]:
+    Busy.seen = 0
+    with ThreadingHTTPServer(("127.0.0.1", 0), Busy) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}"
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+def test_a_busy_service_is_asked_again() -> None:
+    with busy() as url, ServiceClient(url) as client:
+        assert client.ask(poses(ZEIN, 1, 1, 1)).content == b'{"count":1}'
+    assert Busy.seen == 3
+
+
+@pytest.mark.parametrize("client", [ServiceClient, AsyncServiceClient])
 @pytest.mark.parametrize("url", ["ftp://x", "127.0.0.1:8000", "http://", "http://x:y", ""])
-def test_the_client_names_the_address_that_is_none(url: str) -> None:
+def test_the_client_names_the_address_that_is_none(url: str, client: Callable[[str], object]) -> None:
     with pytest.raises(ServiceError) as refused:
-        ServiceClient(url)
+        client(url)
     assert str(refused.value).startswith(f"{url!r} is not an ")
     assert refused.value.is_input

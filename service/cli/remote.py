@@ -1,0 +1,108 @@
+"""Commands that a running service answers."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from pydantic import TypeAdapter
+
+from rpr_solver import Progress
+from rpr_solver.contract import document_head
+from rpr_solver.errors import InputError
+from service.cli.arguments import source
+from service.errors import ServiceError
+from service.schemas.document import named, part
+from service.schemas.numbers import DeadlineSeconds
+from service.schemas.questions import Question
+from service.schemas.tables import CuspTableRequest
+
+if TYPE_CHECKING:  # httpx is slow to load
+    from service.client import ServiceClient
+
+_DEADLINE: TypeAdapter[float | None] = TypeAdapter(DeadlineSeconds)
+
+LOCAL = "http://127.0.0.1:8000"
+
+
+def add_url(parser: argparse.ArgumentParser) -> None:
+    """Add `--url` and `--deadline`."""
+    parser.add_argument("--url", help=f"compute by the service at this address, for example {LOCAL}")
+    parser.add_argument(
+        "--deadline", metavar="SECONDS", help="with --url: give up if the answer is not there by then"
+    )
+
+
+def add_job(parser: argparse.ArgumentParser) -> None:
+    """Add the id of a job, and the address of its service."""
+    parser.add_argument("job", metavar="JOB", help="the id of the job")
+    parser.add_argument("--url", default=LOCAL, help=f"address of the service (default: {LOCAL})")
+
+
+def deadline_of(args: argparse.Namespace) -> dict[str, object]:
+    """Returns the deadline as a member of a question.
+
+    Raises:
+        InputError: there is no service that could keep it.
+    """
+    if args.deadline is not None and args.url is None:
+        raise InputError.of("--deadline", "is for jobs of a service; give --url too, or leave it out")
+    return {"deadline_s": args.deadline}
+
+
+def seconds_of(args: argparse.Namespace) -> float | None:
+    """Returns the deadline of a command that asks several questions.
+
+    Raises:
+        InputError: it is none, or there is no service that could keep it.
+    """
+    text = deadline_of(args)["deadline_s"]
+    if text is None:
+        return None
+    with named("--deadline"):
+        return part(_DEADLINE.validate_python, text, source())
+
+
+@contextmanager
+def client_of(url: str) -> Iterator[ServiceClient]:
+    """A client of the service at `--url`."""
+    from service.client import ServiceClient
+
+    try:
+        client = ServiceClient(url)
+    except ServiceError as error:
+        raise InputError.of("--url", str(error)) from None
+    with client:
+        yield client
+
+
+def document_of(url: str, question: Question, progress: Progress) -> dict[str, Any]:
+    """Returns the answer of a service.
+
+    Raises:
+        ServiceError: the service refused, failed, or cannot be reached.
+    """
+    from service.client import Asked
+
+    with client_of(url) as client:
+        return client.ask(Asked.of(question), progress).document
+
+
+def slices_of(
+    client: ServiceClient, question: CuspTableRequest, progress: Progress
+) -> tuple[dict[str, Any], Iterator[Mapping[str, Any]]]:
+    """Returns the head of a cusp table, and its slices as a service computes them."""
+    from service.client import Asked
+
+    head = document_head(question.geometry, question.digits, question.fixed_leg)
+    head["solver_version"] = client.version()["solver_version"]
+    count = len(question.content()["l1"])
+
+    def counted() -> Iterator[Mapping[str, Any]]:
+        for done, answered in enumerate(client.slices(Asked.of(question)), 1):
+            yield answered
+            progress(done, count)
+
+    return head, counted()

@@ -1,0 +1,32 @@
+"""Clients of the service, for programs: every kind of question, its answer typed and exact.
+
+    from rpr_solver import EXAMPLES
+    from service.client import ServiceClient, census
+
+    with ServiceClient("http://127.0.0.1:8000") as client:
+        answer = client.ask(census(EXAMPLES["innocenti"], digits=30))
+    print(answer.typed.transitions[0].kind, len(answer.content))
+
+The functions `cusp_table`, `census`, `cusp_curves`, `check` and `poses` take what those of `rpr_solver` take.
+`answer.content` is the document as the service sent it, byte for byte the compact JSON of the library's
+answer; `answer.document` is it as a dictionary, and `answer.typed` as a model. `client.slices` yields the
+slices of a table as they are computed. :class:`AsyncServiceClient` is the same with `await`.
+"""
+
+from service.client.asynchronous import AsyncServiceClient
+from service.client.questions import Answer, Asked, census, check, cusp_curves, cusp_table, poses
+from service.client.settings import ClientSettings
+from service.client.sync import ServiceClient
+
+__all__ = [
+    "Answer",
+    "Asked",
+    "AsyncServiceClient",
+    "ClientSettings",
+    "ServiceClient",
+    "census",
+    "check",
+    "cusp_curves",
+    "cusp_table",
+    "poses",
+]

@@ -1,0 +1,180 @@
+"""The questions that a client asks, in the words of the library, and their answers."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Generic, TypeVar
+
+from pydantic import BaseModel
+
+from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement, exact_str
+from service.schemas.census import Census, CensusRequest
+from service.schemas.checks import CheckReport, CheckRequest
+from service.schemas.curves import CuspCurves, CuspCurvesRequest
+from service.schemas.document import Source, read
+from service.schemas.limits import Limits
+from service.schemas.poses import PosesRequest, PoseTable
+from service.schemas.questions import Question
+from service.schemas.tables import CuspTable, CuspTableRequest
+
+M = TypeVar("M", bound=BaseModel)
+
+PATHS: Mapping[type[Question], tuple[str, type[BaseModel]]] = {
+    CuspTableRequest: ("/v1/cusp-tables", CuspTable),
+    CensusRequest: ("/v1/censuses", Census),
+    CuspCurvesRequest: ("/v1/cusp-curves", CuspCurves),
+    CheckRequest: ("/v1/checks", CheckReport),
+    PosesRequest: ("/v1/poses", PoseTable),
+}
+"""Question → where it is posted, and the model of its answer."""
+
+_MANY = 1_000_000
+_Length = Exact | Iterable[Exact]
+
+
+@dataclass(frozen=True)
+class Asked(Generic[M]):
+    """A question, where it is posted, and the model of its answer."""
+
+    question: Question
+    path: str
+    model: type[M]
+
+    @classmethod
+    def of(cls, question: Question) -> Asked[Any]:
+        """Returns a question that was read before."""
+        path, model = PATHS[type(question)]
+        return Asked(question, path, model)
+
+
+@dataclass(frozen=True)
+class Answer(Generic[M]):
+    """A document, as the service sent it.
+
+    Attributes:
+        content: compact JSON.
+        model: the model of the document.
+    """
+
+    content: bytes
+    model: type[M]
+
+    @cached_property
+    def document(self) -> dict[str, Any]:
+        """The document, its members in their order."""
+        document: dict[str, Any] = json.loads(self.content)
+        return document
+
+    @cached_property
+    def typed(self) -> M:
+        """The document as a model."""
+        return self.model.model_validate_json(self.content)
+
+
+def cusp_table(
+    manipulator: Manipulator,
+    lengths: _Length,
+    *,
+    digits: int = DEFAULT_DIGITS,
+    fixed_leg: int = 1,
+    method: str = "fast",
+    deadline: float | None = None,
+) -> Asked[CuspTable]:
+    """The cusps of slices; `deadline` is the time in seconds after which the answer is of no use.
+
+    Raises:
+        InputError: naming every fault.
+    """
+    members = {f"l{fixed_leg}": _lengths(lengths), "fixed_leg": fixed_leg, "method": method}
+    return _asked(CuspTableRequest, CuspTable, manipulator, digits, deadline, members)
+
+
+def census(
+    manipulator: Manipulator,
+    *,
+    fixed_leg: int = 1,
+    digits: int = DEFAULT_DIGITS,
+    start: Exact | None = None,
+    stop: Exact | None = None,
+    deadline: float | None = None,
+) -> Asked[Census]:
+    """Every length at which the number of cusps changes."""
+    members = {"fixed_leg": fixed_leg, "range": _range(start, stop)}
+    return _asked(CensusRequest, Census, manipulator, digits, deadline, members)
+
+
+def cusp_curves(
+    manipulator: Manipulator,
+    *,
+    fixed_leg: int = 1,
+    digits: int = DEFAULT_DIGITS,
+    start: Exact | None = None,
+    stop: Exact | None = None,
+    lengths: _Length = (),
+    samples: int | None = None,
+    deadline: float | None = None,
+) -> Asked[CuspCurves]:
+    """Each cusp followed from where it appears to where it vanishes."""
+    members: dict[str, object] = {"fixed_leg": fixed_leg, "range": _range(start, stop), "samples": samples}
+    if points := _lengths(lengths):
+        members[f"l{fixed_leg}"] = points
+    return _asked(CuspCurvesRequest, CuspCurves, manipulator, digits, deadline, members)
+
+
+def check(
+    manipulator: Manipulator,
+    requirement: Requirement,
+    *,
+    digits: int = CHECK_DIGITS,
+    deadline: float | None = None,
+) -> Asked[CheckReport]:
+    """Whether a manipulator satisfies a requirement on its cusps."""
+    members = {"requirement": requirement.to_json()}
+    return _asked(CheckRequest, CheckReport, manipulator, digits, deadline, members)
+
+
+def poses(
+    manipulator: Manipulator,
+    l1: Exact,
+    l2: Exact,
+    l3: Exact,
+    *,
+    digits: int = DEFAULT_DIGITS,
+    deadline: float | None = None,
+) -> Asked[PoseTable]:
+    """All poses with given lengths of the legs."""
+    members = {name: _text(x) for name, x in (("l1", l1), ("l2", l2), ("l3", l3))}
+    return _asked(PosesRequest, PoseTable, manipulator, digits, deadline, members)
+
+
+def _asked(
+    question: type[Question],
+    model: type[M],
+    manipulator: Manipulator,
+    digits: int,
+    deadline: float | None,
+    members: Mapping[str, object],
+) -> Asked[M]:
+    # the service has the limits that count
+    limits = Limits(max_slices=_MANY, max_article_slices=_MANY, max_samples=_MANY)
+    own = {"geometry": manipulator, "digits": digits, **members}
+    if deadline is not None:
+        own["deadline_s"] = str(deadline)
+    return Asked(read(question, own, Source(limits, is_text=True)), PATHS[question][0], model)
+
+
+def _lengths(lengths: _Length) -> list[str]:
+    if isinstance(lengths, Iterable) and not isinstance(lengths, str):
+        return [_text(x) for x in lengths]
+    return [_text(lengths)]
+
+
+def _range(start: Exact | None, stop: Exact | None) -> dict[str, str | None]:
+    return {"from": None if start is None else _text(start), "to": None if stop is None else _text(stop)}
+
+
+def _text(x: Exact) -> str:
+    return x if isinstance(x, str) else exact_str(x)
