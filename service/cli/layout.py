@@ -12,6 +12,7 @@ COLUMN_PADDING = 3
 _DECIMAL = re.compile(r"([ +-]?\d+\.)(\d+)((?:[eE][+-]?\d+)?)", re.ASCII)
 _IN_TEXT = re.compile(r"(?<![\w.])-?\d+\.\d{9,}(?:[eE][+-]?\d+)?", re.ASCII)
 _FEWEST = 2
+_NARROWEST = 20
 _FEWEST_IN_TEXT = 12
 _UNBREAKABLE = "\u00a0"
 
@@ -31,6 +32,15 @@ def shortened(text: str, width: int, more: str = "…") -> str:
     return short if len(short) < len(text) else text
 
 
+def fitted(cell: str, width: int, more: str = "…") -> str:
+    """Returns a cell that fits: a number shortened, a sentence in several lines.
+
+    >>> fitted("1.23456789", 6), fitted("leg 2 has length zero, so no angle", 22)
+    ('1.234…', 'leg 2 has length zero,\\nso no angle')
+    """
+    return "\n".join(wrapped(cell, width)) if _is_sentence(cell) else shortened(cell, width, more)
+
+
 def column_widths(rows: Sequence[Sequence[str]], width: int, more: str = "…") -> list[int] | None:
     """Returns the widths of columns that fit together, or None if the words alone are too wide.
 
@@ -38,7 +48,7 @@ def column_widths(rows: Sequence[Sequence[str]], width: int, more: str = "…") 
     """
     columns = list(zip(*rows, strict=True))
     needed = [max(map(len, column)) for column in columns]
-    least = [max(len(shortened(cell, 0, more)) for cell in column) for column in columns]
+    least = [max(_least(cell, more) for cell in column) for column in columns]
     room = width - COLUMN_PADDING * len(columns) - 1
     if sum(least) > room:
         return None
@@ -46,6 +56,16 @@ def column_widths(rows: Sequence[Sequence[str]], width: int, more: str = "…") 
     while sum(widths := [max(min(n, level), low) for n, low in zip(needed, least, strict=True)]) > room:
         level -= 1
     return widths
+
+
+def _least(cell: str, more: str) -> int:
+    if _is_sentence(cell):
+        return max(_NARROWEST, *map(len, cell.split()))
+    return len(shortened(cell, 0, more))
+
+
+def _is_sentence(cell: str) -> bool:
+    return len(cell) > _NARROWEST and len(cell.split()) > 2
 
 
 def records(rows: Sequence[Sequence[str]], width: int, more: str = "…") -> Iterator[str]:

@@ -233,7 +233,7 @@ def _print_rows(rows: Sequence[Sequence[str]], console: Console, more: str) -> b
             console.print(Text(line))
         return any(more in line for line in records)
     cells = [
-        [layout.shortened(cell, width, more) for cell, width in zip(row, widths, strict=True)] for row in rows
+        [layout.fitted(cell, width, more) for cell, width in zip(row, widths, strict=True)] for row in rows
     ]
     table = Table(box=box.ROUNDED)
     for heading in cells[0]:
@@ -241,7 +241,7 @@ def _print_rows(rows: Sequence[Sequence[str]], console: Console, more: str) -> b
     for row in cells[1:]:
         table.add_row(*map(Text, row))
     console.print(table)
-    return cells != [list(row) for row in rows]
+    return any(more in cell for row in cells for cell in row)
 
 
 def _where(part: dict[str, Any]) -> str:

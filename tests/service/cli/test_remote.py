@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+import httpx
 import pytest
 
 from rpr_solver import EXAMPLES
@@ -124,3 +126,27 @@ def test_cancel(run_here: Run, idle_url: str, idle_queue: JobQueue) -> None:
         )
         assert process.wait(PATIENCE) == 2
         assert "was canceled" in process.stderr.read()
+
+
+def looks(url: str) -> float:
+    """Returns how often clients have looked at jobs."""
+    metrics = httpx.get(f"{url}/metrics").text
+    found = re.search(r'method="GET",route="/v1/jobs/\{job_id\}",status="200"\} (\S+)', metrics)
+    return float(found[1]) if found else 0.0
+
+
+def test_ctrl_c_withdraws_all_checks(idle_url: str, idle_queue: JobQueue) -> None:
+    requirement = ("--l1", "80.5", "--expect-cusps", "4", "--digits", "15", "--url", idle_url)
+    jobs = [
+        cusp_table(EXAMPLES[name], "80.5", digits=15).question.job_request().job_id
+        for name in ("zein-flat", "innocenti")
+    ]
+    line = command("check", "zein-flat", "innocenti", *requirement)
+    before = looks(idle_url)
+    with started(line, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True) as process:
+        until(lambda: all(map(idle_queue.get, jobs)))
+        until(lambda: looks(idle_url) >= before + 8)  # so both jobs are known to the client
+        process.send_signal(signal.SIGINT)
+        assert process.wait(PATIENCE) == 130
+        assert process.stderr.read() == ""
+    assert {job.status for job in map(idle_queue.get, jobs) if job is not None} == {"canceled"}
