@@ -3,12 +3,20 @@
 import pytest
 from hypothesis import HealthCheck, settings
 
+from worker.process.os_limits import usable_cores
+
 SLOW = [HealthCheck.too_slow]
 settings.register_profile("ci", deadline=None, derandomize=True, suppress_health_check=SLOW)
 settings.register_profile(
     "long", deadline=None, max_examples=1000, suppress_health_check=SLOW, print_blob=True
 )
 settings.load_profile("ci")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """Two processes a core, since many tests wait for other processes."""
+    return 2 * usable_cores()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

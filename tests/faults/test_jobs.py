@@ -30,7 +30,11 @@ SHORT = {"beat_interval": 0.2, "beat_ttl": 2, "sweep_interval": 0.2, "lost_grace
 
 
 both_kinds = pytest.mark.parametrize(
-    "request_", [a_request("1", "2"), a_document()], ids=["table", "document"]
+    "request_",
+    [
+        pytest.param(a_request("1", "2"), id="table"),
+        pytest.param(a_document(), id="document", marks=pytest.mark.long),
+    ],
 )
 
 
@@ -140,6 +144,51 @@ def test_a_slice_whose_horse_dies_each_time_is_an_error_among_others(
     assert [s.get("error", {}).get("type") for s in table["slices"]] == [None, None, kind, None]
     pids = [s["certificate"]["pid"] for s in table["slices"] if "error" not in s]
     assert pids[0] == pids[1] != pids[2]  # what was done is not done again
+    assert worker.poll() is None
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        signal.SIGKILL,
+        *(
+            pytest.param(number, marks=pytest.mark.long)
+            for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT)
+        ),
+    ],
+    ids=str,
+)
+def test_a_work_horse_receives_a_signal(redis: Redis, workers: Workers, number: signal.Signals) -> None:
+    """A work horse receives SIGKILL, SIGTERM, SIGINT, SIGHUP or SIGQUIT from somebody else. If it ends, its
+    chunk runs again at once; the job is done.
+    """
+    worker = workers.start(task="tests.support.hard_tasks.gated")
+    queue = jobs(redis, "gated")
+    view = queue.submit(a_request("1", "2"))
+    until(lambda: redis.llen("begun") == 1)
+    (horse,) = descendants(worker.pid)
+    os.kill(horse, number)
+    if number != signal.SIGINT:  # which it ignores
+        until(lambda: redis.llen("begun") == 2)
+        assert not is_running(horse)
+    redis.set("gate", 1)
+    assert ended(queue, view.id).status == "succeeded"
+    assert worker.poll() is None
+
+
+@pytest.mark.long
+def test_a_work_horse_is_stopped(redis: Redis, workers: Workers) -> None:
+    """A work horse is stopped by SIGSTOP for good. It is killed at the deadline, and the job fails,
+    `timeout`; the worker goes on.
+    """
+    worker = workers.start(task="tests.support.hard_tasks.gated", deadline=2)
+    queue = jobs(redis, "gated")
+    view = queue.submit(a_request("1"))
+    until(lambda: redis.llen("begun") == 1)
+    (horse,) = descendants(worker.pid)
+    os.kill(horse, signal.SIGSTOP)
+    assert (ended(queue, view.id).error or {})["type"] == "timeout"
+    assert not is_running(horse)
     assert worker.poll() is None
 
 
