@@ -171,6 +171,8 @@ def _jobs(text: str | None) -> int:
 
 def _opened(option: str, name: str) -> TextIO:
     """Returns a file to write, opened before the work, so that a bad name is noticed at once."""
+    if name == arguments.STANDARD_INPUT:
+        raise InputError.of(option, "is -, which is no file; give the name of one")
     try:
         return Path(name).open("w", encoding="utf-8")
     except OSError as error:

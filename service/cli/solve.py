@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
+from fractions import Fraction
 from typing import Any
 
 import rpr_solver
@@ -82,18 +83,25 @@ def _solve(
     """Returns the head of the table, and its slices as they are solved."""
     slices = list(dict.fromkeys(question.slices))
     manipulator, leg, digits = question.geometry, question.fixed_leg, question.digits
-    if question.method == ARTICLE:
-        table = article_document(manipulator, slices, digits, progress)
-        return table, table["slices"]
+    by_article = question.method == ARTICLE
+
+    def solver() -> Callable[[Fraction], dict[str, Any]]:
+        if by_article:
+            return lambda x: article_document(manipulator, [x], digits)["slices"][0]
+        eliminant = rpr_solver.eliminate(manipulator, leg)
+        return lambda x: rpr_solver.slice_json(eliminant, x, digits)
 
     def solved() -> Iterator[dict[str, Any]]:
-        eliminant = rpr_solver.eliminate(manipulator, leg)
+        solve = solver()
         for done, length in enumerate(slices):
             progress(done, len(slices))
-            yield rpr_solver.slice_json(eliminant, length, digits)
+            yield solve(length)
         progress(len(slices), len(slices))
 
-    return document_head(manipulator, digits, leg), solved()
+    head = (
+        article_document(manipulator, [], digits) if by_article else document_head(manipulator, digits, leg)
+    )
+    return head, solved()
 
 
 def _printed(

@@ -64,11 +64,14 @@ class Conversation:
         self.url = url
         self.on_progress = on_progress
         self.job: Mapping[str, Any] | None = None
+        self._posted = ""
 
     def answer(self, asked: Asked[M]) -> Talk[Answer[M]]:
         """Post a question and wait for its answer."""
         call = Call("POST", asked.path, asked.question.body(), prefer=f"wait={_FIRST_WAIT}")
+        self._posted = asked.question.job_request().job_id
         answer = yield from self.sent(call)
+        self._posted = ""
         if answer.status_code == 200:
             return Answer(answer.content, asked.model)
         self.job = as_object(answer)
@@ -83,15 +86,18 @@ class Conversation:
     def withdrawn(self) -> Talk[JobInterrupted]:
         """Withdraw the question; returns what became of its job."""
         job = self.job
-        if job is None:
-            return JobInterrupted()
-        back = f"job {job['id']} goes on; `rpr-cusps fetch {job['id']} --url {self.url}` comes back to it"
+        if job is None:  # the service has not told its job, whose id is known nevertheless
+            return JobInterrupted(self._goes_on(self._posted, "may go on") if self._posted else "")
         try:
             path = job["links"].get("cancel") or job["links"]["self"]
             job = as_object((yield from self.sent(Call("DELETE", path), tries=1)))
         except ServiceError:
-            return JobInterrupted(back)
-        return JobInterrupted(f"job {job['id']} is canceled" if job["status"] == "canceled" else back)
+            return JobInterrupted(self._goes_on(job["id"]))
+        is_canceled = job["status"] == "canceled"
+        return JobInterrupted(f"job {job['id']} is canceled" if is_canceled else self._goes_on(job["id"]))
+
+    def _goes_on(self, job_id: str, verb: str = "goes on") -> str:
+        return f"job {job_id} {verb}; `rpr-cusps fetch {job_id} --url {self.url}` comes back to it"
 
     def sent(self, call: Call, tries: int = _TRIES) -> Talk[httpx.Response]:
         """Send a request, again while the service is briefly unavailable.

@@ -7,7 +7,17 @@ from fractions import Fraction
 
 import pytest
 
-from rpr_solver import EXAMPLES, census, census_csv, curves_csv, cusp_curves, poses, restrict_census
+from rpr_solver import (
+    EXAMPLES,
+    census,
+    census_csv,
+    curves_csv,
+    cusp_curves,
+    poses,
+    restrict_census,
+    table_csv,
+)
+from rpr_solver.article.audit import article_document
 from tests.support.cli_process import Run, run
 
 LEGS = ("--l1", "14.98", "--l2", "15", "--l3", "30")
@@ -33,7 +43,9 @@ def test_the_articles_method_shows_its_factors(base_url: str) -> None:
     assert sum(line.startswith("  rejected (") for line in lines) > 0
     here = run(*args, "--format", "json")
     assert (here.returncode, here.stderr) == (0, "")
-    assert json.loads(here.stdout)["method"] == "article"
+    document = json.loads(here.stdout)
+    assert document == article_document(EXAMPLES["innocenti"], [Fraction("14.98")], 20)
+    assert run(*args, "--format", "csv").stdout == table_csv(document)
     assert run(*args, "--format", "json", "--url", base_url).stdout == here.stdout
 
 

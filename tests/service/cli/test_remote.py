@@ -104,7 +104,7 @@ def test_ctrl_c_cancels_the_job_and_says_so(idle_url: str, idle_queue: JobQueue)
     with started([*line, "--format", "csv"], env=ENVIRONMENT, stderr=subprocess.PIPE, text=True) as process:
         until(lambda: idle_queue.get(job_id))
         # the events are followed: the client knows its job
-        until(lambda: idle_queue.redis.client_list(_type="normal") and awaited(idle_queue))
+        until(lambda: awaited(idle_queue))
         process.send_signal(signal.SIGINT)
         assert process.wait(PATIENCE) == 130
         assert process.stderr.read() == f"rpr-cusps solve: job {job_id} is canceled\n"
@@ -113,8 +113,37 @@ def test_ctrl_c_cancels_the_job_and_says_so(idle_url: str, idle_queue: JobQueue)
     assert job.status == "canceled"
 
 
+def test_ctrl_c_at_any_moment_names_the_job(idle_url: str, idle_queue: JobQueue) -> None:
+    line, job_id = waiting(idle_url, "79.375")
+    with started(line, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True) as process:
+        until(lambda: idle_queue.get(job_id))
+        process.send_signal(signal.SIGINT)
+        assert process.wait(PATIENCE) == 130
+        assert process.stderr.read().startswith(f"rpr-cusps solve: job {job_id} ")
+
+
+def test_ctrl_c_says_how_to_come_back_to_a_job_that_others_wait_for(
+    idle_url: str, idle_queue: JobQueue
+) -> None:
+    line, job_id = waiting(idle_url, "79.5")
+    with ServiceClient(idle_url) as client:
+        other = cusp_table(ZEIN, "79.5", digits=15).question.body()
+        httpx.post(f"{idle_url}/v1/cusp-tables", json=other).raise_for_status()
+        with started(
+            [*line, "--format", "csv"], env=ENVIRONMENT, stderr=subprocess.PIPE, text=True
+        ) as process:
+            until(lambda: awaited(idle_queue))
+            process.send_signal(signal.SIGINT)
+            assert process.wait(PATIENCE) == 130
+            back = f"`rpr-cusps fetch {job_id} --url {idle_url}` comes back to it"
+            assert process.stderr.read() == f"rpr-cusps solve: job {job_id} goes on; {back}\n"
+        assert client.job(job_id)["status"] == "queued"
+        assert client.cancel(job_id)["status"] == "canceled"
+
+
 def awaited(queue: JobQueue) -> bool:
-    return any(client["cmd"] == "xread" for client in queue.redis.client_list())
+    """Whether someone follows the events of a job."""
+    return any(client["cmd"] == "xread" and "b" in client["flags"] for client in queue.redis.client_list())
 
 
 def test_cancel(run_here: Run, idle_url: str, idle_queue: JobQueue) -> None:
