@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from starlette.requests import Request
 
 from service.api.problems import ProblemError, ProblemType
@@ -17,16 +19,16 @@ async def read_body(request: Request, max_bytes: int) -> bytes:
     Raises:
         ProblemError: 415 for another content type, 413 for a body over the limit.
     """
-    _check_headers(request)
+    media_type_of(request, (JSON_TYPES,))
     declared = request.headers.get("content-length", "")
     if declared.isascii() and declared.isdigit() and (len(declared) > 18 or int(declared) > max_bytes):
-        raise _too_large(max_bytes, f"{declared[:40]} bytes were announced")
+        raise too_large("max_body_bytes", max_bytes, f"{declared[:40]} bytes were announced")
     chunks: list[bytes] = []
     size = 0
     async for chunk in request.stream():
         size += len(chunk)
         if size > max_bytes:
-            raise _too_large(max_bytes, f"more than {max_bytes} bytes were sent")
+            raise too_large("max_body_bytes", max_bytes, f"more than {max_bytes} bytes were sent")
         chunks.append(chunk)
     return b"".join(chunks)
 
@@ -52,18 +54,22 @@ def json_of(body: bytes, limits: Limits) -> object:
         ) from None
 
 
-def _check_headers(request: Request) -> None:
+def media_type_of(request: Request, accepted: Sequence[str]) -> str:
+    """Returns the media type of a body, one of those that are accepted.
+
+    Raises:
+        ProblemError: 415, it is another one, or encoded.
+    """
     sent = request.headers.get("content-type")
     media_type = (sent or "").partition(";")[0].strip().lower()
-    is_json = media_type == JSON_TYPES or (
-        media_type.startswith("application/") and media_type.endswith("+json")
-    )
-    if not is_json:
+    if media_type.startswith("application/") and media_type.endswith("+json"):
+        media_type = JSON_TYPES
+    if media_type not in accepted:
         what = "has no Content-Type" if sent is None else f"is sent as {sent[:100]!r}"
         raise ProblemError(
             ProblemType.UNSUPPORTED_MEDIA_TYPE,
-            f"The body {what}; send it as application/json.",
-            headers={"Accept-Post": JSON_TYPES},
+            f"The body {what}; send it as {' or '.join(accepted)}.",
+            headers={"Accept-Post": ", ".join(accepted)},
         )
     encoding = request.headers.get("content-encoding", "identity").strip().lower()
     if encoding not in ("", "identity"):
@@ -72,12 +78,14 @@ def _check_headers(request: Request) -> None:
             f"The body is sent with Content-Encoding {encoding[:100]!r}; send it without one.",
             headers={"Accept-Encoding": "identity"},
         )
+    return media_type
 
 
-def _too_large(limit: int, sent: str) -> ProblemError:
+def too_large(name: str, limit: int, sent: str) -> ProblemError:
+    """Returns the problem of a body over the limit `name`."""
     return ProblemError(
         ProblemType.BODY_TOO_LARGE,
-        f"The body may have at most {limit} bytes (limit max_body_bytes); {sent}.",
-        errors=[("body", f"limit max_body_bytes is {limit}; {sent}")],
+        f"The body may have at most {limit} bytes (limit {name}); {sent}.",
+        errors=[("body", f"limit {name} is {limit}; {sent}")],
         headers={"Connection": "close"},
     )

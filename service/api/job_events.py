@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import time
 from collections import OrderedDict
-from collections.abc import AsyncGenerator, Callable, Mapping, Sequence
-from contextlib import aclosing
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Mapping, Sequence
+from contextlib import aclosing, asynccontextmanager
 from dataclasses import dataclass
 from typing import cast
 
@@ -16,11 +16,13 @@ from redis.backoff import ExponentialBackoff
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
-from service.api.job_tail import BLOCK, Tails, event_id, is_terminal
+from service.api.batch_view import batch_json
+from service.api.job_tail import BLOCK, Tail, Tails, event_id, is_terminal
 from service.api.job_view import job_json
 from service.api.redis_access import RedisAccess, Refusals
 from service.api.settings import Settings
 from service.api.table_forms import json_bytes
+from worker.answers.kinds import is_batch
 from worker.answers.store import dump
 from worker.connection import password
 from worker.jobs.queue import JobQueue
@@ -100,6 +102,16 @@ class JobEvents:
                 await tail.end(left)
         return await self._view(job_id)
 
+    @asynccontextmanager
+    async def tail(self, job_id: str) -> AsyncIterator[Tail]:
+        """The end of a job's events, from now on.
+
+        Raises:
+            RedisError: Redis cannot be reached.
+        """
+        async with self._tails.of(self._key(job_id)) as tail:
+            yield tail
+
     async def after(self, view: JobView, last_id: str) -> Sequence[Event]:
         """Returns the next events after `last_id` that exist already."""
         return await self._batches.get((view.run, view.id, last_id), self.access, self._read)
@@ -159,8 +171,13 @@ class JobEvents:
             return sse(name, "slice", start + b',"slice":' + slices.get(l1, b"null") + b"}")
         if fields["type"] == "progress":
             return sse(name, "progress", json_bytes(_progress(fields)))
+        if fields["type"] == "item":
+            item = {"index": int(fields["item"]), "status": fields["status"]}
+            return sse(name, "item", json_bytes({**item, **_progress(fields)}))
         view = self.queue.get(job_id)
-        document = {"id": job_id, "status": fields["status"]} if view is None else job_json(view)
+        document: dict[str, object] = {"id": job_id}
+        if view is not None:
+            document = batch_json(view, self.queue.settings) if is_batch(job_id) else job_json(view)
         return sse(name, "status", json_bytes({**document, "status": fields["status"]}))
 
     def _slices(self, job_id: str, l1: Sequence[str]) -> dict[str, bytes]:

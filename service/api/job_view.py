@@ -27,12 +27,13 @@ def job_json(view: JobView, who: Subscriber | None = None) -> dict[str, object]:
         "deadline_at": view.deadline_at,
         "links": {
             **{"self": here, "result": f"{here}/result", "events": f"{here}/events"},
-            **({} if who is None else {"cancel": _cancel_link(here, who)}),
+            **({} if who is None else {"cancel": cancel_link(here, who)}),
         },
     }
 
 
-def _cancel_link(here: str, who: Subscriber) -> str:
+def cancel_link(here: str, who: Subscriber) -> str:
+    """Returns the address at which a client withdraws what it has just asked for."""
     return here if who.is_known else f"{here}?subscription={who.token}"
 
 

@@ -14,6 +14,7 @@ from pydantic.json_schema import models_json_schema
 
 from service.api.access.docs import describe_access
 from service.api.operations import OPERATIONS
+from service.schemas.batches import Batch, BatchRequest, BatchResult
 from service.schemas.jobs import Job
 from service.schemas.numbers import EXACT_NUMBER
 from service.schemas.operations import Health, LimitsDocument, Readiness, Version
@@ -25,19 +26,21 @@ Certified cusp points in the joint space of planar 3-RPR parallel manipulators.
 Post a manipulator and its slices L1 to `/v1/cusp-tables`. `/v1/censuses` finds every length at which the
 number of cusps changes, `/v1/cusp-curves` follows each cusp from one such length to another, `/v1/checks`
 proves or refutes a requirement on the number of cusps, and `/v1/poses` computes all poses for three leg
-lengths. Known answers are returned immediately; all others are computed by a job. Every number in an answer
-is a decimal string with proved digits, and every number in a request is taken exactly as written.
+lengths. `/v1/batches` takes thousands of such questions at once. Known answers are returned immediately; all
+others are computed by a job. Every number in an answer is a decimal string with proved digits, and every
+number in a request is taken exactly as written.
 
 Errors are `application/problem+json` (RFC 9457); the `type` of a problem is an address that documents it.
 """
 TAGS = [
     *(operation.tag for operation in OPERATIONS),
+    ("batches", "Many questions in one, with their results as they come."),
     ("jobs", "Follow, fetch and cancel computations."),
     ("operations", "Health, versions, limits and metrics."),
 ]
 MODELS: tuple[type[BaseModel], ...] = (
     *(model for operation in OPERATIONS for model in (operation.question, operation.answer)),
-    *(Job, ProblemDocument, Health, Readiness, Version, LimitsDocument),
+    *(BatchRequest, Batch, BatchResult, Job, ProblemDocument, Health, Readiness, Version, LimitsDocument),
 )
 """All documents of the contract."""
 

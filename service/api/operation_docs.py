@@ -18,7 +18,7 @@ EXAMPLE_JOB_ID = "ct-0f343b0931126a20f133d67c2b018a3b5c1f6d3e"
 
 _TIMES = "2026-01-15T09:30:00.000Z", "2026-01-15T09:30:00.012Z", None
 _JOB = job_json(JobView(EXAMPLE_JOB_ID, "running", 120, 501, *_TIMES, error=None, run=""))
-_RETRY_AFTER = {
+RETRY_AFTER = {
     "Retry-After": {"description": "Seconds to wait before asking again.", "schema": {"type": "integer"}}
 }
 _ETAG = {
@@ -64,7 +64,7 @@ def problems(*kinds: ProblemType) -> Docs:
         )
         response["description"] = f"{response['description']}; {kind.title}".removeprefix("; ")
         if kind.status in (429, 503) or kind is ProblemType.JOB_NOT_FINISHED:
-            response["headers"] = _RETRY_AFTER
+            response["headers"] = RETRY_AFTER
     return dict(sorted(responses.items(), key=lambda item: int(item[0])))
 
 
@@ -78,7 +78,7 @@ _JOB_LINKS = {
     )
 }
 
-_UNAVAILABLE = ProblemType.UNAVAILABLE
+UNAVAILABLE = ProblemType.UNAVAILABLE
 _FAILED = (
     ProblemType.JOB_INPUT_ERROR,
     ProblemType.JOB_SOLVER_ERROR,
@@ -97,7 +97,7 @@ def question_responses(operation: Operation) -> Docs:
         example=_JOB,
         headers={
             "Location": {"description": "The job.", "schema": {"type": "string"}},
-            **_RETRY_AFTER,
+            **RETRY_AFTER,
             "Preference-Applied": {
                 "description": "The preferences that were honoured (RFC 7240).",
                 "schema": {"type": "string"},
@@ -115,7 +115,7 @@ def question_responses(operation: Operation) -> Docs:
             ProblemType.UNSUPPORTED_MEDIA_TYPE,
             ProblemType.INVALID_REQUEST,
             ProblemType.LIMIT_EXCEEDED,
-            _UNAVAILABLE,
+            UNAVAILABLE,
             ProblemType.QUEUE_FULL,
             *_FAILED,
         ),
@@ -160,8 +160,8 @@ def any_result() -> dict[str, Any]:
 
 
 JOB_RESPONSES: Docs = {
-    200: json_response("The job.", "Job", example=_JOB, headers=_RETRY_AFTER),
-    **problems(ProblemType.NOT_FOUND, _UNAVAILABLE),
+    200: json_response("The job.", "Job", example=_JOB, headers=RETRY_AFTER),
+    **problems(ProblemType.NOT_FOUND, UNAVAILABLE),
 }
 CANCEL_RESPONSES: Docs = {
     200: json_response(
@@ -169,7 +169,7 @@ CANCEL_RESPONSES: Docs = {
         "Job",
         example={**_JOB, "status": "canceled"},
     ),
-    **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, _UNAVAILABLE),
+    **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
 }
 RESULT_RESPONSES: Docs = {
     200: any_result(),
@@ -180,7 +180,7 @@ RESULT_RESPONSES: Docs = {
         ProblemType.JOB_NOT_FINISHED,
         ProblemType.JOB_CANCELED,
         ProblemType.RESULT_EXPIRED,
-        _UNAVAILABLE,
+        UNAVAILABLE,
         *_FAILED,
     ),
 }
@@ -196,12 +196,12 @@ EVENTS_RESPONSES: Docs = {
         },
     },
     204: {"description": "The job has ended, and no event follows Last-Event-ID."},
-    **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, _UNAVAILABLE),
+    **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, UNAVAILABLE),
 }
 HEALTH_RESPONSES: Docs = {200: json_response("The process is running.", "Health"), **problems()}
 READY_RESPONSES: Docs = {
     200: json_response("Requests can be served.", "Readiness"),
-    **problems(_UNAVAILABLE, ProblemType.NO_WORKER),
+    **problems(UNAVAILABLE, ProblemType.NO_WORKER),
 }
 VERSION_RESPONSES: Docs = {200: json_response("The versions.", "Version"), **problems()}
 LIMITS_RESPONSES: Docs = {200: json_response("The limits.", "Limits"), **problems()}

@@ -162,4 +162,4 @@ _BY_KIND: Mapping[str, Operation] = {
 def forms_of(job_id: str) -> Forms:
     """Returns the forms of a job's result, or all forms if the id is not a job's."""
     kind = kind_of_job(job_id)
-    return (CUSP_TABLES if kind is None else _BY_KIND[kind.name]).forms
+    return (CUSP_TABLES if kind is None else _BY_KIND.get(kind.name, CUSP_TABLES)).forms

@@ -13,10 +13,12 @@ _PAIR = re.compile(rf"\s*({_TOKEN})\s*(?:=\s*({_TOKEN}|{_QUOTED})?)?\s*", re.ASC
 
 @dataclass(frozen=True)
 class Preferences:
-    """The preferences of a client: a response without waiting, or the number of seconds to wait."""
+    """The preferences of a client: a response without waiting, or the number of seconds to wait; and results
+    of a batch in the order in which they are done."""
 
     respond_async: bool = False
     wait: int | None = None
+    by_completion: bool = False
 
     def applied(self, waited: int | None, accepted: bool) -> str | None:
         """Returns the Preference-Applied header of a response after at most `waited` seconds."""
@@ -33,7 +35,7 @@ def parse_prefer(headers: Iterable[str]) -> Preferences:
     malformed preferences are ignored.
 
     >>> parse_prefer(['respond-async; x="1,2", Wait = 10', "wait=3"])
-    Preferences(respond_async=True, wait=10)
+    Preferences(respond_async=True, wait=10, by_completion=False)
     """
     preferences: dict[str, str] = {}
     for header in headers:
@@ -43,7 +45,8 @@ def parse_prefer(headers: Iterable[str]) -> Preferences:
                 preferences.setdefault(match[1].lower(), _unquoted(match[2] or ""))
     wait = preferences.get("wait", "")
     seconds = int(wait[:10]) if wait.isascii() and wait.isdigit() else None
-    return Preferences("respond-async" in preferences, seconds)
+    by_completion = preferences.get("order", "").lower() == "completion"
+    return Preferences("respond-async" in preferences, seconds, by_completion)
 
 
 def _split(text: str, separator: str) -> list[str]:

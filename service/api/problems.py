@@ -30,6 +30,11 @@ class ProblemType(Enum):
         400, "A request header is malformed",
         "The detail names the header that cannot be parsed.",
     )  # fmt: skip
+    INVALID_CSV = (
+        400, "The body is not valid CSV",
+        "The request body is not UTF-8, a quoted cell does not end in its line, or a line has more cells "
+        "than there are columns. The detail says where.",
+    )  # fmt: skip
     INVALID_JSON = (
         400, "The body is not valid JSON",
         "The request body is not UTF-8 or not JSON, repeats a key, contains NaN or Infinity, or is nested "
@@ -67,6 +72,11 @@ class ProblemType(Enum):
         "The job was canceled and has no result. Posting the request again restarts it; slices that were "
         "already computed are kept.",
     )  # fmt: skip
+    SUBMISSION_IN_PROGRESS = (
+        409, "The same submission is still being received",
+        "Another request with this Idempotency-Key is still being read. Ask again after Retry-After seconds; "
+        "the answer is then the batch that it made.",
+    )  # fmt: skip
     RESULT_EXPIRED = (
         410, "The result has expired",
         "The job succeeded, but its result has expired. Post the request again.",
@@ -100,6 +110,10 @@ class ProblemType(Enum):
         422, "The request is not valid",
         "The JSON is well-formed but not a valid question: a field is missing, unknown or of the wrong "
         "kind, or no manipulator has these lengths. The errors list every faulty field.",
+    )  # fmt: skip
+    IDEMPOTENCY_KEY_REUSED = (
+        422, "The Idempotency-Key was sent with another body",
+        "A key stands for one submission of one caller, for 24 hours. Take a new key for a new batch.",
     )  # fmt: skip
     LIMIT_EXCEEDED = (
         422, "The request exceeds a limit",
@@ -208,12 +222,18 @@ class ProblemError(Exception):
     @classmethod
     def of_job(cls, view: JobView) -> ProblemError:
         """Returns the problem of a job that failed or was canceled, in place of its result."""
-        kind, detail = ProblemType.JOB_CANCELED, "The job was canceled; post the request again to restart it."
+        extra = {"job": f"/v1/jobs/{view.id}"}
         if view.status == "failed":
             error = view.error or {"type": "", "detail": "The job failed."}
-            slug, detail = f"job-{error['type']}", error["detail"]
-            kind = next((kind for kind in ProblemType if kind.slug == slug), ProblemType.JOB_FAILED)
-        return cls(kind, detail, extra={"job": f"/v1/jobs/{view.id}"})
+            return cls.of_failure(error["type"], error["detail"], extra)
+        detail = "The job was canceled; post the request again to restart it."
+        return cls(ProblemType.JOB_CANCELED, detail, extra=extra)
+
+    @classmethod
+    def of_failure(cls, reason: str, detail: str, extra: Mapping[str, object] | None = None) -> ProblemError:
+        """Returns the problem of a job, or an item of a batch, that failed for a reason of the worker's."""
+        found = (kind for kind in ProblemType if kind.slug == f"job-{reason}")
+        return cls(next(found, ProblemType.JOB_FAILED), detail, extra=extra)
 
     @classmethod
     def expired(cls) -> ProblemError:

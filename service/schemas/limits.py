@@ -50,10 +50,19 @@ class Limits(BaseSettings):
         default=600.0, description="maximum `deadline_s` of a request, and run time of a chunk, in seconds"
     )
     max_body_bytes: PositiveInt = Field(
-        default=1 << 20, description="maximum size of a request body, in bytes"
+        default=1 << 20, description="maximum size of a request body or of one item of a batch, in bytes"
     )
     max_body_members: PositiveInt = Field(
         default=20_000, description="maximum number of members and elements in a request body, about"
+    )
+    max_batch_items: PositiveInt = Field(default=10_000, description="maximum number of items in one batch")
+    max_batch_bytes: PositiveInt = Field(
+        default=64 << 20,
+        description="maximum size of a batch, in bytes: of its body, and of its items in canonical form",
+    )
+    max_batch_wait_seconds: NonNegativeInt = Field(
+        default=300,
+        description="maximum time that `Prefer: wait` can keep results of a batch open, in seconds",
     )
     max_result_bytes: PositiveInt = Field(default=256 << 20, description="maximum size of a result, in bytes")
     max_requests_per_minute: NonNegativeInt = Field(

@@ -62,6 +62,9 @@ class LimitsDocument(BaseModel):
     deadline: TimeLimit
     max_body_bytes: Limit
     max_body_members: Limit
+    max_batch_items: Limit
+    max_batch_bytes: Limit
+    max_batch_wait_seconds: Limit
     max_result_bytes: Limit
     max_requests_per_minute: Limit
     max_active_jobs: Limit

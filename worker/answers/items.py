@@ -33,7 +33,9 @@ class Item:
         parts: dict[str, Any] = {} if self.id is None else {"id": self.id}
         if self.request is not None:
             parts |= {"kind": self.request.kind.name, "content": self.request.content}
-        return dump(parts if self.problem is None else {**parts, "problem": self.problem})
+        if self.problem is not None:
+            parts["problem"] = self.problem
+        return json.dumps(parts, separators=(",", ":"))  # ASCII: what it quotes may not be encodable
 
 
 def item_from_json(text: bytes) -> Item:

@@ -183,6 +183,10 @@ class ResultStore:
         raw = self.redis.get(self.keys.document(request.content_hash))
         return None if raw is None else cast("dict[str, Any]", json.loads(cast(bytes, raw)))
 
+    def get_text(self, request: JobRequest) -> bytes | None:
+        """Returns the JSON of the same, as it is kept."""
+        return cast("bytes | None", self.redis.get(self.keys.document(request.content_hash)))
+
     def document(self, request: JobRequest, compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
         """Returns a document from the store, or computes and keeps it; only one worker at a time does so."""
 

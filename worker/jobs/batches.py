@@ -79,12 +79,12 @@ class Batches:
 
     # -- accepting ---------------------------------------------------------------------------------
 
-    def push(self, token: str, items: Sequence[Item]) -> None:
-        """Add items to a batch that has not begun."""
+    def push(self, token: str, items: Sequence[str]) -> None:
+        """Add items, as JSON, to a batch that has not begun."""
         key = self._items(batch_request(token).job_id)
         with self.redis.pipeline() as pipe:
             if items:
-                pipe.rpush(key, *(item.to_json() for item in items))
+                pipe.rpush(key, *items)
             pipe.expire(key, INTAKE_TTL)
             pipe.execute()
 

@@ -176,6 +176,11 @@ redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done
 if is_batch then
     redis.call('PERSIST', items)
     redis.call('HSET', record, 'failed', total - todo_count)
+    local open = {}
+    for _, item in ipairs(cjson.decode(todo)) do open[tonumber(item)] = true end
+    for item = 0, total - 1 do
+        if not open[item] then redis.call('SETBIT', bits, item, 1) end
+    end
 end
 if tonumber(todo_count) == 0 then
     redis.call('HSET', record, 'started', now)

@@ -18,11 +18,21 @@ def admit(caller: Caller | None, request: JobRequest, quotas: Quotas, limits: Li
     Raises:
         ProblemError: the caller has as many as it may have.
     """
+    if caller is not None and caller.is_limited:
+        admit_work(caller, request.job_id, seconds(request.kind, sizes(request)), quotas, limits)
+
+
+def admit_work(caller: Caller | None, job_id: str, work: float, quotas: Quotas, limits: Limits) -> None:
+    """Count a job of so many seconds of estimated work as one of the caller's.
+
+    Raises:
+        ProblemError: the caller has as many as it may have.
+    """
     if caller is None or not caller.is_limited:
         return
     quota = Quota(limits.max_active_jobs, limits.max_active_seconds)
     try:
-        quotas.admit(caller.id, request.job_id, seconds(request.kind, sizes(request)), quota)
+        quotas.admit(caller.id, job_id, work, quota)
     except QuotaError as error:
         raise _too_much(error, quota) from None
 

@@ -11,14 +11,14 @@ from service.api import operation_docs as doc
 from service.api.access.caller import caller_of, subscriber_of
 from service.api.access.keys import allows
 from service.api.context import Context, ContextDep
+from service.api.following import follow
 from service.api.job_view import job_json, retry_after
 from service.api.negotiation import JSON, negotiate
 from service.api.operations import forms_of
 from service.api.problems import ProblemError, ProblemType
 from service.api.responses import answer_response
-from service.api.sending import IS_HEAD, LongAnswer
 from service.api.table_forms import json_bytes
-from worker.answers.kinds import Answer, kind_of_job
+from worker.answers.kinds import Answer, is_batch, kind_of_job
 from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
 
@@ -36,7 +36,6 @@ Force = Annotated[
     bool, Query(description="Cancels the job whoever wants it; needs a key with scope `admin`.")
 ]
 _JOB_ID = re.compile(r"[A-Za-z0-9_\-]{1,80}", re.ASCII)
-_EVENT_ID = re.compile(r"\d{1,20}(-\d{1,20})?", re.ASCII)
 
 
 @router.get("/v1/jobs/{job_id}", summary="The state of a job", responses=doc.JOB_RESPONSES)
@@ -111,24 +110,12 @@ async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Re
     The stream ends with the job. `Last-Event-ID` resumes it; 204 means that no events follow. Slices that
     were known before the job started appear only in its result.
     """
-    view = await context.redis(_job, context, job_id)
-    last = request.headers.get("last-event-id", "0").strip() or "0"
-    if not _EVENT_ID.fullmatch(last):
-        raise ProblemError(
-            ProblemType.INVALID_HEADER,
-            f"Last-Event-ID {last[:60]!r} is not an event id of this stream.",
-            errors=[("Last-Event-ID", "send the id of the last event received, or omit it")],
-        )
-    if view.is_terminal and last != "0" and not await context.events.after(view, last):
-        return Response(status_code=204)
-    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    if request.scope.get(IS_HEAD):
-        return Response(headers=headers, media_type="text/event-stream")
-    stream = context.events.follow(view, last)
-    return LongAnswer(stream, headers, "text/event-stream", context.followers)
+    return await follow(request, context, await context.redis(_job, context, job_id))
 
 
 def _job(context: Context, job_id: str) -> JobView:
+    if is_batch(job_id):
+        raise ProblemError(ProblemType.NOT_FOUND, f"This is a batch: see /v1/batches/{job_id[:80]}.")
     view = context.queue.get(job_id) if _JOB_ID.fullmatch(job_id) else None
     if view is None:
         raise _not_found(job_id)

@@ -29,7 +29,7 @@ def batches(queue: JobQueue) -> Batches:
 def begin(batches: Batches, items: Sequence[Item]) -> JobView:
     token = new_batch()
     for first in range(0, len(items), 2):
-        batches.push(token, items[first : first + 2])
+        batches.push(token, [item.to_json() for item in items[first : first + 2]])
     costs = {i: 0.01 for i, item in enumerate(items) if item.problem is None}
     return batches.begin(token, len(items), costs)
 
@@ -136,7 +136,7 @@ def test_all_items_bad_is_done_at_once(batches: Batches) -> None:
 
 def test_items_that_are_missing(queue: JobQueue, batches: Batches) -> None:
     token = new_batch()
-    batches.push(token, questions("1"))
+    batches.push(token, [questions("1")[0].to_json()])
     with pytest.raises(ItemsLostError):
         batches.begin(token, 2, {0: 1.0, 1: 1.0})
     batches.drop(token)

@@ -1,0 +1,126 @@
+"""Items of a batch as CSV: one geometry a row, with columns named as the members of the JSON."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from rpr_solver.errors import InputError
+from service.api.problems import ProblemError, ProblemType
+from service.schemas.batches import KIND_NAMES
+from service.schemas.exact_json import JsonNumber
+from worker.answers import article, checks, curves, tables
+
+GEOMETRY = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
+LEGS = ("l1", "l2", "l3")
+ENDS = ("from", "to", "step")
+_NUMBERS = ("fixed_leg", "digits", "samples")
+_REQUIREMENT = ("max_cusps", "min_cusps")
+COLUMNS = (
+    "id", "kind", *GEOMETRY, *LEGS, *(f"{leg}_{end}" for leg in LEGS for end in ENDS), *_NUMBERS, "method",
+    *_REQUIREMENT,
+)  # fmt: skip
+"""All columns that there are."""
+
+_BY_SLICES = (tables.KIND.name, article.KIND.name)
+_WITH_LENGTHS = (*_BY_SLICES, curves.KIND.name)
+
+
+class Rows:
+    """The rows of a table; the first line names the columns."""
+
+    def __init__(self, max_line: int) -> None:
+        self._decoder = codecs.getincrementaldecoder("utf-8-sig")()
+        self._max_line = max_line
+        self._rest = ""
+        self._columns: Sequence[str] = ()
+        self._row = 0
+
+    @property
+    def held(self) -> int:
+        """The characters that are kept until their row is complete."""
+        return len(self._rest)
+
+    def feed(self, piece: bytes) -> Iterator[Mapping[str, Any]]:
+        """Yields the items of the rows that are complete with the next piece of the body.
+
+        Raises:
+            InputError: the columns are not known.
+            ProblemError: this is no CSV in UTF-8.
+        """
+        *lines, self._rest = (self._rest + self._decode(piece)).split("\n")
+        return (item for line in lines for item in self._item(line))
+
+    def end(self) -> Iterator[Mapping[str, Any]]:
+        """Yields the last item, if its row does not end in a newline."""
+        rest, self._rest = self._rest + self._decode(b"", final=True), ""
+        return self._item(rest)
+
+    def _decode(self, piece: bytes, *, final: bool = False) -> str:
+        try:
+            return self._decoder.decode(piece, final)
+        except UnicodeDecodeError as error:
+            raise _invalid(f"a byte is not UTF-8 ({error.reason})") from None
+
+    def _item(self, line: str) -> Iterator[Mapping[str, Any]]:
+        line = line.rstrip("\r")
+        if not line.strip():
+            return
+        self._row += 1
+        try:
+            [cells] = csv.reader([line], strict=True)
+        except csv.Error as error:
+            raise _invalid(f"line {self._row}: {error}") from None
+        cells = [cell.strip() for cell in cells]
+        if not self._columns:
+            self._columns = _checked(cells)
+            return
+        if len(cells) > len(self._columns):
+            raise _invalid(f"line {self._row} has {len(cells)} cells for {len(self._columns)} columns")
+        yield item_of({name: cell for name, cell in zip(self._columns, cells, strict=False) if cell})
+
+
+def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
+    """Returns the item that a row stands for; what does not fit its kind is left for its model to refuse.
+
+    >>> item_of({"d1": "2", "l1_from": "1", "l1_to": "3", "l1_step": "1"})["request"]["l1"]
+    {'from': '1', 'to': '3', 'step': '1'}
+    """
+    cells = dict(row)
+    kind = cells.pop("kind", tables.KIND.name)
+    name = {"id": cells.pop("id")} if "id" in cells else {}
+    request: dict[str, Any] = {"geometry": {x: cells.pop(x) for x in GEOMETRY if x in cells}}
+    for leg in LEGS:
+        ends = {end: cells.pop(f"{leg}_{end}") for end in ENDS if f"{leg}_{end}" in cells}
+        if ends:
+            request[leg if kind in _BY_SLICES or kind not in KIND_NAMES else "range"] = ends
+        if leg in cells:
+            lengths = cells.pop(leg)
+            request[leg] = lengths.split(";") if kind in _WITH_LENGTHS else lengths
+    request |= {x: JsonNumber(cells.pop(x)) for x in _NUMBERS if x in cells}
+    if kind == checks.KIND.name:
+        parts = ("fixed_leg", "range")
+        requirement = {x: request.pop(x) for x in parts if x in request}
+        requirement |= {x: cells.pop(x) for x in _REQUIREMENT if x in cells}
+        request["requirement"] = requirement
+    return {**name, "kind": kind, "request": {**request, **cells}}
+
+
+def _checked(names: Sequence[str]) -> Sequence[str]:
+    errors = [name for name in names if name not in COLUMNS]
+    if errors:
+        raise InputError.of(errors[0][:60] or "body", f"unknown column; known are {', '.join(COLUMNS)}")
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise InputError.of(twice[0], "this column is given twice")
+    missing = [name for name in GEOMETRY[:-1] if name not in names]
+    if missing:
+        raise InputError.of(missing[0], f"this column is missing; give {', '.join(GEOMETRY[:-1])}")
+    return names
+
+
+def _invalid(detail: str) -> ProblemError:
+    text = f"The body is not valid CSV: {detail}."
+    return ProblemError(ProblemType.INVALID_CSV, text, errors=[("body", text)])

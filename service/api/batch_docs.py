@@ -1,0 +1,167 @@
+"""OpenAPI descriptions of batches."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from service.api.batch_csv import COLUMNS
+from service.api.batch_view import batch_json
+from service.api.negotiation import CSV, JSON, NDJSON
+from service.api.operation_docs import RETRY_AFTER, UNAVAILABLE, Docs, json_response, problems, ref
+from service.api.problems import ProblemType
+from service.schemas.questions import EXAMPLE_GEOMETRY
+from worker.jobs.records import JobView
+from worker.settings import WorkerSettings
+
+EXAMPLE_ID = "ba-5d41402abc4b2a76b9719d911017c592ae2f1b04"
+
+_TIMES = "2026-01-15T09:30:00.000Z", "2026-01-15T09:30:00.012Z", None
+_VIEW = JobView(EXAMPLE_ID, "running", 120, 500, *_TIMES, error=None, run="", failed=2)
+_BATCH = batch_json(_VIEW, WorkerSettings())
+_ITEMS = [
+    {
+        "id": "leg-27",
+        "kind": "cusp-table",
+        "request": {"geometry": EXAMPLE_GEOMETRY, "l1": 27, "digits": 30},
+    },
+    {"kind": "poses", "request": {"geometry": EXAMPLE_GEOMETRY, "l1": 14.98, "l2": 15, "l3": 30}},
+]
+_LINES = (
+    '{"id":"leg-27","kind":"cusp-table","request":{"geometry":{"a2x":15.91,"a3x":0,"a3y":10,"d1":17.04,'
+    '"d2":16.54,"d3":20.84},"l1":27}}\n'
+)
+_ROWS = "id,a2x,a3x,a3y,d1,d2,d3,l1,digits\nleg-27,15.91,0,10,17.04,16.54,20.84,27;28.1,30\n"
+_RESULTS = (
+    '{"index":0,"id":"leg-27","status":"succeeded","result":{…}}\n'
+    '{"index":1,"id":null,"status":"failed","problem":{…}}\n'
+)
+
+
+def _header(name: str, text: str, **examples: str) -> dict[str, Any]:
+    return {
+        "name": name,
+        "in": "header",
+        "required": False,
+        "description": text,
+        "schema": {"type": "string"},
+        "examples": {key: {"value": value} for key, value in examples.items()},
+    }
+
+
+def _text(description: str, example: str) -> dict[str, Any]:
+    return {"schema": {"type": "string", "description": description}, "example": example}
+
+
+_LINKS = {
+    name: {"operationId": operation, "parameters": {"batch_id": "$response.body#/id"}, "description": text}
+    for name, operation, text in (
+        ("batch", "get_batch", "The state of the batch."),
+        ("results", "get_results", "The results so far, or as they come."),
+        ("events", "get_batch_events", "The events of the batch."),
+        ("cancel", "cancel_batch", "Cancels the batch."),
+    )
+}
+
+POST_BODY: dict[str, Any] = {
+    "parameters": [
+        _header(
+            "Idempotency-Key",
+            "A name for this submission, such as a UUID: sent again by the same caller within 24 hours, it "
+            "gives the batch that was made first instead of another one.",
+            uuid="7f9c2ba4-e88f-4aa8-9a5c-1c3b8f4d2e60",
+        )
+    ],
+    "requestBody": {
+        "required": True,
+        "content": {
+            JSON: {
+                "schema": ref("BatchRequest"),
+                "examples": {"two": {"summary": "Two questions", "value": {"items": _ITEMS}}},
+            },
+            NDJSON: _text("One item per line.", _LINES),
+            CSV: _text(
+                f"One geometry per row; the first line names its columns, some of {', '.join(COLUMNS)}. "
+                "Several lengths in a cell are separated by semicolons.",
+                _ROWS,
+            ),
+        },
+    },
+}
+POST_RESPONSES: Docs = {
+    202: {
+        **json_response(
+            "The batch is accepted.",
+            "Batch",
+            example=_BATCH,
+            headers={
+                "Location": {"description": "The batch.", "schema": {"type": "string"}},
+                **RETRY_AFTER,
+            },
+        ),
+        "links": _LINKS,
+    },
+    **problems(
+        ProblemType.INVALID_HEADER,
+        ProblemType.INVALID_CSV,
+        ProblemType.INVALID_JSON,
+        ProblemType.NOT_ACCEPTABLE,
+        ProblemType.SUBMISSION_IN_PROGRESS,
+        ProblemType.BODY_TOO_LARGE,
+        ProblemType.UNSUPPORTED_MEDIA_TYPE,
+        ProblemType.INVALID_REQUEST,
+        ProblemType.IDEMPOTENCY_KEY_REUSED,
+        ProblemType.LIMIT_EXCEEDED,
+        UNAVAILABLE,
+        ProblemType.QUEUE_FULL,
+    ),
+}
+STATE_RESPONSES: Docs = {
+    200: json_response("The batch.", "Batch", example=_BATCH, headers=RETRY_AFTER),
+    **problems(ProblemType.NOT_FOUND, UNAVAILABLE),
+}
+CANCEL_RESPONSES: Docs = {
+    200: json_response(
+        "The batch: canceled, or unchanged if another caller submitted it or it had ended.",
+        "Batch",
+        example={**_BATCH, "status": "canceled", "canceled": 380},
+    ),
+    **problems(ProblemType.FORBIDDEN, ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
+}
+RESULTS_PARAMETERS: dict[str, Any] = {
+    "parameters": [
+        _header(
+            "Prefer",
+            "RFC 7240. `wait=N` keeps the response open for up to N seconds; with `order=completion` the "
+            "lines come as the items are done.",
+            wait="wait=60",
+            completion="wait=60, order=completion",
+        )
+    ]
+}
+RESULTS_RESPONSES: Docs = {
+    200: {
+        "description": "A line for each item, as BatchResult describes it.",
+        "content": {NDJSON: {"schema": ref("BatchResult"), "example": _RESULTS}},
+    },
+    **problems(
+        ProblemType.NOT_FOUND,
+        ProblemType.NOT_ACCEPTABLE,
+        ProblemType.INVALID_REQUEST,
+        UNAVAILABLE,
+        ProblemType.BUSY,
+    ),
+}
+EVENTS_RESPONSES: Docs = {
+    200: {
+        "description": "The events, up to the end of the batch.",
+        "content": {
+            "text/event-stream": {
+                "schema": {"type": "string"},
+                "example": 'id: 1768469400012-0\nevent: item\ndata: {"index":0,"status":"succeeded",'
+                '"progress":{"done":1,"total":500}}\n\n',
+            }
+        },
+    },
+    204: {"description": "The batch has ended, and no event follows Last-Event-ID."},
+    **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, UNAVAILABLE),
+}

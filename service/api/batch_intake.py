@@ -1,0 +1,220 @@
+"""The acceptance of a batch: its items are read and kept while they are received, with bounded memory."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import AsyncGenerator, Iterable
+from contextlib import suppress
+
+import anyio
+from fastapi import Request
+from redis.exceptions import RedisError
+
+from rpr_solver.errors import InputError
+from service.api.access.admission import admit_work
+from service.api.access.caller import caller_of, subscriber_of
+from service.api.batch_bodies import Cutter, Elements, Lines, Sent
+from service.api.batch_csv import Rows
+from service.api.batch_items import read_item
+from service.api.body import JSON_TYPES, media_type_of, too_large
+from service.api.context import Context
+from service.api.idempotency import Idempotency, Submission, key_of
+from service.api.negotiation import CSV, NDJSON
+from service.api.problems import ProblemError, ProblemType
+from service.schemas.limits import LimitError, Limits
+from worker.answers.batches import batch_request, new_batch
+from worker.jobs.batches import Batches, ItemsLostError
+from worker.jobs.records import JobView
+from worker.jobs.subscriptions import Subscriber
+
+NDJSON_TYPES = (NDJSON, "application/ndjson", "application/jsonl")
+MEDIA_TYPES = (JSON_TYPES, *NDJSON_TYPES, CSV)
+
+_AT_ONCE = 500  # items that are pushed together
+_KEPT_AT_ONCE = 1 << 20  # or bytes
+
+
+class Intake:
+    """The items of one batch so far."""
+
+    def __init__(self, batches: Batches, limits: Limits) -> None:
+        self.batches = batches
+        self.limits = limits
+        self.token = new_batch()
+        self.count = 0
+        self.costs: dict[int, float] = {}
+        self._texts: list[str] = []
+        self._waiting = self._kept = 0
+
+    @property
+    def job_id(self) -> str:
+        """The id that the batch will have."""
+        return batch_request(self.token).job_id
+
+    @property
+    def is_full(self) -> bool:
+        """Whether it is time to push."""
+        return len(self._texts) >= _AT_ONCE or self._waiting >= _KEPT_AT_ONCE
+
+    def take(self, sent: Iterable[Sent]) -> bool:
+        """Read the next items until it is time to push; returns False once there are no more.
+
+        Raises:
+            LimitError: there are too many, or they are too large once ranges are written out.
+        """
+        for text in sent:
+            limits = self.limits
+            if self.count == limits.max_batch_items:
+                shown = f"are more than {limits.max_batch_items}"
+                raise LimitError.exceeded(limits, "max_batch_items", shown, "items")
+            self.check_size(len(text) if isinstance(text, bytes) else 0)
+            read = read_item(text, self.count, limits)
+            if read.cost is not None:
+                self.costs[self.count] = read.cost
+            kept = read.item.to_json()
+            self.count += 1
+            self._texts.append(kept)
+            self._waiting += len(kept)
+            self._kept += len(kept)
+            if self._kept > limits.max_batch_bytes:
+                shown = f"take {self._kept} bytes with their ranges written out"
+                raise LimitError.exceeded(limits, "max_batch_bytes", shown, "items")
+            if self.is_full:
+                return True
+        return False
+
+    def check_size(self, size: int) -> None:
+        """Refuse a next item of so many bytes, or more.
+
+        Raises:
+            LimitError: it is too long.
+        """
+        if size > self.limits.max_body_bytes:
+            place = f"items[{self.count}]"
+            raise LimitError.exceeded(self.limits, "max_body_bytes", f"has {size} bytes or more", place)
+
+    def push(self) -> None:
+        """Keep what was read."""
+        self.batches.push(self.token, self._texts)
+        self._texts, self._waiting = [], 0
+
+    def begin(self) -> JobView:
+        """Make the job of the batch.
+
+        Raises:
+            ProblemError: its items were lost meanwhile.
+        """
+        try:
+            return self.batches.begin(self.token, self.count, self.costs)
+        except ItemsLostError:
+            detail = "It took too long to receive the items; send the batch again."
+            raise ProblemError(ProblemType.UNAVAILABLE, detail, headers={"Retry-After": "1"}) from None
+
+    def drop(self) -> None:
+        """Forget a batch that does not begin."""
+        self.batches.drop(self.token)
+
+
+async def accept_batch(request: Request, context: Context) -> tuple[JobView, Subscriber]:
+    """Accept a batch, or find the one that the same submission made before; returns it and its subscriber.
+
+    Raises:
+        ProblemError, InputError, QueueFullError: it is refused.
+    """
+    queue = context.queue
+    cutter = _cutter_of(request, context.settings.limits)
+    caller = caller_of(request.scope)
+    who = subscriber_of(caller)
+    intake = Intake(Batches(queue.redis, queue.settings), context.settings.limits)
+    idempotency = Idempotency(queue.redis, queue.settings.key_prefix)
+    key = key_of(request, caller)
+    if key is not None:
+        earlier = await context.redis(idempotency.claim, key, intake.token)
+        if earlier is not None:
+            return await _repeated(request, context, idempotency, key, earlier), who
+    begun = False
+
+    def begin(digest: str) -> JobView:
+        nonlocal begun
+        intake.push()
+        admit_work(caller, intake.job_id, sum(intake.costs.values()), queue.quotas, intake.limits)
+        if key is not None:
+            idempotency.note(key, Submission(intake.token, digest, intake.job_id))
+        view = intake.begin()
+        begun = True
+        queue.subscriptions.add(view.id, who)
+        return view
+
+    try:
+        digest = await _receive(request, context, cutter, intake)
+        return await context.redis(begin, digest), who
+    finally:
+        if not begun:
+            with anyio.CancelScope(shield=True), suppress(RedisError):
+                await context.redis(intake.drop)
+                if key is not None:
+                    await context.redis(idempotency.release, key, intake.token)
+
+
+async def _receive(request: Request, context: Context, cutter: Cutter, intake: Intake) -> str:
+    """Read and keep all items; returns the digest of the body."""
+    digest = hashlib.sha256()
+    async for piece in _pieces(request, context.settings.limits):
+        digest.update(piece)
+        await _keep(context, intake, cutter.feed(piece))
+        intake.check_size(cutter.held)
+    await _keep(context, intake, cutter.end())
+    if not intake.count:
+        raise InputError.of("items", "is empty; send at least one item")
+    return digest.hexdigest()
+
+
+async def _keep(context: Context, intake: Intake, items: Iterable[Sent]) -> None:
+    iterator = iter(items)
+    while await context.parsing(intake.take, iterator):
+        await context.redis(intake.push)
+
+
+async def _repeated(
+    request: Request, context: Context, idempotency: Idempotency, key: str, earlier: Submission
+) -> JobView:
+    """Returns the batch that the same submission made before.
+
+    Raises:
+        ProblemError: 409, it is still being received; 422, it had another body.
+    """
+    digest = hashlib.sha256()
+    if earlier.digest:
+        async for piece in _pieces(request, context.settings.limits):
+            digest.update(piece)
+        if digest.hexdigest() != earlier.digest:
+            raise ProblemError(
+                ProblemType.IDEMPOTENCY_KEY_REUSED,
+                "This Idempotency-Key was sent with another body before; take a new key for a new batch.",
+                errors=[("Idempotency-Key", "was sent with another body before")],
+            )
+        view = await context.redis(context.queue.get, earlier.job_id)
+        if view is not None:
+            return await context.redis(context.queue.placed, view)
+        await context.redis(idempotency.forget_unless_new, key, earlier)
+    raise ProblemError(
+        ProblemType.SUBMISSION_IN_PROGRESS,
+        "A batch with this Idempotency-Key is still being received; ask again in a moment.",
+        headers={"Retry-After": str(context.settings.retry_seconds)},
+    )
+
+
+async def _pieces(request: Request, limits: Limits) -> AsyncGenerator[bytes]:
+    size = 0
+    async for piece in request.stream():
+        size += len(piece)
+        if size > limits.max_batch_bytes:
+            raise too_large("max_batch_bytes", limits.max_batch_bytes, "more was sent")
+        yield piece
+
+
+def _cutter_of(request: Request, limits: Limits) -> Cutter:
+    media_type = media_type_of(request, MEDIA_TYPES)
+    if media_type == CSV:
+        return Rows(limits.max_body_bytes)
+    return Lines() if media_type in NDJSON_TYPES else Elements()

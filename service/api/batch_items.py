@@ -1,0 +1,67 @@
+"""The reading of a batch's items; one that is not valid becomes a problem in its place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from rpr_solver.errors import InputError
+from service.api.body import json_of
+from service.api.operations import OPERATIONS
+from service.api.problems import ProblemError
+from service.schemas.batches import BatchItem
+from service.schemas.document import Source, at, part
+from service.schemas.limits import Limits
+from service.schemas.price import check_price
+from service.schemas.questions import Question
+from worker.answers import article, tables
+from worker.answers.cost import seconds, sizes
+from worker.answers.items import Item
+from worker.answers.requests import JobRequest
+
+_QUESTIONS: Mapping[str, type[Question]] = {
+    kind.name: operation.question for operation in OPERATIONS for kind in operation.question.kinds
+}
+
+
+@dataclass(frozen=True)
+class ReadItem:
+    """An item, and its estimated cost in seconds if it is valid."""
+
+    item: Item
+    cost: float | None
+
+
+def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> ReadItem:
+    """Read an item, the text of a JSON object or its members."""
+    place, name = f"items[{index}]", None
+    try:
+        value = json_of(sent, limits) if isinstance(sent, bytes) else sent
+        if isinstance(value, Mapping) and type(value.get("id")) is str:
+            name = value["id"][:200]
+        item = part(BatchItem.model_validate, value, Source(limits))
+        request = _job_request(item, limits)
+    except ProblemError as error:  # it is not JSON
+        faults = [(place if field == "body" else f"{place}.{field}", text) for field, text in error.errors]
+        problem = ProblemError(error.kind, f"{place}: {error.detail}", errors=faults)
+        return ReadItem(Item(name, problem=problem.document()), None)
+    except InputError as error:
+        return ReadItem(Item(name, problem=ProblemError.of_input(at(error, place)).document()), None)
+    return ReadItem(Item(item.id, request), seconds(request.kind, sizes(request)))
+
+
+def _job_request(item: BatchItem, limits: Limits) -> JobRequest:
+    sent = dict(item.request)
+    if sent.pop("deadline_s", None) is not None:
+        raise InputError.of("request.deadline_s", "is not for items; leave it out")
+    if item.kind == article.KIND.name:
+        sent.setdefault("method", "article")
+    try:
+        request = part(_QUESTIONS[item.kind].model_validate, sent, Source(limits)).job_request()
+        if request.kind.name != item.kind and item.kind != tables.KIND.name:
+            raise InputError.of("method", f"does not fit an item of the kind {item.kind}")
+        check_price(request, limits)
+    except InputError as error:
+        raise at(error, "request") from None
+    return request

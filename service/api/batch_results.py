@@ -1,0 +1,222 @@
+"""The results of a batch, line by line, as much at a time as its reader takes."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from collections.abc import AsyncGenerator, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, cast
+
+from service.api.context import Context
+from service.api.negotiation import JSON_FORM
+from service.api.problems import ProblemError
+from service.api.table_forms import json_bytes
+from service.schemas.limits import LimitError
+from worker.answers.kinds import known_answer
+from worker.answers.stored_tables import StoredTable
+from worker.jobs.batches import Batches, StoredItem, is_done
+from worker.jobs.records import JobView
+
+_GROUP = 32  # items that are read together
+_PIECE = 64 << 10  # bytes of short lines that are sent together
+_PAUSE = 0.05  # seconds from one look to the next, so that many ends of items cost one
+_EVENTS = 1000
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Which results, and when.
+
+    Attributes:
+        first: the position of the first item.
+        seconds: how long to wait for more; None: send what there is.
+        by_completion: in the order in which they were done, instead of that of the items.
+    """
+
+    first: int = 0
+    seconds: float | None = None
+    by_completion: bool = False
+
+
+class BatchResults:
+    """The results of one batch."""
+
+    def __init__(self, context: Context, view: JobView) -> None:
+        self.context = context
+        self.queue = context.queue
+        self.batches = Batches(context.queue.redis, context.queue.settings)
+        self.view = view
+
+    async def pieces(self, wanted: Wanted) -> AsyncGenerator[bytes]:
+        """Yields the lines of what is done, and with a time to wait of what is done by then."""
+        end = time.monotonic() + (wanted.seconds or 0.0)
+        order: _Completions | _Positions = _Positions(self, wanted.first)
+        if wanted.by_completion:
+            order = _Completions(self)
+        if wanted.seconds is None and not wanted.by_completion:
+            bits = await self.context.redis(self.look)
+            ready = [i for i in range(wanted.first, self.view.total) if self.is_over(bits, i)]
+            async for piece in self._send(ready):
+                yield piece
+            return
+        async with self.context.events.tail(self.view.id) as tail:
+            while True:
+                newest, is_last = tail.newest, tail.is_over
+                ready = await self.context.redis(order.ready)
+                async for piece in self._send(ready):
+                    yield piece
+                left = end - time.monotonic()
+                if order.is_complete or self.view.is_terminal or is_last or left <= 0:
+                    return
+                await tail.beyond(newest, left)
+                await asyncio.sleep(_PAUSE)
+
+    def look(self) -> bytes:
+        """Look at the batch again; returns the bits of what is done."""
+        bits = self.batches.done(self.view.id)
+        # the state comes last: once it is terminal, nothing is done any more
+        view = self.queue.get(self.view.id)
+        if view is None:
+            raise ProblemError.expired()
+        if view.is_terminal and not self.view.is_terminal:
+            bits = self.batches.done(self.view.id)
+        self.view = view
+        return bits
+
+    def is_over(self, bits: bytes, index: int) -> bool:
+        """Whether an item is done, or will never be."""
+        return self.view.is_terminal or is_done(bits, index)
+
+    async def _send(self, indices: Sequence[int]) -> AsyncGenerator[bytes]:
+        pieces = _joined(self._lines(indices))
+        while (piece := await self.context.redis(next, pieces, None)) is not None:
+            yield piece
+
+    def _lines(self, indices: Sequence[int]) -> Iterator[bytes]:
+        for first in range(0, len(indices), _GROUP):
+            for stored in self.batches.read(self.view.id, indices[first : first + _GROUP]):
+                yield from self._line(stored)
+
+    def _line(self, stored: StoredItem) -> Iterator[bytes]:
+        item, failure = stored.item, stored.outcome.failure
+        if item.problem is not None:
+            yield _without_result(stored, "failed", item.problem)
+        elif failure is not None:
+            problem = ProblemError.of_failure(failure["type"], failure["detail"])
+            yield _without_result(stored, "failed", problem.document())
+        elif stored.state == "succeeded":
+            yield from self._result(stored)
+        elif self.view.status == "canceled":
+            yield _without_result(stored, "canceled")
+        elif self.view.is_terminal:
+            yield _without_result(stored, "failed", ProblemError.of_job(self.view).document())
+
+    def _result(self, stored: StoredItem) -> Iterator[bytes]:
+        request = stored.item.request
+        assert request is not None
+        start = _start(stored, "succeeded") + b',"result":'
+        text = None if request.kind.by_slices else self.queue.store.get_text(request)
+        if text is not None:
+            yield start + text + b"}\n"
+            return
+        answer = known_answer(request, self.queue.store, stored.outcome.slices)
+        if answer is None:
+            yield _without_result(stored, "failed", ProblemError.expired().document())
+        elif not isinstance(answer, StoredTable):
+            yield start + json_bytes(answer) + b"}\n"
+        elif answer.size > (limits := self.context.settings.limits).max_result_bytes:
+            sent = f"the result has {answer.size} bytes"
+            problem = ProblemError.of_input(LimitError.exceeded(limits, "max_result_bytes", sent))
+            yield _without_result(stored, "failed", problem.document())
+        else:
+            yield start
+            yield from JSON_FORM.pieces(answer)
+            yield b"}\n"
+
+
+class _Positions:
+    """Items in the order of the batch, each once all before it are done."""
+
+    def __init__(self, results: BatchResults, first: int) -> None:
+        self._results = results
+        self._next = first
+
+    @property
+    def is_complete(self) -> bool:
+        return self._next >= self._results.view.total
+
+    def ready(self) -> list[int]:
+        bits, first = self._results.look(), self._next
+        while not self.is_complete and self._results.is_over(bits, self._next):
+            self._next += 1
+        return list(range(first, self._next))
+
+
+class _Completions:
+    """Items in the order in which they were done, as the events of the batch tell."""
+
+    def __init__(self, results: BatchResults) -> None:
+        self._results = results
+        self._sent = bytearray(results.view.total)
+        self._last = "-"
+
+    @property
+    def is_complete(self) -> bool:
+        return all(self._sent)
+
+    def ready(self) -> list[int]:
+        bits = self._results.look()
+        told = [i for i in self._told() if not self._sent[i]]
+        known = set(told)
+        # those that were not valid, of which no event tells, or the event is gone
+        others = [i for i, sent in enumerate(self._sent) if not sent and i not in known and is_done(bits, i)]
+        never = []
+        if self._results.view.is_terminal:
+            known |= set(others)
+            never = [i for i, sent in enumerate(self._sent) if not sent and i not in known]
+        for i in (*others, *told, *never):
+            self._sent[i] = 1
+        return [*others, *told, *never]
+
+    def _told(self) -> Iterable[int]:
+        queue = self._results.queue
+        key = queue.records.keys.job(self._results.view.id).events
+        while True:
+            entries = cast(
+                "list[tuple[bytes, dict[bytes, bytes]]]",
+                queue.redis.xrange(key, min=self._last, count=_EVENTS),
+            )
+            for name, fields in entries:
+                self._last = f"({name.decode()}"
+                if fields[b"type"] == b"item":
+                    yield int(fields[b"item"])
+            if len(entries) < _EVENTS:
+                return
+
+
+def _start(stored: StoredItem, status: str) -> bytes:
+    return _ascii({"index": stored.index, "id": stored.item.id, "status": status})[:-1]
+
+
+def _without_result(stored: StoredItem, status: str, problem: Any = None) -> bytes:
+    rest = b"" if problem is None else b',"problem":' + _ascii(problem)
+    return _start(stored, status) + rest + b"}\n"
+
+
+def _ascii(value: object) -> bytes:
+    return json.dumps(value, separators=(",", ":")).encode("ascii")  # names may not be encodable as UTF-8
+
+
+def _joined(pieces: Iterable[bytes]) -> Iterator[bytes]:
+    """Yields pieces of a useful size."""
+    held, size = [], 0
+    for piece in pieces:
+        held.append(piece)
+        size += len(piece)
+        if size >= _PIECE:
+            yield b"".join(held)
+            held, size = [], 0
+    if held:
+        yield b"".join(held)

@@ -1,0 +1,41 @@
+"""A batch as the contract shows it."""
+
+from __future__ import annotations
+
+from datetime import datetime, timedelta
+
+from service.api.job_view import cancel_link
+from worker.jobs.records import JobView
+from worker.jobs.subscriptions import Subscriber
+from worker.settings import WorkerSettings
+
+
+def batch_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = None) -> dict[str, object]:
+    """Returns the state of a batch; for the client that submits it, with the way to withdraw it."""
+    here = f"/v1/batches/{view.id}"
+    left = view.total - view.done
+    cancel = {} if who is None else {"cancel": cancel_link(here, who)}
+    return {
+        "id": view.id,
+        "status": view.status,
+        "total": view.total,
+        "done": view.done,
+        "succeeded": view.done - view.failed,
+        "failed": view.failed + (left if view.status == "failed" else 0),
+        "canceled": left if view.status == "canceled" else 0,
+        "created_at": view.created_at,
+        "started_at": view.started_at,
+        "finished_at": view.finished_at,
+        "expires_at": _expires_at(view, settings),
+        "error": view.error,
+        "position": None if view.place is None else view.place.position,
+        "links": {"self": here, "results": f"{here}/results", "events": f"{here}/events", **cancel},
+    }
+
+
+def _expires_at(view: JobView, settings: WorkerSettings) -> str | None:
+    if view.finished_at is None:
+        return None
+    ttl = settings.job_ttl if view.status == "succeeded" else settings.failure_ttl
+    end = datetime.fromisoformat(view.finished_at) + timedelta(seconds=ttl)
+    return end.isoformat(timespec="seconds").replace("+00:00", "Z")

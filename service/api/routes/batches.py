@@ -1,0 +1,171 @@
+"""`/v1/batches`: many questions in one, their state, results, events, and their end."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Query, Request, Response
+
+from service.api import batch_docs as doc
+from service.api.access.caller import caller_of, subscriber_of
+from service.api.access.keys import allows
+from service.api.batch_intake import accept_batch
+from service.api.batch_results import BatchResults, Wanted
+from service.api.batch_view import batch_json
+from service.api.context import Context, ContextDep
+from service.api.following import follow
+from service.api.job_view import retry_after
+from service.api.negotiation import JSON, NDJSON, negotiate
+from service.api.prefer import parse_prefer
+from service.api.problems import ProblemError, ProblemType
+from service.api.sending import IS_HEAD, LARGE, LargeAnswer
+from service.api.table_forms import json_bytes
+from worker.answers.batches import KIND
+from worker.jobs.records import JobView
+from worker.jobs.subscriptions import Subscriber
+
+router = APIRouter(tags=["batches"])
+
+BatchId = Annotated[str, Path(description="The id of the batch.", examples=[doc.EXAMPLE_ID])]
+After = Annotated[
+    int, Query(ge=-1, description="Only items after this position: the last one that was received.")
+]
+Subscription = Annotated[
+    str,
+    Query(
+        pattern="^[0-9a-f]{1,64}$|^$",
+        description="Withdraws this batch; from `links.cancel` of the answer to its submission.",
+    ),
+]
+Force = Annotated[
+    bool, Query(description="Cancels the batch whoever submitted it; needs a key with scope `admin`.")
+]
+_BATCH_ID = re.compile(r"ba-[0-9a-f]{40}", re.ASCII)
+
+
+@router.post(
+    "/v1/batches",
+    summary="Many questions of any kind in one",
+    status_code=202,
+    responses=doc.POST_RESPONSES,
+    openapi_extra=doc.POST_BODY,
+)
+async def post_batch(request: Request, context: ContextDep) -> Response:
+    """Accepts a batch: as `{"items": […]}`, as lines of items (`application/x-ndjson`), or as CSV with one
+    geometry a row. An item that is not valid becomes a problem in its place; the others are computed.
+    Questions that several batches or jobs have in common are computed once.
+
+    With an `Idempotency-Key`, sending the same batch again within 24 hours gives the batch that was made
+    first.
+    """
+    negotiate(request.headers.getlist("accept"), (JSON,))
+    view, who = await accept_batch(request, context)
+    context.metrics.count_answer(KIND.name, "job")
+    return _response(context, await context.redis(context.queue.placed, view), who)
+
+
+@router.get("/v1/batches/{batch_id}", summary="The state of a batch", responses=doc.STATE_RESPONSES)
+async def get_batch(batch_id: BatchId, context: ContextDep) -> Response:
+    """Returns the state with the numbers of items by state. Until the batch has ended, `Retry-After` says
+    when to ask again."""
+    return _response(context, await context.redis(_batch, context, batch_id))
+
+
+@router.get(
+    "/v1/batches/{batch_id}/results",
+    summary="The results of a batch",
+    responses=doc.RESULTS_RESPONSES,
+    openapi_extra=doc.RESULTS_PARAMETERS,
+)
+async def get_results(
+    batch_id: BatchId, request: Request, context: ContextDep, after: After = -1
+) -> Response:
+    """Returns a line for each item that is done, in the order of the batch; each `result` is, byte for byte,
+    the document with which the question alone is answered. While the batch is running, the items that are
+    not done are left out.
+
+    With `Prefer: wait=N` the response stays open for up to N seconds (see max_batch_wait_seconds in
+    /v1/limits) and sends each line once all before it are sent; it ends with the batch. `after` resumes it.
+    With `Prefer: wait=N, order=completion` the lines come in the order in which the items are done.
+    """
+    negotiate(request.headers.getlist("accept"), (NDJSON,))
+    view = await context.redis(_batch, context, batch_id)
+    prefer, longest = parse_prefer(request.headers.getlist("prefer")), context.settings.limits
+    seconds = None if prefer.wait is None else min(prefer.wait, longest.max_batch_wait_seconds)
+    if prefer.by_completion and after >= 0:
+        raise ProblemError(
+            ProblemType.INVALID_REQUEST,
+            "after counts in the order of the batch; it cannot be combined with order=completion.",
+            errors=[("after", "leave it out with Prefer: order=completion")],
+        )
+    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    applied = [] if seconds is None else [f"wait={seconds}"]
+    if applied_all := [*applied, *(["order=completion"] if prefer.by_completion else [])]:
+        headers["Preference-Applied"] = ", ".join(applied_all)
+    if seconds is not None:
+        headers["Content-Encoding"] = "identity"  # compressed, lines would wait for each other
+    if request.scope.get(IS_HEAD):
+        return Response(headers=headers, media_type=NDJSON)
+    pieces = BatchResults(context, view).pieces(Wanted(after + 1, seconds, prefer.by_completion))
+    places = context.large_answers if seconds is None else context.followers
+    return LargeAnswer(pieces, headers, NDJSON, places, 0 if seconds is not None else LARGE)
+
+
+@router.get("/v1/batches/{batch_id}/events", summary="Follow a batch", responses=doc.EVENTS_RESPONSES)
+async def get_batch_events(batch_id: BatchId, request: Request, context: ContextDep) -> Response:
+    """Server-sent events: `status` (the batch) and `item` (an item that is done, and progress). The stream
+    ends with the batch. `Last-Event-ID` resumes it; 204 means that no events follow.
+    """
+    return await follow(request, context, await context.redis(_batch, context, batch_id))
+
+
+@router.delete("/v1/batches/{batch_id}", summary="Cancel a batch", responses=doc.CANCEL_RESPONSES)
+async def cancel_batch(
+    batch_id: BatchId,
+    request: Request,
+    context: ContextDep,
+    subscription: Subscription = "",
+    force: Force = False,
+) -> Response:
+    """Withdraws the caller's batch and returns its state. Items that are done can still be fetched; the
+    others are `canceled`. The batch of another caller is unchanged: a key withdraws what was submitted with
+    it, and without keys `links.cancel` of the answer to the submission withdraws it from anywhere.
+    """
+    caller = caller_of(request.scope)
+    if not force:
+        who = subscriber_of(caller, subscription)
+        return _response(context, await context.redis(_withdraw, context, batch_id, who))
+    if caller is None or caller.is_anonymous or not allows(caller.scope, "admin"):
+        raise ProblemError(
+            ProblemType.FORBIDDEN, "Only a key with scope admin can end the batch of another (force)."
+        )
+    return _response(context, await context.redis(_cancel, context, batch_id))
+
+
+def _batch(context: Context, batch_id: str) -> JobView:
+    view = context.queue.get(batch_id) if _BATCH_ID.fullmatch(batch_id) else None
+    if view is None:
+        detail = f"There is no batch {batch_id[:80]!r}, or it has expired."
+        raise ProblemError(ProblemType.NOT_FOUND, detail)
+    return context.queue.placed(view)
+
+
+def _withdraw(context: Context, batch_id: str, who: Subscriber) -> JobView:
+    _batch(context, batch_id)
+    return context.queue.withdraw(batch_id, who) or _batch(context, batch_id)
+
+
+def _cancel(context: Context, batch_id: str) -> JobView:
+    _batch(context, batch_id)
+    return context.queue.cancel(batch_id) or _batch(context, batch_id)
+
+
+def _response(context: Context, view: JobView, who: Subscriber | None = None) -> Response:
+    headers = {"Cache-Control": "no-store"}
+    if not view.is_terminal:
+        headers |= retry_after(view, context.settings)
+    if who is not None:
+        headers["Location"] = f"/v1/batches/{view.id}"
+    body = json_bytes(batch_json(view, context.queue.settings, who))
+    return Response(body, 200 if who is None else 202, headers, media_type=JSON)

@@ -1,0 +1,377 @@
+"""Batches over HTTP, with a real worker."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import httpx
+import pytest
+from redis import Redis
+
+from service.api.settings import Settings
+from service.schemas.limits import Limits
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import PATIENCE, until
+from tests.support.service_server import GEOMETRY, serving
+from worker.connection import connect
+from worker.jobs.attempts import ChunkEntry
+from worker.jobs.batches import Batches
+from worker.jobs.queue import JobQueue
+
+NDJSON = {"Content-Type": "application/x-ndjson"}
+CSV = {"Content-Type": "text/csv"}
+HEAD = "a2x,a3x,a3y,d1,d2,d3"
+ROW = "15.91,0,10,17.04,16.54,20.84"
+
+Line = dict[str, Any]
+
+
+def table(l1: Any, **more: Any) -> dict[str, Any]:
+    return {"kind": "cusp-table", "request": {"geometry": GEOMETRY, "l1": l1, "digits": 20}, **more}
+
+
+def poses(l2: Any, **more: Any) -> dict[str, Any]:
+    request = {"geometry": GEOMETRY, "l1": 14.98, "l2": l2, "l3": 30, "digits": 20}
+    return {"kind": "poses", "request": request, **more}
+
+
+def lines(*items: object) -> str:
+    return "".join(json.dumps(item) + "\n" for item in items)
+
+
+@pytest.fixture(scope="module")
+def client(valkey: EmbeddedValkey, worker: None) -> Iterator[httpx.Client]:  # noqa: ARG001
+    with serving(Settings(redis_url=valkey.url)) as base, httpx.Client(base_url=base) as client:
+        client.timeout = httpx.Timeout(PATIENCE)
+        yield client
+
+
+@pytest.fixture
+def redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
+    """A database of its own, without workers."""
+    with connect(f"{valkey.url}?db=2") as client:
+        client.flushdb()
+        yield client
+
+
+@pytest.fixture
+def idle(valkey: EmbeddedValkey, redis: Redis) -> Iterator[httpx.Client]:  # noqa: ARG001
+    """A service without workers, with small limits."""
+    limits = Limits(max_batch_items=5, max_batch_bytes=4000, max_body_bytes=1500)
+    settings = Settings(redis_url=f"{valkey.url}?db=2", limits=limits)
+    with serving(settings) as base, httpx.Client(base_url=base) as client:
+        client.timeout = httpx.Timeout(PATIENCE)
+        yield client
+
+
+def submitted(client: httpx.Client, body: object, headers: dict[str, str] | None = None) -> dict[str, Any]:
+    answer = (
+        client.post("/v1/batches", content=body, headers=headers)
+        if isinstance(body, str | bytes)
+        else client.post("/v1/batches", json=body, headers=headers)
+    )
+    assert answer.status_code == 202, answer.text
+    batch: dict[str, Any] = answer.json()
+    assert answer.headers["location"] == batch["links"]["self"] == f"/v1/batches/{batch['id']}"
+    return batch
+
+
+def results(
+    client: httpx.Client, batch: dict[str, Any], prefer: str = "wait=60", after: str = ""
+) -> list[Line]:
+    answer = client.get(batch["links"]["results"] + after, headers={"Prefer": prefer} if prefer else {})
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == "application/x-ndjson"
+    assert answer.headers.get("preference-applied", "") == prefer
+    return [json.loads(line) for line in answer.text.splitlines()]
+
+
+def problem(answer: httpx.Response, status: int, slug: str) -> dict[str, Any]:
+    assert (answer.status_code, answer.json()["type"]) == (status, f"/problems/{slug}"), answer.text
+    document: dict[str, Any] = answer.json()
+    return document
+
+
+@pytest.mark.parametrize(
+    ("body", "headers"),
+    [
+        ({"items": [table(27), poses(15)]}, None),
+        (json.dumps([table(27), poses(15)]), {"Content-Type": "application/json"}),
+        (lines(table(27), poses(15)), NDJSON),
+        (
+            f"{HEAD},kind,l1,l2,l3,digits\r\n{ROW},,27,,,20\r\n{ROW},poses,14.98,15,30,20\r\n",
+            CSV,
+        ),
+    ],
+    ids=["object", "array", "ndjson", "csv"],
+)
+def test_all_forms_are_one_question(
+    client: httpx.Client, body: object, headers: dict[str, str] | None
+) -> None:
+    batch = submitted(client, body, headers)
+    assert batch["total"] == 2
+    first, second = results(client, batch)
+    assert (first["index"], first["id"], first["status"]) == (0, None, "succeeded")
+    assert (second["index"], second["status"]) == (1, "succeeded")
+    assert (first["result"]["slices"][0]["count"], second["result"]["count"]) == (8, 2)
+
+
+def test_a_result_is_byte_for_byte_the_answer_to_the_question_alone(client: httpx.Client) -> None:
+    check = {"requirement": {"range": {"from": 28, "to": 29}, "max_cusps": 8}}
+    items = [
+        table([14.98, 0.5, 27]),
+        poses(16),
+        {"kind": "check", "request": {"geometry": GEOMETRY, **check}},
+        {"kind": "census", "request": {"geometry": GEOMETRY, "digits": 20, "range": {"from": 20, "to": 30}}},
+        {"kind": "article-table", "request": {"geometry": GEOMETRY, "l1": 27, "digits": 20}},
+    ]
+    batch = submitted(client, {"items": items})
+    answer = client.get(batch["links"]["results"], headers={"Prefer": "wait=60"})
+    paths = ("cusp-tables", "poses", "checks", "censuses", "cusp-tables")
+    for line, path, item in zip(answer.content.splitlines(), paths, items, strict=True):
+        request = item["request"] | ({"method": "article"} if item["kind"] == "article-table" else {})
+        alone = client.post(f"/v1/{path}", json=request)
+        assert alone.status_code == 200
+        assert line.partition(b'"result":')[2] == alone.content + b"}"
+
+
+def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
+    flat = {**GEOMETRY, "d1": 0}
+    items: list[Any] = [
+        table(27, id="good"),
+        {"id": "flat", "kind": "cusp-table", "request": {"geometry": flat, "l1": 27}},
+        {"kind": "table", "request": {}},
+        17,
+        {**poses(15), "colour": "red"},
+        table(27, id=4),
+        {"kind": "cusp-table", "request": {"geometry": GEOMETRY, "l1": 1, "deadline_s": 4}},
+        {"kind": "cusp-table", "request": {"geometry": GEOMETRY, "l1": 1, "digits": 10**6}},
+    ]
+    body = lines(*items) + '{"kind": "poses", "kind": "poses"}\n{"id": \n' + lines(poses(15, id="\ud800"))
+    batch = submitted(client, body, NDJSON)
+    assert (batch["total"], batch["failed"]) == (11, 9)
+    got = results(client, batch)
+    assert [line["index"] for line in got] == list(range(11))
+    assert [line["status"] for line in got] == ["succeeded", *["failed"] * 9, "succeeded"]
+    assert [line["id"] for line in got] == ["good", "flat", *[None] * 8, "\ud800"]
+    fields = [line["problem"]["errors"][0]["field"] for line in got[1:10]]
+    assert fields == [
+        "items[1].request.geometry.d1",
+        "items[2].kind",
+        "items[3]",
+        "items[4].colour",
+        "items[5].id",
+        "items[6].request.deadline_s",
+        "items[7].request.digits",
+        "items[8].kind",
+        "items[9]",
+    ]
+    types = [line["problem"]["type"].rpartition("/")[2] for line in got[1:10]]
+    assert types == [*["invalid-request"] * 6, "limit-exceeded", "invalid-json", "invalid-json"]
+    state = client.get(batch["links"]["self"]).json()
+    assert (state["status"], state["done"], state["succeeded"], state["failed"]) == ("succeeded", 11, 2, 9)
+    assert state["created_at"] <= state["started_at"] <= state["finished_at"] < state["expires_at"]
+
+
+def test_rows_of_every_kind(client: httpx.Client) -> None:
+    head = f"\ufeffid,kind,{HEAD},fixed_leg,l1,l1_from,l1_to,l1_step,l2,l3,digits,max_cusps"
+    rows = [
+        f"a,,{ROW},,27;28.1,,,,,,20,",
+        f"b,cusp-table,{ROW},,,26,28,1,,,20,",
+        f"c,census,{ROW},1,,20,30,,,,20,",
+        f'"d, e",check,{ROW},,,28,29,,,,,8',
+        f"f,cusp-table,{ROW},2,,,,,17,,20,",
+        "",
+        f"g,cusp-table,{ROW},,,,,,,,,",
+        f"h,poses,{ROW},,1,,,,2,,,",
+    ]
+    got = results(client, submitted(client, "\n".join([head, *rows]), CSV))
+    assert [line["id"] for line in got] == ["a", "b", "c", "d, e", "f", "g", "h"]
+    assert [line["status"] for line in got] == [*["succeeded"] * 5, "failed", "failed"]
+    assert [part["l1"] for part in got[1]["result"]["slices"]] == ["26", "27", "28"]
+    assert got[2]["result"]["range"] == {"from": "20", "to": "30"}
+    assert got[3]["result"]["passed"] is False
+    assert [line["problem"]["errors"][0]["field"] for line in got[5:]] == [
+        "items[5].request.l1",
+        "items[6].request.l3",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("body", "headers", "slug"),
+    [
+        ('{"items": []}', {}, "invalid-request"),
+        ("", NDJSON, "invalid-request"),
+        (f"{HEAD},l1\n", CSV, "invalid-request"),
+        (f"{HEAD},l1,colour\n", CSV, "invalid-request"),
+        (f"{HEAD},l1,l1\n", CSV, "invalid-request"),
+        ("a2x,l1\n", CSV, "invalid-request"),
+        (f'{HEAD},l1\n{ROW},"1\n2"\n', CSV, "invalid-csv"),
+        (f"{HEAD},l1\n{ROW},1,2\n", CSV, "invalid-csv"),
+        (b"a2x\xff\n", CSV, "invalid-csv"),
+        ('{"questions": []}', {}, "invalid-request"),
+        ('{"items": [{}', {}, "invalid-json"),
+        ('{"items": [{},,{}]}', {}, "invalid-json"),
+        ('{"items": [{}, ]}', {}, "invalid-json"),
+        ('{"items": [{}}]}', {}, "invalid-json"),
+        ('{"items": [{}]', {}, "invalid-json"),
+        ('{"items": [{}]} {}', {}, "invalid-json"),
+        ('{"items": [{}], "name": "a"}', {}, "invalid-request"),
+        ("[{}]}", {}, "invalid-json"),
+        (lines(*[table(1)] * 6), NDJSON, "limit-exceeded"),
+        (lines(table([1] * 1000)), NDJSON, "limit-exceeded"),
+        (lines(table({"from": 1, "to": 2, "step": 0.001})), NDJSON, "limit-exceeded"),
+        (b" " * 5000, NDJSON, "body-too-large"),
+        (lines(table(1)), {"Content-Type": "text/plain"}, "unsupported-media-type"),
+        (lines(table(1)), {**NDJSON, "Content-Encoding": "gzip"}, "unsupported-media-type"),
+        (lines(table(1)), {**NDJSON, "Idempotency-Key": "a key"}, "invalid-header"),
+    ],
+)
+def test_what_is_refused_as_a_whole(
+    idle: httpx.Client, redis: Redis, body: str | bytes, headers: dict[str, str], slug: str
+) -> None:
+    headers = {"Content-Type": "application/json"} | headers
+    answer = idle.post("/v1/batches", content=body, headers=headers)
+    assert answer.json()["type"] == f"/problems/{slug}", answer.text
+    assert 400 <= answer.status_code < 500
+    assert redis.keys("cusps:job:*") == redis.keys("cusps:submission:*") == []
+
+
+def test_a_body_in_small_pieces(client: httpx.Client) -> None:
+    items = [table(27, id='a "quoted" ]} \\ name'), poses(15, id="é")]
+    body = json.dumps({"items": items}, ensure_ascii=False, indent=1).encode()
+    pieces = (body[i : i + 7] for i in range(0, len(body), 7))
+    answer = client.post("/v1/batches", content=pieces, headers={"Content-Type": "application/json"})
+    assert [line["id"] for line in results(client, answer.json())] == ['a "quoted" ]} \\ name', "é"]
+
+
+class Worker:
+    """The test as a worker of a batch."""
+
+    def __init__(self, redis: Redis, batch: dict[str, Any]) -> None:
+        self.queue = JobQueue(redis)
+        self.batches = Batches(redis, self.queue.settings)
+        self.id = batch["id"]
+
+    def entry(self) -> ChunkEntry:
+        [entry] = [e for e in self.queue.records.open_chunks() if e.ref.job_id == self.id]
+        return entry
+
+    def answer(self, *offsets: int) -> None:
+        from worker.answers.items import ItemSolver
+
+        ref = self.entry().ref
+        chunk = self.queue.records.start(ref)
+        assert chunk is not None
+        items = self.batches.items_of(ref, chunk)
+        for offset in offsets:
+            request = items[offset].request
+            assert request is not None
+            outcome = ItemSolver(self.queue.store).answer(request)
+            self.batches.put_item(ref, chunk, offset, outcome)
+
+
+def test_results_while_it_runs_and_after_its_end_for_some(idle: httpx.Client, redis: Redis) -> None:
+    batch = submitted(idle, [poses(x) for x in (15, 16, 17)])
+    assert (batch["status"], batch["done"], batch["expires_at"]) == ("queued", 0, None)
+    assert results(idle, batch, "") == []
+    worker = Worker(redis, batch)
+    worker.answer(1)
+    state = idle.get(batch["links"]["self"])
+    assert state.headers["retry-after"]
+    assert (state.json()["status"], state.json()["succeeded"]) == ("running", 1)
+    assert [line["index"] for line in results(idle, batch, "")] == [1]
+    assert [line["index"] for line in results(idle, batch, "wait=0")] == []
+    worker.answer(0)
+    assert [line["index"] for line in results(idle, batch, "wait=0")] == [0, 1]
+    assert [line["index"] for line in results(idle, batch, "", "?after=0")] == [1]
+    assert [line["index"] for line in results(idle, batch, "wait=0, order=completion")] == [1, 0]
+    both = idle.get(f"{batch['links']['results']}?after=0", headers={"Prefer": "order=completion"})
+    problem(both, 422, "invalid-request")
+    problem(idle.get(batch["links"]["results"], headers={"Accept": "text/csv"}), 406, "not-acceptable")
+    canceled = idle.delete(batch["links"]["cancel"]).json()
+    assert (canceled["status"], canceled["succeeded"], canceled["canceled"]) == ("canceled", 2, 1)
+    statuses = [line["status"] for line in results(idle, batch, "")]
+    assert statuses == ["succeeded", "succeeded", "canceled"]
+    assert [line["index"] for line in results(idle, batch, "wait=9, order=completion")] == [1, 0, 2]
+
+
+def test_a_batch_of_another_client_goes_on(idle: httpx.Client) -> None:
+    batch = submitted(idle, [poses(15)])
+    answer = idle.delete(f"{batch['links']['self']}?subscription=abc")
+    assert (answer.status_code, answer.json()["status"]) == (200, "queued")
+    problem(idle.delete(f"{batch['links']['self']}?force=true"), 403, "forbidden")
+    problem(idle.get(f"/v1/jobs/{batch['id']}/result"), 404, "not-found")
+    problem(idle.get("/v1/batches/ba-0"), 404, "not-found")
+
+
+def test_results_that_expired(client: httpx.Client, valkey: EmbeddedValkey) -> None:
+    batch = submitted(client, [poses("15.5"), poses("15.25")])
+    assert len(results(client, batch)) == 2
+    with connect(valkey.url) as redis:
+        queue = JobQueue(redis)
+        [stored] = Batches(redis, queue.settings).read(batch["id"], [1])
+        assert stored.item.request is not None
+        redis.delete(queue.store.keys.document(stored.item.request.content_hash))
+    first, second = results(client, batch, "")
+    assert (first["status"], second["status"]) == ("succeeded", "failed")
+    assert second["problem"]["type"] == "/problems/result-expired"
+
+
+def test_lines_come_as_they_are_done(idle: httpx.Client, redis: Redis) -> None:
+    batch = submitted(idle, [poses(x) for x in (15, 16, 17)])
+    worker = Worker(redis, batch)
+    with idle.stream("GET", batch["links"]["results"], headers={"Prefer": "wait=60"}) as answer:
+        got = answer.iter_lines()
+        worker.answer(0)
+        assert json.loads(next(got))["index"] == 0
+        worker.answer(1, 2)
+        assert [json.loads(line)["index"] for line in got] == [1, 2]
+
+
+def test_events(client: httpx.Client) -> None:
+    batch = submitted(client, [poses("15.75"), 1, poses("15.875")])
+    with client.stream("GET", batch["links"]["events"]) as answer:
+        text = "".join(answer.iter_text())
+    events = [dict(line.split(": ", 1) for line in part.splitlines()) for part in text.strip().split("\n\n")]
+    named = [(event["event"], json.loads(event["data"])) for event in events if "event" in event]
+    assert [name for name, _ in named] == ["status", "status", "item", "item", "status"]
+    assert named[2][1] == {"index": 0, "status": "succeeded", "progress": {"done": 2, "total": 3}}
+    assert named[-1][1]["links"] == {k: v for k, v in batch["links"].items() if k != "cancel"}
+    assert (named[-1][1]["status"], named[-1][1]["failed"]) == ("succeeded", 1)
+    last = {"Last-Event-ID": events[-1]["id"]}
+    assert client.get(batch["links"]["events"], headers=last).status_code == 204
+
+
+def test_the_same_submission_is_one_batch(idle: httpx.Client, redis: Redis) -> None:
+    key = {**NDJSON, "Idempotency-Key": "7f9c2ba4"}
+    first = submitted(idle, lines(poses(15)), key)
+    assert submitted(idle, lines(poses(15)), key)["id"] == first["id"]
+    assert submitted(idle, lines(poses(15)), {**NDJSON, "Idempotency-Key": "other"})["id"] != first["id"]
+    again = idle.post("/v1/batches", content=lines(poses(16)), headers=key)
+    assert problem(again, 422, "idempotency-key-reused")["errors"][0]["field"] == "Idempotency-Key"
+    [name] = [x for x in redis.keys("cusps:submission:*") if redis.hget(x, "job") == first["id"].encode()]
+    assert redis.ttl(name) > 86000
+
+
+def test_a_submission_that_is_still_received(idle: httpx.Client, redis: Redis) -> None:
+    key = {**NDJSON, "Idempotency-Key": "slow"}
+
+    def body() -> Iterator[bytes]:
+        yield lines(poses(15)).encode()
+        until(lambda: redis.keys("cusps:submission:*"))
+        answer = idle.post("/v1/batches", content=lines(poses(15)), headers=key)
+        problem(answer, 409, "submission-in-progress")
+        assert int(answer.headers["retry-after"]) >= 1
+        yield lines(poses(16)).encode()
+
+    answer = idle.post("/v1/batches", content=body(), headers=key)
+    assert (answer.status_code, answer.json()["total"]) == (202, 2)
+
+
+def test_a_refused_submission_leaves_its_key(idle: httpx.Client) -> None:
+    key = {**NDJSON, "Idempotency-Key": "again"}
+    problem(idle.post("/v1/batches", content=lines(*[poses(15)] * 6), headers=key), 422, "limit-exceeded")
+    assert submitted(idle, lines(poses(15)), key)["total"] == 1
