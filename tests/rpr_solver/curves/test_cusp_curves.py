@@ -185,7 +185,7 @@ def test_spread_samples_every_curve_between_its_ends() -> None:
         assert c.points == tuple(sorted(c.points, key=lambda p: p.length))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_intervals_too_narrow_for_their_digits_keep_a_sample() -> None:
     coarse, start, stop = cusp_curves(INNOCENTI, digits=15), Fraction("14.5"), Fraction("14.6")
     lengths = coarse.spread(2000, start, stop)
@@ -247,7 +247,7 @@ def angles(p: CurvePoint) -> newton.Point:
     return radians(float(p.point.alpha_deg)), radians(float(p.point.theta1_deg))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_walk_in_floating_point_stays_on_the_curve() -> None:
     """From sample to sample by small steps of L and Newton's method, away from the ends of the curve."""
     manipulator = EXAMPLES["zein-flat"]
@@ -304,7 +304,7 @@ def test_scale_and_mirror() -> None:
     assert answers["refused"] <= answers["given"] / 4
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.timeout(400)
 @pytest.mark.hypothesis
 def test_random_curves_agree_with_slices() -> None:
