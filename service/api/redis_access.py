@@ -102,7 +102,8 @@ class Refusals:
 
     def tell(self, error: Exception) -> None:
         """Log an error of Redis."""
-        text = f"{type(error).__name__}: {str(error).rpartition('caused error: ')[2]}"[:300]
+        reason = str(error).rpartition("caused error: ")[2].partition(" script: ")[0]
+        text = f"{type(error).__name__}: {reason}"[:300]
         now = time.monotonic()
         if now - self._told.get(text, -_QUIET) < _QUIET:
             return

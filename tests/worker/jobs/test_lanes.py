@@ -30,8 +30,9 @@ def test_the_plan_of_a_job(cost: Cost, parts: int, lane: str, size: int, count: 
 
 
 def test_duties() -> None:
-    assert {lane for order in lanes_of("light") for lane in order} == {"small", "bulk"}
+    light = lanes_of("light")
+    assert all(set(order) == {"small", "bulk", "batch"} for order in light)
     orders = lanes_of("all")
-    assert {order[0] for order in orders} == {"small"}
-    assert {order[1] for order in orders} == {"bulk", "heavy"}
     assert all(set(order) == set(LANES) for order in orders)
+    assert {order[0] for order in (*light, *orders)} == {"small"}
+    assert {order[1] for order in orders} == set(LANES) - {"small"}  # they take turns

@@ -123,4 +123,4 @@ def test_who_asks_while_the_others_withdraw_keeps_the_job(queue: JobQueue) -> No
             queue.withdraw(view.id, KEY)
         for other in others:
             other.result()
-    assert queue.depth() == 0
+    assert queue.records.open_chunks() == []
