@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Generator, Iterator, Mapping
+from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING, Any
 
 from pydantic import TypeAdapter
@@ -92,7 +92,7 @@ def document_of(url: str, question: Question, progress: Progress) -> dict[str, A
 
 def slices_of(
     client: ServiceClient, question: CuspTableRequest, progress: Progress
-) -> tuple[dict[str, Any], Iterator[Mapping[str, Any]]]:
+) -> tuple[dict[str, Any], Generator[Mapping[str, Any], None, None]]:
     """Returns the head of a cusp table, and its slices as a service computes them."""
     from service.client import Asked
 
@@ -100,9 +100,10 @@ def slices_of(
     head["solver_version"] = client.version()["solver_version"]
     count = len(question.content()["l1"])
 
-    def counted() -> Iterator[Mapping[str, Any]]:
-        for done, answered in enumerate(client.slices(Asked.of(question)), 1):
-            yield answered
-            progress(done, count)
+    def counted() -> Generator[Mapping[str, Any], None, None]:
+        with closing(client.slices(Asked.of(question))) as slices:
+            for done, answered in enumerate(slices, 1):
+                yield answered
+                progress(done, count)
 
     return head, counted()

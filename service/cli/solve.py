@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from fractions import Fraction
 from typing import Any
 
@@ -67,7 +67,8 @@ def run(args: argparse.Namespace) -> int:
             head, slices = _solve(question, progress)
         elif args.format in STREAMED:
             client = stack.enter_context(remote.client_of(args.url))
-            head, slices = remote.slices_of(client, question, progress)
+            head, coming = remote.slices_of(client, question, progress)
+            slices = stack.enter_context(closing(coming))  # which withdraws the question
         else:
             head = remote.document_of(args.url, question, progress)
             slices = head["slices"]

@@ -64,18 +64,16 @@ class AsyncServiceClient:
         leg, lengths = lengths_of(asked)
         ready = InOrder(lengths)
         talk = Conversation(self.url)
-        call = Call("POST", asked.path, asked.question.body(), prefer="respond-async")
-        answer = await self._drive(talk.sent(call))
-        if answer.status_code != 200:
-            talk.job = as_object(answer)
-            try:
+        try:
+            answer = await self._drive(talk.posted(asked, "respond-async"))
+            if talk.job is not None:
                 async for length, part in self._events(talk.job["links"]["events"]):
                     for ready_part in ready.take(length, part):
                         yield ready_part
                 answer = await self._drive(talk.awaited())
-            except anyio.get_cancelled_exc_class():
-                await self._withdraw(talk)
-                raise
+        except anyio.get_cancelled_exc_class():
+            await self._withdraw(talk)
+            raise
         for part in as_object(answer)["slices"]:
             for ready_part in ready.take(part[leg], part):
                 yield ready_part

@@ -68,14 +68,18 @@ class Conversation:
 
     def answer(self, asked: Asked[M]) -> Talk[Answer[M]]:
         """Post a question and wait for its answer."""
-        call = Call("POST", asked.path, asked.question.body(), prefer=f"wait={_FIRST_WAIT}")
-        self._posted = asked.question.job_request().job_id
-        answer = yield from self.sent(call)
-        self._posted = ""
-        if answer.status_code == 200:
+        answer = yield from self.posted(asked, f"wait={_FIRST_WAIT}")
+        if self.job is None:
             return Answer(answer.content, asked.model)
-        self.job = as_object(answer)
         return Answer((yield from self.awaited()).content, asked.model)
+
+    def posted(self, asked: Asked[M], prefer: str) -> Talk[httpx.Response]:
+        """Post a question; unless the answer is known, it has a job then."""
+        self._posted = asked.question.job_request().job_id
+        answer = yield from self.sent(Call("POST", asked.path, asked.question.body(), prefer=prefer))
+        self._posted = ""
+        self.job = None if answer.status_code == 200 else as_object(answer)
+        return answer
 
     def result(self, job_id: str, accept: str) -> Talk[bytes]:
         """Wait for a job and get its result."""

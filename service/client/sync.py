@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from typing import Any, Self, TypeVar
 
 import httpx
@@ -52,7 +52,7 @@ class ServiceClient:
         except KeyboardInterrupt:
             raise self._drive(talk.withdrawn()) from None
 
-    def slices(self, asked: Asked[CuspTable]) -> Iterator[Mapping[str, Any]]:
+    def slices(self, asked: Asked[CuspTable]) -> Generator[Mapping[str, Any], None, None]:
         """Yields the slices of a table in the order asked, each as soon as those before it are there.
 
         Raises:
@@ -61,20 +61,17 @@ class ServiceClient:
         leg, lengths = lengths_of(asked)
         ready = InOrder(lengths)
         talk = Conversation(self.url)
-        answer = self._drive(
-            talk.sent(Call("POST", asked.path, asked.question.body(), prefer="respond-async"))
-        )
-        if answer.status_code != 200:
-            talk.job = as_object(answer)
-            try:
+        try:
+            answer = self._drive(talk.posted(asked, "respond-async"))
+            if talk.job is not None:
                 for length, part in self._events(talk.job["links"]["events"]):
                     yield from ready.take(length, part)
                 answer = self._drive(talk.awaited())
-            except KeyboardInterrupt:
-                raise self._drive(talk.withdrawn()) from None
-            except GeneratorExit:
-                self._drive(talk.withdrawn())
-                raise
+        except KeyboardInterrupt:
+            raise self._drive(talk.withdrawn()) from None
+        except GeneratorExit:
+            self._drive(talk.withdrawn())
+            raise
         for part in as_object(answer)["slices"]:
             yield from ready.take(part[leg], part)
 

@@ -100,6 +100,7 @@ def waiting(idle_url: str, length: str) -> tuple[list[str], str]:
 
 
 def test_ctrl_c_cancels_the_job_and_says_so(idle_url: str, idle_queue: JobQueue) -> None:
+    until(lambda: not awaited(idle_queue))
     line, job_id = waiting(idle_url, "79.25")
     with started([*line, "--format", "csv"], env=ENVIRONMENT, stderr=subprocess.PIPE, text=True) as process:
         until(lambda: idle_queue.get(job_id))
@@ -125,6 +126,7 @@ def test_ctrl_c_at_any_moment_names_the_job(idle_url: str, idle_queue: JobQueue)
 def test_ctrl_c_says_how_to_come_back_to_a_job_that_others_wait_for(
     idle_url: str, idle_queue: JobQueue
 ) -> None:
+    until(lambda: not awaited(idle_queue))
     line, job_id = waiting(idle_url, "79.5")
     with ServiceClient(idle_url) as client:
         other = cusp_table(ZEIN, "79.5", digits=15).question.body()
