@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
+import json
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import httpx
 import pytest
 from redis import Redis
 
 from tests.support.jobs import a_document, a_request, ended, read_batch, submit_batch
-from tests.support.processes import PATIENCE, Workers, until
+from tests.support.processes import PATIENCE, Workers, descendants, until
+from tests.support.service_server import GEOMETRY
+from tests.support.stack import Stack, running
 from worker.answers.items import Item
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
@@ -98,3 +111,114 @@ def test_batches_with_the_same_questions(redis: Redis, workers: Workers) -> None
     for view in views:
         assert ended(queue, view.id).status == "succeeded"
     assert redis.get("eliminations") == b"1"
+
+
+def small_items(count: int) -> Iterator[bytes]:
+    """Questions that take milliseconds, none twice: slices and poses of one manipulator."""
+    for i in range(count):
+        request = {"geometry": GEOMETRY, "digits": 15, "l1": f"{20 + i / 1000:.3f}"}
+        if i % 2:
+            request |= {"l2": "17", "l3": "21"}
+        item = {"id": str(i), "kind": "poses" if i % 2 else "cusp-table", "request": request}
+        yield json.dumps(item).encode() + b"\n"
+
+
+def largest(pid: int) -> int:
+    """The largest resident memory of a process so far, in KiB; 0 if it is gone."""
+    try:
+        [line] = [x for x in Path(f"/proc/{pid}/status").read_text().splitlines() if x.startswith("VmHWM")]
+    except (OSError, ValueError):
+        return 0
+    return int(line.split()[1])
+
+
+class Reader:
+    """Reads the results of a batch as they come, and goes on where it stopped when the API is gone.
+
+    `acts`: number of results → what to do as soon as so many are there.
+    """
+
+    def __init__(
+        self, client: httpx.Client, batch: dict[str, Any], acts: dict[int, Callable[[], None]]
+    ) -> None:
+        self.client = client
+        self.batch = batch
+        self.acts = acts
+        self.received: list[int] = []
+        self.breaks = 0
+
+    def read(self) -> None:
+        """Read all."""
+        while len(self.received) < self.batch["total"]:
+            try:
+                self._read()
+            except httpx.TransportError:
+                self.breaks += 1
+                time.sleep(0.1)
+
+    def _read(self) -> None:
+        path = f"{self.batch['links']['results']}?after={len(self.received) - 1}"
+        with self.client.stream("GET", path, headers={"Prefer": "wait=20"}) as answer:
+            assert answer.status_code == 200
+            for line in answer.iter_lines():
+                result = json.loads(line)
+                assert result["status"] == "succeeded"
+                assert result["id"] == str(result["index"])
+                self.received.append(result["index"])
+                self.acts.get(len(self.received), lambda: None)()
+
+
+def kill(stack: Stack, part: str) -> None:
+    """Kill a child of the supervisor, and wait for another in its place."""
+    pid = stack.part(part)
+    os.kill(pid, signal.SIGKILL)
+    until(lambda: part_of(stack, part) not in (None, pid))
+
+
+def part_of(stack: Stack, part: str) -> int | None:
+    try:
+        return stack.part(part)
+    except ValueError:
+        return None
+
+
+@pytest.mark.long
+@pytest.mark.timeout(480)
+def test_ten_thousand_items(tmp_path: Path) -> None:
+    """A worker and the API are killed, twice each, while a batch of 10,000 items runs and is read. None is
+    lost or sent twice, and the API and each worker with its work horse stay below 300 MiB.
+    """
+    count = 10_000
+    memory: dict[int, int] = {}
+
+    def look(stack: Stack) -> None:
+        table = subprocess.run(["ps", "-eo", "pid=,ppid="], capture_output=True, text=True, check=True).stdout
+        children = [
+            int(pid) for pid, parent in map(str.split, table.splitlines()) if int(parent) == stack.process.pid
+        ]
+        for pid in children:
+            used = largest(pid) + sum(map(largest, descendants(pid)))
+            memory[pid] = max(used, memory.get(pid, 0))
+
+    with running(tmp_path / "data", workers=1, log_level="CRITICAL") as stack:
+        client = httpx.Client(base_url=stack.base, timeout=PATIENCE)
+        answer = client.post(
+            "/v1/batches", content=small_items(count), headers={"Content-Type": "application/x-ndjson"}
+        )
+        assert answer.status_code == 202
+        batch = answer.json()
+        assert (batch["total"], batch["failed"]) == (count, 0)
+        acts = {n: partial(look, stack) for n in range(500, count + 1, 500)}
+        acts |= {n: partial(kill, stack, "worker.__main__") for n in (1500, 6500)}
+        acts |= {n: partial(kill, stack, "api_process") for n in (3250, 8250)}
+        reader = Reader(client, batch, acts)
+        reader.read()
+        assert reader.received == list(range(count))
+        assert reader.breaks >= 2
+        state = client.get(batch["links"]["self"]).json()
+        assert (state["status"], state["succeeded"], state["failed"]) == ("succeeded", count, 0)
+        whole = client.get(batch["links"]["results"]).text.splitlines()
+        assert [json.loads(line)["index"] for line in whole] == list(range(count))
+        look(stack)
+        assert 50 << 10 < max(memory.values()) < 300 << 10
+        client.close()
