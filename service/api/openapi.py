@@ -16,7 +16,7 @@ from service.api.access.docs import describe_access
 from service.api.operations import OPERATIONS
 from service.schemas.batches import Batch, BatchRequest, BatchResult
 from service.schemas.jobs import Job
-from service.schemas.numbers import EXACT_NUMBER
+from service.schemas.numbers import EXACT_NUMBER, POSITIVE_NUMBER
 from service.schemas.operations import Health, LimitsDocument, Readiness, Version
 from service.schemas.problems import ProblemDocument
 
@@ -43,6 +43,8 @@ MODELS: tuple[type[BaseModel], ...] = (
     *(BatchRequest, Batch, BatchResult, Job, ProblemDocument, Health, Readiness, Version, LimitsDocument),
 )
 """All documents of the contract."""
+NUMBERS = {"ExactNumber": EXACT_NUMBER, "PositiveNumber": POSITIVE_NUMBER}
+"""The schemas of numbers in requests, by name."""
 
 
 def describe(app: FastAPI) -> None:
@@ -92,7 +94,7 @@ def _schemas() -> dict[str, Any]:
     titles = {name: value["title"] for name, value in schema["$defs"].items()}
     tidy = {titles[name]: _tidy(value, titles) for name, value in schema["$defs"].items()}
     return {
-        "ExactNumber": {"title": "ExactNumber", **EXACT_NUMBER},
+        **{name: {"title": name, **number} for name, number in NUMBERS.items()},
         **{title: {"title": title, **value} for title, value in tidy.items()},
     }
 
@@ -104,10 +106,11 @@ def _tidy(value: Any, titles: Mapping[str, str]) -> Any:
     if not isinstance(value, dict):
         return value
     schema = {key: _tidy(item, titles) for key, item in value.items()}
-    if schema.get("oneOf") == EXACT_NUMBER["oneOf"]:
-        own = {} if schema["description"] == EXACT_NUMBER["description"] else schema
-        described = {key: own[key] for key in ("description",) if key in own}
-        return {"$ref": "#/components/schemas/ExactNumber", **described}
+    for name, number in NUMBERS.items():
+        if schema.get("oneOf") == number["oneOf"]:
+            text = schema["description"]
+            described = {} if text == number["description"] else {"description": text}
+            return {"$ref": f"#/components/schemas/{name}", **described}
     if isinstance(schema.get("title"), str) and "properties" not in schema:
         del schema["title"]  # derived from the name of the field
     if isinstance(ref := schema.get("$ref"), str):

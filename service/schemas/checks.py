@@ -36,10 +36,17 @@ class JointLimits(Document):
     l3: JointLimit | None = None
 
 
+# As a condition, since generators of clients drop the members beside an `anyOf`.
+_A_BOUND: dict[str, Any] = {
+    "if": {"properties": {"max_cusps": {"type": "null"}}},
+    "then": {"required": ["min_cusps"], "properties": {"min_cusps": {"type": "integer"}}},
+}
+
+
 class RequirementDocument(Document):
     """Bounds on the number of cusps in every slice of a range; give max_cusps, min_cusps or both."""
 
-    model_config = ConfigDict(title="Requirement")
+    model_config = ConfigDict(title="Requirement", json_schema_extra=_A_BOUND)
 
     expected: ClassVar[str] = "give an object with range and max_cusps or min_cusps"
 

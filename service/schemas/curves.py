@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import BaseModel, Field, ValidationInfo, field_validator
 
 from rpr_solver import exact_str
 from service.schemas.lengths import (
@@ -14,7 +14,6 @@ from service.schemas.lengths import (
     Range,
     Slices,
     SlicesOfOneLeg,
-    own_slices_only,
     range_field,
     slices_field,
 )
@@ -26,9 +25,11 @@ from worker.answers.requests import Kind
 
 
 class CuspCurvesRequest(SlicesOfOneLeg, Question):
-    """A manipulator, the leg whose length is the parameter, and the requested points."""
+    """A manipulator, the leg whose length is the parameter, and the requested points.
 
-    model_config = ConfigDict(json_schema_extra=own_slices_only(required=False))
+    Lengths are given for the fixed leg alone: as `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg`
+    3.
+    """
 
     expected: ClassVar[str] = "send an object with geometry"
     kinds: ClassVar[Sequence[Kind]] = (curves.KIND,)

@@ -20,7 +20,7 @@ from rpr_solver import LengthRange, exact_str, parse_exact
 from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.document import Document, Source, part, unnamed
 from service.schemas.limits import LimitError, Limits
-from service.schemas.numbers import FIXED_LEGS, Exact, exact_number
+from service.schemas.numbers import FIXED_LEGS, Exact, Positive, exact_number
 
 LEGS = ("l1", "l2", "l3")
 
@@ -34,7 +34,7 @@ class SliceRange(Document):
 
     start: Exact = Field(alias="from", description="The first value.")
     stop: Exact = Field(alias="to", description="The end of the range; >= `from`.")
-    step: Exact = Field(description="> 0")
+    step: Positive = Field(description="> 0")
 
     @model_validator(mode="after")
     def _is_not_empty(self) -> Self:
@@ -236,18 +236,3 @@ def _leg_of(value: Mapping[str, Any]) -> int | None:
     except InputError:
         return None
     return int(leg) if leg in FIXED_LEGS else None
-
-
-def own_slices_only(*, required: bool) -> dict[str, Any]:
-    """Returns the schema of questions that give lengths of the fixed leg alone."""
-
-    def one_leg(leg: int) -> dict[str, Any]:
-        own = [f"l{leg}"] if required else []
-        return {
-            "title": f"fixed_leg {leg}",
-            "properties": {"fixed_leg": {"const": leg}},
-            "required": own if leg == 1 else [*own, "fixed_leg"],
-            "not": {"anyOf": [{"required": [f"l{other}"]} for other in FIXED_LEGS if other != leg]},
-        }
-
-    return {"oneOf": [one_leg(leg) for leg in FIXED_LEGS]}

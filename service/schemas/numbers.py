@@ -22,7 +22,18 @@ EXACT_NUMBER: dict[str, Any] = {
     "digit counts; nothing is rounded to a binary float.",
     "examples": [17.04, "17.04", "426/25", "1.704e1"],
 }
-"""The schema of every number in a request."""
+"""The schema of a number in a request."""
+
+POSITIVE_PATTERN = NUMBER_PATTERN.replace("[+-]?(", r"\+?(").replace(r"[+-]?\d+/", r"\+?\d+/")
+POSITIVE_NUMBER: dict[str, Any] = {
+    "oneOf": [
+        {"type": "number", "exclusiveMinimum": 0},
+        {"type": "string", "pattern": POSITIVE_PATTERN},
+    ],
+    "description": "An exact number > 0, as a JSON number or a string.",
+    "examples": EXACT_NUMBER["examples"],
+}
+"""The schema of a number that must be positive."""
 
 FIXED_LEGS = (1, 2, 3)
 
@@ -144,12 +155,29 @@ def _short(number: int) -> str:
     return text if len(text) <= 20 else f"{text[:20]}…"
 
 
-_DESCRIBED = (PlainSerializer(exact_str, return_type=str), WithJsonSchema(EXACT_NUMBER))
+_AS_TEXT = PlainSerializer(exact_str, return_type=str)
 
-Exact = Annotated[Fraction, PlainValidator(exact_number), *_DESCRIBED, Expected("give a number")]
+Exact = Annotated[
+    Fraction, PlainValidator(exact_number), _AS_TEXT, WithJsonSchema(EXACT_NUMBER), Expected("give a number")
+]
 """An exact number."""
 
-Length = Annotated[Fraction, PlainValidator(_length), *_DESCRIBED, Expected("give a number > 0")]
+Positive = Annotated[
+    Fraction,
+    PlainValidator(exact_number),
+    _AS_TEXT,
+    WithJsonSchema(POSITIVE_NUMBER),
+    Expected("give a number"),
+]
+"""An exact number whose document checks that it is positive, in its own words."""
+
+Length = Annotated[
+    Fraction,
+    PlainValidator(_length),
+    _AS_TEXT,
+    WithJsonSchema(POSITIVE_NUMBER),
+    Expected("give a number > 0"),
+]
 """The length of a leg."""
 
 FixedLeg = Annotated[int, PlainValidator(_fixed_leg, json_schema_input_type=Literal[FIXED_LEGS])]

@@ -14,7 +14,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo
 
 from rpr_solver import Manipulator
 from service.schemas.document import Document, Expected, Source, part, unnamed
-from service.schemas.numbers import DeadlineSeconds, Exact
+from service.schemas.numbers import DeadlineSeconds, Exact, Positive
 from worker.answers.requests import JobRequest, Kind
 
 EXAMPLE_GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
@@ -32,9 +32,9 @@ class Geometry(Document):
     a2x: Exact = Field(description="x of the base point A2; not 0.")
     a3x: Exact = Field(description="x of the base point A3.")
     a3y: Exact = Field(description="y of the base point A3.")
-    d1: Exact = Field(description="|B1B2|, a side of the platform; > 0.")
-    d2: Exact = Field(description="|B2B3|, a side of the platform; > 0.")
-    d3: Exact = Field(description="|B3B1|, a side of the platform; > 0.")
+    d1: Positive = Field(description="|B1B2|, a side of the platform; > 0.")
+    d2: Positive = Field(description="|B2B3|, a side of the platform; > 0.")
+    d3: Positive = Field(description="|B3B1|, a side of the platform; > 0.")
     orientation: Literal["ccw", "cw"] = Field(
         "ccw", description="Whether B1, B2, B3 run counter-clockwise or clockwise."
     )

@@ -1,0 +1,92 @@
+"""Clients that others generate from openapi.yaml."""
+
+from __future__ import annotations
+
+import importlib
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from service.api.app import create_app
+from service.openapi_yaml import FILE
+from tests.support.service_server import GEOMETRY
+
+NAMES = {"post_cusp_table", "post_census", "post_cusp_curves", "post_check", "post_poses", "get_job"}
+
+
+def parts(schema: Any) -> Iterator[dict[str, Any]]:
+    """A schema and all schemas in it."""
+    if isinstance(schema, dict):
+        yield schema
+    for item in schema.values() if isinstance(schema, dict) else schema:
+        if isinstance(item, dict | list):
+            yield from parts(item)
+
+
+def test_every_alternative_in_a_schema_has_a_type() -> None:
+    schemas = create_app().openapi()["components"]["schemas"]
+    alternatives = [
+        choice
+        for part in parts(schemas)
+        for name in ("oneOf", "anyOf", "allOf")
+        for choice in part.get(name, ())
+    ]
+    assert len(alternatives) > 20
+    assert [choice for choice in alternatives if not {"type", "$ref"} & choice.keys()] == []
+    assert [part for part in parts(schemas) if "not" in part] == []
+
+
+def test_the_rules_of_a_requirement_and_of_positive_numbers_are_in_the_schema() -> None:
+    schemas = create_app().openapi()["components"]["schemas"]
+    number, text = schemas["PositiveNumber"]["oneOf"]
+    assert number == {"type": "number", "exclusiveMinimum": 0}
+    assert text["type"] == "string"
+    positive = {"$ref": "#/components/schemas/PositiveNumber"}
+    assert positive.items() <= schemas["Geometry"]["properties"]["d1"].items()
+    assert positive.items() <= schemas["PosesRequest"]["properties"]["l1"].items()
+    assert schemas["Requirement"]["then"]["required"] == ["min_cusps"]
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    folder = tmp_path_factory.mktemp("generated")
+    made = subprocess.run(
+        [
+            *(sys.executable, "-m", "openapi_python_client", "generate", "--meta", "none"),
+            *("--path", str(FILE), "--output-path", str(folder / "rpr_cusps_generated")),
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert made.returncode == 0, made.stdout + made.stderr
+    assert "will not be generated" not in made.stdout + made.stderr
+    sys.path.insert(0, str(folder))
+    try:
+        yield "rpr_cusps_generated"
+    finally:
+        sys.path.remove(str(folder))
+
+
+@pytest.mark.long
+def test_a_generated_client_gets_a_table(generated: str, base_url: str) -> None:
+    def of(name: str) -> Any:
+        return importlib.import_module(f"{generated}.{name}")
+
+    made = {path.stem for path in Path(of("api").__file__).parent.glob("*/*.py")}
+    assert made >= NAMES
+    models = of("models")
+    question = models.CuspTableRequest.from_dict({"geometry": GEOMETRY, "l1": 14.98, "digits": 15})
+    with of("client").Client(base_url=base_url) as client:
+        post = of("api.cusp_tables.post_cusp_table")
+        table = post.sync(client=client, body=question, prefer="wait=30")
+        assert isinstance(table, models.CuspTable)
+        assert [found.count for found in table.slices] == [6]
+        question.digits = 5
+        problem = post.sync(client=client, body=question)
+        assert isinstance(problem, models.Problem)
+        assert [error.field for error in problem.errors] == ["digits"]
