@@ -23,6 +23,7 @@ from service.api.negotiation import CSV, NDJSON
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.limits import LimitError, Limits
 from worker.answers.batches import batch_request, new_batch
+from worker.answers.cost import seconds_after
 from worker.jobs.batches import Batches, ItemsLostError
 from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
@@ -43,6 +44,7 @@ class Intake:
         self.token = new_batch()
         self.count = 0
         self.costs: dict[int, float] = {}
+        self._seen: set[str] = set()
         self._texts: list[str] = []
         self._waiting = self._kept = 0
 
@@ -68,10 +70,10 @@ class Intake:
                 shown = f"are more than {limits.max_batch_items}"
                 raise LimitError.exceeded(limits, "max_batch_items", shown, "items")
             self.check_size(len(text) if isinstance(text, bytes) else 0)
-            read = read_item(text, self.count, limits)
-            if read.cost is not None:
-                self.costs[self.count] = read.cost
-            kept = read.item.to_json()
+            item = read_item(text, self.count, limits)
+            if item.request is not None:
+                self.costs[self.count] = seconds_after(item.request, self._seen)
+            kept = item.to_json()
             self.count += 1
             self._texts.append(kept)
             self._waiting += len(kept)
@@ -107,7 +109,7 @@ class Intake:
         try:
             return self.batches.begin(self.token, self.count, self.costs)
         except ItemsLostError:
-            detail = "It took too long to receive the items; send the batch again."
+            detail = "The items were lost while they were received; send the batch again."
             raise ProblemError(ProblemType.UNAVAILABLE, detail, headers={"Retry-After": "1"}) from None
 
     def drop(self) -> None:
@@ -124,10 +126,11 @@ async def accept_batch(request: Request, context: Context) -> tuple[JobView, Sub
     queue = context.queue
     cutter = _cutter_of(request, context.settings.limits)
     caller = caller_of(request.scope)
-    who = subscriber_of(caller)
+    key = key_of(request, caller)
+    # whoever sends the same again can withdraw it
+    who = subscriber_of(caller, None if key is None else key[:24])
     intake = Intake(Batches(queue.redis, queue.settings), context.settings.limits)
     idempotency = Idempotency(queue.redis, queue.settings.key_prefix)
-    key = key_of(request, caller)
     if key is not None:
         earlier = await context.redis(idempotency.claim, key, intake.token)
         if earlier is not None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.errors import InputError
@@ -16,7 +15,6 @@ from service.schemas.limits import Limits
 from service.schemas.price import check_price
 from service.schemas.questions import Question
 from worker.answers import article, tables
-from worker.answers.cost import seconds, sizes
 from worker.answers.items import Item
 from worker.answers.requests import JobRequest
 
@@ -25,15 +23,7 @@ _QUESTIONS: Mapping[str, type[Question]] = {
 }
 
 
-@dataclass(frozen=True)
-class ReadItem:
-    """An item, and its estimated cost in seconds if it is valid."""
-
-    item: Item
-    cost: float | None
-
-
-def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> ReadItem:
+def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> Item:
     """Read an item, the text of a JSON object or its members."""
     place, name = f"items[{index}]", None
     try:
@@ -45,10 +35,10 @@ def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> Re
     except ProblemError as error:  # it is not JSON
         faults = [(place if field == "body" else f"{place}.{field}", text) for field, text in error.errors]
         problem = ProblemError(error.kind, f"{place}: {error.detail}", errors=faults)
-        return ReadItem(Item(name, problem=problem.document()), None)
+        return Item(name, problem=problem.document())
     except InputError as error:
-        return ReadItem(Item(name, problem=ProblemError.of_input(at(error, place)).document()), None)
-    return ReadItem(Item(item.id, request), seconds(request.kind, sizes(request)))
+        return Item(name, problem=ProblemError.of_input(at(error, place)).document())
+    return Item(item.id, request)
 
 
 def _job_request(item: BatchItem, limits: Limits) -> JobRequest:

@@ -15,7 +15,7 @@ from service.api.problems import ProblemError
 from service.api.table_forms import json_bytes
 from service.schemas.limits import LimitError
 from worker.answers.kinds import known_answer
-from worker.answers.stored_tables import StoredTable
+from worker.answers.stored_tables import ResultLostError, StoredTable
 from worker.jobs.batches import Batches, StoredItem, is_done
 from worker.jobs.records import JobView
 
@@ -79,7 +79,7 @@ class BatchResults:
         # the state comes last: once it is terminal, nothing is done any more
         view = self.queue.get(self.view.id)
         if view is None:
-            raise ProblemError.expired()
+            raise ResultLostError("the batch expired while its results were being sent")
         if view.is_terminal and not self.view.is_terminal:
             bits = self.batches.done(self.view.id)
         self.view = view

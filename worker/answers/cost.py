@@ -17,6 +17,7 @@ from worker.answers.requests import JobRequest, Kind
 
 _INTERVALS = 20  # between two transitions, of a typical manipulator
 _BALLS_SPREAD = 1000  # bits; beyond, the balls of a slice with few digits do not decide it
+_KNOWN = 0.001  # seconds, to find that an answer is known
 _SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
@@ -75,6 +76,24 @@ def sizes(request: JobRequest) -> Sizes:
 def cost(request: JobRequest) -> Cost:
     """Returns the estimated cost of a request of which nothing is known."""
     return _COSTS[request.kind](sizes(request))
+
+
+def seconds_after(request: JobRequest, seen: set[str]) -> float:
+    """Returns the estimated seconds of a question after others, of which `seen` has what is computed once.
+
+    Adds what this one computes.
+    """
+    whole = cost(request)
+    parts = len(request.parts) if request.kind.by_slices else 1
+    if request.content_hash in seen:
+        return _KNOWN * parts
+    once = whole.once
+    if once:
+        shared = f"{request.geometry_hash} {request.fixed_leg}"
+        once = 0.0 if shared in seen else once
+        seen.add(shared)
+    seen.add(request.content_hash)
+    return once + whole.each * parts
 
 
 def seconds(kind: Kind, size: Sizes) -> float:

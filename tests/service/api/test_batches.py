@@ -376,6 +376,50 @@ def test_a_submission_that_is_still_received(idle: httpx.Client, redis: Redis) -
     assert (answer.status_code, answer.json()["total"]) == (202, 2)
 
 
+def test_a_repeated_submission_can_be_withdrawn(idle: httpx.Client) -> None:
+    key = {**NDJSON, "Idempotency-Key": "answer-lost"}
+    first = submitted(idle, lines(poses(15)), key)
+    again = submitted(idle, lines(poses(15)), key)
+    assert again["links"] == first["links"]
+    assert idle.delete(again["links"]["cancel"]).json()["status"] == "canceled"
+
+
+def test_a_client_that_leaves_while_it_submits(idle: httpx.Client, redis: Redis) -> None:
+    def body() -> Iterator[bytes]:
+        yield lines(poses(15)).encode()
+        until(lambda: redis.keys("cusps:submission:*"))
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        idle.post("/v1/batches", content=body(), headers={**NDJSON, "Idempotency-Key": "gone"})
+    until(lambda: not redis.keys("cusps:submission:*"))
+    assert redis.keys("cusps:job:*") == []
+
+
+def test_another_process_serves_the_batch(valkey: EmbeddedValkey, redis: Redis) -> None:
+    settings = Settings(redis_url=f"{valkey.url}?db=2")
+    key = {**NDJSON, "Idempotency-Key": "before-and-after"}
+    with serving(settings) as base, httpx.Client(base_url=base) as client:
+        batch = submitted(client, lines(poses(15)), key)
+    Worker(redis, batch).answer(0)
+    with serving(settings) as base, httpx.Client(base_url=base) as client:
+        assert submitted(client, lines(poses(15)), key)["status"] == "succeeded"
+        assert [line["status"] for line in results(client, batch)] == ["succeeded"]
+
+
+def test_a_full_queue(valkey: EmbeddedValkey, redis: Redis, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG", "0.001")
+    with serving(Settings(redis_url=f"{valkey.url}?db=2")) as base, httpx.Client(base_url=base) as client:
+        submitted(client, [poses(15)])
+        before = set(redis.keys("*"))
+        answer = client.post("/v1/batches", json=[poses(16)], headers={"Idempotency-Key": "full"})
+        problem(answer, 503, "queue-full")
+        assert int(answer.headers["retry-after"]) >= 1
+        assert set(redis.keys("*")) <= before
+        alone = client.post("/v1/poses", json=poses(16)["request"], headers={"Prefer": "wait=0"})
+        assert alone.status_code == 202  # its lane is not that of batches
+
+
 def test_a_refused_submission_leaves_its_key(idle: httpx.Client) -> None:
     key = {**NDJSON, "Idempotency-Key": "again"}
     problem(idle.post("/v1/batches", content=lines(*[poses(15)] * 6), headers=key), 422, "limit-exceeded")

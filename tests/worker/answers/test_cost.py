@@ -8,7 +8,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, Requirement
 from worker.answers import article, censuses, checks, curves, poses, tables
-from worker.answers.cost import Sizes, cost, seconds, sizes
+from worker.answers.cost import Sizes, cost, seconds, seconds_after, sizes
 from worker.answers.kinds import KINDS
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
 
@@ -81,3 +81,15 @@ def test_the_unit_of_length_does_not_matter() -> None:
     assert (
         sizes(request(censuses.KIND, WHOLE, in_km)).geometry == sizes(request(censuses.KIND, WHOLE)).geometry
     )
+
+
+def test_what_is_computed_once_costs_once() -> None:
+    seen: set[str] = set()
+    table = request(tables.KIND, {"l1": ["1", "2"]})
+    whole = cost(table)
+    assert seconds_after(table, seen) == whole.of(2)
+    assert seconds_after(request(tables.KIND, {"l1": ["3"]}), seen) == whole.each
+    assert seconds_after(table, seen) < whole.each
+    assert seconds_after(request(tables.KIND, {"l1": ["3"], "fixed_leg": 2}), seen) > whole.once
+    census = request(censuses.KIND, WHOLE)
+    assert seconds_after(census, seen) == cost(census).each > 100 * seconds_after(census, seen)
