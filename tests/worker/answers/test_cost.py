@@ -88,8 +88,8 @@ def test_what_is_computed_once_costs_once() -> None:
     table = request(tables.KIND, {"l1": ["1", "2"]})
     whole = cost(table)
     assert seconds_after(table, seen) == whole.of(2)
-    assert seconds_after(request(tables.KIND, {"l1": ["3"]}), seen) == whole.each
-    assert seconds_after(table, seen) < whole.each
+    assert seconds_after(request(tables.KIND, {"l1": ["3"]}), seen) == pytest.approx(whole.each, rel=0.1)
+    assert seconds_after(table, seen) < whole.of(2) / 10
     assert seconds_after(request(tables.KIND, {"l1": ["3"], "fixed_leg": 2}), seen) > whole.once
     census = request(censuses.KIND, WHOLE)
     assert seconds_after(census, seen) == cost(census).each > 100 * seconds_after(census, seen)
