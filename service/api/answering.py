@@ -59,7 +59,9 @@ async def answer_question(request: Request, context: Context, operation: Operati
     if isinstance(outcome, JobView):
         outcome = await context.redis(context.queue.placed, outcome)
         headers |= {"Location": f"/v1/jobs/{outcome.id}", **retry_after(outcome, settings)}
-        return Response(json_bytes(job_json(outcome, who)), 202, headers, media_type=JSON)
+        return Response(
+            json_bytes(job_json(outcome, context.queue.settings, who)), 202, headers, media_type=JSON
+        )
     return await answer_response(context, request, outcome, operation.forms, headers=headers)
 
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timedelta
-
-from service.api.job_view import cancel_link
+from service.api.job_view import cancel_link, expires_at
 from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
 from worker.settings import WorkerSettings
@@ -26,16 +24,8 @@ def batch_json(view: JobView, settings: WorkerSettings, who: Subscriber | None =
         "created_at": view.created_at,
         "started_at": view.started_at,
         "finished_at": view.finished_at,
-        "expires_at": _expires_at(view, settings),
+        "expires_at": expires_at(view, settings),
         "error": view.error,
         "position": None if view.place is None else view.place.position,
         "links": {"self": here, "results": f"{here}/results", "events": f"{here}/events", **cancel},
     }
-
-
-def _expires_at(view: JobView, settings: WorkerSettings) -> str | None:
-    if view.finished_at is None:
-        return None
-    ttl = settings.job_ttl if view.status == "succeeded" else settings.failure_ttl
-    end = datetime.fromisoformat(view.finished_at) + timedelta(seconds=ttl)
-    return end.isoformat(timespec="seconds").replace("+00:00", "Z")

@@ -50,7 +50,7 @@ def json_of(body: bytes, limits: Limits) -> object:
         return parse_json(body)
     except JsonError as error:
         raise ProblemError(
-            ProblemType.INVALID_JSON, error.detail, errors=[(error.field, error.detail)]
+            ProblemType.INVALID_JSON, error.detail, errors=[(error.field, error.detail)], in_body=True
         ) from None
 
 

@@ -18,7 +18,7 @@ from redis.exceptions import RedisError
 
 from service.api.batch_view import batch_json
 from service.api.job_tail import BLOCK, Tail, Tails, event_id, is_terminal
-from service.api.job_view import job_json
+from service.api.job_view import job_json, state_then
 from service.api.redis_access import RedisAccess, Refusals
 from service.api.settings import Settings
 from service.api.table_forms import json_bytes
@@ -174,11 +174,16 @@ class JobEvents:
         if fields["type"] == "item":
             item = {"index": int(fields["item"]), "status": fields["status"]}
             return sse(name, "item", json_bytes({**item, **_progress(fields)}))
-        view = self.queue.get(job_id)
-        document: dict[str, object] = {"id": job_id}
-        if view is not None:
-            document = batch_json(view, self.queue.settings) if is_batch(job_id) else job_json(view)
-        return sse(name, "status", json_bytes({**document, "status": fields["status"]}))
+        return sse(name, "status", json_bytes(self._status(job_id, fields["status"])))
+
+    def _status(self, job_id: str, status: str) -> dict[str, object]:
+        """Returns the job when it came to a state; of one that it has left, without what came later."""
+        view, settings = self.queue.get(job_id), self.queue.settings
+        if view is None:
+            return {"id": job_id, "status": status}
+        if view.status != status:
+            return state_then(view, status)
+        return batch_json(view, settings) if is_batch(job_id) else job_json(view, settings)
 
     def _slices(self, job_id: str, l1: Sequence[str]) -> dict[str, bytes]:
         record = self.queue.records.request(job_id)

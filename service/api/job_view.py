@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from datetime import datetime, timedelta
 from math import ceil
 
 from service.api.settings import Settings
 from worker.answers.kinds import kind_of_job
 from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
+from worker.settings import WorkerSettings
 
 
-def job_json(view: JobView, who: Subscriber | None = None) -> dict[str, object]:
+def job_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = None) -> dict[str, object]:
     """Returns the job document; for a client that asks for the job, with the way to withdraw."""
     kind = kind_of_job(view.id)
     here = f"/v1/jobs/{view.id}"
@@ -18,10 +20,17 @@ def job_json(view: JobView, who: Subscriber | None = None) -> dict[str, object]:
         "id": view.id,
         "kind": None if kind is None else kind.name,
         "status": view.status,
+        "run": view.run,
+        "done": view.is_terminal,
         "progress": {"done": view.done, "total": view.total},
         "created_at": view.created_at,
         "started_at": view.started_at,
         "finished_at": view.finished_at,
+        "expires_at": expires_at(view, settings),
+        "timings": {
+            "queued_seconds": _seconds(view.created_at, view.started_at or view.finished_at),
+            "running_seconds": _seconds(view.started_at, view.finished_at),
+        },
         "error": view.error,
         "position": None if view.place is None else view.place.position,
         "deadline_at": view.deadline_at,
@@ -30,6 +39,34 @@ def job_json(view: JobView, who: Subscriber | None = None) -> dict[str, object]:
             **({} if who is None else {"cancel": cancel_link(here, who)}),
         },
     }
+
+
+def expires_at(view: JobView, settings: WorkerSettings) -> str | None:
+    """Returns until when a job that has ended is kept."""
+    if view.finished_at is None:
+        return None
+    ttl = settings.job_ttl if view.status == "succeeded" else settings.failure_ttl
+    end = datetime.fromisoformat(view.finished_at) + timedelta(seconds=ttl)
+    return end.isoformat(timespec="seconds").replace("+00:00", "Z")
+
+
+def state_then(view: JobView, status: str) -> dict[str, object]:
+    """Returns what is known of a job for the time when its run came to a state."""
+    return {
+        "id": view.id,
+        "run": view.run,
+        "status": status,
+        "created_at": view.created_at,
+        "started_at": None if status == "queued" else view.started_at,
+        "finished_at": None,
+        "error": None,
+    }
+
+
+def _seconds(start: str | None, end: str | None) -> float | None:
+    if start is None or end is None:
+        return None
+    return round((datetime.fromisoformat(end) - datetime.fromisoformat(start)).total_seconds(), 3)
 
 
 def cancel_link(here: str, who: Subscriber) -> str:

@@ -11,13 +11,16 @@ from service.api.operations import CUSP_TABLES, OPERATIONS, Operation
 from service.api.problems import MEDIA_TYPE, ProblemType
 from service.schemas.questions import EXAMPLE_GEOMETRY
 from worker.jobs.records import JobView
+from worker.settings import WorkerSettings
 
 Docs = dict[int | str, dict[str, Any]]
 
 EXAMPLE_JOB_ID = "ct-0f343b0931126a20f133d67c2b018a3b5c1f6d3e"
 
 _TIMES = "2026-01-15T09:30:00.000Z", "2026-01-15T09:30:00.012Z", None
-_JOB = job_json(JobView(EXAMPLE_JOB_ID, "running", 120, 501, *_TIMES, error=None, run=""))
+_JOB = job_json(
+    JobView(EXAMPLE_JOB_ID, "running", 120, 501, *_TIMES, error=None, run="5f2c01ab"), WorkerSettings()
+)
 RETRY_AFTER = {
     "Retry-After": {"description": "Seconds to wait before asking again.", "schema": {"type": "integer"}}
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from enum import Enum
 
@@ -200,8 +201,10 @@ class ProblemError(Exception):
         errors: Iterable[tuple[str, str]] = (),
         headers: Mapping[str, str] | None = None,
         extra: Mapping[str, object] | None = None,
+        in_body: bool = False,
     ) -> None:
         super().__init__(detail)
+        self.in_body = in_body
         self.kind = kind
         self.detail = detail
         self.errors = tuple(errors)
@@ -217,7 +220,7 @@ class ProblemError(Exception):
         kind, extra = ProblemType.INVALID_REQUEST, {}
         if isinstance(error, LimitError):
             kind, extra = ProblemType.LIMIT_EXCEEDED, {"limit": {"name": error.limit, "value": error.value}}
-        return cls(kind, detail + more, errors=faults[:_LISTED], extra=extra)
+        return cls(kind, detail + more, errors=faults[:_LISTED], extra=extra, in_body=True)
 
     @classmethod
     def of_job(cls, view: JobView) -> ProblemError:
@@ -253,11 +256,15 @@ class ProblemError(Exception):
             "title": self.kind.title,
             "status": self.kind.status,
             "detail": self.detail,
-            "errors": [{"field": field, "message": message} for field, message in self.errors],
+            "errors": [self._error(field, message) for field, message in self.errors],
         }
         if instance is not None:
             document["instance"] = instance
         return {**document, **self.extra}
+
+    def _error(self, field: str, message: str) -> dict[str, str]:
+        pointed = {"pointer": pointer(field)} if self.in_body else {}
+        return {"field": field, **pointed, "message": message}
 
     def response(self, instance: str | None = None) -> Response:
         """Returns the HTTP response."""
@@ -265,3 +272,15 @@ class ProblemError(Exception):
         body = json.dumps(self.document(instance), separators=(",", ":")).encode("ascii")
         headers = {"Cache-Control": "no-store", **self.headers}
         return Response(body, self.kind.status, headers, media_type=MEDIA_TYPE)
+
+
+def pointer(field: str) -> str:
+    """Returns the JSON pointer (RFC 6901) to a field with a dotted name; `body` is the whole.
+
+    >>> pointer("geometry.d1"), pointer("l1[3]"), pointer("body")
+    ('/geometry/d1', '/l1/3', '')
+    """
+    if field == "body":
+        return ""
+    parts = re.sub(r"\[(\d+)\]", r".\1", field).removeprefix("body.").removeprefix(".").split(".")
+    return "".join("/" + part.replace("~", "~0").replace("/", "~1") for part in parts)

@@ -35,8 +35,19 @@ class JobLinks(BaseModel):
     )
 
 
+class Timings(BaseModel):
+    """How long a job took, in seconds."""
+
+    queued_seconds: float | None = Field(description="Until it started or ended; null while it is queued.")
+    running_seconds: float | None = Field(description="From its start to its end; null before its end.")
+
+
 class Job(BaseModel):
-    """The computation of an answer."""
+    """The computation of an answer.
+
+    The states of a run go one way: queued, running, then one of the others, which stays. If the question is
+    asked again after a job has failed, was canceled or has expired, it begins a new run under the same id.
+    """
 
     id: str
     kind: str = Field(
@@ -44,10 +55,16 @@ class Job(BaseModel):
         json_schema_extra={"enum": [kind.name for kind in KINDS]},
     )
     status: Literal["queued", "running", "succeeded", "failed", "canceled"]
+    run: str = Field(description="Distinguishes the runs of the job.")
+    done: bool = Field(description="Whether this run has ended: succeeded, failed or canceled.")
     progress: Progress
     created_at: str = Field(description="ISO 8601, UTC.", json_schema_extra={"format": "date-time"})
     started_at: str | None = Field(description="ISO 8601, UTC; null until the job starts.")
     finished_at: str | None = Field(description="ISO 8601, UTC; null until the job ends.")
+    expires_at: str | None = Field(
+        description="ISO 8601, UTC: until when it can be fetched; null until it ends."
+    )
+    timings: Timings
     error: JobError | None = Field(description="null unless the job failed.")
     position: int | None = Field(
         description="Jobs before it in its lane of the queue; null unless it is queued."

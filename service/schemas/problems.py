@@ -11,6 +11,7 @@ class FieldError(BaseModel):
     """A faulty field."""
 
     field: str = Field(description="The dotted name of the field, for example geometry.d1.")
+    pointer: str | None = optional("The JSON pointer to it (RFC 6901), if it is in the body: /geometry/d1.")
     message: str = Field(description="The fault, and a valid alternative.")
 
 

@@ -148,4 +148,4 @@ def _job_response(context: Context, view: JobView) -> Response:
     headers = {"Cache-Control": "no-store"}
     if not view.is_terminal:
         headers |= retry_after(view, context.settings)
-    return Response(json_bytes(job_json(view)), headers=headers, media_type=JSON)
+    return Response(json_bytes(job_json(view, context.queue.settings)), headers=headers, media_type=JSON)

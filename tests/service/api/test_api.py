@@ -341,3 +341,34 @@ def test_streams_end_when_the_server_does(valkey: EmbeddedValkey, fresh: Fresh) 
             httpx.post(f"{url}/stop")
             assert not any(line.startswith("data") for line in lines)
         client.delete(f"/v1/jobs/{job_id}")
+
+
+def test_a_job_tells_its_run_its_times_and_its_end(api: httpx.Client, fresh: Callable[[], str]) -> None:
+    accepted = api.post("/v1/cusp-tables", json={**EXAMPLE, "l1": fresh(), "digits": 15}).json()
+    assert (accepted["done"], accepted["expires_at"], accepted["run"]) == (False, None, accepted["run"])
+    job = ended(api, accepted["id"])
+    assert (job["done"], job["run"]) == (True, accepted["run"])
+    assert job["expires_at"] > job["finished_at"]
+    assert all(0 <= seconds < PATIENCE for seconds in job["timings"].values())
+
+
+def test_a_canceled_job_that_is_asked_for_again_is_a_new_run(idle: httpx.Client) -> None:
+    body = {**EXAMPLE, "l1": "3.0625", "digits": 15}
+    first = idle.post("/v1/cusp-tables", json=body).json()
+    canceled = idle.delete(first["links"]["cancel"]).json()
+    assert (canceled["status"], canceled["done"]) == ("canceled", True)
+    assert canceled["timings"]["running_seconds"] is None
+    again = idle.post("/v1/cusp-tables", json=body).json()
+    assert (again["id"], again["status"], again["done"]) == (first["id"], "queued", False)
+    assert again["run"] != first["run"]
+
+
+def test_a_replay_tells_the_states_as_they_were(api: httpx.Client, fresh: Callable[[], str]) -> None:
+    job = api.post("/v1/cusp-tables", json={**EXAMPLE, "l1": fresh(), "digits": 15}).json()
+    end = ended(api, job["id"])
+    queued, running, last = [data for _, name, data in read_events(api, job["id"]) if name == "status"]
+    assert (queued["status"], queued["started_at"], queued["finished_at"]) == ("queued", None, None)
+    assert (running["status"], running["started_at"]) == ("running", end["started_at"])
+    assert running["finished_at"] is None
+    assert "progress" not in queued | running
+    assert last == end
