@@ -71,6 +71,7 @@ def test_an_item_that_never_ends(redis: Redis, workers: Workers) -> None:
     assert failure["type"] == "timeout"
 
 
+@pytest.mark.long
 def test_the_worker_of_a_batch_is_killed(redis: Redis, workers: Workers) -> None:
     """The worker of a batch is killed. Another one goes on with the item at which it was."""
     queue = jobs(redis, "slow")

@@ -10,6 +10,7 @@ from typing import Any
 from rpr_solver import Eliminant
 from worker.answers.kinds import compute, known_document, missing_parts, request_from_json
 from worker.answers.requests import JobRequest
+from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore, dump
 from worker.answers.tables import eliminant_of, look_up, solve
 
@@ -87,11 +88,22 @@ class ItemSolver:
         if request.kind.by_slices:
             return Outcome(slices=self._solve_slices(request))
         if missing_parts(request, self.store):
-            self.store.document(request, lambda: self._document(request))
+            self._answer_once(request)
         return Outcome()
 
-    def _document(self, request: JobRequest) -> dict[str, Any]:
-        return known_document(request, self.store) or compute(request, self.store, lambda _done, _total: None)
+    def _answer_once(self, request: JobRequest) -> None:
+        """Compute a document, or wait for the worker that does so for another batch."""
+
+        def make() -> dict[str, Any]:
+            document = compute(request, self.store, lambda _done, _total: None)
+            self.store.put_document(request, document)
+            return document
+
+        document = single_flight(
+            lambda: known_document(request, self.store), lambda: self.store.answer_lock(request), make
+        )
+        if not self.store.renew_document(request):  # it follows from another, which may expire before
+            self.store.put_document(request, document)
 
     def _solve_slices(self, request: JobRequest) -> dict[str, Any]:
         absent, errors = look_up(request, self.store)

@@ -37,6 +37,10 @@ class ResultKeys:
         """Held while one worker computes a document that several jobs need."""
         return f"{self.prefix}:document-lock:{content_hash}"
 
+    def answer_lock(self, content_hash: str) -> str:
+        """Held while one worker answers a question of several batches; documents have another lock."""
+        return f"{self.prefix}:answer-lock:{content_hash}"
+
     def locks(self, holder: str) -> str:
         """The locks of one holder."""
         return f"{self.prefix}:locks:{holder}"

@@ -192,12 +192,20 @@ class ResultStore:
 
         def make() -> dict[str, Any]:
             document = compute()
-            key = self.keys.document(request.content_hash)
-            self.redis.set(key, dump(document), ex=self.settings.result_ttl, nx=True)
+            self.put_document(request, document)
             return document
 
         lock = self.keys.document_lock(request.content_hash)
         return single_flight(lambda: self.get_document(request), lambda: self._lock(lock), make)
+
+    def put_document(self, request: JobRequest, document: Mapping[str, Any]) -> None:
+        """Keep a document, the first of several."""
+        key = self.keys.document(request.content_hash)
+        self.redis.set(key, dump(document), ex=self.settings.result_ttl, nx=True)
+
+    def answer_lock(self, request: JobRequest) -> AbstractContextManager[bool]:
+        """Try to lock the answer to a question; gives False if another worker holds the lock."""
+        return self._lock(self.keys.answer_lock(request.content_hash))
 
     def renew_document(self, request: JobRequest) -> bool:
         """Renew the lifetime of a known document; returns False if it is not known."""

@@ -6,9 +6,12 @@ from collections.abc import Sequence
 
 import pytest
 
+from rpr_solver import EXAMPLES
 from tests.support.jobs import a_document, a_request
+from worker.answers import censuses
 from worker.answers.batches import batch_request, new_batch
 from worker.answers.items import Item, ItemSolver, Outcome
+from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.jobs.attempts import ChunkEntry, ChunkRef
 from worker.jobs.batches import Batches, ItemsLostError, StoredItem
 from worker.jobs.interruption import give_up, run_again
@@ -206,3 +209,15 @@ def test_no_lane_waits_for_a_batch() -> None:
     for one in LANES[1:]:
         for other in set(LANES[1:]) - {one}:
             assert sum(order.index(one) < order.index(other) for order in orders) * 2 == len(orders)
+
+
+def test_a_whole_census_is_computed_and_its_parts_are_kept(queue: JobQueue) -> None:
+    """The computation of a census keeps the whole one under a lock, which must not be the item's own."""
+    geometry = EXAMPLES["zein-flat"].to_json()
+    whole = {"geometry": geometry, "fixed_leg": 1, "digits": 15, "range": ALL_LENGTHS}
+    part = {**whole, "range": {"from": "20", "to": "30"}}
+    for content in (whole, part):
+        request = JobRequest(censuses.KIND, content)
+        assert ItemSolver(queue.store).answer(request) == Outcome()
+        assert queue.store.get_document(request) is not None
+    assert queue.redis.keys("cusps:*lock*") == []
