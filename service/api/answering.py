@@ -44,7 +44,7 @@ async def answer_question(request: Request, context: Context, operation: Operati
         return _finished(context, context.queue.submit_for(who, job_request, seconds or 0, deadline_s))
 
     outcome = await context.redis(begin)
-    way = "cached"
+    way, is_kept = "cached", True
     if isinstance(outcome, JobView):
         way = "job"
         if seconds is not None:
@@ -52,6 +52,7 @@ async def answer_question(request: Request, context: Context, operation: Operati
             outcome = await context.redis(_waited, context, view, who, await request.is_disconnected())
     else:
         waited = None
+        is_kept = await context.redis(context.queue.remember, job_request)
     context.metrics.count_answer(job_request.kind.name, way)
     headers = {"Cache-Control": "no-store"}
     if applied := prefer.applied(waited, isinstance(outcome, JobView)):
@@ -62,6 +63,8 @@ async def answer_question(request: Request, context: Context, operation: Operati
         return Response(
             json_bytes(job_json(outcome, context.queue.settings, who)), 202, headers, media_type=JSON
         )
+    if is_kept:
+        headers["Content-Location"] = f"/v1/jobs/{job_request.job_id}/result"
     return await answer_response(context, request, outcome, operation.forms, headers=headers)
 
 

@@ -6,8 +6,17 @@ from typing import Any
 
 from service.api.batch_csv import COLUMNS
 from service.api.batch_view import batch_json
+from service.api.header_docs import PREFERENCE_APPLIED
 from service.api.negotiation import CSV, JSON, NDJSON
-from service.api.operation_docs import RETRY_AFTER, UNAVAILABLE, Docs, json_response, problems, ref
+from service.api.operation_docs import (
+    RETRY_AFTER,
+    UNAVAILABLE,
+    Docs,
+    events_content,
+    json_response,
+    problems,
+    ref,
+)
 from service.api.problems import ProblemType
 from service.schemas.questions import EXAMPLE_GEOMETRY
 from worker.jobs.records import JobView
@@ -141,6 +150,7 @@ RESULTS_PARAMETERS: dict[str, Any] = {
 RESULTS_RESPONSES: Docs = {
     200: {
         "description": "A line for each item, as BatchResult describes it.",
+        "headers": dict(PREFERENCE_APPLIED),
         "content": {NDJSON: {"schema": ref("BatchResult"), "example": _RESULTS}},
     },
     **problems(
@@ -154,13 +164,7 @@ RESULTS_RESPONSES: Docs = {
 EVENTS_RESPONSES: Docs = {
     200: {
         "description": "The events, up to the end of the batch.",
-        "content": {
-            "text/event-stream": {
-                "schema": {"type": "string"},
-                "example": 'id: 1768469400012-0\nevent: item\ndata: {"index":0,"status":"succeeded",'
-                '"progress":{"done":1,"total":500}}\n\n',
-            }
-        },
+        "content": events_content("item", {"index": 0, "status": "succeeded"}),
     },
     204: {"description": "The batch has ended, and no event follows Last-Event-ID."},
     **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, UNAVAILABLE),

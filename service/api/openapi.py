@@ -13,9 +13,10 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.api.access.docs import describe_access
+from service.api.header_docs import describe_headers
 from service.api.operations import OPERATIONS
 from service.schemas.batches import Batch, BatchRequest, BatchResult
-from service.schemas.jobs import Job
+from service.schemas.jobs import Job, StreamEvent
 from service.schemas.numbers import EXACT_NUMBER, POSITIVE_NUMBER
 from service.schemas.operations import Health, LimitsDocument, Readiness, Version
 from service.schemas.problems import ProblemDocument
@@ -40,7 +41,18 @@ TAGS = [
 ]
 MODELS: tuple[type[BaseModel], ...] = (
     *(model for operation in OPERATIONS for model in (operation.question, operation.answer)),
-    *(BatchRequest, Batch, BatchResult, Job, ProblemDocument, Health, Readiness, Version, LimitsDocument),
+    *(
+        BatchRequest,
+        Batch,
+        BatchResult,
+        Job,
+        StreamEvent,
+        ProblemDocument,
+        Health,
+        Readiness,
+        Version,
+        LimitsDocument,
+    ),
 )
 """All documents of the contract."""
 NUMBERS = {"ExactNumber": EXACT_NUMBER, "PositiveNumber": POSITIVE_NUMBER}
@@ -78,6 +90,7 @@ def document(app: FastAPI) -> dict[str, Any]:
             responses = operation["responses"]
             if responses.get("422", {}).get("description") == "Validation Error":
                 del responses["422"]  # the framework's own, which never occurs
+    describe_headers(contract)
     describe_access(contract)
     return contract
 

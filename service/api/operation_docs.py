@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from service.api.header_docs import CONTENT_LOCATION, PREFERENCE_APPLIED
 from service.api.job_view import job_json
 from service.api.negotiation import JSON
 from service.api.operations import CUSP_TABLES, OPERATIONS, Operation
@@ -71,6 +72,17 @@ def problems(*kinds: ProblemType) -> Docs:
     return dict(sorted(responses.items(), key=lambda item: int(item[0])))
 
 
+def events_content(event: str, data: Mapping[str, object]) -> dict[str, Any]:
+    """Returns the content of a stream of events, with examples: a status, and one of another event."""
+    of_it = {**data, "progress": {"done": 1, "total": 501}}
+    examples = {
+        "status": {"id": "1768469400000-0", "event": "status", "data": {"id": "…", "status": "running"}},
+        event: {"id": "1768469400012-0", "event": event, "data": of_it},
+    }
+    described = {name: {"value": example} for name, example in examples.items()}
+    return {"text/event-stream": {"schema": ref("StreamEvent"), "examples": described}}
+
+
 _JOB_LINKS = {
     name: {"operationId": operation, "parameters": {"job_id": "$response.body#/id"}, "description": text}
     for name, operation, text in (
@@ -101,14 +113,13 @@ def question_responses(operation: Operation) -> Docs:
         headers={
             "Location": {"description": "The job.", "schema": {"type": "string"}},
             **RETRY_AFTER,
-            "Preference-Applied": {
-                "description": "The preferences that were honoured (RFC 7240).",
-                "schema": {"type": "string"},
-            },
+            **PREFERENCE_APPLIED,
         },
     )
+    known = document_in_all_forms(operation, operation.known)
+    known["headers"] |= {**CONTENT_LOCATION, **PREFERENCE_APPLIED}
     return {
-        200: document_in_all_forms(operation, operation.known),
+        200: known,
         202: {**accepted, "links": _JOB_LINKS},
         **problems(
             ProblemType.INVALID_JSON,
@@ -190,13 +201,7 @@ RESULT_RESPONSES: Docs = {
 EVENTS_RESPONSES: Docs = {
     200: {
         "description": "The events, up to the end of the job.",
-        "content": {
-            "text/event-stream": {
-                "schema": {"type": "string"},
-                "example": 'id: 1768469400012-0\nevent: slice\ndata: {"l1":"14.98",'
-                '"progress":{"done":1,"total":1},"slice":{…}}\n\n',
-            }
-        },
+        "content": events_content("slice", {"l1": "14.98", "slice": {"count": 6}}),
     },
     204: {"description": "The job has ended, and no event follows Last-Event-ID."},
     **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, UNAVAILABLE),

@@ -69,6 +69,9 @@ Answers 200 with the table if every slice is already known. Otherwise answers 20
 the missing slices; follow its `Location`. With `Prefer: wait=N` the response waits up to N seconds for the
 job and is 200 if the job succeeds in that time.
 
+The answer's `Content-Location` is an address that works with GET: with `If-None-Match`, and in other forms.
+`If-None-Match` has no meaning for POST and is ignored.
+
 Equal requests share one job, and slices that requests have in common are computed once. Numbers are exact:
 `17.04` is 426/25, never a binary float.
 """,

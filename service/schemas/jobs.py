@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, Field
 
@@ -40,6 +40,17 @@ class Timings(BaseModel):
 
     queued_seconds: float | None = Field(description="Until it started or ended; null while it is queued.")
     running_seconds: float | None = Field(description="From its start to its end; null before its end.")
+
+
+class StreamEvent(BaseModel):
+    """A server-sent event: its fields, with the JSON of `data`."""
+
+    id: str = Field(description="Resumes the stream, as Last-Event-ID.")
+    event: Literal["status", "slice", "progress", "item"]
+    data: dict[str, Any] = Field(
+        description="`status`: the job or batch as it was then. `slice`: `l1`, `slice` and `progress`. "
+        "`progress`: `progress`. `item`: `index`, `status` and `progress`."
+    )
 
 
 class Job(BaseModel):

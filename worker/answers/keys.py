@@ -49,5 +49,9 @@ class ResultKeys:
         """The set of the digits of known whole censuses."""
         return f"{self.prefix}:census-digits:{content_hash}"
 
+    def question(self, job_id: str) -> str:
+        """A question that was answered without a job; its id is that of the job that would answer it."""
+        return f"{self.prefix}:question:{job_id}"
+
     def _content(self, kind: str, geometry_hash: str, fixed_leg: int) -> str:
         return f"{self.prefix}:{kind}:{SOLVER_VERSION}:{geometry_hash.removeprefix('sha256:')}:{fixed_leg}"

@@ -20,7 +20,7 @@ from rpr_solver import SOLVER_VERSION
 from worker.settings import WorkerSettings
 
 VERSIONED = frozenset({"slice", "digits", "eliminant"})
-KINDS = ("slice", "digits", "eliminant", "document", "census-digits", "job")
+KINDS = ("slice", "digits", "eliminant", "document", "census-digits", "question", "job")
 """The kinds of keys that may be removed; all others are counted as `other`."""
 
 OTHER = "other"
@@ -175,7 +175,12 @@ class Inventory:
 
     def _lifetime(self, kind: str) -> float:
         settings = self.settings
-        return {"eliminant": settings.eliminant_ttl, "job": settings.job_ttl}.get(kind, settings.result_ttl)
+        lifetimes = {
+            "eliminant": settings.eliminant_ttl,
+            "job": settings.job_ttl,
+            "question": settings.job_ttl,
+        }
+        return lifetimes.get(kind, settings.result_ttl)
 
     def _not_needed(self, items: Iterable[Item]) -> list[Item]:
         """Returns those that no active job of their version can need."""

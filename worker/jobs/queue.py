@@ -5,12 +5,15 @@ All state is in Redis, so any number of API processes can serve the same jobs.
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import replace
+from typing import cast
 
 from redis import Redis
+from redis.exceptions import RedisError
 
 from worker.answers.cost import cost
-from worker.answers.kinds import Answer, known_answer, missing_parts
+from worker.answers.kinds import Answer, known_answer, missing_parts, request_from_json
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.jobs.backlog import Backlog
@@ -117,6 +120,20 @@ class JobQueue:
             return None
         _, request, errors = record
         return known_answer(request, self.store, errors)
+
+    def remember(self, request: JobRequest) -> bool:
+        """Keep a question with a known answer, for `asked`; returns False if Redis refuses."""
+        text = zlib.compress(request.to_json().encode(), 1)
+        try:
+            self.redis.set(self.store.keys.question(request.job_id), text, ex=self.settings.job_ttl)
+        except RedisError:
+            return False
+        return True
+
+    def asked(self, job_id: str) -> Answer | None:
+        """Returns the answer to a question that is kept, or None if there is none or it has expired."""
+        kept = cast("bytes | None", self.redis.get(self.store.keys.question(job_id)))
+        return None if kept is None else self.known(request_from_json(zlib.decompress(kept)))
 
     def cancel(self, job_id: str) -> JobView | None:
         """Cancel a queued or running job, whoever wants it; a job that has ended is unchanged."""

@@ -77,6 +77,8 @@ async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Re
     (one cusp per line) or NDJSON (one slice per line); censuses and cusp curves as JSON or CSV; other
     documents as JSON.
 
+    The address is also the `Content-Location` of an answer to a question, with or without a job.
+
     A result never changes, so it has a strong `ETag` and may be cached indefinitely.
     """
     forms = forms_of(job_id)
@@ -86,6 +88,10 @@ async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Re
 
 
 def _result(context: Context, job_id: str) -> Answer:
+    if _JOB_ID.fullmatch(job_id) and not is_batch(job_id):
+        answer = context.queue.result(job_id) or context.queue.asked(job_id)
+        if answer is not None:
+            return answer
     view = _job(context, job_id)
     if not view.is_terminal:
         raise ProblemError(
@@ -96,10 +102,7 @@ def _result(context: Context, job_id: str) -> Answer:
         )
     if view.status != "succeeded":
         raise ProblemError.of_job(view)
-    answer = context.queue.result(job_id)
-    if answer is None:
-        raise ProblemError.expired()
-    return answer
+    raise ProblemError.expired()
 
 
 @router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)
