@@ -155,6 +155,7 @@ async def mixed(port: int, args: argparse.Namespace) -> None:
 
     async def client(seed: int) -> None:
         connection, choice = Connection(port), random.Random(seed)
+        await asyncio.sleep(choice.uniform(0, args.ramp))
         while time.monotonic() < end:
             name = choice.choice(names)
             if args.pause:
@@ -247,6 +248,7 @@ def main() -> None:
     parser.add_argument("load", choices=["mixed", "cached", "held"])
     parser.add_argument("--clients", type=int, default=100)
     parser.add_argument("--seconds", type=float, default=60, help="of the mixed load")
+    parser.add_argument("--ramp", type=float, default=5, help="seconds in which the clients of it come")
     parser.add_argument("--pause", type=float, default=0.0, help="mean seconds between two calls of a client")
     parser.add_argument("--requests", type=int, default=100_000, help="cached ones in all")
     parser.add_argument("--idle", type=int, default=10_000, help="connections that send nothing")
