@@ -150,7 +150,7 @@ def test_names_do_not_depend_on_what_is_asked_for() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("exponent", [12, 60])
+@pytest.mark.parametrize("exponent", [12, long(60)])
 def test_slices_right_beside_transitions(exponent: int) -> None:
     """The cusps that merge there are followed as far as they are distinct."""
     precise = census_of(INNOCENTI, digits=80)
@@ -173,7 +173,7 @@ def test_the_farthest_slices_are_reached() -> None:
     assert [[p.length for p in c.points] for c in curves.curves if c.points] == [[Fraction(10**12)]] * 4
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_spread_samples_every_curve_between_its_ends() -> None:
     whole = curves_of(INNOCENTI)
     lengths = whole.spread(3)
@@ -281,7 +281,7 @@ def shape(curves: CuspCurves, factor: int = 1) -> Counter[tuple[object, ...]]:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.timeout(400)
 @pytest.mark.hypothesis
 def test_scale_and_mirror() -> None:

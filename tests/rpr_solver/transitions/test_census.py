@@ -113,7 +113,7 @@ def test_degenerate_angles_leave_isolated_events(name: str) -> None:
         assert solve_slice(eliminant, length, 15).count == count_at(document, length)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["similar, mirrored"])
 def test_the_discriminant_agrees(name: str) -> None:
     """If both methods apply, the events are among the lengths of the discriminant."""

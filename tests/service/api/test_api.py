@@ -87,7 +87,8 @@ def test_simultaneous_equal_requests_are_one_job(api: httpx.Client, fresh: Fresh
     with ThreadPoolExecutor(8) as pool:
         answers = list(pool.map(lambda _: post(api, l1, wait=None), range(8)))
     assert {a.status_code for a in answers} <= {200, 202}
-    assert len({a.json()["id"] for a in answers if a.status_code == 202}) == 1
+    assert len({a.json()["id"] for a in answers if a.status_code == 202}) <= 1
+    assert len({a.text for a in answers if a.status_code == 200}) <= 1  # it may be done before the last asks
 
 
 def test_prefer_is_honoured_and_confirmed(api: httpx.Client, fresh: Fresh) -> None:
