@@ -7,6 +7,7 @@ from fastapi import Request, Response
 from service.api.access.admission import admit
 from service.api.access.caller import caller_of, subscriber_of
 from service.api.body import json_of, read_body
+from service.api.chosen_forms import choice_of
 from service.api.context import Context
 from service.api.job_view import job_json, retry_after
 from service.api.negotiation import JSON, negotiate
@@ -23,14 +24,28 @@ from worker.answers.requests import JobRequest
 from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
 
+Asked = tuple[JobRequest, float | None]
+"""A question, and its deadline in seconds."""
+
 
 async def answer_question(request: Request, context: Context, operation: Operation) -> Response:
-    """Answer a question: 200 with the document, or 202 with the job that computes it."""
+    """Answer a posted question: 200 with the document, or 202 with the job that computes it."""
+    limits = context.settings.limits
+    body = await read_body(request, limits.max_body_bytes)
+    asked = await context.parsing(_question, operation, body, limits)
+    return await answer_asked(
+        request, context, operation, asked, parse_prefer(request.headers.getlist("prefer"))
+    )
+
+
+async def answer_asked(
+    request: Request, context: Context, operation: Operation, asked: Asked, prefer: Preferences
+) -> Response:
+    """Answer a question that was read."""
     settings = context.settings
-    body = await read_body(request, settings.limits.max_body_bytes)
-    job_request, deadline_s = await context.parsing(_question, operation, body, settings.limits)
-    negotiate(request.headers.getlist("accept"), tuple(dict.fromkeys((*operation.forms, JSON))))
-    prefer = parse_prefer(request.headers.getlist("prefer"))
+    job_request, deadline_s = asked
+    choice = choice_of(request, operation.forms)
+    negotiate(choice.accept, tuple(dict.fromkeys((*choice.forms, JSON))))
     waited, seconds = _patience(prefer, operation.implied_wait, settings.limits.max_wait_seconds)
     caller = caller_of(request.scope)
     who = subscriber_of(caller)
@@ -54,7 +69,8 @@ async def answer_question(request: Request, context: Context, operation: Operati
         waited = None
         is_kept = await context.redis(context.queue.remember, job_request)
     context.metrics.count_answer(job_request.kind.name, way)
-    headers = {"Cache-Control": "no-store"}
+    is_job, is_read = isinstance(outcome, JobView), request.method == "GET"
+    headers = {} if is_read and not is_job else {"Cache-Control": "no-store"}
     if applied := prefer.applied(waited, isinstance(outcome, JobView)):
         headers["Preference-Applied"] = applied
     if isinstance(outcome, JobView):
@@ -64,12 +80,17 @@ async def answer_question(request: Request, context: Context, operation: Operati
             json_bytes(job_json(outcome, context.queue.settings, who)), 202, headers, media_type=JSON
         )
     if is_kept:
-        headers["Content-Location"] = f"/v1/jobs/{job_request.job_id}/result"
-    return await answer_response(context, request, outcome, operation.forms, headers=headers)
+        headers["Content-Location"] = f"/v1/jobs/{job_request.job_id}/result{choice.query}"
+    return await answer_response(context, request, outcome, choice, headers=headers)
 
 
-def _question(operation: Operation, body: bytes, limits: Limits) -> tuple[JobRequest, float | None]:
-    question = read(operation.question, json_of(body, limits), Source(limits))
+def _question(operation: Operation, body: bytes, limits: Limits) -> Asked:
+    return asked_of(operation, json_of(body, limits), limits)
+
+
+def asked_of(operation: Operation, document: object, limits: Limits) -> Asked:
+    """Returns the question that a document asks."""
+    question = read(operation.question, document, Source(limits))
     return question.job_request(), question.deadline_s
 
 

@@ -18,7 +18,7 @@ from service.api.error_handlers import add_error_handlers
 from service.api.middleware import RequestEnvelope
 from service.api.openapi import describe, operation_id
 from service.api.operations import WEB
-from service.api.routes import batches, jobs, operations, pages, questions
+from service.api.routes import batches, jobs, operations, pages, queries, questions
 from service.api.settings import Settings
 
 _GZIP_LEVEL = 1  # digits: level 5 takes five times as long for five per cent fewer bytes
@@ -51,7 +51,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.context = context
     app.state.begin_shutdown = context.events.stop
-    for part in (questions, batches, jobs, operations, pages):
+    for part in (questions, queries, batches, jobs, operations, pages):
         app.include_router(part.router)
     app.mount("/static", StaticFiles(directory=WEB), name="static")
     add_error_handlers(app)

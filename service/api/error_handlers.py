@@ -41,7 +41,9 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
     if isinstance(error, ProblemError):
         return error
     if isinstance(error, InputError):
-        return ProblemError.of_input(error)
+        problem = ProblemError.of_input(error)
+        problem.in_body = request.method != "GET"
+        return problem
     if isinstance(error, QueueFullError):
         wait = max(1, ceil(error.seconds))
         detail = f"The queue is full: it holds about {wait} s of work for its workers. Try again later."

@@ -1,4 +1,4 @@
-"""Header fields in the OpenAPI document: those of every operation, and those of some."""
+"""Parameters and header fields in the OpenAPI document that operations share."""
 
 from __future__ import annotations
 
@@ -23,6 +23,20 @@ _PARAMETERS: dict[str, dict[str, Any]] = {
         "description": "The id of the last event received; only later ones are sent.",
         "schema": {"type": "string", "pattern": r"^\s*(\d{1,20}(-\d{1,20})?)?\s*$"},
     },
+    "Format": {
+        "name": "format",
+        "in": "query",
+        "description": "The form of the answer, `json`, `csv` or `ndjson` if the document has it; instead of "
+        "Accept.",
+        "schema": _TEXT,
+    },
+    "Numbers": {
+        "name": "numbers",
+        "in": "query",
+        "description": "`float`: numbers of a JSON document as JSON numbers, rounded to double precision, "
+        "except in proofs; `text`, the default: strings with all digits.",
+        "schema": {"type": "string", "enum": ["text", "float"]},
+    },
 }
 _HEADERS: dict[str, dict[str, Any]] = {
     "RequestId": {"description": "The name of the request, as sent or made here.", "schema": _TEXT},
@@ -38,10 +52,17 @@ _HEADERS: dict[str, dict[str, Any]] = {
 PREFERENCE_APPLIED = {"Preference-Applied": {"$ref": "#/components/headers/PreferenceApplied"}}
 CONTENT_LOCATION = {"Content-Location": {"$ref": "#/components/headers/ContentLocation"}}
 
+RESULT_FORM = ("format", "numbers")
+_OF_ANSWERS = ("IfNoneMatch", "Format", "Numbers")
 _OF_OPERATIONS = {
-    "get_result": "IfNoneMatch",
-    "get_events": "LastEventId",
-    "get_batch_events": "LastEventId",
+    "get_result": _OF_ANSWERS,
+    "get_cusp_table": _OF_ANSWERS,
+    "get_census": _OF_ANSWERS,
+    **dict.fromkeys(("get_events", "get_batch_events"), ("LastEventId",)),
+    **dict.fromkeys(
+        ("post_cusp_table", "post_census", "post_cusp_curves", "post_check", "post_poses"),
+        ("Format", "Numbers"),
+    ),
 }
 
 
@@ -54,8 +75,7 @@ def describe_headers(contract: dict[str, Any]) -> None:
     components["headers"] = _HEADERS
     for operations in contract["paths"].values():
         for operation in operations.values():
-            own = _OF_OPERATIONS.get(operation["operationId"])
-            names = ["RequestId"] if own is None else [own, "RequestId"]
+            names = [*_OF_OPERATIONS.get(operation["operationId"], ()), "RequestId"]
             sent = [{"$ref": f"#/components/parameters/{name}"} for name in names]
             operation["parameters"] = [*operation.get("parameters", ()), *sent]
             for status, answer in operation["responses"].items():

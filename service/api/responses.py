@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from starlette.requests import Request
 from starlette.responses import Response
 
+from service.api.chosen_forms import Choice
 from service.api.context import Context
-from service.api.negotiation import CSV, Document, Form, Forms, is_known, negotiate
+from service.api.negotiation import CSV, Document, Form, is_known, negotiate
 from service.api.problems import ProblemError
 from service.api.sending import LARGE, LargeAnswer, at_hand, in_turn, slices_of
 from service.schemas.limits import LimitError, Limits
@@ -63,7 +64,7 @@ async def answer_response(
     context: Context,
     request: Request,
     answer: Answer,
-    forms: Forms,
+    choice: Choice,
     *,
     headers: Mapping[str, str] | None = None,
 ) -> Response:
@@ -73,11 +74,14 @@ async def answer_response(
         LimitError: it is larger than a result may be.
         ProblemError: 406, no form is acceptable; 410, the result expired just now.
     """
-    form = negotiate(request.headers.getlist("accept"), tuple(forms))
+    forms = choice.forms
+    form = negotiate(choice.accept, tuple(forms))
     if not isinstance(answer, StoredTable):
         return await _document_response(context, request, answer, form, forms[form], headers)
     _check_size(context.settings.limits, answer.size)
-    head = _Head.of(request, form, _digest(form, answer.digest), answer.has_errors, headers)
+    head = _Head.of(
+        request, form, _digest(form + forms[form].variant, answer.digest), answer.has_errors, headers
+    )
     if head.is_known:
         return head.not_modified()
     pieces = forms[form].pieces(answer)

@@ -23,6 +23,7 @@ RULES = (
     Rule(_GET, r"/|/docs|/openapi\.json|/problems(/.*)?|/static/.*", None),
     Rule(_GET, r"/healthz|/readyz", None),
     Rule(_GET, r"/metrics", "admin"),
+    Rule(_GET, r"/v1/(cusp-tables|censuses)", "submit"),
     Rule(_GET, r".*", "read"),
     Rule(r".*", r".*", "submit"),
 )

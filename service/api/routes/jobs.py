@@ -10,6 +10,7 @@ from fastapi import APIRouter, Path, Query, Request, Response
 from service.api import operation_docs as doc
 from service.api.access.caller import caller_of, subscriber_of
 from service.api.access.keys import allows
+from service.api.chosen_forms import choice_of
 from service.api.context import Context, ContextDep
 from service.api.following import follow
 from service.api.job_view import job_json, retry_after
@@ -81,10 +82,10 @@ async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Re
 
     A result never changes, so it has a strong `ETag` and may be cached indefinitely.
     """
-    forms = forms_of(job_id)
-    negotiate(request.headers.getlist("accept"), tuple(forms))
+    choice = choice_of(request, forms_of(job_id))
+    negotiate(choice.accept, tuple(choice.forms))
     answer = await context.redis(_result, context, job_id)
-    return await answer_response(context, request, answer, forms)
+    return await answer_response(context, request, answer, choice)
 
 
 def _result(context: Context, job_id: str) -> Answer:

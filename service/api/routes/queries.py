@@ -1,0 +1,104 @@
+"""GET forms of questions, for spreadsheets and for all that reads an address."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+
+from rpr_solver.errors import InputError
+from service.api.answering import answer_asked, asked_of
+from service.api.batch_csv import ENDS, GEOMETRY, LEGS, item_of
+from service.api.context import ContextDep
+from service.api.header_docs import RESULT_FORM
+from service.api.operation_docs import question_responses
+from service.api.operations import CENSUSES, CUSP_TABLES, Operation
+from service.api.prefer import Preferences
+from service.api.problems import ProblemError, ProblemType
+
+router = APIRouter()
+
+_WAIT = 10
+_OWN = ("wait", *RESULT_FORM)
+_TEXTS = {
+    **dict.fromkeys(GEOMETRY, "Of the geometry, as in the body of POST."),
+    "fixed_leg": "1, 2 or 3.",
+    "digits": "Significant digits.",
+    "wait": f"Seconds to wait for an answer that is not known yet; {_WAIT} if missing.",
+}
+_ENDS = tuple(f"{leg}_{end}" for leg in LEGS for end in ENDS)
+
+
+def _names(operation: Operation) -> tuple[str, ...]:
+    if operation is CUSP_TABLES:
+        return (*GEOMETRY, *LEGS, *_ENDS, "fixed_leg", "digits", "method")
+    return (*GEOMETRY, *(name for name in _ENDS if not name.endswith("_step")), "fixed_leg", "digits")
+
+
+def _parameters(operation: Operation) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": name,
+            "in": "query",
+            "required": name in GEOMETRY[:-1],
+            "description": _TEXTS.get(
+                name, "Of the fixed leg: lengths, with semicolons between them, or ends."
+            ),
+            "schema": {"type": "string"},
+        }
+        for name in (*_names(operation), "wait")
+    ]
+
+
+def _endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
+    async def endpoint(request: Request, context: ContextDep) -> Response:
+        if request.headers.get("sec-fetch-site") == "cross-site":
+            raise ProblemError(
+                ProblemType.FORBIDDEN, "A page of another site may not start computations with GET."
+            )
+        row = _row(request, operation)
+        wait = _seconds(row.pop("wait", str(_WAIT)))
+        own = {name: value for name, value in row.items() if name not in _OWN}
+        document = item_of({**own, "kind": operation.question.kinds[0].name})["request"]
+        asked = await context.parsing(asked_of, operation, document, context.settings.limits)
+        return await answer_asked(request, context, operation, asked, Preferences(wait=wait))
+
+    return endpoint
+
+
+def _row(request: Request, operation: Operation) -> dict[str, str]:
+    known = (*_names(operation), *_OWN)
+    row: dict[str, str] = {}
+    for name, value in request.query_params.multi_items():
+        if name not in known:
+            raise InputError.of(name[:60] or "query", f"unknown parameter; known are {', '.join(known)}")
+        if name in row:
+            raise InputError.of(name, "this parameter is given twice")
+        if value.strip():
+            row[name] = value.strip()
+    return row
+
+
+def _seconds(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 10):
+        raise InputError.of("wait", f"is {text[:40]!r}; give a whole number of seconds")
+    return int(text)
+
+
+for _operation, _name in ((CUSP_TABLES, "get_cusp_table"), (CENSUSES, "get_census")):
+    _responses = question_responses(_operation)
+    _responses[304] = {"description": "Not modified: the client has this representation (If-None-Match)."}
+    router.add_api_route(
+        _operation.path,
+        _endpoint(_operation),
+        methods=["GET"],
+        name=_name,
+        tags=[_operation.tag[0]],
+        summary=f"{_operation.summary}, as an address",
+        description="The question of POST as query parameters, for spreadsheets, `read_csv` and `webread`: "
+        "the geometry, `l1` or `l1_from`, `l1_to` and `l1_step` (with `fixed_leg` 2 or 3 those of that leg), "
+        "`digits`; `format=csv` for a table, `wait` for the time to wait. An answer may be cached.",
+        responses=_responses,
+        openapi_extra={"parameters": _parameters(_operation)},
+    )
