@@ -25,12 +25,14 @@ from service.cli.main import COMMANDS
 from service.client import ClientSettings
 from service.schemas.limits import Limits
 from service.stack.settings import SupervisorSettings
+from service.webhooks.settings import WebhookSettings
 from worker.settings import ConnectionSettings, WorkerSettings
 
 FILE = Path(__file__).with_name("reference.md")
 GROUPS: dict[str, type[BaseSettings]] = {
     "limits of requests": Limits,
     "API process": Settings,
+    "webhooks": WebhookSettings,
     "jobs and workers": WorkerSettings,
     "connection to Redis": ConnectionSettings,
     "clients": ClientSettings,
@@ -44,7 +46,7 @@ def settings() -> Iterator[str]:
         rows = [
             (f"`RPR_CUSPS_{name.upper()}`", f"`{field.default}`", field.description or "")
             for name, field in model.model_fields.items()
-            if field.annotation is not Limits
+            if field.annotation not in (Limits, WebhookSettings)
         ]
         yield from table((group, "default", "meaning"), rows)
 

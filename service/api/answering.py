@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from fastapi import Request, Response
 
 from service.api.access.admission import admit
 from service.api.access.caller import caller_of, subscriber_of
 from service.api.body import json_of, read_body
+from service.api.calling_back import call_back
 from service.api.chosen_forms import choice_of
 from service.api.context import Context
 from service.api.job_view import job_json, retry_after
@@ -19,13 +22,19 @@ from service.api.table_forms import json_bytes
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
 from service.schemas.price import check_price
+from service.webhooks.urls import target_of
 from worker.answers.kinds import Answer
 from worker.answers.requests import JobRequest
 from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
 
-Asked = tuple[JobRequest, float | None]
-"""A question, and its deadline in seconds."""
+
+class Asked(NamedTuple):
+    """A question, its deadline in seconds, and where its end is to be told."""
+
+    request: JobRequest
+    deadline_s: float | None
+    callback_url: str | None = None
 
 
 async def answer_question(request: Request, context: Context, operation: Operation) -> Response:
@@ -43,7 +52,9 @@ async def answer_asked(
 ) -> Response:
     """Answer a question that was read."""
     settings = context.settings
-    job_request, deadline_s = asked
+    job_request, deadline_s, callback_url = asked
+    if callback_url is not None:
+        target_of(callback_url, settings.webhooks)
     choice = choice_of(request, operation.forms)
     negotiate(choice.accept, tuple(dict.fromkeys((*choice.forms, JSON))))
     waited, seconds = _patience(prefer, operation.implied_wait, settings.limits.max_wait_seconds)
@@ -56,7 +67,9 @@ async def answer_asked(
             return known
         check_price(job_request, settings.limits)
         admit(caller, job_request, context.queue.quotas, settings.limits)
-        return _finished(context, context.queue.submit_for(who, job_request, seconds or 0, deadline_s))
+        view = context.queue.submit_for(who, job_request, seconds or 0, deadline_s)
+        call_back(context, view.id, who, callback_url)
+        return _finished(context, view)
 
     outcome = await context.redis(begin)
     way, is_kept = "cached", True
@@ -91,7 +104,7 @@ def _question(operation: Operation, body: bytes, limits: Limits) -> Asked:
 def asked_of(operation: Operation, document: object, limits: Limits) -> Asked:
     """Returns the question that a document asks."""
     question = read(operation.question, document, Source(limits))
-    return question.job_request(), question.deadline_s
+    return Asked(question.job_request(), question.deadline_s, question.callback_url)
 
 
 def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[int | None, int | None]:

@@ -17,6 +17,7 @@ from service.api.sending import Places
 from service.api.settings import Settings
 from service.api.threads import Threads
 from worker.connection import connect, eviction_warning
+from worker.jobs.callbacks import Callbacks
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
@@ -34,6 +35,7 @@ class Context:
     Attributes:
         settings: how the process runs.
         queue: the jobs and results.
+        callbacks: who is told of the ends of jobs.
         events: the event streams of jobs.
         metrics: counts and times.
         redis: runs what uses Redis, outside the event loop.
@@ -46,6 +48,7 @@ class Context:
 
     settings: Settings
     queue: JobQueue
+    callbacks: Callbacks
     events: JobEvents
     metrics: Metrics
     redis: RedisAccess
@@ -68,6 +71,7 @@ class Context:
         return cls(
             settings=settings,
             queue=queue,
+            callbacks=Callbacks(redis, queue.settings),
             events=JobEvents.of(settings, queue, RedisAccess(Threads(_EVENT_THREADS), breaker), refusals),
             metrics=Metrics(queue),
             redis=RedisAccess(Threads(settings.threads), breaker),

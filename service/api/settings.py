@@ -8,6 +8,7 @@ from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from service.schemas.limits import Limits
+from service.webhooks.settings import WebhookSettings
 
 KeysPolicy = Literal["auto", "always", "never"]
 """Whether calls need a key."""
@@ -93,6 +94,7 @@ class Settings(BaseSettings):
         default=256 << 20, description="maximum memory of large results that are sent, in bytes, about"
     )
     limits: Limits = Field(default_factory=Limits)
+    webhooks: WebhookSettings = Field(default_factory=WebhookSettings)
 
     @property
     def host_names(self) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from pydantic_settings import BaseSettings
 from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.settings import SupervisorSettings
+from service.webhooks.settings import WebhookSettings
 from worker.settings import ConnectionSettings, WorkerSettings
 
 PREFIX = "RPR_CUSPS_"
@@ -21,7 +22,8 @@ def models() -> tuple[type[BaseSettings], ...]:
     """Returns the models that read settings from the environment."""
     from service.client import ClientSettings  # imported here to keep the start of `serve` quick
 
-    return Limits, Settings, SupervisorSettings, WorkerSettings, ConnectionSettings, ClientSettings
+    ours = (Limits, Settings, WebhookSettings, SupervisorSettings, ClientSettings)
+    return *ours, WorkerSettings, ConnectionSettings
 
 
 def names() -> set[str]:

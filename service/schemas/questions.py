@@ -13,7 +13,9 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo
 
 from rpr_solver import Manipulator
+from rpr_solver.errors import InputError
 from service.schemas.document import Document, Expected, Source, part, unnamed
+from service.schemas.exact_json import JsonNumber, json_kind
 from service.schemas.numbers import DeadlineSeconds, Exact, Positive
 from worker.answers.requests import JobRequest, Kind
 
@@ -57,6 +59,21 @@ GeometryField = Annotated[
 """A manipulator, read from its geometry."""
 
 
+def _url(value: object) -> str | None:
+    if value is None:
+        return None
+    if not isinstance(value, str) or isinstance(value, JsonNumber):
+        raise InputError.of("", f"is {json_kind(value)}; give a URL such as https://example.com/hooks/cusps")
+    return value
+
+
+CallbackUrl = Annotated[
+    str | None,
+    PlainValidator(_url, json_schema_input_type=str | None),
+]
+"""Where the end of a job is to be told, or None; the service checks whether it may go there."""
+
+
 class Question(Document):
     """A kind of question: the model that reads a body or a command's options, and describes both.
 
@@ -76,6 +93,12 @@ class Question(Document):
         description="Seconds from now after which the answer is of no use. A job that is not done by then, "
         "queued or running, fails as `job-timeout`; of several clients who wait for it, the one who waits "
         "longest counts. Without it, a job may wait for as long as it must.",
+    )
+    callback_url: CallbackUrl = Field(
+        default=None,
+        exclude=True,
+        description="Where to POST an event when the job ends, if the answer is not known yet; its host must "
+        "be one that the service allows.",
     )
 
     @property

@@ -37,6 +37,14 @@ class Keys:
         """Returns the key of the items of a batch; the scripts derive it from the record's."""
         return f"{self.job(job_id).record}:items"
 
+    def delivery(self, delivery_id: str) -> str:
+        """Returns the key of a delivery; the scripts derive it in the same way."""
+        return f"{self.deliveries}:{delivery_id}"
+
+    def deliveries_of(self, job_id: str) -> str:
+        """Returns the key of the list of a job's deliveries; the scripts derive it in the same way."""
+        return f"{self.deliveries}-of:{job_id}"
+
     def client(self, client: str) -> str:
         """Returns the key of what a client holds."""
         return f"{self.prefix}:client:{client}"
@@ -54,6 +62,16 @@ class Keys:
     def ends(self) -> str:
         """The counts of how jobs ended; see `worker.jobs.ends`."""
         return f"{self.prefix}:ends"
+
+    @property
+    def deliveries(self) -> str:
+        """The sorted set of deliveries that are not over, by the time at which they are due."""
+        return f"{self.prefix}:deliveries"
+
+    @property
+    def delivery_counts(self) -> str:
+        """The number of attempts by their outcome."""
+        return f"{self.prefix}:delivery-counts"
 
     @property
     def queued(self) -> str:

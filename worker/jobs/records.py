@@ -20,6 +20,7 @@ from worker.answers.kinds import request_from_json
 from worker.answers.requests import JobRequest
 from worker.answers.store import dump
 from worker.jobs import scripts
+from worker.jobs.announcements import VIEW_FIELDS
 from worker.jobs.attempts import Chunk, ChunkEntry, ChunkRef, Lost, chunk_of, entry_of
 from worker.jobs.keys import Keys
 from worker.jobs.lanes import Lane, Place, Plan, QueueFullError
@@ -34,8 +35,6 @@ INCOMPLETE = (
 )
 
 _OVERDUE = "The job was not done by the deadline of its request (deadline_s)."
-
-_FIELDS = ("run", "status", "done", "total", "created", "started", "finished", "error", "deadline", "failed")
 
 
 @dataclass(frozen=True)
@@ -89,7 +88,7 @@ class JobRecords:
 
     def view(self, job_id: str) -> JobView | None:
         """Returns the current state of a job, or None if there is none."""
-        fields = self.redis.hmget(self.keys.job(job_id).record, _FIELDS)
+        fields = self.redis.hmget(self.keys.job(job_id).record, VIEW_FIELDS)
         return _view(job_id, cast("list[bytes | None]", fields))
 
     def lane(self, job_id: str) -> Lane:
@@ -101,7 +100,7 @@ class JobRecords:
         """Returns a job, its request and the errors of single slices by L1, or None if there is none."""
         keys = self.keys.job(job_id)
         with self.redis.pipeline(transaction=False) as pipe:
-            pipe.hmget(keys.record, [*_FIELDS, "request"])
+            pipe.hmget(keys.record, [*VIEW_FIELDS, "request"])
             pipe.hgetall(keys.errors)
             fields, errors = pipe.execute()
         view = _view(job_id, fields)
@@ -333,23 +332,29 @@ def _origin() -> dict[str, str]:
 
 
 def _view(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:
-    run, status, done, total, created, started, finished, error, deadline, failed = (
-        None if raw is None else raw.decode() for raw in fields[: len(_FIELDS)]
+    named = {name: raw.decode() for name, raw in zip(VIEW_FIELDS, fields, strict=False) if raw is not None}
+    return job_view(job_id, named) if "run" in named and "status" in named else None
+
+
+def job_view(job_id: str, fields: Mapping[str, str]) -> JobView:
+    """Returns the state of a job from the fields of its record."""
+    created, started, finished, deadline = (
+        iso(float(fields[name])) if name in fields else None
+        for name in ("created", "started", "finished", "deadline")
     )
-    if run is None or status is None:
-        return None
+    error = fields.get("error")
     return JobView(
         id=job_id,
-        status=cast(Status, status),
-        done=int(done or 0),
-        total=int(total or 0),
-        created_at=_iso(created) or "",
-        started_at=_iso(started),
-        finished_at=_iso(finished),
+        status=cast(Status, fields["status"]),
+        done=int(fields.get("done", 0)),
+        total=int(fields.get("total", 0)),
+        created_at=created or "",
+        started_at=started,
+        finished_at=finished,
         error=json.loads(error) if error else None,
-        run=run,
-        deadline_at=_iso(deadline),
-        failed=int(failed or 0),
+        run=fields["run"],
+        deadline_at=deadline,
+        failed=int(fields.get("failed", 0)),
     )
 
 
@@ -357,8 +362,7 @@ def _ms(seconds: float) -> int:
     return max(1, round(1000 * seconds))
 
 
-def _iso(seconds: str | None) -> str | None:
-    if seconds is None:
-        return None
-    text = datetime.fromtimestamp(float(seconds), UTC).isoformat(timespec="milliseconds")
+def iso(seconds: float) -> str:
+    """Returns a time, in seconds since 1970, in ISO 8601."""
+    text = datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")
     return text.replace("+00:00", "Z")

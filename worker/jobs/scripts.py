@@ -20,6 +20,7 @@ Each script begins with the names of its keys and arguments, in the order in whi
 from __future__ import annotations
 
 from worker.answers.store import KEEP_SLICE
+from worker.jobs.announcements import ANNOUNCE
 from worker.jobs.ends import COUNT_END
 
 _NOW = """
@@ -109,6 +110,7 @@ local function finish(record, chunks, bits, errors, events, active, ends, job_id
     count_end(record, ends, job_id, status, problem)
     redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
     retire(record, active, job_id)
+    announce_to_all(record, ends, job_id)
     redis.call('HDEL', record, 'todo')
     redis.call('DEL', chunks)
     if redis.call('EXPIRE', items_of(record), ttl) == 0 then redis.call('DEL', bits) end
@@ -146,7 +148,7 @@ local function count_part(record, chunks, bits, errors, events, active, ends, jo
 end
 """
 
-PRELUDE = _NOW + COUNT_END + _JOBS
+PRELUDE = _NOW + COUNT_END + ANNOUNCE + _JOBS
 """The definitions that precede every script."""
 
 # Returns {1} if the job was created, {0} if another client has created or changed it meanwhile or items of a

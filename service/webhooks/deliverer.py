@@ -1,0 +1,133 @@
+"""Delivers what is due, in the API processes: any number of them share the work.
+
+They, and not the workers, since they are the ones that are reached from outside, and a receiver that is slow
+holds up no computation. One thread claims, a few send. A process that is killed leaves its deliveries to the
+others, or to its successor, once their lease is over.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import random
+import threading
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+
+import httpcore
+from redis import Redis
+from redis.exceptions import RedisError
+
+from rpr_solver.errors import InputError
+from service.webhooks.sending import Answer, RefusedError, post
+from service.webhooks.settings import SecretError, WebhookSettings
+from service.webhooks.urls import target_of
+from worker.answers.kinds import is_batch
+from worker.jobs.callbacks import Attempt, Callbacks, Delivery, State
+from worker.jobs.records import JobView
+from worker.settings import WorkerSettings
+
+log = logging.getLogger("rpr_cusps.service")
+
+_SENDERS = 8
+_LOOK = 0.5  # seconds between two looks at what is due
+_LEASE_MARGIN = 20.0  # seconds for a look-up of the name, which has no time-out of its own
+_LONGEST_WISH = 86400.0  # of a Retry-After
+_JITTER = 0.2
+
+Shown = Callable[[JobView], Mapping[str, object]]
+"""Gives the document of a job or a batch."""
+
+
+class Deliverer:
+    """The deliveries of one process."""
+
+    def __init__(
+        self, redis: Redis, settings: WebhookSettings, worker_settings: WorkerSettings, shown: Shown
+    ) -> None:
+        self._callbacks = Callbacks(redis, worker_settings)
+        self._settings = settings
+        self._shown = shown
+        self._lease = settings.webhook_timeout_seconds + _LEASE_MARGIN
+        self._free = threading.Semaphore(_SENDERS)
+
+    def run(self, stop: threading.Event) -> None:
+        """Deliver what is due until `stop` is set; for a thread of an API process."""
+        with ThreadPoolExecutor(_SENDERS, thread_name_prefix="webhooks") as senders:
+            while not stop.is_set():
+                delivery = None
+                self._free.acquire()
+                try:
+                    delivery = self._callbacks.claim(self._lease)
+                except RedisError:
+                    pass
+                except Exception:
+                    log.exception("a search for deliveries failed")
+                if delivery is None:
+                    self._free.release()
+                    stop.wait(_LOOK)
+                else:
+                    senders.submit(self._deliver, delivery)
+
+    def _deliver(self, delivery: Delivery) -> None:
+        try:
+            self.attempt(delivery)
+        except RedisError:
+            pass  # it is due again after its lease
+        except Exception:
+            log.exception("a delivery failed")
+        finally:
+            self._free.release()
+
+    def attempt(self, delivery: Delivery) -> None:
+        """Make one attempt, and note how it ended."""
+        at, status, problem, wish = time.time(), None, None, None
+        state: State = "pending"
+        try:
+            target = target_of(delivery.url, self._settings)
+            answer = post(target, delivery.id, event_of(delivery, self._shown), self._settings)
+            status, wish = answer.status, answer.retry_after
+            state, problem = judged(answer)
+        except (RefusedError, InputError) as error:
+            state, problem = "refused", str(error)
+        except SecretError as error:
+            log.warning("webhooks cannot be signed: RPR_CUSPS_WEBHOOK_SECRET_FILE %s", error)
+            problem = "it could not be signed"
+        except (httpcore.NetworkError, httpcore.ProtocolError, httpcore.TimeoutException, OSError) as error:
+            problem = (f"{type(error).__name__}: {error}" if str(error) else type(error).__name__)[:200]
+        except Exception as error:
+            log.exception("a delivery failed")
+            problem = type(error).__name__
+        delay = 0.0
+        if state == "pending":
+            pauses = self._settings.pauses
+            if delivery.claim > len(pauses):
+                state = "exhausted"
+            else:
+                delay = pause(pauses[delivery.claim - 1], wish)
+        self._callbacks.settle(delivery, state, Attempt(at, status, problem), delay)
+
+
+def judged(answer: Answer) -> tuple[State, str | None]:
+    """Returns how a delivery stands after an answer, and why it did not succeed."""
+    if 200 <= answer.status < 300:
+        return "delivered", None
+    if answer.status == 410:
+        return "gone", "the receiver wants no more (410)"
+    if 300 <= answer.status < 400:
+        return "pending", "redirects are not followed"
+    return "pending", f"the receiver answered {answer.status}"
+
+
+def pause(seconds: float, wish: float | None) -> float:
+    """Returns the time until the next attempt: a little longer than planned, or as the receiver wishes."""
+    return max(seconds * random.uniform(1, 1 + _JITTER), min(wish or 0.0, _LONGEST_WISH))
+
+
+def event_of(delivery: Delivery, shown: Shown) -> bytes:
+    """Returns the body, the same at every attempt."""
+    job = delivery.job
+    what = "batch" if is_batch(job.id) else "job"
+    event = {"type": f"{what}.{job.status}", "timestamp": job.finished_at, "data": shown(job)}
+    return json.dumps(event, separators=(",", ":"), ensure_ascii=False).encode()
