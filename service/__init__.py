@@ -3,6 +3,7 @@
 Errors, in addition to those of the solver (`rpr_solver.errors`):
 
 ValueError
+├── SecretError             webhooks.settings: the secrets of webhooks cannot be used
 ├── JsonError               schemas.exact_json: a body or a file is not strict JSON
 └── InputError              (the solver's)
     └── LimitError          schemas.limits: the request is valid but exceeds a limit
@@ -17,6 +18,8 @@ Exception
 ├── QuotaError              (the worker's) worker.jobs.quotas: a client holds too much of the queue
 ├── OutputError             cli.output: what a command prints cannot be written
 ├── ItemsLostError          (the worker's) worker.jobs.batches: the items of a batch are not there
+├── RefusedError            webhooks.sending: the address of a callback may not be reached
+├── TooManyCallbacksError   (the worker's) worker.jobs.callbacks: a job has as many as it may have
 ├── ServiceError            errors: the service refused, failed, or cannot be reached
 ├── UnreachableError        (the worker's) worker.connection: nobody answers at the address of Redis
 └── WorkerError             (the worker's) worker.process.start: the worker cannot start

@@ -38,12 +38,13 @@ MAY_IMPORT = {
     # service: faces people and programs
     "service.errors": "",
     "service.schemas": "rpr_solver worker.answers",
-    "service.api": "rpr_solver worker service service.schemas",
+    "service.webhooks": "rpr_solver worker service",
+    "service.api": "rpr_solver worker service service.schemas service.webhooks",
     "service.openapi_yaml": "service.api service.schemas",
-    "service.stack": "worker service service.schemas service.api",
+    "service.stack": "worker service service.schemas service.api service.webhooks",
     "service.client": "rpr_solver service.errors service.schemas",
     "service.cli": "rpr_solver worker service service.errors service.schemas service.client service.stack "
-    "service.api",
+    "service.api service.webhooks",
     "service.__main__": "service.cli",
     "service": "",
 }

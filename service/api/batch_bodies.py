@@ -8,11 +8,14 @@ from typing import Any, Protocol
 
 from rpr_solver.errors import InputError
 from service.api.problems import ProblemError, ProblemType
+from service.schemas.exact_json import JsonError, parse_json
 
-_BEGIN = re.compile(rb'[ \t\r\n]*(?:(\[)|\{[ \t\r\n]*"items"[ \t\r\n]*:[ \t\r\n]*\[)')
+_CALLBACK = rb'"callback_url"\s*:\s*("(?:[^"\\]|\\.)*"|[\w.+-]+)\s*'
+_BEGIN = re.compile(rb'\s*(?:(\[)|\{\s*(?:%s,\s*)?"items"\s*:\s*\[)' % _CALLBACK)
+_END = re.compile(rb",\s*%s\}" % _CALLBACK)
 _TOKEN = re.compile(rb'"(?:[^"\\]|\\.)*+"|["\[\]{},]', re.DOTALL)
 _SPACE = b" \t\r\n"
-_LONGEST_BEGIN = 1000
+_LONGEST_BEGIN = 16_000
 
 
 Sent = bytes | Mapping[str, Any]
@@ -59,9 +62,14 @@ class Lines:
 
 
 class Elements:
-    """The elements of `{"items": […]}`, or of an array alone."""
+    """The elements of `{"items": […]}`, or of an array alone.
+
+    Attributes:
+        callback_url: the member of that name beside the items, as it was sent; None without one.
+    """
 
     def __init__(self) -> None:
+        self.callback_url: object = None
         self._text = b""
         self._at = 0  # up to where the text was looked at
         self._depth = 0
@@ -99,14 +107,19 @@ class Elements:
         rest = self._text.strip(_SPACE)
         if rest == (b"}" if self._is_object else b""):
             return iter(())
+        if self._is_object and self.callback_url is None and (match := _END.fullmatch(rest)):
+            self.callback_url = _value(match[1])
+            return iter(())
         if self._is_object and rest.startswith(b","):
-            raise ProblemError.of_input(InputError.of("body", 'has members beside "items"; leave them out'))
+            detail = 'has members beside "items" and one "callback_url"; leave them out'
+            raise ProblemError.of_input(InputError.of("body", detail))
         raise _invalid("it goes on after the items, or ends before their object does")
 
     def _begin(self) -> None:
         match = _BEGIN.match(self._text)
         if match is not None:
             self._state, self._is_object = "inside", match[1] is None
+            self.callback_url = None if match[2] is None else _value(match[2])
             self._text = self._text[match.end() :]
         elif len(self._text) > _LONGEST_BEGIN:
             raise _no_items()
@@ -140,6 +153,13 @@ class Elements:
         else:
             self._at = len(self._text)
         self._text, self._at = self._text[start:], self._at - start
+
+
+def _value(text: bytes) -> object:
+    try:
+        return parse_json(text)
+    except JsonError:
+        raise _invalid("callback_url is no string") from None
 
 
 def _no_items() -> ProblemError:

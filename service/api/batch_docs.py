@@ -136,6 +136,10 @@ CANCEL_RESPONSES: Docs = {
     ),
     **problems(ProblemType.FORBIDDEN, ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
 }
+DELIVERIES_RESPONSES: Docs = {
+    200: json_response("The deliveries.", "Deliveries"),
+    **problems(ProblemType.NOT_FOUND, UNAVAILABLE),
+}
 RESULTS_PARAMETERS: dict[str, Any] = {
     "parameters": [
         _header(

@@ -17,6 +17,7 @@ from service.api.batch_bodies import Cutter, Elements, Lines, Sent
 from service.api.batch_csv import Rows
 from service.api.batch_items import read_item
 from service.api.body import JSON_TYPES, media_type_of, too_large
+from service.api.calling_back import allowed_url, call_back
 from service.api.context import Context
 from service.api.idempotency import Idempotency, Submission, key_of
 from service.api.negotiation import CSV, NDJSON
@@ -117,7 +118,9 @@ class Intake:
         self.batches.drop(self.token)
 
 
-async def accept_batch(request: Request, context: Context) -> tuple[JobView, Subscriber]:
+async def accept_batch(
+    request: Request, context: Context, callback_url: str | None
+) -> tuple[JobView, Subscriber]:
     """Accept a batch, or find the one that the same submission made before; returns it and its subscriber.
 
     Raises:
@@ -125,6 +128,7 @@ async def accept_batch(request: Request, context: Context) -> tuple[JobView, Sub
     """
     queue = context.queue
     cutter = _cutter_of(request, context.settings.limits)
+    url = allowed_url(context, callback_url)
     caller = caller_of(request.scope)
     key = key_of(request, caller)
     # whoever sends the same again can withdraw it
@@ -146,10 +150,13 @@ async def accept_batch(request: Request, context: Context) -> tuple[JobView, Sub
         view = intake.begin()
         begun = True
         queue.subscriptions.add(view.id, who)
+        call_back(context, view.id, who, url)
         return view
 
     try:
         digest = await _receive(request, context, cutter, intake)
+        if isinstance(cutter, Elements):
+            url = allowed_url(context, callback_url, cutter.callback_url)
         return await context.redis(begin, digest), who
     finally:
         if not begun:

@@ -45,6 +45,8 @@ def _job_request(item: BatchItem, limits: Limits) -> JobRequest:
     sent = dict(item.request)
     if sent.pop("deadline_s", None) is not None:
         raise InputError.of("request.deadline_s", "is not for items; leave it out")
+    if sent.pop("callback_url", None) is not None:
+        raise InputError.of("request.callback_url", "is not for items; give it with the batch")
     if item.kind == article.KIND.name:
         sent.setdefault("method", "article")
     try:

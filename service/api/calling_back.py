@@ -8,13 +8,30 @@ from rpr_solver.errors import InputError
 from service.api.batch_view import batch_json
 from service.api.context import Context
 from service.api.job_view import job_json
-from service.webhooks.deliverer import Shown
-from service.webhooks.urls import FIELD
+from service.schemas.exact_json import JsonNumber, json_kind
+from service.webhooks.deliverer import Shown, event_type
+from service.webhooks.urls import FIELD, target_of
 from worker.answers.kinds import is_batch
 from worker.jobs.callbacks import MANY, Delivery, TooManyCallbacksError
-from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
 from worker.settings import WorkerSettings
+
+
+def allowed_url(context: Context, *sent: object) -> str | None:
+    """Returns the callback URL of a batch, which is given in the query or in the body, or None.
+
+    Raises:
+        InputError: it may not be called, or there are two.
+    """
+    urls = [url for url in sent if url is not None]
+    if len(urls) > 1:
+        raise InputError.of(FIELD, "is given in the query and in the body; give it once")
+    for url in urls:
+        if not isinstance(url, str) or isinstance(url, JsonNumber):
+            raise InputError.of(FIELD, f"is {json_kind(url)}; give a URL")
+        target_of(url, context.settings.webhooks)
+        return url
+    return None
 
 
 def call_back(context: Context, job_id: str, who: Subscriber, url: str | None) -> None:
@@ -40,11 +57,6 @@ def deliveries_json(deliveries: list[Delivery]) -> dict[str, object]:
 def shown(settings: WorkerSettings) -> Shown:
     """Returns what gives the document of a job or a batch for an event."""
     return lambda view: batch_json(view, settings) if is_batch(view.id) else job_json(view, settings)
-
-
-def event_type(view: JobView) -> str:
-    """Returns the type of the event that a job or a batch has ended."""
-    return f"{'batch' if is_batch(view.id) else 'job'}.{view.status}"
 
 
 def _delivery_json(delivery: Delivery) -> dict[str, object]:

@@ -59,11 +59,14 @@ FAILURES = _counter("job_failures", "failed jobs by the reason, as in their prob
 WAIT = _histogram("job_wait_seconds", "time of an ended job in the queue", "kind")
 RUN = _histogram("job_run_seconds", "time from a job's first chunk to its end", "kind")
 LOST = _counter("chunks_lost", "chunks that lost their work horse, or their worker", "what")
+WEBHOOKS = _counter(
+    "webhook_attempts", "attempts to deliver a webhook, by what they left; `pending`: to be repeated", "state"
+)
 MEMORY = _gauge("redis_memory_bytes", "memory that Redis uses")
 MEMORY_LIMIT = _gauge("redis_memory_limit_bytes", "maxmemory of Redis; 0: none")
 
 OF_PROCESS = (INFO, REQUESTS, SECONDS, IN_FLIGHT, FOLLOWERS, TABLES, ANSWERS)
 OF_INSTALLATION = (
     *(UP, QUEUE_DEPTH, QUEUE_AGE, WORKERS, BEAT_AGE, ACTIVE, SUSPECTED),
-    *(JOBS_ENDED, FAILURES, WAIT, RUN, LOST, MEMORY, MEMORY_LIMIT),
+    *(JOBS_ENDED, FAILURES, WAIT, RUN, LOST, WEBHOOKS, MEMORY, MEMORY_LIMIT),
 )

@@ -15,11 +15,13 @@ from pydantic.json_schema import models_json_schema
 from service.api.access.docs import describe_access
 from service.api.header_docs import describe_headers
 from service.api.operations import OPERATIONS
+from service.api.webhook_docs import WEBHOOKS
 from service.schemas.batches import Batch, BatchRequest, BatchResult
 from service.schemas.jobs import Job, StreamEvent
 from service.schemas.numbers import EXACT_NUMBER, POSITIVE_NUMBER
 from service.schemas.operations import Health, LimitsDocument, Readiness, Version
 from service.schemas.problems import ProblemDocument
+from service.schemas.webhooks import BatchEvent, Deliveries, JobEvent
 
 DESCRIPTION = """\
 Certified cusp points in the joint space of planar 3-RPR parallel manipulators.
@@ -37,6 +39,7 @@ TAGS = [
     *(operation.tag for operation in OPERATIONS),
     ("batches", "Many questions in one, with their results as they come."),
     ("jobs", "Follow, fetch and cancel computations."),
+    ("webhooks", "Events that the service sends; see `callback_url`."),
     ("operations", "Health, versions, limits and metrics."),
 ]
 MODELS: tuple[type[BaseModel], ...] = (
@@ -47,6 +50,9 @@ MODELS: tuple[type[BaseModel], ...] = (
         BatchResult,
         Job,
         StreamEvent,
+        JobEvent,
+        BatchEvent,
+        Deliveries,
         ProblemDocument,
         Health,
         Readiness,
@@ -92,6 +98,7 @@ def document(app: FastAPI) -> dict[str, Any]:
                 del responses["422"]  # the framework's own, which never occurs
     describe_headers(contract)
     describe_access(contract)
+    contract["webhooks"] = WEBHOOKS
     return contract
 
 

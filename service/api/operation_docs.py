@@ -206,6 +206,10 @@ EVENTS_RESPONSES: Docs = {
     204: {"description": "The job has ended, and no event follows Last-Event-ID."},
     **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, UNAVAILABLE),
 }
+DELIVERIES_RESPONSES: Docs = {
+    200: json_response("The deliveries.", "Deliveries"),
+    **problems(ProblemType.NOT_FOUND, UNAVAILABLE),
+}
 HEALTH_RESPONSES: Docs = {200: json_response("The process is running.", "Health"), **problems()}
 READY_RESPONSES: Docs = {
     200: json_response("Requests can be served.", "Readiness"),

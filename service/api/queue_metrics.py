@@ -55,6 +55,7 @@ def _of_load(load: Load) -> Iterator[Metric]:
     yield _gauge(families.BEAT_AGE, {(): load.oldest_beat})
     yield _gauge(families.ACTIVE, {(): load.active_jobs})
     yield _gauge(families.SUSPECTED, {(): load.suspected_chunks})
+    yield _counter(families.WEBHOOKS, {(state,): count for state, count in load.deliveries.items()})
     yield _gauge(families.MEMORY, {(): load.memory})
     yield _gauge(families.MEMORY_LIMIT, {(): load.memory_limit})
 

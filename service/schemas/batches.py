@@ -69,6 +69,11 @@ class BatchRequest(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     items: list[BatchItem] = Field(min_length=1)
+    callback_url: str | None = Field(
+        default=None,
+        description="Where to POST an event when the batch ends; its host must be one that the service "
+        "allows.",
+    )
 
 
 class BatchLinks(BaseModel):

@@ -21,9 +21,11 @@ from fastapi import FastAPI
 from starlette.types import Receive, Scope, Send
 
 from service.api.app import create_app
+from service.api.calling_back import shown
 from service.api.http_protocol import uvicorn_options
 from service.api.middleware import UNCOUNTED
 from service.api.settings import Settings
+from service.webhooks.deliverer import Deliverer
 from worker import tracing
 from worker.connection import connect
 from worker.jobs.sweeper import Sweeper
@@ -51,6 +53,7 @@ def main() -> int:
     if tracing.prepare("api"):
         tracing.start()
     sweep(settings.redis_url)
+    deliver(settings)
     server = ApiServer(
         server_config(create_app(settings), settings), socket.socket(fileno=args.health), args.parent_pid
     )
@@ -75,6 +78,14 @@ def sweep(redis_url: str) -> None:
     """Search for lost chunks as workers do, since none may be left."""
     sweeper = Sweeper(connect(redis_url), WorkerSettings())
     threading.Thread(target=sweeper.run, args=(threading.Event(),), daemon=True).start()
+
+
+def deliver(settings: Settings) -> None:
+    """Deliver webhooks, if there are any."""
+    if settings.webhooks.is_on:
+        own = WorkerSettings()
+        deliverer = Deliverer(connect(settings.redis_url), settings.webhooks, own, shown(own))
+        threading.Thread(target=deliverer.run, args=(threading.Event(),), daemon=True).start()
 
 
 class ApiServer(uvicorn.Server):

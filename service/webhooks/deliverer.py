@@ -32,24 +32,39 @@ log = logging.getLogger("rpr_cusps.service")
 
 _SENDERS = 8
 _LOOK = 0.5  # seconds between two looks at what is due
-_LEASE_MARGIN = 20.0  # seconds for a look-up of the name, which has no time-out of its own
 _LONGEST_WISH = 86400.0  # of a Retry-After
 _JITTER = 0.2
+
+LEASE_MARGIN = 20.0
+"""Seconds beyond the time-out of an attempt, for a look-up of the name, which has no time-out of its own."""
 
 Shown = Callable[[JobView], Mapping[str, object]]
 """Gives the document of a job or a batch."""
 
 
 class Deliverer:
-    """The deliveries of one process."""
+    """The deliveries of one process.
+
+    Args:
+        redis: a client.
+        settings: who may be called, and how.
+        worker_settings: of the installation.
+        shown: what gives the document of a job or a batch.
+        margin: how long nobody else repeats an attempt after its time-out, in seconds.
+    """
 
     def __init__(
-        self, redis: Redis, settings: WebhookSettings, worker_settings: WorkerSettings, shown: Shown
+        self,
+        redis: Redis,
+        settings: WebhookSettings,
+        worker_settings: WorkerSettings,
+        shown: Shown,
+        margin: float = LEASE_MARGIN,
     ) -> None:
         self._callbacks = Callbacks(redis, worker_settings)
         self._settings = settings
         self._shown = shown
-        self._lease = settings.webhook_timeout_seconds + _LEASE_MARGIN
+        self._lease = settings.webhook_timeout_seconds + margin
         self._free = threading.Semaphore(_SENDERS)
 
     def run(self, stop: threading.Event) -> None:
@@ -125,9 +140,13 @@ def pause(seconds: float, wish: float | None) -> float:
     return max(seconds * random.uniform(1, 1 + _JITTER), min(wish or 0.0, _LONGEST_WISH))
 
 
+def event_type(view: JobView) -> str:
+    """Returns the type of the event that a job or a batch has ended."""
+    return f"{'batch' if is_batch(view.id) else 'job'}.{view.status}"
+
+
 def event_of(delivery: Delivery, shown: Shown) -> bytes:
     """Returns the body, the same at every attempt."""
     job = delivery.job
-    what = "batch" if is_batch(job.id) else "job"
-    event = {"type": f"{what}.{job.status}", "timestamp": job.finished_at, "data": shown(job)}
+    event = {"type": event_type(job), "timestamp": job.finished_at, "data": shown(job)}
     return json.dumps(event, separators=(",", ":"), ensure_ascii=False).encode()

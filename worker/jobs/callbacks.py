@@ -182,11 +182,6 @@ class Callbacks:
                 pipe.hgetall(self.keys.delivery(raw.decode()))
             return [_delivery(fields) for fields in pipe.execute() if fields]
 
-    def counts(self) -> dict[str, int]:
-        """Returns the number of attempts by the state in which they left their delivery."""
-        raw = cast("dict[bytes, bytes]", self.redis.hgetall(self.keys.delivery_counts))
-        return {state.decode(): int(count) for state, count in raw.items()}
-
 
 def _delivery(raw: Mapping[bytes, bytes]) -> Delivery:
     fields = {name.decode(): value.decode() for name, value in raw.items()}

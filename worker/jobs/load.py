@@ -32,6 +32,7 @@ class Load:
     workers: int
     oldest_beat: float
     ends: Ends
+    deliveries: dict[str, int]
     memory: int
     memory_limit: int
 
@@ -50,7 +51,8 @@ def read_load(redis: Redis, settings: WorkerSettings) -> Load:
         pipe.zrange(roster.key, 0, -1, withscores=True)
         pipe.hgetall(keys.ends)
         pipe.info("memory")
-        *waiting, (seconds, micros), active, suspected, beats, ends, memory = pipe.execute()
+        pipe.hgetall(keys.delivery_counts)
+        *waiting, (seconds, micros), active, suspected, beats, ends, memory, attempts = pipe.execute()
         now = seconds + micros / 1e6
         heads = [head and head.decode().rsplit("-", 3)[0] for head in waiting[1::2]]
         for job_id in filter(None, heads):
@@ -65,6 +67,7 @@ def read_load(redis: Redis, settings: WorkerSettings) -> Load:
         workers=len(live),
         oldest_beat=max(live, default=0.0),
         ends=read_ends(ends),
+        deliveries={state.decode(): int(count) for state, count in attempts.items()},
         memory=int(memory["used_memory"]),
         memory_limit=int(memory["maxmemory"]),
     )

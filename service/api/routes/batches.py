@@ -13,6 +13,7 @@ from service.api.access.keys import allows
 from service.api.batch_intake import accept_batch
 from service.api.batch_results import BatchResults, Wanted
 from service.api.batch_view import batch_json
+from service.api.calling_back import deliveries_json
 from service.api.context import Context, ContextDep
 from service.api.following import follow
 from service.api.job_view import retry_after
@@ -41,6 +42,13 @@ Subscription = Annotated[
 Force = Annotated[
     bool, Query(description="Cancels the batch whoever submitted it; needs a key with scope `admin`.")
 ]
+CallbackUrl = Annotated[
+    str,
+    Query(
+        description="Where to POST an event when the batch ends, for bodies that are lines or CSV; in a JSON "
+        "object it is a member beside `items`. Its host must be one that the service allows."
+    ),
+]
 _BATCH_ID = re.compile(r"ba-[0-9a-f]{40}", re.ASCII)
 
 
@@ -51,7 +59,7 @@ _BATCH_ID = re.compile(r"ba-[0-9a-f]{40}", re.ASCII)
     responses=doc.POST_RESPONSES,
     openapi_extra=doc.POST_BODY,
 )
-async def post_batch(request: Request, context: ContextDep) -> Response:
+async def post_batch(request: Request, context: ContextDep, callback_url: CallbackUrl = "") -> Response:
     """Accepts a batch: as `{"items": […]}`, as lines of items (`application/x-ndjson`), or as CSV with one
     geometry a row. An item that is not valid becomes a problem in its place; the others are computed.
     Questions that several batches or jobs have in common are computed once.
@@ -60,7 +68,7 @@ async def post_batch(request: Request, context: ContextDep) -> Response:
     first.
     """
     negotiate(request.headers.getlist("accept"), (JSON,))
-    view, who = await accept_batch(request, context)
+    view, who = await accept_batch(request, context, callback_url or None)
     context.metrics.count_answer(KIND.name, "job")
     return _response(context, await context.redis(context.queue.placed, view), who)
 
@@ -118,6 +126,20 @@ async def get_batch_events(batch_id: BatchId, request: Request, context: Context
     ends with the batch. `Last-Event-ID` resumes it; 204 means that no events follow.
     """
     return await follow(request, context, await context.redis(_batch, context, batch_id))
+
+
+@router.get(
+    "/v1/batches/{batch_id}/deliveries",
+    summary="The webhooks of a batch",
+    responses=doc.DELIVERIES_RESPONSES,
+)
+async def get_batch_deliveries(batch_id: BatchId, context: ContextDep) -> Response:
+    """Returns the log of the deliveries to every `callback_url` of the batch, with all attempts; kept for
+    three days after the last one. Empty until the batch has ended."""
+    view = await context.redis(_batch, context, batch_id)
+    deliveries = await context.redis(context.callbacks.of_job, view.id)
+    body = json_bytes(deliveries_json(deliveries))
+    return Response(body, headers={"Cache-Control": "no-store"}, media_type=JSON)
 
 
 @router.delete("/v1/batches/{batch_id}", summary="Cancel a batch", responses=doc.CANCEL_RESPONSES)

@@ -10,6 +10,7 @@ from fastapi import APIRouter, Path, Query, Request, Response
 from service.api import operation_docs as doc
 from service.api.access.caller import caller_of, subscriber_of
 from service.api.access.keys import allows
+from service.api.calling_back import deliveries_json
 from service.api.chosen_forms import choice_of
 from service.api.context import Context, ContextDep
 from service.api.following import follow
@@ -115,6 +116,18 @@ async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Re
     were known before the job started appear only in its result.
     """
     return await follow(request, context, await context.redis(_job, context, job_id))
+
+
+@router.get(
+    "/v1/jobs/{job_id}/deliveries", summary="The webhooks of a job", responses=doc.DELIVERIES_RESPONSES
+)
+async def get_deliveries(job_id: JobId, context: ContextDep) -> Response:
+    """Returns the log of the deliveries to every `callback_url` of the job, with all attempts; kept for
+    three days after the last one. Empty until the job has ended."""
+    view = await context.redis(_job, context, job_id)
+    deliveries = await context.redis(context.callbacks.of_job, view.id)
+    body = json_bytes(deliveries_json(deliveries))
+    return Response(body, headers={"Cache-Control": "no-store"}, media_type=JSON)
 
 
 def _job(context: Context, job_id: str) -> JobView:

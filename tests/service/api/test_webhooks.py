@@ -1,0 +1,404 @@
+"""Webhooks, from the question to a real receiver."""
+
+from __future__ import annotations
+
+import base64
+import hmac
+import itertools
+import json
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from pydantic import ValidationError
+from redis import Redis
+
+from rpr_solver.errors import InputError
+from service.api.calling_back import shown
+from service.api.settings import Settings
+from service.stack.embedded_valkey import EmbeddedValkey
+from service.webhooks.deliverer import Deliverer, pause
+from service.webhooks.sending import signature
+from service.webhooks.settings import WebhookSettings
+from service.webhooks.urls import is_allowed, target_of
+from tests.support.processes import PATIENCE, started, until
+from tests.support.receivers import Receiver, receiving
+from tests.support.service_server import GEOMETRY, serving
+from worker.connection import connect
+from worker.jobs.callbacks import MANY, Attempt, Callbacks
+from worker.settings import WorkerSettings
+
+SECRETS = [f"whsec_{base64.b64encode(bytes([n]) * 32).decode()}" for n in (1, 2)]
+EVERY = itertools.count(1)
+
+
+@pytest.fixture
+def webhooks(tmp_path: Path) -> Callable[..., WebhookSettings]:
+    """Makes settings that allow receivers on this computer, with quick retries."""
+    path = tmp_path / "secrets"
+    path.write_text("\n".join(SECRETS) + "\n")
+
+    def make(**changes: Any) -> WebhookSettings:
+        usual: dict[str, Any] = {
+            "webhook_hosts": "127.0.0.1",
+            "webhook_secret_file": path,
+            "webhook_allow_http": True,
+            "webhook_networks": "127.0.0.0/8",
+            "webhook_retry_seconds": "0.1,0.1",
+            "webhook_timeout_seconds": 2,
+        }
+        return WebhookSettings(**{**usual, **changes})
+
+    return make
+
+
+@pytest.fixture
+def idle_redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
+    with connect(f"{valkey.url}?db=2") as client:
+        client.flushdb()
+        yield client
+
+
+@contextmanager
+def delivering(redis: Redis, settings: WebhookSettings, margin: float = 1.0) -> Iterator[None]:
+    stop, own = threading.Event(), WorkerSettings()
+    deliverer = Deliverer(redis, settings, own, shown(own), margin)
+    thread = threading.Thread(target=deliverer.run, args=(stop,), daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        stop.set()
+        thread.join(PATIENCE)
+
+
+@pytest.fixture
+def idle(
+    valkey: EmbeddedValkey, idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
+) -> Iterator[httpx.Client]:
+    """A client of a service without a worker and without deliveries."""
+    assert idle_redis.dbsize() == 0
+    settings = Settings(redis_url=f"{valkey.url}?db=2", webhooks=webhooks())
+    with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
+        yield client
+
+
+def question(url: object, number: int | None = None) -> dict[str, Any]:
+    a3y = f"11.{next(EVERY) if number is None else number:05d}"
+    return {"geometry": {**GEOMETRY, "a3y": a3y}, "l1": "14.98", "digits": 15, "callback_url": url}
+
+
+def canceled(client: httpx.Client, url: str) -> str:
+    """Returns a job that has ended, with a callback."""
+    answer = client.post("/v1/cusp-tables", json=question(url))
+    assert answer.status_code == 202, answer.text
+    assert client.delete(answer.json()["links"]["cancel"]).json()["status"] == "canceled"
+    job_id: str = answer.json()["id"]
+    return job_id
+
+
+def log_of(client: httpx.Client, job_id: str) -> list[dict[str, Any]]:
+    kind = "batches" if job_id.startswith("ba-") else "jobs"
+    deliveries: list[dict[str, Any]] = client.get(f"/v1/{kind}/{job_id}/deliveries").json()["deliveries"]
+    return deliveries
+
+
+def over(client: httpx.Client, job_id: str) -> dict[str, Any]:
+    """Returns the one delivery of a job once it is over."""
+
+    def one() -> dict[str, Any] | None:
+        deliveries = log_of(client, job_id)
+        return next((delivery for delivery in deliveries if delivery["state"] != "pending"), None)
+
+    return until(one)
+
+
+def verified(receiver: Receiver, secret: str) -> list[Any]:
+    library = pytest.importorskip("standardwebhooks")
+    return [library.Webhook(secret).verify(body, headers) for headers, body in receiver.received]
+
+
+@pytest.mark.usefixtures("worker")
+def test_a_job_and_a_batch_that_succeed(
+    valkey: EmbeddedValkey, redis: Redis, webhooks: Callable[..., WebhookSettings]
+) -> None:
+    settings = Settings(redis_url=valkey.url, webhooks=webhooks())
+    with (
+        receiving() as receiver,
+        serving(settings) as url,
+        httpx.Client(base_url=url, timeout=PATIENCE) as client,
+        delivering(redis, settings.webhooks),
+    ):
+        asked = question(receiver.url)
+        job = client.post("/v1/cusp-tables", json=asked).json()
+        assert "callback_url" not in job
+        assert over(client, job["id"])["state"] == "delivered"
+        known = client.post("/v1/cusp-tables", json=asked)
+        assert known.status_code == 200
+        item = {"kind": "cusp-table", "request": {k: asked[k] for k in ("geometry", "l1", "digits")}}
+        batch = client.post("/v1/batches", json={"callback_url": receiver.url, "items": [item]}).json()
+        assert over(client, batch["id"])["state"] == "delivered"
+        events = verified(receiver, SECRETS[0])
+        assert verified(receiver, SECRETS[1]) == events  # either secret is enough while they change
+        assert [event["type"] for event in events] == ["job.succeeded", "batch.succeeded"]
+        now = [client.get(f"/v1/jobs/{job['id']}").json(), client.get(f"/v1/batches/{batch['id']}").json()]
+        assert [event["data"] for event in events] == now
+        assert [event["timestamp"] for event in events] == [state["finished_at"] for state in now]
+        assert 'rpr_cusps_webhook_attempts_total{state="delivered"} 2.0' in client.get("/metrics").text
+
+
+def test_it_is_sent_again_with_the_same_id_until_it_is_received(
+    idle: httpx.Client, idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
+) -> None:
+    with receiving(500, (302, {"Location": "http://127.0.0.1:1/"}), 200) as receiver:
+        job_id = canceled(idle, receiver.url)
+        [waiting] = log_of(idle, job_id)
+        assert (waiting["state"], waiting["attempts"], waiting["host"]) == ("pending", [], "127.0.0.1")
+        with delivering(idle_redis, webhooks()):
+            delivery = over(idle, job_id)
+    assert delivery["state"] == "delivered"
+    assert [attempt["status"] for attempt in delivery["attempts"]] == [500, 302, 200]
+    assert "redirects" in delivery["attempts"][1]["problem"]
+    assert {headers["webhook-id"] for headers, _ in receiver.received} == {delivery["webhook_id"]}
+    assert len({body for _, body in receiver.received}) == 1
+    assert [event["type"] for event in verified(receiver, SECRETS[0])] == ["job.canceled"] * 3
+
+
+@pytest.mark.parametrize(("replies", "state", "count"), [((410,), "gone", 1), ((500,), "exhausted", 3)])
+def test_it_ends_at_a_410_or_with_the_last_attempt(
+    idle: httpx.Client,
+    idle_redis: Redis,
+    webhooks: Callable[..., WebhookSettings],
+    replies: tuple[int, ...],
+    state: str,
+    count: int,
+) -> None:
+    with receiving(*replies) as receiver, delivering(idle_redis, webhooks()):
+        delivery = over(idle, canceled(idle, receiver.url))
+        assert (delivery["state"], len(delivery["attempts"]), len(receiver.received)) == (state, count, count)
+        assert delivery["next_attempt_at"] is None
+
+
+def test_the_receiver_says_when_to_come_again(
+    idle: httpx.Client, idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
+) -> None:
+    with receiving((503, {"Retry-After": "3000"})) as receiver, delivering(idle_redis, webhooks()):
+        job_id = canceled(idle, receiver.url)
+        until(lambda: log_of(idle, job_id)[0]["attempts"][:1])
+        until(lambda: log_of(idle, job_id)[0]["attempts"][0]["status"] == 503)
+    [(_, due)] = idle_redis.zrange("cusps:deliveries", 0, -1, withscores=True)
+    assert 2900 < due - time.time() < 3001
+
+
+def test_pauses_vary() -> None:
+    pauses = {pause(10, None) for _ in range(50)}
+    assert len(pauses) > 40
+    assert all(10 <= seconds <= 12 for seconds in pauses)
+    assert pause(10, 60) == 60
+    assert pause(10, 1e9) == 86400
+
+
+def test_a_slow_receiver_is_given_up(
+    idle: httpx.Client, idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
+) -> None:
+    settings = webhooks(webhook_timeout_seconds=0.2, webhook_retry_seconds="")
+    with receiving(slow_seconds=1) as receiver, delivering(idle_redis, settings):
+        delivery = over(idle, canceled(idle, receiver.url))
+    assert delivery["state"] == "exhausted"
+    assert delivery["attempts"][0]["problem"].startswith("ReadTimeout")
+
+
+def test_a_private_address_is_refused_whatever_its_name(
+    idle: httpx.Client, idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
+) -> None:
+    with receiving() as receiver, delivering(idle_redis, webhooks(webhook_networks="")):
+        delivery = over(idle, canceled(idle, receiver.url))
+    assert (delivery["state"], receiver.received) == ("refused", [])
+    assert "no public address" in delivery["attempts"][0]["problem"]
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        *("127.0.0.1", "10.0.0.1", "172.16.0.1", "192.168.1.1", "169.254.169.254", "0.0.0.0", "224.0.0.1"),
+        *(
+            "100.64.0.1",
+            "255.255.255.255",
+            "::1",
+            "::",
+            "fe80::1%eth0",
+            "fc00::1",
+            "ff02::1",
+            "64:ff9b::7f00:1",
+        ),
+        *("::ffff:10.0.0.1", "2002:7f00:1::"),
+    ],
+)
+def test_addresses_that_are_not_public(address: str) -> None:
+    assert not is_allowed(address, ())
+    assert is_allowed("1.1.1.1", ())
+    assert is_allowed("2606:4700::1111", ())
+
+
+@pytest.mark.parametrize(
+    ("url", "message"),
+    [
+        ("https://example.org/", "names the host 'example.org'"),
+        ("https://example.com.evil.org/", "names the host"),
+        ("https://a.example.com@evil.org/", "user, password"),
+        ("https://a.example.com\\@evil.org/", "give a URL"),
+        ("ftp://a.example.com/", "give a URL"),
+        ("http://a.example.com/", "must be https://"),
+        ("https://a.example.com:x/", "cannot be read"),
+        (f"https://a.example.com/{2000 * 'x'}", "at most 2000"),
+    ],
+)
+def test_urls_that_are_refused(url: str, message: str, webhooks: Callable[..., WebhookSettings]) -> None:
+    settings = webhooks(webhook_hosts="*.example.com", webhook_allow_http=False)
+    with pytest.raises(InputError, match="callback_url") as caught:
+        target_of(url, settings)
+    assert message in str(caught.value)
+    assert target_of("https://A.example.com/x?y", settings).host == "a.example.com"
+
+
+@pytest.mark.parametrize("url", ["https://evil.example/", 7, "nonsense"])
+def test_the_service_refuses_them_by_the_name_of_the_field(idle: httpx.Client, url: object) -> None:
+    item = {"kind": "poses", "request": {"geometry": GEOMETRY, "l1": 1, "l2": 2, "l3": 3}}
+    for path, body in (
+        ("/v1/cusp-tables", question(url)),
+        ("/v1/batches", {"items": [item], "callback_url": url}),
+        ("/v1/batches", {"callback_url": url, "items": [item]}),
+    ):
+        answer = idle.post(path, json=body)
+        assert answer.status_code == 422, answer.text
+        assert [error["field"] for error in answer.json()["errors"]] == ["callback_url"]
+
+
+def test_without_hosts_there_are_no_webhooks(base_url: str) -> None:
+    answer = httpx.post(f"{base_url}/v1/cusp-tables", json=question("https://example.com/"), timeout=PATIENCE)
+    assert answer.status_code == 422
+    assert "RPR_CUSPS_WEBHOOK_HOSTS" in answer.json()["detail"]
+
+
+def test_a_batch_of_lines_names_it_in_the_query(
+    idle: httpx.Client, idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
+) -> None:
+    line = json.dumps({"kind": "poses", "request": {}})  # fails, so that the batch has ended at once
+    with receiving() as receiver, delivering(idle_redis, webhooks()):
+        answer = idle.post(
+            "/v1/batches",
+            params={"callback_url": receiver.url},
+            content=line,
+            headers={"Content-Type": "application/x-ndjson"},
+        )
+        assert answer.status_code == 202
+        assert over(idle, answer.json()["id"])["state"] == "delivered"
+    assert verified(receiver, SECRETS[0])[0]["data"]["failed"] == 1
+
+
+def test_several_callers_are_told_and_each_once(
+    idle: httpx.Client, idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
+) -> None:
+    with receiving() as one, receiving() as other:
+        number = next(EVERY)
+        asked = [idle.post("/v1/cusp-tables", json=question(r.url, number)) for r in (one, other, one)]
+        job_id = asked[0].json()["id"]
+        for answer in asked:
+            idle.delete(answer.json()["links"]["cancel"])
+        with delivering(idle_redis, webhooks()), delivering(idle_redis, webhooks()):
+            until(lambda: [d["state"] for d in log_of(idle, job_id)] == ["delivered"] * 2)
+        assert (len(one.received), len(other.received)) == (1, 1)
+        Callbacks(idle_redis, WorkerSettings()).add(job_id, one.url)  # asked for again after the end
+        assert len(log_of(idle, job_id)) == 2
+
+
+def test_a_job_has_only_so_many(idle: httpx.Client, idle_redis: Redis) -> None:
+    answer = idle.post("/v1/cusp-tables", json=question("http://127.0.0.1/0", 0))
+    for n in range(1, MANY):
+        Callbacks(idle_redis, WorkerSettings()).add(answer.json()["id"], f"http://127.0.0.1/{n}")
+    refused = idle.post("/v1/cusp-tables", json=question("http://127.0.0.1/more", 0))
+    assert refused.status_code == 422
+    assert str(MANY) in refused.json()["detail"]
+    assert idle.get(f"/v1/jobs/{answer.json()['id']}").json()["status"] == "queued"
+
+
+def test_a_deliverer_that_is_killed_is_replaced(
+    valkey: EmbeddedValkey,
+    idle: httpx.Client,
+    idle_redis: Redis,
+    webhooks: Callable[..., WebhookSettings],
+) -> None:
+    settings = webhooks(webhook_timeout_seconds=1)
+    program = f"""
+import threading
+from service.api.calling_back import shown
+from service.webhooks.deliverer import Deliverer
+from service.webhooks.settings import WebhookSettings
+from worker.connection import connect
+from worker.settings import WorkerSettings
+own = WorkerSettings()
+redis = connect({f"{valkey.url}?db=2"!r})
+Deliverer(redis, WebhookSettings(), own, shown(own), 0.5).run(threading.Event())
+"""
+    environment = {f"RPR_CUSPS_{name.upper()}": str(value) for name, value in settings}
+    with receiving(slow_seconds=0.9) as receiver:
+        job_id = canceled(idle, receiver.url)
+        with started([sys.executable, "-c", program], env={**os.environ, **environment}) as process:
+            until(lambda: receiver.received)
+            process.send_signal(signal.SIGKILL)
+            process.wait(PATIENCE)
+        assert log_of(idle, job_id)[0]["attempts"][0]["status"] is None
+        with delivering(idle_redis, settings):
+            delivery = over(idle, job_id)
+        first, second = receiver.received
+    assert [attempt["status"] for attempt in delivery["attempts"]] == [None, 204]
+    assert (first[0]["webhook-id"], first[1]) == (second[0]["webhook-id"], second[1])
+
+
+def test_who_comes_too_late_changes_nothing(idle: httpx.Client, idle_redis: Redis) -> None:
+    job_id = canceled(idle, "http://127.0.0.1:1/")
+    callbacks = Callbacks(idle_redis, WorkerSettings())
+    early = callbacks.claim(0.05)
+    assert early is not None
+    assert callbacks.claim(60) is None  # it is leased
+    late = until(lambda: callbacks.claim(60))
+    assert not callbacks.settle(early, "delivered", Attempt(time.time(), 200))
+    assert callbacks.settle(late, "gone", Attempt(time.time(), 410))
+    assert log_of(idle, job_id)[0]["state"] == "gone"
+
+
+def test_the_signature_is_that_of_the_specification() -> None:
+    key, body = b"k" * 32, '{"é":1}'.encode()
+    expected = base64.b64encode(hmac.digest(key, b"msg_1.1700000000." + body, "sha256")).decode()
+    assert signature([key], "msg_1", 1_700_000_000, body) == f"v1,{expected}"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [(None, "is missing"), ("", "is empty"), ("whsec_AAAA", "24 bytes"), ("plain", "24 bytes")],
+)
+def test_secrets_that_cannot_sign(tmp_path: Path, content: str | None, message: str) -> None:
+    path = tmp_path / "secret"
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(ValidationError, match=message):
+        WebhookSettings(
+            webhook_hosts="example.com", webhook_secret_file=path if content is not None else None
+        )
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("webhook_hosts", "https://x"), ("webhook_networks", "here"), ("webhook_retry_seconds", "5,-1")],
+)
+def test_settings_that_make_no_sense(name: str, value: str) -> None:
+    with pytest.raises(ValidationError, match=name):
+        WebhookSettings(**{name: value})

@@ -1,0 +1,62 @@
+"""A receiver of webhooks: a real server that notes what comes and answers as it is told."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+Reply = tuple[int, Mapping[str, str]]
+
+
+@dataclass
+class Receiver:
+    """What came, and the URL to which it came."""
+
+    url: str = ""
+    received: list[tuple[dict[str, str], bytes]] = field(default_factory=list)
+
+
+@contextmanager
+def receiving(*replies: int | Reply, slow_seconds: float = 0.0) -> Iterator[Receiver]:
+    """A receiver that gives these answers, the last one again and again (204 without any).
+
+    With `slow_seconds`, it takes that long to answer the first one.
+    """
+    receiver = Receiver()
+    answers: Sequence[int | Reply] = replies or (204,)
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            body = self.rfile.read(int(self.headers["Content-Length"]))
+            number = len(receiver.received)
+            receiver.received.append(({k.lower(): v for k, v in self.headers.items()}, body))
+            if number == 0:
+                time.sleep(slow_seconds)
+            answer = answers[min(number, len(answers) - 1)]
+            status, headers = answer if isinstance(answer, tuple) else (answer, {})
+            self.send_response(status)
+            for name, value in headers.items():
+                self.send_header(name, value)
+            self.send_header("Content-Length", "0")
+            self.end_headers()
+
+        def log_message(self, *_: object) -> None:
+            pass
+
+    class Server(ThreadingHTTPServer):
+        def handle_error(self, *_: object) -> None:  # a sender that was killed reads no answer
+            pass
+
+    with Server(("127.0.0.1", 0), Handler) as server:
+        receiver.url = f"http://127.0.0.1:{server.server_port}/hook?for=cusps"
+        thread = threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True)
+        thread.start()
+        try:
+            yield receiver
+        finally:
+            server.shutdown()
+            thread.join(10)
