@@ -121,7 +121,7 @@ class Manipulator:
         problems = [
             FieldProblem(f"geometry.{name}", f"unknown field; known are {', '.join(_FIELDS)}")
             for name in obj
-            if name not in _FIELDS
+            if name not in (*_FIELDS, "$schema")  # which a file may name, for editors
         ]
 
         def length(value: Any, field: str) -> Fraction:

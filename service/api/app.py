@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from fastapi import FastAPI, Response
+from starlette.middleware.cors import CORSMiddleware
 from starlette.staticfiles import StaticFiles
 
 from service import __version__
@@ -22,6 +23,8 @@ from service.api.routes import batches, jobs, operations, pages, queries, questi
 from service.api.settings import Settings
 
 _GZIP_LEVEL = 1  # digits: level 5 takes five times as long for five per cent fewer bytes
+_SENT = ("Authorization", "Content-Type", "Idempotency-Key", "If-None-Match", "Last-Event-ID", "Prefer")
+_TOLD = ("Content-Location", "ETag", "Location", "Preference-Applied", "Retry-After", "X-Request-ID")
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
@@ -60,5 +63,13 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(
         Compression, minimum_size=settings.gzip_bytes, compresslevel=_GZIP_LEVEL, thread_minimum_size=1 << 14
     )
+    if settings.origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=settings.origins,
+            allow_methods=("GET", "POST", "DELETE"),
+            allow_headers=_SENT,
+            expose_headers=_TOLD,
+        )
     app.add_middleware(RequestEnvelope, metrics=context.metrics, access_log=AccessLog(settings.access_log))
     return app

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from typing import Literal
 
-from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt
+from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from service.schemas.limits import Limits
 from service.webhooks.settings import WebhookSettings
+
+_ORIGIN = re.compile(r"https?://[^\s/?#@,*]+", re.ASCII)
 
 KeysPolicy = Literal["auto", "always", "never"]
 """Whether calls need a key."""
@@ -66,6 +69,11 @@ class Settings(BaseSettings):
         description="names of the service, comma-separated, that a Host header may have beside addresses and "
         "localhost; `*.example.com` for those below a name, `*` for all",
     )
+    cors_origins: str = Field(
+        default="",
+        description="origins of web pages that may call the service, comma-separated, such as "
+        "`https://tools.example.com`; `*` for all; none if empty",
+    )
     header_seconds: PositiveFloat = Field(
         default=10.0,
         description="time for the head of a request, from the opening of the connection, in seconds",
@@ -96,7 +104,26 @@ class Settings(BaseSettings):
     limits: Limits = Field(default_factory=Limits)
     webhooks: WebhookSettings = Field(default_factory=WebhookSettings)
 
+    @field_validator("cors_origins")
+    @classmethod
+    def _are_origins(cls, text: str) -> str:
+        for origin in _listed(text):
+            if origin != "*" and not _ORIGIN.fullmatch(origin):
+                raise ValueError(
+                    f"{origin!r} is no origin; write one such as https://tools.example.com, or *"
+                )
+        return text
+
+    @property
+    def origins(self) -> tuple[str, ...]:
+        """The origins in `cors_origins`."""
+        return _listed(self.cors_origins)
+
     @property
     def host_names(self) -> tuple[str, ...]:
         """The names in `allowed_hosts`."""
-        return tuple(name for part in self.allowed_hosts.split(",") if (name := part.strip()))
+        return _listed(self.allowed_hosts)
+
+
+def _listed(text: str) -> tuple[str, ...]:
+    return tuple(name for part in text.split(",") if (name := part.strip()))

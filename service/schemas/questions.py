@@ -42,9 +42,18 @@ class Geometry(Document):
     )
 
 
+def schema_of_geometry(address: str) -> dict[str, Any]:
+    """Returns the JSON Schema of a file with a geometry, which may name that schema."""
+    schema = Geometry.model_json_schema()
+    schema["properties"] = {"$schema": {"type": "string"}, **schema["properties"]}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": address, **schema}
+
+
 def _manipulator(value: object, info: ValidationInfo) -> Manipulator:
     if isinstance(value, Manipulator):
         return value
+    if isinstance(value, Mapping):  # a file may name its schema, for editors
+        value = {name: item for name, item in value.items() if name != "$schema"}
     geometry = part(Geometry.model_validate, value, Source.of(info))
     with unnamed("geometry"):
         return Manipulator(**dict(geometry))

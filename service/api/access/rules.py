@@ -20,7 +20,7 @@ class Rule:
 
 
 RULES = (
-    Rule(_GET, r"/|/docs|/openapi\.json|/problems(/.*)?|/static/.*", None),
+    Rule(_GET, r"/|/docs|/openapi\.json|/problems(/.*)?|/schemas/.*|/static/.*", None),
     Rule(_GET, r"/healthz|/readyz", None),
     Rule(_GET, r"/metrics", "admin"),
     Rule(_GET, r"/v1/(cusp-tables|censuses)", "submit"),

@@ -15,7 +15,7 @@ from service.api.negotiation import JSON
 from service.api.operations import WEB
 from service.api.problems import ProblemError, ProblemType
 from service.api.table_forms import json_bytes
-from service.schemas.questions import EXAMPLE_GEOMETRY
+from service.schemas.questions import EXAMPLE_GEOMETRY, schema_of_geometry
 
 router = APIRouter(include_in_schema=False)
 
@@ -43,6 +43,14 @@ async def docs() -> Response:
 async def openapi_json(request: Request) -> Response:
     """The OpenAPI document."""
     return Response(json_bytes(request.app.openapi()), headers={"Cache-Control": "no-cache"}, media_type=JSON)
+
+
+@router.get("/schemas/geometry.json")
+async def geometry_schema(request: Request) -> Response:
+    """The JSON Schema of a file with a geometry, for editors."""
+    here = f"{str(request.base_url).rstrip('/')}/schemas/geometry.json"
+    body = json_bytes(schema_of_geometry(here))
+    return Response(body, headers={"Cache-Control": "no-cache"}, media_type="application/schema+json")
 
 
 @router.get("/problems")

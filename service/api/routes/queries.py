@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
@@ -53,7 +53,7 @@ def _parameters(operation: Operation) -> list[dict[str, Any]]:
 
 def _endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
     async def endpoint(request: Request, context: ContextDep) -> Response:
-        if request.headers.get("sec-fetch-site") == "cross-site":
+        if _is_of_another_site(request, context.settings.origins):
             raise ProblemError(
                 ProblemType.FORBIDDEN, "A page of another site may not start computations with GET."
             )
@@ -65,6 +65,12 @@ def _endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
         return await answer_asked(request, context, operation, asked, Preferences(wait=wait))
 
     return endpoint
+
+
+def _is_of_another_site(request: Request, origins: Sequence[str]) -> bool:
+    """Whether a web page sends this that may not call the service; a POST would be refused by its browser."""
+    is_foreign = request.headers.get("sec-fetch-site") == "cross-site"
+    return is_foreign and "*" not in origins and request.headers.get("origin") not in origins
 
 
 def _row(request: Request, operation: Operation) -> dict[str, str]:

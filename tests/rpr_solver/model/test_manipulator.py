@@ -1,4 +1,6 @@
+import json
 from decimal import Decimal
+from pathlib import Path
 
 import pytest
 
@@ -66,3 +68,9 @@ def test_every_wrong_field_is_named() -> None:
 def test_what_is_no_object_is_refused(obj: object) -> None:
     with pytest.raises(InputError, match="geometry"):
         Manipulator.from_json(obj)  # type: ignore[arg-type]
+
+
+def test_a_geometry_may_name_its_schema(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.json"
+    robot.write_text(json.dumps({"$schema": "schemas/geometry.json", **EXAMPLES["innocenti"].to_json()}))
+    assert Manipulator.from_file(robot) == EXAMPLES["innocenti"]
