@@ -181,13 +181,13 @@ class CuspWorker(Worker):
     def _register(self, state: WorkerStatus) -> None:
         """Register here and with RQ: each time, since Redis may have been emptied, and for seconds only."""
         self.last_heartbeat = now()
+        self.roster.beat(self.name, is_light=self._is_light)
         with self.connection.pipeline(transaction=False) as pipe:
             self.set_state(state, pipe)
             pipe.hset(self.key, mapping=self.serialize())
             pipe.expire(self.key, _REGISTER_TTL)
             worker_registration.register(self, pipe)
             pipe.execute()
-        self.roster.beat(self.name, is_light=self._is_light)
 
     def get_current_job_id(self, pipeline: Pipeline | None = None) -> str | None:  # noqa: ARG002
         """Returns the RQ id of the running chunk; RQ would ask Redis."""

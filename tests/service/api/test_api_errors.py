@@ -179,7 +179,7 @@ def test_not_found(idle: httpx.Client, path: str) -> None:
 @pytest.mark.parametrize(
     ("method", "path", "allow"),
     [
-        ("GET", "/v1/cusp-tables", "POST"),
+        ("GET", "/v1/checks", "POST"),
         ("PUT", "/v1/jobs/x", "DELETE, GET, HEAD"),
         ("POST", "/healthz", "GET, HEAD"),
         ("DELETE", "/docs", "GET, HEAD"),
