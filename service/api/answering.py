@@ -61,18 +61,18 @@ async def answer_asked(
     caller = caller_of(request.scope)
     who = subscriber_of(caller)
 
-    def begin() -> Answer | JobView:
+    def begin() -> tuple[Answer | JobView, bool]:
         known = context.queue.known(job_request)
         if known is not None:
-            return known
+            return known, context.queue.remember(job_request)
         check_price(job_request, settings.limits)
         admit(caller, job_request, context.queue.quotas, settings.limits)
         view = context.queue.submit_for(who, job_request, seconds or 0, deadline_s)
         call_back(context, view.id, who, callback_url)
-        return _finished(context, view)
+        return _finished(context, view), True
 
-    outcome = await context.redis(begin)
-    way, is_kept = "cached", True
+    outcome, is_kept = await context.redis(begin)
+    way = "cached"
     if isinstance(outcome, JobView):
         way = "job"
         if seconds is not None:
@@ -80,7 +80,6 @@ async def answer_asked(
             outcome = await context.redis(_waited, context, view, who, await request.is_disconnected())
     else:
         waited = None
-        is_kept = await context.redis(context.queue.remember, job_request)
     context.metrics.count_answer(job_request.kind.name, way)
     is_job, is_read = isinstance(outcome, JobView), request.method == "GET"
     headers = {} if is_read and not is_job else {"Cache-Control": "no-store"}

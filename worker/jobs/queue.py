@@ -5,6 +5,7 @@ All state is in Redis, so any number of API processes can serve the same jobs.
 
 from __future__ import annotations
 
+import time
 import zlib
 from dataclasses import replace
 from typing import cast
@@ -27,6 +28,9 @@ from worker.jobs.roster import Roster
 from worker.jobs.subscriptions import Subscriber, Subscriptions
 from worker.settings import WorkerSettings
 
+_REMEMBERED_SECONDS = 10.0  # in which a question is not written again
+_REMEMBERED = 10_000
+
 
 class JobQueue:
     """The jobs of one installation. Instances are cheap and may be shared between threads."""
@@ -40,6 +44,7 @@ class JobQueue:
         self.subscriptions = Subscriptions(redis, self.settings)
         self.deadlines = Deadlines(redis, self.settings)
         self.backlog = Backlog(redis, self.settings)
+        self._remembered: dict[str, float] = {}
         self.quotas = Quotas(redis, self.settings)
 
     def submit(self, request: JobRequest, deadline_s: float | None = None) -> JobView:
@@ -123,11 +128,17 @@ class JobQueue:
 
     def remember(self, request: JobRequest) -> bool:
         """Keep a question with a known answer, for `asked`; returns False if Redis refuses."""
+        now = time.monotonic()
+        if now - self._remembered.get(request.job_id, -_REMEMBERED_SECONDS) < _REMEMBERED_SECONDS:
+            return True
         text = zlib.compress(request.to_json().encode(), 1)
         try:
             self.redis.set(self.store.keys.question(request.job_id), text, ex=self.settings.job_ttl)
         except RedisError:
             return False
+        if len(self._remembered) >= _REMEMBERED:
+            self._remembered.clear()
+        self._remembered[request.job_id] = now
         return True
 
     def asked(self, job_id: str) -> Answer | None:
