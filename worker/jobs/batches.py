@@ -16,7 +16,7 @@ from redis import Redis
 from worker.answers.batches import batch_request
 from worker.answers.items import Item, Outcome, item_from_json, outcome_from_json
 from worker.jobs import scripts
-from worker.jobs.attempts import Chunk, ChunkRef, chunk_of, entry_of
+from worker.jobs.attempts import Chunk, ChunkRef
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.keys import Keys
 from worker.jobs.lanes import plan_batch
@@ -141,15 +141,10 @@ class Batches:
 
     def give_up_item(self, ref: ChunkRef, kind: str, detail: str) -> bool:
         """Record that the item at which a chunk is has no answer; returns False if there is none."""
-        keys = self.keys.job(ref.job_id)
-        with self.redis.pipeline(transaction=False) as pipe:
-            pipe.hget(keys.chunks, str(ref.index))
-            pipe.hmget(keys.record, ["request", "todo", "chunk_size"])
-            raw, fields = pipe.execute()
-        entry = raw and entry_of(ref.job_id, ref.run.encode(), b"%d" % ref.index, raw)
-        if not entry or entry.ref != ref or None in fields:
+        current = self.records.current(ref)
+        if current is None:
             return False
-        chunk = chunk_of(ref, entry.offset, *fields)
+        entry, chunk = current
         self.put_item(ref, chunk, entry.offset, Outcome({"type": kind, "detail": detail}))
         return True
 

@@ -180,18 +180,25 @@ class JobRecords:
 
     def put_slice_error(self, ref: ChunkRef, kind: str, detail: str) -> bool:
         """Put an error for the slice that is being solved; returns False if there is none."""
+        current = self.current(ref)
+        if current is None or current[0].state != "solving":
+            return False
+        entry, chunk = current
+        error = tables.error(chunk.request, chunk.parts[entry.offset], kind, detail)
+        self.put_slice(ref, chunk, entry.offset, error)
+        return True
+
+    def current(self, ref: ChunkRef) -> tuple[ChunkEntry, Chunk] | None:
+        """Returns the entry of this attempt and its chunk, or None if the record has moved on."""
         keys = self.keys.job(ref.job_id)
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.hget(keys.chunks, str(ref.index))
             pipe.hmget(keys.record, ["request", "todo", "chunk_size"])
             raw, fields = pipe.execute()
         entry = raw and entry_of(ref.job_id, ref.run.encode(), b"%d" % ref.index, raw)
-        if not entry or entry.ref != ref or entry.state != "solving" or None in fields:
-            return False
-        chunk = chunk_of(ref, entry.offset, *fields)
-        error = tables.error(chunk.request, chunk.parts[entry.offset], kind, detail)
-        self.put_slice(ref, chunk, entry.offset, error)
-        return True
+        if not entry or entry.ref != ref or None in fields:
+            return None
+        return entry, chunk_of(ref, entry.offset, *fields)
 
     def put_progress(self, ref: ChunkRef, done: int, total: int) -> bool:
         """Record the progress of the job of a document; returns False if this attempt is over."""
