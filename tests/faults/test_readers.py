@@ -93,7 +93,8 @@ def calls(redis: Redis, command: str) -> int:
 
 
 def readers_of_events(redis: Redis) -> int:
-    return sum(client["cmd"] == "xread" for client in redis.client_list())
+    """How many connections wait for events; one that has waited still names its last command."""
+    return sum(client["cmd"] == "xread" and "b" in client["flags"] for client in redis.client_list())
 
 
 def events_of(client: httpx.Client, job_id: str) -> list[str]:
