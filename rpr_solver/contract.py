@@ -62,7 +62,9 @@ def check_type(value: object, kind: type, field: str) -> None:
         InputError: naming ``field``: not an instance of ``kind``.
     """
     if not isinstance(value, kind):
-        raise InputError.of(field, f"{shown(value)} is a {type(value).__name__}; give a {kind.__name__}")
+        raise InputError.of(
+            field, f"{shown(value)} has type {type(value).__name__}; give one of type {kind.__name__}"
+        )
 
 
 Progress = Callable[[int, int], None]

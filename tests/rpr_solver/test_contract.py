@@ -100,7 +100,7 @@ def test_there_are_three_legs(leg: int) -> None:
 def test_an_instance_of_another_class_is_refused() -> None:
     check_type(Small(1), int, "x")
     bad = problem(lambda: check_type("1", int, "x"))
-    assert bad == ("x", "'1' is a str; give a int")
+    assert bad == ("x", "'1' has type str; give one of type int")
 
 
 def test_a_document_begins_with_the_manipulator_the_leg_the_digits_and_the_version() -> None:
