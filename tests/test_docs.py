@@ -1,4 +1,4 @@
-"""Examples in documents and docstrings give what is printed below them; the reference names all there is."""
+"""Examples in documents and docstrings give what is printed below them; what is named and linked is there."""
 
 import doctest
 import importlib
@@ -11,6 +11,7 @@ from pydantic_settings import BaseSettings
 import rpr_solver
 from docs import reference, reliability
 from service.api.problems import ProblemType
+from tests.support.links import broken
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -86,3 +87,17 @@ def test_every_setting_problem_option_and_public_name_is_in_the_reference() -> N
     }
     settings -= {"RPR_CUSPS_LIMITS", "RPR_CUSPS_WEBHOOKS"}
     assert settings | problems | options | set(rpr_solver.__all__) <= documented
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["README.md", "CHANGELOG.md", "examples/README.md", *(f"docs/{name}" for name in TEXTS)],
+)
+def test_every_link_leads_somewhere(path: str) -> None:
+    assert not list(broken(ROOT / path))
+
+
+def test_every_page_is_in_the_navigation_once() -> None:
+    trees = re.findall(r"^```\{toctree\}\n(.*?)^```$", TEXTS["index.md"], re.MULTILINE | re.DOTALL)
+    listed = [line for tree in trees for line in tree.splitlines() if not line.startswith(":")]
+    assert sorted(f"{name}.md" for name in [*listed, "index"]) == sorted(TEXTS)
