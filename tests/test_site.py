@@ -31,7 +31,8 @@ def test_the_site_builds_without_a_warning_and_every_link_in_it_leads_somewhere(
 def test_faults_of_a_site_are_seen(tmp_path: Path) -> None:
     (tmp_path / "index.html").write_text(
         '<h1 id="top"><a href="#top">a</a><a href="#to">b</a><a href="other.html#x">c</a>'
-        '<a href="no.html">d</a><img src="https://example.com/x.png"><script src="//example.com/x.js"></script><img src="no.png">'
+        '<a href="no.html">d</a><img src="https://example.com/x.png">'
+        '<script src="//example.com/x.js"></script><img src="no.png">'
     )
     (tmp_path / "other.html").write_text('<p id="x"><a href="https://example.com">e</a>')
     assert list(build_site.faults(tmp_path)) == [
