@@ -41,8 +41,8 @@ _LINES = (
 )
 _ROWS = "id,a2x,a3x,a3y,d1,d2,d3,l1,digits\nleg-27,15.91,0,10,17.04,16.54,20.84,27;28.1,30\n"
 _RESULTS = (
-    '{"index":0,"id":"leg-27","status":"succeeded","result":{…}}\n'
-    '{"index":1,"id":null,"status":"failed","problem":{…}}\n'
+    '{"index":0,"id":"leg-27","kind":"cusp-table","status":"succeeded","result":{…}}\n'
+    '{"index":1,"id":null,"kind":"poses","status":"failed","problem":{…}}\n'
 )
 
 

@@ -197,7 +197,9 @@ class _Completions:
 
 
 def _start(stored: StoredItem, status: str) -> bytes:
-    return _ascii({"index": stored.index, "id": stored.item.id, "status": status})[:-1]
+    request = stored.item.request
+    kind = None if request is None else request.kind.name
+    return _ascii({"index": stored.index, "id": stored.item.id, "kind": kind, "status": status})[:-1]
 
 
 def _without_result(stored: StoredItem, status: str, problem: Any = None) -> bytes:

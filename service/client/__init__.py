@@ -10,19 +10,26 @@
 The functions `cusp_table`, `census`, `cusp_curves`, `check` and `poses` take what those of `rpr_solver` take.
 `answer.content` is the document as the service sent it, byte for byte the compact JSON of the library's
 answer; `answer.document` is it as a dictionary, and `answer.typed` as a model. `client.slices` yields the
-slices of a table as they are computed. :class:`AsyncServiceClient` is the same with `await`.
+slices of a table as they are computed; `client.ask_all` asks many questions in one batch and yields an
+:class:`ItemResult` for each. :class:`AsyncServiceClient` is the same with `await`.
 """
 
 from service.client.asynchronous import AsyncServiceClient
 from service.client.questions import Answer, Asked, census, check, cusp_curves, cusp_table, poses
+from service.client.results import ItemResult
 from service.client.settings import ClientSettings
 from service.client.sync import ServiceClient
+from service.schemas.batches import Batch
+from service.schemas.jobs import Job
 
 __all__ = [
     "Answer",
     "Asked",
     "AsyncServiceClient",
+    "Batch",
     "ClientSettings",
+    "ItemResult",
+    "Job",
     "ServiceClient",
     "census",
     "check",

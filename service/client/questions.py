@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Generic, TypeVar
 
@@ -31,17 +31,31 @@ PATHS: Mapping[type[Question], tuple[str, type[BaseModel]]] = {
 }
 """Question → where it is posted, and the model of its answer."""
 
+MODELS: Mapping[str, type[BaseModel]] = {
+    kind.name: model for question, (_, model) in PATHS.items() for kind in question.kinds
+}
+"""Kind of a document → its model."""
+
 _MANY = 1_000_000
 _Length = Exact | Iterable[Exact]
 
 
 @dataclass(frozen=True)
 class Asked(Generic[M]):
-    """A question, where it is posted, and the model of its answer."""
+    """A question, where it is posted, and the model of its answer.
+
+    Attributes:
+        name: what the item of a batch is called, which its result repeats; nothing to a question alone.
+    """
 
     question: Question
     path: str
     model: type[M]
+    name: str | None = None
+
+    def named(self, name: str) -> Asked[M]:
+        """Returns the same question with a name for its place in a batch."""
+        return replace(self, name=name)
 
     @classmethod
     def of(cls, question: Question) -> Asked[Any]:

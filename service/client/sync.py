@@ -3,15 +3,31 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Iterator, Mapping
-from typing import Any, Self, TypeVar
+from collections.abc import Generator, Iterable, Iterator, Mapping
+from contextlib import closing
+from pathlib import Path
+from typing import Any, BinaryIO, Self, TypeVar
 
 import httpx
 
-from service.client.conversation import Call, Conversation, OnProgress, Pause, Talk, as_object, silent
+from service.client.bodies import Body, Item, body_of_file, body_of_items
+from service.client.conversation import (
+    Call,
+    Conversation,
+    OnProgress,
+    Pause,
+    Talk,
+    address,
+    as_object,
+    new_key,
+    silent,
+)
 from service.client.questions import Answer, Asked, M
+from service.client.results import ItemResult, Reading
 from service.client.settings import connection
 from service.client.streams import InOrder, SliceEvents, lengths_of
+from service.schemas.batches import Batch
+from service.schemas.jobs import Job
 from service.schemas.tables import CuspTable
 
 T = TypeVar("T")
@@ -38,19 +54,32 @@ class ServiceClient:
         """Close the connections, as the end of `with` does."""
         self._http.close()
 
-    def ask(self, asked: Asked[M], on_progress: OnProgress = silent) -> Answer[M]:
+    def ask(
+        self, asked: Asked[M], on_progress: OnProgress = silent, *, callback_url: str | None = None
+    ) -> Answer[M]:
         """Post a question and wait for its answer; `on_progress(done, total)` follows its job.
 
         An interrupt (Ctrl-C) withdraws the question; :class:`JobInterrupted` says what became of the job.
+        Unless the answer is known already, its end is told to `callback_url` too.
 
         Raises:
             ServiceError: the service refused, failed, or cannot be reached.
         """
         talk = Conversation(self.url, on_progress)
         try:
-            return self._drive(talk.answer(asked))
+            return self._drive(talk.answer(asked, callback_url))
         except KeyboardInterrupt:
             raise self._drive(talk.withdrawn()) from None
+
+    def begin(self, asked: Asked[M], *, callback_url: str | None = None) -> Answer[M] | Job:
+        """Post a question without waiting: returns its answer if that is known, else its job.
+
+        Raises:
+            ServiceError: the service refused, failed, or cannot be reached.
+        """
+        talk = Conversation(self.url)
+        answer = self._drive(talk.posted(asked, "respond-async", callback_url))
+        return Answer(answer.content, asked.model) if talk.job is None else Job.model_validate(talk.job)
 
     def slices(self, asked: Asked[CuspTable]) -> Generator[Mapping[str, Any], None, None]:
         """Yields the slices of a table in the order asked, each as soon as those before it are there.
@@ -75,13 +104,118 @@ class ServiceClient:
         for part in as_object(answer)["slices"]:
             yield from ready.take(part[leg], part)
 
+    def submit(
+        self, items: Iterable[Item], *, callback_url: str | None = None, key: str | None = None
+    ) -> Batch:
+        """Submit questions as a batch, without waiting. They are sent as they are taken from `items`.
+
+        The `Idempotency-Key` is made here, so that a submission whose answer was lost is sent again without
+        being computed twice. With a `key` of your own, that also holds if your program was ended meanwhile.
+
+        Raises:
+            InputError: naming the item that cannot be sent.
+            ServiceError: the service refused, failed, or cannot be reached.
+        """
+        return self._submit(body_of_items(items), callback_url, key)
+
+    def submit_file(
+        self, file: Path | BinaryIO, *, callback_url: str | None = None, key: str | None = None
+    ) -> Batch:
+        """Submit a file as a batch, as :meth:`submit` does: a JSON array, NDJSON, or CSV of geometries.
+
+        Raises:
+            InputError: the file cannot be read.
+            ServiceError: the service refused, failed, or cannot be reached.
+        """
+        return self._submit(body_of_file(file), callback_url, key)
+
+    def ask_all(
+        self, items: Iterable[Item], on_progress: OnProgress = silent, *, as_done: bool = False
+    ) -> Generator[ItemResult, None, None]:
+        """Submit questions as a batch, and yield their results as :meth:`results` does.
+
+        An interrupt while it waits, or the end of the iteration before all came, cancels the batch.
+
+        Raises:
+            InputError: naming the item that cannot be sent.
+            ServiceError: the service refused, failed, or cannot be reached.
+        """
+        return self.watch(self.submit(items), on_progress, as_done=as_done)
+
+    def watch(
+        self, batch: Batch, on_progress: OnProgress = silent, *, as_done: bool = False
+    ) -> Generator[ItemResult, None, None]:
+        """Yields all results of a batch that was just submitted, and cancels it as :meth:`ask_all` does.
+
+        Raises:
+            ServiceError: the service refused, failed, or cannot be reached.
+        """
+        talk = Conversation.about(self.url, batch)
+        try:
+            yield from self.results(batch.id, on_progress, as_done=as_done)
+        except KeyboardInterrupt:
+            raise self._drive(talk.withdrawn()) from None
+        except GeneratorExit:
+            self._drive(talk.withdrawn())
+            raise
+
+    def results(
+        self,
+        batch_id: str,
+        on_progress: OnProgress = silent,
+        *,
+        wait: bool = True,
+        as_done: bool = False,
+        after: int = -1,
+    ) -> Generator[ItemResult, None, None]:
+        """Yields the results of a batch, as they come, whoever submitted it; one that failed has a problem.
+
+        Args:
+            batch_id: the id of the batch.
+            on_progress: called as `on_progress(received, total)`.
+            wait: until all are there; otherwise what is done now.
+            as_done: in the order in which they are done, instead of that of the items.
+            after: only items after this position, in the order of the items.
+
+        Raises:
+            ServiceError: the service refused, failed, or cannot be reached.
+        """
+        reading = Reading(
+            self.url, batch_id, wait=wait, as_done=as_done, after=after, on_progress=on_progress
+        )
+        self._drive(reading.begun())
+        while (call := reading.call) is not None:
+            try:
+                with self._http.stream(call.method, call.path, **call.options) as response:
+                    if response.status_code != 200:
+                        response.read()
+                    else:
+                        for piece in response.iter_bytes():
+                            yield from reading.taken(piece)
+            except httpx.HTTPError:
+                self._drive(reading.broken())
+            else:
+                self._drive(reading.ended(response))
+
+    def wait(self, batch_id: str, on_progress: OnProgress = silent) -> Batch:
+        """Waits for the end of a batch; `on_progress(done, total)` follows it.
+
+        Raises:
+            ServiceError: the service refused, failed, or cannot be reached.
+        """
+        return Batch.model_validate(self._drive(Conversation(self.url, on_progress).ended(batch_id)))
+
     def version(self) -> dict[str, Any]:
         """Returns the versions of the service and of its solver."""
         return as_object(self._drive(Conversation(self.url).sent(Call("GET", "/version"))))
 
+    def batch(self, batch_id: str) -> Batch:
+        """Returns the state of a batch, with the numbers of its items by state."""
+        return Batch.model_validate(self.job(batch_id))
+
     def job(self, job_id: str) -> dict[str, Any]:
-        """Returns the state of a job."""
-        return as_object(self._drive(Conversation(self.url).sent(Call("GET", f"/v1/jobs/{job_id}"))))
+        """Returns the state of a job, or of a batch."""
+        return as_object(self._drive(Conversation(self.url).sent(Call("GET", address(job_id)))))
 
     def result(
         self, job_id: str, accept: str = "application/json", on_progress: OnProgress = silent
@@ -90,8 +224,16 @@ class ServiceClient:
         return self._drive(Conversation(self.url, on_progress).result(job_id, accept))
 
     def cancel(self, job_id: str) -> dict[str, Any]:
-        """Withdraws from a job and returns its state; it goes on if others wait for it."""
-        return as_object(self._drive(Conversation(self.url).sent(Call("DELETE", f"/v1/jobs/{job_id}"))))
+        """Withdraws from a job or a batch and returns its state; a job goes on if others wait for it."""
+        return as_object(self._drive(Conversation(self.url).sent(Call("DELETE", address(job_id)))))
+
+    def _submit(self, body: Body, callback_url: str | None, key: str | None) -> Batch:
+        talk = Conversation(self.url)
+        with closing(body):
+            try:
+                return self._drive(talk.submitted(body, key or new_key(), callback_url))
+            except KeyboardInterrupt:
+                raise self._drive(talk.withdrawn()) from None
 
     def _events(self, path: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
         events = SliceEvents()
@@ -112,7 +254,7 @@ class ServiceClient:
                         time.sleep(step.seconds)
                         reply = None
                     else:
-                        reply = self._http.request(step.method, step.path, **step.options)
+                        reply = self._http.request(step.method, step.path, content=step.body, **step.options)
                 except httpx.HTTPError as error:
                     step = talk.throw(error)
                 else:

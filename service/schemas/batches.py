@@ -13,9 +13,13 @@ from service.schemas.exact_json import JsonNumber, json_kind
 from service.schemas.jobs import JobError
 from service.schemas.points import optional
 from service.schemas.problems import ProblemDocument
+from worker.answers import kinds
 from worker.answers.kinds import KINDS
 
 KIND_NAMES = tuple(kind.name for kind in KINDS)
+
+is_batch = kinds.is_batch
+"""Whether the id of a job is that of a batch."""
 
 _LONGEST_ID = 200
 
@@ -118,6 +122,9 @@ class BatchResult(BaseModel):
 
     index: int = Field(description="The position of the item in the batch, from 0.")
     id: str | None = Field(description="The name that its sender gave it.")
+    kind: str | None = Field(
+        default=None, description="The kind of the document; null for an item that is not valid."
+    )
     status: Literal["succeeded", "failed", "canceled"]
     result: dict[str, Any] | None = optional("The document, exactly as the question alone is answered.")
     problem: ProblemDocument | None = optional("Why there is none.")

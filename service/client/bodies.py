@@ -1,0 +1,162 @@
+"""What is sent as a batch: items as lines, or a file as it is."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
+from pathlib import Path
+from tempfile import SpooledTemporaryFile
+from typing import Any, BinaryIO, Self
+
+from rpr_solver.errors import InputError
+from service.client.questions import Asked
+
+JSON, NDJSON, CSV = "application/json", "application/x-ndjson", "text/csv"
+
+Item = Asked[Any] | Mapping[str, Any]
+"""A question, or an item in the words of the service: `{"id": …, "kind": …, "request": …}`."""
+
+_PIECE = 64 << 10
+_IN_MEMORY = 1 << 20
+_MARK = b"\xef\xbb\xbf"
+_IS_JSON = re.compile(rb'\s*(\[|\{\s*"(items|callback_url)"\s*:)')
+
+
+class Body:
+    """A body that can be sent again: what was taken from its source is kept, on disk once it is large.
+
+    >>> body = Body(iter([b"one", b"two"]), "text/plain")
+    >>> list(body), list(body)
+    ([b'one', b'two'], [b'onetwo'])
+    """
+
+    def __init__(self, pieces: Iterable[bytes], media_type: str) -> None:
+        self.media_type = media_type
+        self._pieces = iter(pieces)
+        self._kept = SpooledTemporaryFile(max_size=_IN_MEMORY)  # noqa: SIM115  # closed by `close`
+        self._size = 0
+        self._fault: BaseException | None = None
+
+    def __iter__(self) -> Iterator[bytes]:
+        """Yields all of it, from the beginning."""
+        place = 0
+        while place < self._size:
+            self._kept.seek(place)
+            piece = self._kept.read(_PIECE)
+            place += len(piece)
+            yield piece
+        while piece := self._next():
+            self._kept.seek(self._size)
+            self._kept.write(piece)
+            self._size += len(piece)
+            yield piece
+
+    def _next(self) -> bytes:
+        if self._fault is not None:  # a source that failed is not at its end
+            raise self._fault
+        try:
+            return next(self._pieces, b"")
+        except BaseException as error:
+            self._fault = error
+            raise
+
+    def close(self) -> None:
+        """Forget what was kept."""
+        self._kept.close()
+
+
+class Later:
+    """A body for an event loop."""
+
+    def __init__(self, body: Body) -> None:
+        self._pieces = iter(body)
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> bytes:
+        """Returns the next piece."""
+        piece = next(self._pieces, None)
+        if piece is None:
+            raise StopAsyncIteration
+        return piece
+
+
+def body_of_items(items: Iterable[Item]) -> Body:
+    """Returns questions as the body of a batch, one a line; they are taken as they are sent."""
+    return Body(_joined(_line(index, item) for index, item in enumerate(items)), NDJSON)
+
+
+def body_of_file(file: Path | BinaryIO) -> Body:
+    """Returns a file as the body of a batch: a JSON array, NDJSON, or CSV, which its beginning tells.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    try:
+        stream = file.open("rb") if isinstance(file, Path) else file
+        first = stream.read(_PIECE).removeprefix(_MARK)
+    except OSError as error:
+        raise _unreadable(file, error) from None
+    return Body(chain([first] if first else [], _rest(file, stream)), form_of(first))
+
+
+def form_of(beginning: bytes) -> str:
+    """Returns the media type of a batch that begins so.
+
+    >>> [form_of(text) for text in (b' [{"kind"', b'{ "items": [', b'{"kind": "poses"', b"a2x,a3x")]
+    ['application/json', 'application/json', 'application/x-ndjson', 'text/csv']
+    """
+    if _IS_JSON.match(beginning):
+        return JSON
+    return NDJSON if beginning.lstrip().startswith(b"{") else CSV
+
+
+def _rest(file: Path | BinaryIO, stream: BinaryIO) -> Iterator[bytes]:
+    try:
+        while piece := stream.read(_PIECE):
+            yield piece
+    except OSError as error:
+        raise _unreadable(file, error) from None
+    finally:
+        if isinstance(file, Path):
+            stream.close()
+
+
+def _unreadable(file: Path | BinaryIO, error: OSError) -> InputError:
+    name = str(file) if isinstance(file, Path) else "standard input"
+    return InputError.of(
+        "FILE", f"{name!r} cannot be read ({error.strerror}); give a file with a batch, or -"
+    )
+
+
+def _line(index: int, item: Item) -> bytes:
+    if isinstance(item, Asked):
+        item = _item_of(item, index)
+    try:
+        return json.dumps(item, separators=(",", ":")).encode() + b"\n"
+    except (TypeError, ValueError) as error:
+        raise InputError.of(f"items[{index}]", f"cannot be written as JSON: {error}") from None
+
+
+def _item_of(asked: Asked[Any], index: int) -> Mapping[str, Any]:
+    question = asked.question
+    for name, given in (("deadline", question.deadline_s), ("callback_url", question.callback_url)):
+        if given is not None:
+            raise InputError.of(f"items[{index}]", f"has a {name}, which is not for items; leave it out")
+    named = {} if asked.name is None else {"id": asked.name}
+    return {**named, "kind": question.kind.name, "request": question.body()}
+
+
+def _joined(lines: Iterable[bytes]) -> Iterator[bytes]:
+    """Yields lines together, in pieces of a useful size."""
+    held = bytearray()
+    for line in lines:
+        held += line
+        if len(held) >= _PIECE:
+            yield bytes(held)
+            held.clear()
+    if held:
+        yield bytes(held)
