@@ -30,10 +30,13 @@ class Body:
     >>> body = Body(iter([b"one", b"two"]), "text/plain")
     >>> list(body), list(body)
     ([b'one', b'two'], [b'onetwo'])
+    >>> body.close()
     """
 
-    def __init__(self, pieces: Iterable[bytes], media_type: str) -> None:
+    def __init__(self, pieces: Iterable[bytes], media_type: str, opened: BinaryIO | None = None) -> None:
+        """A body of these pieces; `opened` is a file that is to be closed with it."""
         self.media_type = media_type
+        self._opened = opened
         self._pieces = iter(pieces)
         self._kept = SpooledTemporaryFile(max_size=_IN_MEMORY)  # noqa: SIM115  # closed by `close`
         self._size = 0
@@ -65,6 +68,8 @@ class Body:
     def close(self) -> None:
         """Forget what was kept."""
         self._kept.close()
+        if self._opened is not None:
+            self._opened.close()
 
 
 class Later:
@@ -100,7 +105,11 @@ def body_of_file(file: Path | BinaryIO) -> Body:
         first = stream.read(_PIECE).removeprefix(_MARK)
     except OSError as error:
         raise _unreadable(file, error) from None
-    return Body(chain([first] if first else [], _rest(file, stream)), form_of(first))
+    return Body(
+        chain([first] if first else [], _rest(file, stream)),
+        form_of(first),
+        None if stream is file else stream,
+    )
 
 
 def form_of(beginning: bytes) -> str:
@@ -120,9 +129,6 @@ def _rest(file: Path | BinaryIO, stream: BinaryIO) -> Iterator[bytes]:
             yield piece
     except OSError as error:
         raise _unreadable(file, error) from None
-    finally:
-        if isinstance(file, Path):
-            stream.close()
 
 
 def _unreadable(file: Path | BinaryIO, error: OSError) -> InputError:

@@ -159,7 +159,7 @@ def test_the_document_about_clients(base_url: str) -> None:
     examples = doctest.DocTestParser().get_doctest(
         code.replace("http://127.0.0.1:8000", base_url), {}, "client.md", "client.md", 0
     )
-    assert doctest.DocTestRunner().run(examples) .failed == 0
+    assert doctest.DocTestRunner().run(examples).failed == 0
 
 
 def test_faults_are_named_before_anything_is_sent() -> None:
