@@ -7,6 +7,7 @@ from typing import Any
 from service.api.batch_csv import COLUMNS
 from service.api.batch_view import batch_json
 from service.api.header_docs import PREFERENCE_APPLIED
+from service.api.idempotency import KEY_PATTERN
 from service.api.negotiation import CSV, JSON, NDJSON
 from service.api.operation_docs import (
     RETRY_AFTER,
@@ -46,13 +47,13 @@ _RESULTS = (
 )
 
 
-def _header(name: str, text: str, **examples: str) -> dict[str, Any]:
+def _header(name: str, text: str, pattern: str | None = None, **examples: str) -> dict[str, Any]:
     return {
         "name": name,
         "in": "header",
         "required": False,
         "description": text,
-        "schema": {"type": "string"},
+        "schema": {"type": "string", **({} if pattern is None else {"pattern": pattern})},
         "examples": {key: {"value": value} for key, value in examples.items()},
     }
 
@@ -77,6 +78,7 @@ POST_BODY: dict[str, Any] = {
             "Idempotency-Key",
             "A name for this submission, such as a UUID: sent again by the same caller within 24 hours, it "
             "gives the batch that was made first instead of another one.",
+            f"^{KEY_PATTERN}$",
             uuid="7f9c2ba4-e88f-4aa8-9a5c-1c3b8f4d2e60",
         )
     ],

@@ -32,6 +32,11 @@ class Choice:
     query: str = ""
 
 
+def format_names(forms: Forms) -> tuple[str, ...]:
+    """Returns the names of forms, as `format` gives them."""
+    return tuple(name for name, media in FORMATS.items() if media in forms)
+
+
 def choice_of(request: Request, forms: Forms) -> Choice:
     """Returns what `format`, `numbers` and Accept leave of the forms of an answer.
 
@@ -40,7 +45,7 @@ def choice_of(request: Request, forms: Forms) -> Choice:
     """
     numbers = _one_of(request, "numbers", NUMBERS)
     chosen = {**forms, JSON: FLOATS} if numbers == "float" else forms
-    name = _one_of(request, "format", tuple(key for key, media in FORMATS.items() if media in forms))
+    name = _one_of(request, "format", format_names(forms))
     said = [("format", name), ("numbers", "float" if numbers == "float" else None)]
     query = "&".join(f"{key}={value}" for key, value in said if value is not None)
     query = f"?{query}" if query else ""

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from service.api.chosen_forms import FORMATS, NUMBERS, format_names
+from service.api.negotiation import Forms
+
 _TEXT = {"type": "string"}
 
 _PARAMETERS: dict[str, dict[str, Any]] = {
@@ -23,19 +26,12 @@ _PARAMETERS: dict[str, dict[str, Any]] = {
         "description": "The id of the last event received; only later ones are sent.",
         "schema": {"type": "string", "pattern": r"^\s*(\d{1,20}(-\d{1,20})?)?\s*$"},
     },
-    "Format": {
-        "name": "format",
-        "in": "query",
-        "description": "The form of the answer, `json`, `csv` or `ndjson` if the document has it; instead of "
-        "Accept.",
-        "schema": _TEXT,
-    },
     "Numbers": {
         "name": "numbers",
         "in": "query",
         "description": "`float`: numbers of a JSON document as JSON numbers, rounded to double precision, "
         "except in proofs; `text`, the default: strings with all digits.",
-        "schema": {"type": "string", "enum": ["text", "float"]},
+        "schema": {"type": "string", "enum": list(NUMBERS)},
     },
 }
 _HEADERS: dict[str, dict[str, Any]] = {
@@ -53,17 +49,19 @@ PREFERENCE_APPLIED = {"Preference-Applied": {"$ref": "#/components/headers/Prefe
 CONTENT_LOCATION = {"Content-Location": {"$ref": "#/components/headers/ContentLocation"}}
 
 RESULT_FORM = ("format", "numbers")
-_OF_ANSWERS = ("IfNoneMatch", "Format", "Numbers")
-_OF_OPERATIONS = {
-    "get_result": _OF_ANSWERS,
-    "get_cusp_table": _OF_ANSWERS,
-    "get_census": _OF_ANSWERS,
-    **dict.fromkeys(("get_events", "get_batch_events"), ("LastEventId",)),
-    **dict.fromkeys(
-        ("post_cusp_table", "post_census", "post_cusp_curves", "post_check", "post_poses"),
-        ("Format", "Numbers"),
-    ),
-}
+
+
+def form_parameters(forms: Forms | None = None) -> list[dict[str, Any]]:
+    """Returns the parameters that choose the form of an answer, one of these or of all that there are."""
+    names = list(FORMATS if forms is None else format_names(forms))
+    chosen = {
+        "name": "format",
+        "in": "query",
+        "required": False,
+        "description": "The form of the answer, if the document has it; instead of Accept.",
+        "schema": {"type": "string", "enum": names},
+    }
+    return [chosen, _parameter("Numbers")]
 
 
 def describe_headers(contract: dict[str, Any]) -> None:
@@ -75,10 +73,20 @@ def describe_headers(contract: dict[str, Any]) -> None:
     components["headers"] = _HEADERS
     for operations in contract["paths"].values():
         for operation in operations.values():
-            names = [*_OF_OPERATIONS.get(operation["operationId"], ()), "RequestId"]
-            sent = [{"$ref": f"#/components/parameters/{name}"} for name in names]
+            sent = [_parameter(name) for name in _of(operation["responses"])]
             operation["parameters"] = [*operation.get("parameters", ()), *sent]
             for status, answer in operation["responses"].items():
                 if int(status) < 400:
                     request_id = {"X-Request-ID": {"$ref": "#/components/headers/RequestId"}}
                     answer["headers"] = {**answer.get("headers", {}), **request_id}
+
+
+def _of(responses: dict[str, Any]) -> list[str]:
+    """Returns what can be sent for such responses."""
+    revalidates = ["IfNoneMatch"] if "304" in responses else []
+    resumes = ["LastEventId"] if "text/event-stream" in responses.get("200", {}).get("content", ()) else []
+    return [*revalidates, *resumes, "RequestId"]
+
+
+def _parameter(name: str) -> dict[str, Any]:
+    return {"$ref": f"#/components/parameters/{name}"}

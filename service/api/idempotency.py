@@ -19,7 +19,7 @@ from worker.jobs.batches import INTAKE_TTL
 
 _KEPT = 86400  # seconds
 _NEW = 10  # seconds from the note of a submission to its job, at most
-_KEY = re.compile(r"[\x21-\x7e]{1,255}")
+KEY_PATTERN = "[!-~]{1,255}"
 
 # Returns the earlier submission {token, digest, job id}, or nothing: then the key is the caller's.
 _CLAIM = """
@@ -93,7 +93,7 @@ def key_of(request: Request, caller: Caller | None) -> str | None:
     sent = request.headers.get("idempotency-key")
     if sent is None:
         return None
-    if not _KEY.fullmatch(sent):
+    if not re.fullmatch(KEY_PATTERN, sent):
         raise ProblemError(
             ProblemType.INVALID_HEADER,
             f"Idempotency-Key {sent[:60]!r} must have 1 to 255 visible ASCII characters, such as a UUID.",

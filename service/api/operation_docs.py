@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from service.api.header_docs import CONTENT_LOCATION, PREFERENCE_APPLIED
+from service.api.header_docs import CONTENT_LOCATION, PREFERENCE_APPLIED, form_parameters
 from service.api.job_view import job_json
 from service.api.negotiation import JSON
 from service.api.operations import CUSP_TABLES, OPERATIONS, Operation
 from service.api.problems import MEDIA_TYPE, ProblemType
+from service.schemas.forms import compact
 from service.schemas.questions import EXAMPLE_GEOMETRY
 from worker.jobs.records import JobView
 from worker.settings import WorkerSettings
@@ -76,10 +77,13 @@ def events_content(event: str, data: Mapping[str, object]) -> dict[str, Any]:
     """Returns the content of a stream of events, with examples: a status, and one of another event."""
     of_it = {**data, "progress": {"done": 1, "total": 501}}
     examples = {
-        "status": {"id": "1768469400000-0", "event": "status", "data": {"id": "…", "status": "running"}},
-        event: {"id": "1768469400012-0", "event": event, "data": of_it},
+        "status": ("1768469400000-0", {"run": "5f2c01ab", "status": "running"}),
+        event: ("1768469400012-0", of_it),
     }
-    described = {name: {"value": example} for name, example in examples.items()}
+    described = {
+        name: {"value": {"id": event_id, "event": name, "data": compact(value)}}
+        for name, (event_id, value) in examples.items()
+    }
     return {"text/event-stream": {"schema": ref("StreamEvent"), "examples": described}}
 
 
@@ -152,7 +156,8 @@ def request_body(operation: Operation) -> dict[str, Any]:
                 "max_wait_seconds in /v1/limits); `respond-async` requests a job without waiting.",
                 "schema": {"type": "string"},
                 "examples": {"wait": {"value": "wait=10"}, "async": {"value": "respond-async"}},
-            }
+            },
+            *form_parameters(operation.forms),
         ],
         "requestBody": {
             "required": True,
@@ -185,6 +190,7 @@ CANCEL_RESPONSES: Docs = {
     ),
     **problems(ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
 }
+RESULT_PARAMETERS: dict[str, Any] = {"parameters": form_parameters()}
 RESULT_RESPONSES: Docs = {
     200: any_result(),
     304: {"description": "Not modified: the client has this representation (If-None-Match)."},

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import BaseModel, Field
 
@@ -43,13 +43,14 @@ class Timings(BaseModel):
 
 
 class StreamEvent(BaseModel):
-    """A server-sent event: its fields, with the JSON of `data`."""
+    """A server-sent event: its fields."""
 
     id: str = Field(description="Resumes the stream, as Last-Event-ID.")
     event: Literal["status", "slice", "progress", "item"]
-    data: dict[str, Any] = Field(
-        description="`status`: the job or batch as it was then. `slice`: `l1`, `slice` and `progress`. "
-        "`progress`: `progress`. `item`: `index`, `status` and `progress`."
+    data: str = Field(
+        description="JSON. `status`: the job or batch as it was then. `slice`: `l1`, `slice` and `progress`. "
+        "`progress`: `progress`. `item`: `index`, `status` and `progress`.",
+        json_schema_extra={"contentMediaType": "application/json", "contentSchema": {"type": "object"}},
     )
 
 

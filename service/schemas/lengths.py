@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import (
     BeforeValidator,
+    ConfigDict,
     Field,
     PlainValidator,
     TypeAdapter,
@@ -194,8 +195,26 @@ def slices_field(description: str, **more: Any) -> Any:
     return Field(default_factory=tuple, description=description, **more)
 
 
+def _of_leg(leg: int) -> dict[str, Any]:
+    return {"properties": {"fixed_leg": {"const": leg}}, **({} if leg == 1 else {"required": ["fixed_leg"]})}
+
+
+def _needed(leg: int) -> dict[str, Any]:
+    needed = {"required": [f"l{leg}"]}
+    return needed if leg == 3 else {"if": _of_leg(leg), "then": needed, "else": _needed(leg + 1)}
+
+
+OF_THE_FIXED_LEG: dict[str, Any] = {"dependentSchemas": {f"l{leg}": _of_leg(leg) for leg in FIXED_LEGS}}
+"""Of a schema: lengths of the fixed leg alone; leg 1 is fixed if none is given."""
+
+NEEDED: dict[str, Any] = {**OF_THE_FIXED_LEG, **_needed(1)}
+"""The same, if there must be some."""
+
+
 class SlicesOfOneLeg(Document):
     """Base of questions that give lengths of their fixed leg alone, as l1, l2 or l3."""
+
+    model_config = ConfigDict(json_schema_extra=OF_THE_FIXED_LEG)
 
     needs_slices: ClassVar[bool]
 

@@ -58,6 +58,16 @@ def exact_number(value: object, info: ValidationInfo) -> Fraction:
     raise LimitError.exceeded(limits, "max_number_digits", f"a number with {counted}")
 
 
+def list_pattern(number: str) -> str:
+    """Returns the pattern of one or more numbers, with semicolons between them, from that of one.
+
+    >>> list_pattern("^a$|^b$")
+    '^(a|b)(;(a|b))*$'
+    """
+    one = f"({number.replace('^', '').replace('$', '')})"
+    return f"^{one}(;{one})*$"
+
+
 def digits_of(text: str) -> int:
     """Returns the larger digit count of a number's numerator and denominator; 0 if it is malformed."""
     if "/" in text:

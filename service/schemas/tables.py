@@ -11,7 +11,7 @@ from rpr_solver import exact_str
 from rpr_solver.errors import InputError
 from service.schemas.article_audit import Audit
 from service.schemas.document import Source
-from service.schemas.lengths import Slices, SlicesOfOneLeg, slices_field
+from service.schemas.lengths import NEEDED, Slices, SlicesOfOneLeg, slices_field
 from service.schemas.limits import LimitError
 from service.schemas.numbers import Digits, FixedLeg, digits_field
 from service.schemas.points import Cusp, DocumentHead, FixedLength, Point, optional
@@ -32,6 +32,8 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     The slices are lengths of the fixed leg: give `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg`
     3, and neither of the other two.
     """
+
+    model_config = ConfigDict(json_schema_extra=NEEDED)
 
     expected: ClassVar[str] = "send an object with geometry and l1"
     kinds: ClassVar[Sequence[Kind]] = (tables.KIND, article.KIND)

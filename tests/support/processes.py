@@ -27,7 +27,7 @@ PATIENCE = 60.0
 def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[Any]]:
     """A child process with the options of `Popen`, in a new session that ends with the block."""
     with _sigint_not_ignored():
-        process = subprocess.Popen(command, cwd=ROOT, start_new_session=True, **options)
+        process = subprocess.Popen(command, start_new_session=True, **{"cwd": ROOT, **options})
     try:
         yield process
     finally:

@@ -73,7 +73,12 @@ async def cancel_job(
     return _job_response(context, await context.redis(_cancel, context, job_id))
 
 
-@router.get("/v1/jobs/{job_id}/result", summary="The result of a job", responses=doc.RESULT_RESPONSES)
+@router.get(
+    "/v1/jobs/{job_id}/result",
+    summary="The result of a job",
+    responses=doc.RESULT_RESPONSES,
+    openapi_extra=doc.RESULT_PARAMETERS,
+)
 async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response:
     """Returns the document that the job computed, in the form that `Accept` prefers: cusp tables as JSON, CSV
     (one cusp per line) or NDJSON (one slice per line); censuses and cusp curves as JSON or CSV; other

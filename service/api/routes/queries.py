@@ -11,23 +11,50 @@ from rpr_solver.errors import InputError
 from service.api.answering import answer_asked, asked_of
 from service.api.batch_csv import ENDS, GEOMETRY, LEGS, item_of
 from service.api.context import ContextDep
-from service.api.header_docs import RESULT_FORM
+from service.api.header_docs import RESULT_FORM, form_parameters
 from service.api.operation_docs import question_responses
 from service.api.operations import CENSUSES, CUSP_TABLES, Operation
 from service.api.prefer import Preferences
 from service.api.problems import ProblemError, ProblemType
+from service.schemas.limits import MAX_DIGITS, MIN_DIGITS
+from service.schemas.numbers import FIXED_LEGS, NUMBER_PATTERN, POSITIVE_PATTERN, list_pattern
+from service.schemas.tables import METHODS
 
 router = APIRouter()
 
 _WAIT = 10
 _OWN = ("wait", *RESULT_FORM)
-_TEXTS = {
-    **dict.fromkeys(GEOMETRY, "Of the geometry, as in the body of POST."),
-    "fixed_leg": "1, 2 or 3.",
-    "digits": "Significant digits.",
-    "wait": f"Seconds to wait for an answer that is not known yet; {_WAIT} if missing.",
-}
 _ENDS = tuple(f"{leg}_{end}" for leg in LEGS for end in ENDS)
+_OF_GEOMETRY = "Of the geometry, as in the body of POST."
+_NUMBER = {"type": "string", "pattern": NUMBER_PATTERN}
+_POSITIVE = {"type": "string", "pattern": POSITIVE_PATTERN}
+_PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
+    **dict.fromkeys(GEOMETRY[:3], (_OF_GEOMETRY, _NUMBER)),
+    **dict.fromkeys(GEOMETRY[3:6], (_OF_GEOMETRY, _POSITIVE)),
+    "orientation": (_OF_GEOMETRY, {"type": "string", "enum": ["ccw", "cw"]}),
+    **dict.fromkeys(
+        LEGS,
+        (
+            "Lengths of the fixed leg, with semicolons between them.",
+            {"type": "string", "pattern": list_pattern(POSITIVE_PATTERN)},
+        ),
+    ),
+    **dict.fromkeys(_ENDS, ("Of a range of lengths of the fixed leg.", _NUMBER)),
+    "fixed_leg": (
+        "The leg whose length is fixed in a slice; 1 if missing.",
+        {"type": "integer", "enum": list(FIXED_LEGS)},
+    ),
+    "digits": (
+        "Significant digits of every number in the answer.",
+        {"type": "integer", "minimum": MIN_DIGITS, "maximum": MAX_DIGITS},
+    ),
+    "method": ("`article`: by the article's own algorithm.", {"type": "string", "enum": list(METHODS)}),
+    "wait": (
+        f"Seconds to wait for an answer that is not known yet; {_WAIT} if missing.",
+        {"type": "integer", "minimum": 0},
+    ),
+}
+"""Name → description and schema."""
 
 
 def _names(operation: Operation) -> tuple[str, ...]:
@@ -38,16 +65,17 @@ def _names(operation: Operation) -> tuple[str, ...]:
 
 def _parameters(operation: Operation) -> list[dict[str, Any]]:
     return [
-        {
-            "name": name,
-            "in": "query",
-            "required": name in GEOMETRY[:-1],
-            "description": _TEXTS.get(
-                name, "Of the fixed leg: lengths, with semicolons between them, or ends."
-            ),
-            "schema": {"type": "string"},
-        }
-        for name in (*_names(operation), "wait")
+        *(
+            {
+                "name": name,
+                "in": "query",
+                "required": name in GEOMETRY[:-1],
+                "description": _PARAMETERS[name][0],
+                "schema": _PARAMETERS[name][1],
+            }
+            for name in (*_names(operation), "wait")
+        ),
+        *form_parameters(operation.forms),
     ]
 
 
