@@ -11,6 +11,7 @@ import h11
 from starlette.types import ASGIApp, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from service.api.client_transport import ClientTransport
 from service.api.problems import MEDIA_TYPE, ProblemError, ProblemType
 from service.api.settings import Settings
 
@@ -21,6 +22,7 @@ except ImportError:  # pragma: no cover  # Windows
 
 _OTHER_FILES = 64  # log, listener, static files, …
 _FEWEST = 16
+_MOST_THROWN_AWAY = 64 << 20  # bytes of a body after its answer
 
 
 def uvicorn_options(settings: Settings) -> dict[str, Any]:
@@ -88,11 +90,12 @@ class LimitedProtocol(H11Protocol):
         self.app = partial(_with_short_headers, self.app, self.settings.max_header_bytes)
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._awaited: object = None
+        self._thrown_away = 0
 
     # -- what asyncio and uvicorn call -------------------------------------------------------------
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        super().connection_made(transport)
+        super().connection_made(ClientTransport(transport, self._is_client_sending))
         self._await("head")
         self._count()
 
@@ -103,8 +106,15 @@ class LimitedProtocol(H11Protocol):
             self._stop(name)
 
     def data_received(self, data: bytes) -> None:
-        super().data_received(data)
-        self._mind()
+        if self._is_needless():
+            self._thrown_away += len(data)
+            if self._thrown_away > _MOST_THROWN_AWAY:
+                self.transport.abort()
+        else:
+            self._thrown_away = 0
+        if not self.transport.is_closing():
+            super().data_received(data)
+            self._mind()
 
     def on_response_complete(self) -> None:
         super().on_response_complete()
@@ -133,17 +143,32 @@ class LimitedProtocol(H11Protocol):
 
     def _mind(self) -> None:
         """Limit the time for what the client must send next."""
-        if self.transport.is_closing():
-            return
         self._count()
-        if self.conn.their_state is h11.SEND_BODY:
+        if self.transport.is_closing():
+            self._await(None)
+            self._end_soon()
+        elif self.conn.their_state is h11.SEND_BODY:
             self._await(self.cycle)
         elif self._is_answering():
             self._await(None)
         elif self.conn.trailing_data[0]:
             self._await("head")
         elif self.cycle is not None:
-            self._await(None)  # uvicorn closes an idle connection
+            self._await(None)
+            if self.timeout_keep_alive_task is None:  # uvicorn has stopped it for the rest of a body
+                seconds = self.timeout_keep_alive
+                self.timeout_keep_alive_task = self.loop.call_later(seconds, self.timeout_keep_alive_handler)
+
+    def _is_client_sending(self) -> bool:
+        """Whether a request has begun, and has not ended."""
+        if self.conn.their_state is h11.IDLE:
+            return self.conn.trailing_data[0] != b""
+        return self.conn.their_state in (h11.SEND_BODY, h11.ERROR)
+
+    def _is_needless(self) -> bool:
+        """Whether what comes now belongs to a request that has its answer."""
+        is_answered = self.cycle is not None and self.cycle.response_complete
+        return self.transport.is_closing() or (is_answered and self.conn.their_state is h11.SEND_BODY)
 
     def _is_answering(self) -> bool:
         return self.cycle is not None and not self.cycle.response_complete
@@ -199,7 +224,9 @@ class LimitedProtocol(H11Protocol):
         self._end_soon()
 
     def _end_soon(self) -> None:
-        """A closed connection lives until everything is sent, but not longer than this."""
+        """A closed connection lives until everything is sent and received, but not longer than this."""
+        if self.client is not None:
+            self.all.set_idle(self)
         self._start("end", self.settings.stall_seconds, self.transport.abort)
 
     def _start(self, name: str, seconds: float, then: Any) -> None:

@@ -85,7 +85,9 @@ class Settings(BaseSettings):
         default=15, description="time between two requests of a connection, in seconds"
     )
     stall_seconds: PositiveFloat = Field(
-        default=30.0, description="time in which a client must read some of an answer, in seconds"
+        default=30.0,
+        description="time in which a client must read some of an answer, and stop sending after one that closes "
+        "the connection, in seconds",
     )
     max_header_bytes: PositiveInt = Field(
         default=32 << 10, description="maximum size of the header fields of a request, in bytes"

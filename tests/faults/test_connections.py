@@ -108,6 +108,58 @@ def _answer_after_a_byte(client: socket.socket) -> bytes:
         return b""
 
 
+@pytest.mark.parametrize("length", [b"Content-Length: 8388608", b"Transfer-Encoding: chunked"])
+def test_an_answer_to_a_body_that_is_still_sent(valkey: EmbeddedValkey, length: bytes) -> None:
+    """A body over the limit is refused while the client still sends it, and reads nothing meanwhile. The
+    client finds the answer all the same, 413, and no reset of the connection.
+    """
+    with api(valkey) as address, connection(address) as client:
+        client.sendall(POST.replace(b"Content-Length: 100", length)[:-1])
+        for _ in range(128):
+            client.sendall((b"10000\r\n" + b" " * 65536 + b"\r\n") if b"chunked" in length else b" " * 65536)
+        client.shutdown(socket.SHUT_WR)
+        answer = b""
+        while part := client.recv(1 << 16):
+            answer += part
+    assert_problem(answer, 413, "body-too-large")
+
+
+def test_the_rest_of_a_body_and_the_next_request(valkey: EmbeddedValkey) -> None:
+    """A body is refused for its type before it is read. The rest of it is thrown away, the connection serves
+    the next request, and ends when it is idle.
+    """
+    with api(valkey) as address, connection(address) as client:
+        client.sendall(POST.replace(b"application/json", b"text/plain").replace(b": 100\r", b": 1000000\r"))
+        first = client.recv(1 << 16)
+        client.sendall(b" " * 999_999 + ASK)
+        answers = first + read(client)
+    assert answers.startswith(b"HTTP/1.1 415 ")
+    assert answers.endswith(OK)
+
+
+@pytest.mark.parametrize("limit", ["bytes", "seconds"])
+def test_a_client_that_never_stops_sending(
+    valkey: EmbeddedValkey, monkeypatch: pytest.MonkeyPatch, limit: str
+) -> None:
+    """A client has its answer and sends on and on. Its connection ends after some bytes or some time."""
+    if limit == "bytes":
+        monkeypatch.setattr("service.api.http_protocol._MOST_THROWN_AWAY", 1 << 20)
+    settings = {"stall_seconds": PATIENCE if limit == "bytes" else 0.5, "body_seconds": 60}
+    with api(valkey, **settings) as address, connection(address) as client:
+        client.sendall(POST.replace(b": 100\r", b": 99999999999\r"))
+        assert_problem(client.recv(1 << 16), 413, "body-too-large")
+        part = b" " * 65536 if limit == "bytes" else b" "
+        until(lambda: _is_refused(client, part))
+
+
+def _is_refused(client: socket.socket, part: bytes) -> bool:
+    try:
+        client.sendall(part)
+    except (ConnectionResetError, BrokenPipeError):
+        return True
+    return False
+
+
 @pytest.mark.parametrize(
     ("sent", "status", "slug"),
     [
