@@ -86,8 +86,8 @@ class Settings(BaseSettings):
     )
     stall_seconds: PositiveFloat = Field(
         default=30.0,
-        description="time in which a client must read some of an answer, and stop sending after one that closes "
-        "the connection, in seconds",
+        description="time in which a client must read some of an answer, and after one that closes the "
+        "connection stop sending, in seconds",
     )
     max_header_bytes: PositiveInt = Field(
         default=32 << 10, description="maximum size of the header fields of a request, in bytes"
