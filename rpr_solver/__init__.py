@@ -36,6 +36,9 @@ from rpr_solver.kinematics.pose_table import (
 )
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import EXAMPLES, Manipulator
+from rpr_solver.paths.loops import cusp_loop
+from rpr_solver.paths.path import Path, PathPose
+from rpr_solver.paths.samples import PathSample
 from rpr_solver.slices.answers import slice_error_json, slice_json, table_document, table_json
 from rpr_solver.slices.cusp_table import cusp_table, solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
@@ -72,6 +75,9 @@ __all__ = [
     "LengthKind",
     "LengthRange",
     "Manipulator",
+    "Path",
+    "PathPose",
+    "PathSample",
     "PlatformPose",
     "PoseKind",
     "PoseTable",
@@ -89,6 +95,7 @@ __all__ = [
     "check",
     "curves_csv",
     "cusp_curves",
+    "cusp_loop",
     "cusp_table",
     "eliminate",
     "exact_str",

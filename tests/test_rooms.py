@@ -23,7 +23,8 @@ MAY_IMPORT = {
     "rpr_solver.documents": "errors contract exact model slices transitions",
     "rpr_solver.article": "errors contract notebook exact model slices",
     "rpr_solver.curves": "errors contract notebook exact model slices transitions",
-    "rpr_solver": "errors contract exact model kinematics slices documents transitions article curves",
+    "rpr_solver.paths": "errors contract notebook exact model kinematics slices",
+    "rpr_solver": "errors contract exact model kinematics slices documents transitions article curves paths",
     # worker: jobs in Redis, and the processes that compute
     "worker.logs": "",
     "worker.tracing": "",

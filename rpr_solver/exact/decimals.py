@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from decimal import MAX_EMAX, MIN_EMIN, ROUND_HALF_DOWN, ROUND_HALF_UP, Context, Decimal
+from decimal import MAX_EMAX, MIN_EMIN, ROUND_DOWN, ROUND_HALF_DOWN, ROUND_HALF_UP, Context, Decimal
 from fractions import Fraction
 from functools import cmp_to_key, lru_cache
 from typing import TypeVar
@@ -60,6 +60,29 @@ def round_fraction(x: Fraction, digits: int) -> str:
         return "0"
     quotient = _rounding(digits, ROUND_HALF_UP).divide(Decimal(x.numerator), Decimal(x.denominator))
     return _text(quotient, digits)
+
+
+def round_down(x: arb, digits: int) -> str:
+    """An exact ball ≥ 0, rounded towards zero to ``digits`` significant digits.
+
+    >>> round_down(arb(2.9999), 3), round_down(arb(0), 3)
+    ('2.99', '0')
+    """
+    exact = exact_fraction(x)
+    if exact == 0:
+        return "0"
+    quotient = _rounding(digits, ROUND_DOWN).divide(Decimal(exact.numerator), Decimal(exact.denominator))
+    return _text(quotient, digits)
+
+
+def exact_fraction(x: arb) -> Fraction:
+    """An exact ball as a rational number.
+
+    >>> exact_fraction(arb(0.375))
+    Fraction(3, 8)
+    """
+    mantissa, exponent = (int(part) for part in x.man_exp())
+    return Fraction(mantissa * 2 ** max(exponent, 0), 2 ** max(-exponent, 0))
 
 
 def round_all(numbers: Iterable[arb | Fraction], digits: int) -> list[str] | None:

@@ -1,0 +1,1 @@
+"""Paths that meet no singularity: loops round cusps, and paths between poses, with their proofs."""

@@ -1,0 +1,177 @@
+"""Loops round a cusp: from one pose to another of the same joint vector, without a singularity, by proof.
+
+A loop is one Bézier parabola in (α, θ). Its size shrinks until balls prove that J keeps its sign along it and
+that its image turns once round the image of the cusp and not round those of the other cusps of the slice.
+The first alone would not do: two poses near a cusp can also be joined beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from decimal import Decimal
+from fractions import Fraction
+from math import floor, log10
+
+from flint import arb, ctx
+
+from rpr_solver.contract import check_digits, check_leg, check_type
+from rpr_solver.errors import Unproved
+from rpr_solver.exact.decimals import exact_fraction
+from rpr_solver.exact.rationals import Exact
+from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.cusp_frame import CuspFrame
+from rpr_solver.paths.isolated import IsolatedPose, local_map
+from rpr_solver.paths.path import DEFAULT_SAMPLES, PATH_DIGITS, Path, SamplingPlan, number_of
+from rpr_solver.paths.proofs import Image, PathProof, prove
+from rpr_solver.paths.proved import PROOF_BITS, path_of
+from rpr_solver.paths.route import ControlPoint, Route
+from rpr_solver.slices.cusp_table import solve_slice
+from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices.joint_points import JointPoint
+from rpr_solver.slices.lengths import slice_length
+from rpr_solver.slices.slice_table import SliceTable
+
+CUSP_DIGITS = 60
+"""The digits of the cusps from which loops are searched."""
+_LARGEST, _RATIO, _SMALLEST = 1.0, 0.7, 1e-8
+_WIDTHS = (4, 3, 2)
+_LEG_ACCURACY, _ANGLE_ACCURACY = 0.1, 0.01
+
+
+def cusp_loop(
+    manipulator: Manipulator,
+    length: Exact,
+    cusp: int | str,
+    *,
+    fixed_leg: int = 1,
+    digits: int = PATH_DIGITS,
+    samples: int = DEFAULT_SAMPLES,
+    timing: str = "cosine",
+    duration: Exact = 1,
+) -> Path:
+    """A loop of the leg lengths round a cusp, which carries one pose to another without a singularity.
+
+    The loop begins and ends at one joint vector. The platform follows continuously, J ≠ 0 all along, and yet
+    it arrives at another pose: the manipulator changes its assembly mode. Run backwards (``reversed``) the
+    loop carries the second pose to the first. It turns round this cusp counter-clockwise, and round no other
+    cusp of the slice.
+
+    Args:
+        manipulator: the geometry.
+        length: of the fixed leg, exact, > 0, in the user's unit.
+        cusp: the number of the cusp, from 1, in the table of the slice, or its letter A, B, ….
+        fixed_leg: the leg of fixed length, 1, 2 or 3.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+        samples: the number of samples, 2 to 10001 (see :meth:`Path.resampled`).
+        timing: the law of time: ``"cosine"``, ``"trapezoid"`` or ``"constant"``.
+        duration: the time of the last sample, exact, > 0.
+
+    Raises:
+        InputError: naming the argument at fault, the length by its leg (``l1``).
+        SolverError: the slice or the loop could not be decided.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=3)
+    >>> loop.winding, [sample.lengths[1] for sample in loop.samples]
+    (1, ['15.5000000000000', '6.41622823487786', '15.5000000000000'])
+    """
+    digits, leg = check_digits(digits), check_leg(fixed_leg)
+    plan = SamplingPlan.of(samples, timing, duration)
+    exact = slice_length(length, leg)
+    eliminant = eliminate(manipulator, leg)
+    table = solve_slice(eliminant, exact, CUSP_DIGITS)
+    return loop_in_slice(eliminant, table, number_of(cusp, table.count), plan, digits)
+
+
+def loop_in_slice(
+    eliminant: Eliminant, table: SliceTable, cusp: int, plan: SamplingPlan, digits: int
+) -> Path:
+    """As :func:`cusp_loop`, for a slice that is known to :data:`CUSP_DIGITS` or more digits.
+
+    Raises:
+        SolverError: the loop could not be decided.
+    """
+    check_type(table, SliceTable, "table")
+    route, proof = _Search(eliminant.slice_map, table, cusp).found()
+    winding = proof.windings[0]
+    if winding < 0:
+        route, winding = route.reversed(), -winding
+    return path_of(eliminant.manipulator, route, proof, plan, digits, (cusp, winding))
+
+
+class _Search:
+    """The search for the largest loop round one cusp of a slice."""
+
+    def __init__(self, slice_map: SliceMap, table: SliceTable, cusp: int) -> None:
+        self.slice_map = slice_map
+        self.length = table.length
+        self.cusp = cusp
+        self.others = [point for k, point in enumerate(table.cusps, 1) if k != cusp]
+        self.point = table.cusps[cusp - 1]
+        self.digits = table.digits
+
+    def found(self) -> tuple[Route, PathProof]:
+        """The route of a loop and its proof."""
+        with ctx.workprec(PROOF_BITS):
+            alpha, theta, *_ = (_ball(text, self.digits) for text in self.point.coordinates)
+            degree = arb.pi() / 180
+            self.length_ball = ball_of(self.length * self.slice_map.scale)
+            self.frame = CuspFrame.at(self.slice_map, self.length_ball, (alpha * degree, theta * degree))
+            self.centres = [self._image(point) for point in (self.point, *self.others)]
+            for route in self._routes():
+                proof = prove(self.slice_map, route.at(PROOF_BITS - 64), self.frame.sign, self.centres)
+                if proof is not None and [abs(n) for n in proof.windings] == [1, *[0] * len(self.others)]:
+                    return route, proof
+        raise Unproved(f"no loop round cusp {self.cusp} could be proved")
+
+    def _image(self, point: JointPoint) -> Image:
+        scale = self.slice_map.scale_ball()
+        first, second = (_ball(text, self.digits) * scale for text in point.coordinates[2:])
+        return first * first / 2, second * second / 2
+
+    def _routes(self) -> Iterator[Route]:
+        """Candidates, the largest first."""
+        size = _LARGEST
+        while size > _SMALLEST:
+            ends = self._ends(size)
+            for width in _WIDTHS:
+                if ends is None:
+                    break
+                alpha, theta = self.frame.middle(arb(size), arb(width))
+                degrees = [decimal_near(x * 180 / arb.pi(), size * _ANGLE_ACCURACY) for x in (alpha, theta)]
+                middle = ControlPoint(degrees[0], degrees[1], self.length)
+                yield Route(*ends, ((None, middle, None),))
+            size *= _RATIO
+
+    def _ends(self, size: float) -> tuple[IsolatedPose, IsolatedPose] | None:
+        """The two outer poses of a joint vector of short decimals near the axis of the cusp."""
+        sides = [self.frame.outer(arb(size)), self.frame.outer(arb(-size))]
+        squares = local_map(self.slice_map, self.length_ball, sides[0], 0).squared_lengths()
+        if not all(square > 0 for square in squares):
+            return None
+        scale = self.slice_map.scale_ball()
+        lengths = [square.sqrt() / scale for square in squares]
+        cusp = [_ball(text, self.digits) for text in self.point.coordinates[2:]]
+        far = max(float(abs(x - y).mid()) for x, y in zip(lengths, cusp, strict=True))
+        legs = [decimal_near(x, far * min(1.0, size) * _LEG_ACCURACY) for x in lengths]
+        if not all(leg > 0 for leg in legs):
+            return None
+        scaled = [leg * self.slice_map.scale for leg in (self.length, *legs)]
+        joint = scaled[0], scaled[1], scaled[2]
+        first, last = (IsolatedPose.near(self.slice_map, joint, side) for side in sides)
+        return (first, last) if first and last else None
+
+
+def decimal_near(x: arb, accuracy: float) -> Fraction:
+    """A short decimal that differs from a number by less than this."""
+    step = Fraction(10) ** floor(log10(accuracy))
+    return round(exact_fraction(x.mid()) / step) * step
+
+
+def _ball(text: str, digits: int) -> arb:
+    """What a correctly rounded decimal may stand for."""
+    x = Decimal(text)
+    place = x.adjusted() if x else 0
+    return arb(text, arb(10) ** (place + 1 - digits))

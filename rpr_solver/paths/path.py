@@ -1,0 +1,253 @@
+"""A proved path from one pose of a joint vector to another.
+
+The document of :meth:`Path.to_json`::
+
+    {"geometry": {…}, "geometry_hash": "sha256:…", "fixed_leg": 1, "digits": 15, "solver_version": "…",
+     "l1": "27", "l2": "24.1", "l3": "16.8", "cusp": 1, "closed": true, "sign": -1, "winding": 1,
+     "from": {"pose": 2, "alpha_deg": "…", "theta1_deg": "…"}, "to": {"pose": 4, …},
+     "duration": "1", "timing": "cosine",
+     "samples": [{"time": "0", "l1": "…", "l2": "…", "l3": "…", "alpha_deg": "…", "theta1_deg": "…",
+                  "determinant": "…", "clearance_deg": "…"}, …],
+     "certificate": {"arcs": [["from", {"alpha_deg": "…", "theta1_deg": "…", "l1": "27"}, "to"]],
+                     "pieces": 32, "least_determinant": "…", "working_bits": 128}}
+
+``closed`` says that the leg lengths at the end are those at the start. ``cusp`` and ``winding`` are null for
+a path that is no loop round a cusp.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import Any, TypedDict
+
+from rpr_solver.contract import check_integer, document_head
+from rpr_solver.errors import InputError, shown
+from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
+from rpr_solver.paths.route import Route
+from rpr_solver.paths.samples import PathSample, sampled
+from rpr_solver.paths.timing import TIMINGS
+
+PATH_DIGITS = 15
+"""The default number of significant digits of a path."""
+DEFAULT_SAMPLES = 101
+LEAST_SAMPLES, MOST_SAMPLES = 2, 10_001
+
+
+class PathCertificate(TypedDict):
+    """The proof of a path.
+
+    ``arcs`` has the control points of its Bézier arcs in (α, θ, L), exact; ``"from"`` and ``"to"`` are the
+    poses at its ends. On each of ``pieces`` pieces of the arcs balls prove the sign of J; |J| / (L1 L2 L3) is
+    nowhere less than ``least_determinant``.
+    """
+
+    arcs: list[list[dict[str, str] | str]]
+    pieces: int
+    least_determinant: str
+    working_bits: int
+
+
+@dataclass(frozen=True)
+class PathPose:
+    """A pose at an end of a path.
+
+    Attributes:
+        number: of the pose, from 1, in the table of all poses of the joint vector (:func:`poses`).
+        alpha_deg: the orientation of the platform, in degrees in (−180, 180].
+        theta_deg: the angle of the fixed leg, likewise.
+
+    >>> from rpr_solver import EXAMPLES, cusp_loop
+    >>> cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=2).start.to_json(1)
+    {'pose': 1, 'alpha_deg': '-19.0937319036636', 'theta1_deg': '145.442869910252'}
+    """
+
+    number: int
+    alpha_deg: str
+    theta_deg: str
+
+    def to_json(self, fixed_leg: int) -> dict[str, Any]:
+        """The document's object."""
+        return {"pose": self.number, "alpha_deg": self.alpha_deg, f"theta{fixed_leg}_deg": self.theta_deg}
+
+
+@dataclass(frozen=True)
+class Path:
+    """A path along which the manipulator meets no singularity, from one pose to another of the same legs.
+
+    Proved: J has one sign all along, both ends are poses of the joint vector, the image of a loop goes round
+    the cusp as often as ``winding`` says, and every printed digit is right.
+
+    Attributes:
+        manipulator: the geometry.
+        fixed_leg: the leg whose length is held in the slice.
+        digits: significant digits of every printed number but the bounds, which have 6.
+        lengths: L1, L2 and L3 at both ends, exact, in the user's unit.
+        cusp: the number, from 1, of the cusp in the table of the slice; None if the path is no loop.
+        sign: of J along the path.
+        winding: how often the path goes round the cusp in the plane of the two other legs (the one of smaller
+            number to the right, the other upwards), counter-clockwise; None if the path is no loop.
+        start: the pose at the start.
+        stop: the pose at the end.
+        samples: points of the path, at equal intervals of time.
+        timing: the law of time: ``"cosine"``, ``"trapezoid"`` or ``"constant"``.
+        duration: the time of the last sample.
+        route: the exact path.
+        certificate: how the path is proved.
+
+    >>> from rpr_solver import EXAMPLES, cusp_loop
+    >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "A")
+    >>> loop
+    <Path round cusp A of L1=27, from pose 1 to pose 2: J < 0, 101 samples, 15 digits>
+    >>> back = loop.reversed()
+    >>> back.start == loop.stop, back.winding
+    (True, -1)
+    """
+
+    manipulator: Manipulator
+    fixed_leg: int
+    digits: int
+    lengths: tuple[Fraction, Fraction, Fraction]
+    cusp: int | None
+    sign: int
+    winding: int | None
+    start: PathPose
+    stop: PathPose
+    samples: tuple[PathSample, ...]
+    timing: str
+    duration: Fraction
+    route: Route = field(compare=False, repr=False)
+    certificate: PathCertificate
+
+    def __repr__(self) -> str:
+        length = shortened(exact_str(self.lengths[self.fixed_leg - 1]))
+        what = "" if self.cusp is None else f"round cusp {letter(self.cusp)} of L{self.fixed_leg}={length}, "
+        ends = f"from pose {self.start.number} to pose {self.stop.number}"
+        sign = "J > 0" if self.sign > 0 else "J < 0"
+        return f"<Path {what}{ends}: {sign}, {counted(len(self.samples), 'sample')}, {self.digits} digits>"
+
+    def resampled(
+        self, samples: int = DEFAULT_SAMPLES, *, timing: str = "cosine", duration: Exact = 1
+    ) -> Path:
+        """The same path with other samples; they lie on the proved path, however many they are.
+
+        Args:
+            samples: their number, 2 to 10001.
+            timing: the law of time over the arc length in joint space: ``"cosine"`` (the speed rises and
+                falls as half a sine wave), ``"trapezoid"`` (it rises for a third of the time, stays, and
+                falls for a third) or ``"constant"``.
+            duration: the time of the last sample, exact, > 0.
+
+        Raises:
+            InputError: naming ``samples``, ``timing`` or ``duration``.
+            SolverError: the digits of a sample could not be proved.
+        """
+        plan = SamplingPlan.of(samples, timing, duration)
+        return replace(self, **plan.members(self.route, (self.start, self.stop), self.digits))
+
+    def reversed(self) -> Path:
+        """The same path run backwards, with as many samples at the times that the law gives."""
+        backwards = replace(
+            self,
+            route=self.route.reversed(),
+            start=self.stop,
+            stop=self.start,
+            winding=None if self.winding is None else -self.winding,
+        )
+        certificate: PathCertificate = {**self.certificate, "arcs": backwards.route.to_json()}
+        backwards = replace(backwards, certificate=certificate)
+        return backwards.resampled(len(self.samples), timing=self.timing, duration=self.duration)
+
+    def to_json(self) -> dict[str, Any]:
+        """The document described at the top of this module."""
+        leg = self.fixed_leg
+        lengths = {f"l{i}": exact_str(length) for i, length in enumerate(self.lengths, 1)}
+        return {
+            **document_head(self.manipulator, self.digits, leg),
+            **lengths,
+            "cusp": self.cusp,
+            "closed": True,
+            "sign": self.sign,
+            "winding": self.winding,
+            "from": self.start.to_json(leg),
+            "to": self.stop.to_json(leg),
+            "duration": exact_str(self.duration),
+            "timing": self.timing,
+            "samples": [sample.to_json(leg) for sample in self.samples],
+            "certificate": dict(self.certificate),
+        }
+
+    def rows(self) -> list[Row]:
+        """A row for each sample, for ``pandas.DataFrame(path.rows())``.
+
+        Lengths and angles are floats; ``l2_text`` has all digits of ``l2``, and so on.
+        """
+        return with_floats(sample.to_json(self.fixed_leg) for sample in self.samples)
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self)[1:-1], [sample.to_json(self.fixed_leg) for sample in self.samples])
+
+
+@dataclass(frozen=True)
+class SamplingPlan:
+    """How a path is sampled."""
+
+    count: int
+    timing: str
+    duration: Fraction
+
+    @classmethod
+    def of(cls, samples: int, timing: str, duration: Exact) -> SamplingPlan:
+        """The plan, checked.
+
+        Raises:
+            InputError: naming ``samples``, ``timing`` or ``duration``.
+        """
+        expected = f"{LEAST_SAMPLES} to {MOST_SAMPLES}"
+        count = check_integer(samples, "samples", expected, LEAST_SAMPLES, MOST_SAMPLES)
+        if timing not in TIMINGS:
+            raise InputError.of("timing", f"{shown(timing)} is unknown; give {', '.join(TIMINGS)}")
+        return cls(count, timing, parse_positive(duration, "duration", "a duration must be > 0"))
+
+    def members(self, route: Route, ends: tuple[PathPose, PathPose], digits: int) -> Mapping[str, Any]:
+        """The members of a :class:`Path` that depend on the plan."""
+        first, last = ((end.alpha_deg, end.theta_deg) for end in ends)
+        samples = sampled(route, (first, last), digits, self.count, self.timing, self.duration)
+        return {"samples": samples, "timing": self.timing, "duration": self.duration}
+
+
+def letter(cusp: int) -> str:
+    """The letter of a cusp in pictures: A, B, …, Z, AA, …
+
+    >>> letter(1), letter(26), letter(27)
+    ('A', 'Z', 'AA')
+    """
+    text = ""
+    while cusp:
+        cusp, rest = divmod(cusp - 1, 26)
+        text = chr(ord("A") + rest) + text
+    return text
+
+
+def number_of(cusp: int | str, count: int) -> int:
+    """The number of a cusp that is given by its number from 1 or its letter.
+
+    Raises:
+        InputError: naming ``cusp``: there is no such cusp among ``count``.
+
+    >>> number_of("B", 6), number_of(2, 6), number_of("2", 6)
+    (2, 2, 2)
+    """
+    if not count:
+        raise InputError.of("cusp", "this slice has no cusps")
+    expected = f"1 to {count}, or A to {letter(count)}"
+    if isinstance(cusp, str):
+        text = cusp.strip().upper()
+        number = next((k for k in range(1, count + 1) if text in (str(k), letter(k))), None)
+        if number is None:
+            raise InputError.of("cusp", f"{shown(cusp)} is not a cusp of this slice; give {expected}")
+        return number
+    return check_integer(cusp, "cusp", expected, 1, count)

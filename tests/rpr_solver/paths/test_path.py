@@ -1,0 +1,56 @@
+"""A path as a document, as rows, backwards and with other samples."""
+
+import json
+from fractions import Fraction
+
+import pytest
+
+from rpr_solver import EXAMPLES, InputError, cusp_loop
+from rpr_solver.paths.path import letter, number_of
+
+LOOP = cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=5)
+
+
+def test_the_document() -> None:
+    document = LOOP.to_json()
+    assert json.loads(json.dumps(document)) == document
+    assert (document["cusp"], document["closed"], document["winding"], document["sign"]) == (2, True, 1, 1)
+    assert [document[name] for name in ("l1", "l2", "l3")] == ["27", "15.5", "16.9"]
+    assert [sample["time"] for sample in document["samples"]] == ["0", "0.25", "0.5", "0.75", "1"]
+    assert document["from"]["alpha_deg"] == document["samples"][0]["alpha_deg"]
+    assert document["certificate"]["arcs"][0][0] == "from"
+
+
+def test_backwards() -> None:
+    back = LOOP.reversed()
+    assert (back.start, back.stop, back.winding, back.sign) == (LOOP.stop, LOOP.start, -1, LOOP.sign)
+    assert back.samples[0].to_json(1) == LOOP.samples[-1].to_json(1) | {"time": "0"}
+    assert back.reversed() == LOOP
+
+
+def test_rows_have_floats_beside_their_digits() -> None:
+    row = LOOP.rows()[1]
+    assert row["l2"] == pytest.approx(float(LOOP.samples[1].lengths[1]))
+    assert row["alpha_deg_text"] == LOOP.samples[1].alpha_deg
+
+
+def test_the_notebook_has_a_row_for_each_sample() -> None:
+    assert LOOP._repr_html_().count("<tr>") == 1 + 5
+
+
+@pytest.mark.parametrize("samples", [2, 10])
+def test_other_samples_of_the_same_path(samples: int) -> None:
+    again = LOOP.resampled(samples, duration=Fraction(1, 3))
+    assert len(again.samples) == samples
+    assert again.samples[-1].time == Fraction(1, 3)
+    assert again.route is LOOP.route
+
+
+@pytest.mark.parametrize("samples", [1, 10_002, True])
+def test_a_bad_number_of_samples_is_named(samples: int) -> None:
+    with pytest.raises(InputError, match="samples"):
+        LOOP.resampled(samples)
+
+
+def test_letters_and_numbers_name_the_same_cusps() -> None:
+    assert [number_of(letter(k), 30) for k in range(1, 31)] == list(range(1, 31))

@@ -1,0 +1,48 @@
+"""Samples lie on the path, are correctly rounded, and bound their distance from singularity."""
+
+from fractions import Fraction
+
+import pytest
+
+from rpr_solver import EXAMPLES, Manipulator, cusp_loop, cusp_table
+from tests.support.motions import Mover, angles_of, legs_of
+
+FIRST = EXAMPLES["innocenti"]
+LOOP = cusp_loop(FIRST, "28.1", "F", samples=9, digits=20)
+
+
+def test_more_digits_agree_with_fewer() -> None:
+    more = cusp_loop(FIRST, "28.1", "F", samples=9, digits=50)
+    for short, long in zip(LOOP.samples, more.samples, strict=True):
+        for name, text in short.to_json(1).items():
+            if name not in ("time", "clearance_deg"):
+                accuracy = abs(Fraction(text)) / 10**19
+                assert abs(Fraction(text) - Fraction(long.to_json(1)[name])) <= accuracy
+
+
+def test_the_ends_are_the_poses_and_their_joint_vector() -> None:
+    for sample, pose in ((LOOP.samples[0], LOOP.start), (LOOP.samples[-1], LOOP.stop)):
+        assert (sample.alpha_deg, sample.theta_deg) == (pose.alpha_deg, pose.theta_deg)
+        assert tuple(map(Fraction, sample.lengths)) == LOOP.lengths
+
+
+def test_samples_are_poses_of_their_legs() -> None:
+    for sample in LOOP.samples:
+        assert Mover.of(FIRST).legs(*angles_of(sample), 28.1) == pytest.approx(legs_of(sample))
+
+
+@pytest.mark.parametrize("timing", ["cosine", "trapezoid", "constant"])
+def test_times_are_exact_and_even(timing: str) -> None:
+    path = LOOP.resampled(7, timing=timing, duration="1.5")
+    assert [sample.time for sample in path.samples] == [Fraction(k, 4) for k in range(7)]
+    assert (path.timing, path.duration) == (timing, Fraction(3, 2))
+
+
+def test_a_symmetric_loop_has_its_middle_sample() -> None:
+    """There α is exactly 0, which cannot be rounded; the sample lies beside it."""
+    symmetric = Manipulator(6, 3, 7, 8, 5, 5)
+    [table] = cusp_table(symmetric, 9, digits=15, fixed_leg=3)
+    assert table.count
+    for cusp in range(1, table.count + 1):
+        path = cusp_loop(symmetric, 9, cusp, fixed_leg=3, samples=3)
+        assert len(path.samples) == 3
