@@ -84,7 +84,13 @@ def _float_pieces(table: StoredTable) -> Iterator[bytes]:
     yield b"]}"
 
 
-FLOATS = Form(lambda document: json_bytes(floats(document)), pieces=_float_pieces, variant=" floats")
+FLOATS = Form(
+    lambda document: json_bytes(floats(document)),
+    "The same document with JSON numbers in place of text, rounded to double precision. Text is left in "
+    "proofs, and where a number is beyond that.",
+    pieces=_float_pieces,
+    parameter="numbers=float",
+)
 """JSON with numbers in place of text."""
 
 

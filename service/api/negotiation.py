@@ -34,20 +34,25 @@ class Form:
         description: in OpenAPI.
         pieces: yields a table that is read from the store in this form.
         size: returns the size of such a table in this form, if it is known beforehand.
-        variant: distinguishes the forms of one media type.
+        parameter: of the media type; distinguishes its forms.
     """
 
     encode: Callable[[Any], bytes]
     description: str = ""
     pieces: Callable[[StoredTable], Iterator[bytes]] = _no_pieces
     size: Callable[[StoredTable], int | None] = _no_size
-    variant: str = ""
+    parameter: str = ""
 
 
 Forms = Mapping[str, Form]
 """Media type → form of a document; the first is the default."""
 
 JSON_FORM = Form(json_bytes, pieces=json_pieces, size=json_size)
+
+
+def media_type_of(name: str, form: Form) -> str:
+    """Returns the media type of a form, with its parameter."""
+    return f"{name}; {form.parameter}" if form.parameter else name
 
 
 def negotiate(accept: Sequence[str], offered: Sequence[str]) -> str:

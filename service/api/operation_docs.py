@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from service.api.chosen_forms import FLOATS
 from service.api.header_docs import CONTENT_LOCATION, PREFERENCE_APPLIED, form_parameters
 from service.api.job_view import job_json
-from service.api.negotiation import JSON
+from service.api.negotiation import JSON, media_type_of
 from service.api.operations import CUSP_TABLES, OPERATIONS, Operation
 from service.api.problems import MEDIA_TYPE, ProblemType
 from service.schemas.forms import compact
@@ -54,6 +55,9 @@ def json_response(
 def document_in_all_forms(operation: Operation, description: str) -> dict[str, Any]:
     """Returns the response with the document that answers a question."""
     response = json_response(description, operation.answer.__name__, example=operation.example, headers=_ETAG)
+    response["content"][media_type_of(JSON, FLOATS)] = {
+        "schema": {"type": "object", "description": FLOATS.description}
+    }
     for media_type, form in operation.forms.items():
         if media_type != JSON:
             response["content"][media_type] = {"schema": {"type": "string", "description": form.description}}

@@ -11,7 +11,7 @@ from starlette.responses import Response
 
 from service.api.chosen_forms import Choice
 from service.api.context import Context
-from service.api.negotiation import CSV, Document, Form, is_known, negotiate
+from service.api.negotiation import CSV, Document, Form, is_known, media_type_of, negotiate
 from service.api.problems import ProblemError
 from service.api.sending import LARGE, LargeAnswer, at_hand, in_turn, slices_of
 from service.schemas.limits import LimitError, Limits
@@ -79,9 +79,8 @@ async def answer_response(
     if not isinstance(answer, StoredTable):
         return await _document_response(context, request, answer, form, forms[form], headers)
     _check_size(context.settings.limits, answer.size)
-    head = _Head.of(
-        request, form, _digest(form + forms[form].variant, answer.digest), answer.has_errors, headers
-    )
+    kind = media_type_of(form, forms[form])
+    head = _Head.of(request, kind, _digest(kind, answer.digest), answer.has_errors, headers)
     if head.is_known:
         return head.not_modified()
     pieces = forms[form].pieces(answer)
@@ -108,7 +107,7 @@ async def _document_response(
     body, digest = await context.parsing(_encoded, encoding, document)
     _check_size(context.settings.limits, len(body))
     has_errors = any("error" in part for part in document.get("slices", ()))
-    head = _Head.of(request, form, digest, has_errors, headers)
+    head = _Head.of(request, media_type_of(form, encoding), digest, has_errors, headers)
     if head.is_known:
         return head.not_modified()
     if len(body) <= LARGE:

@@ -40,12 +40,12 @@ def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen
 
 
 def completed(
-    command: Sequence[str], env: dict[str, str], stdin: str = ""
+    command: Sequence[str], env: dict[str, str], stdin: str = "", cwd: Path = ROOT, patience: float = PATIENCE
 ) -> subprocess.CompletedProcess[str]:
     """Returns the outcome of a child process that ends by itself."""
     pipe = subprocess.PIPE
-    with started(command, env=env, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as process:
-        out, err = process.communicate(stdin, timeout=PATIENCE)
+    with started(command, env=env, cwd=cwd, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as process:
+        out, err = process.communicate(stdin, timeout=patience)
     return subprocess.CompletedProcess(command, process.returncode, out, err)
 
 

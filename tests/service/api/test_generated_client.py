@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import json
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,6 +15,7 @@ import pytest
 
 from service.api.app import create_app
 from service.openapi_yaml import FILE
+from tests.support.processes import ROOT, completed, environment
 from tests.support.service_server import GEOMETRY
 
 NAMES = {"post_cusp_table", "post_census", "post_cusp_curves", "post_check", "post_poses", "get_job"}
@@ -90,3 +93,41 @@ def test_a_generated_client_gets_a_table(generated: str, base_url: str) -> None:
         problem = post.sync(client=client, body=question)
         assert isinstance(problem, models.Problem)
         assert [error.field for error in problem.errors] == ["digits"]
+
+
+@pytest.fixture(scope="module")
+def typescript(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the generator and its types of the contract; skips where it cannot be installed."""
+    npm = shutil.which("npm")
+    if npm is None or shutil.which("node") is None:
+        pytest.skip("Node.js and npm are not installed here")
+    folder = tmp_path_factory.mktemp("typescript") / "client"
+    shutil.copytree(ROOT / "tests" / "data" / "typescript", folder)
+    quick = ("--fetch-retries=1", "--fetch-timeout=20000", "--no-audit", "--no-fund")
+    try:
+        installed = ran(folder, npm, "ci", *quick)
+    except subprocess.TimeoutExpired:
+        pytest.skip("npm installs nothing here: no answer in time")
+    if installed.returncode:
+        pytest.skip(f"npm installs nothing here: {installed.stderr.strip()[-300:]}")
+    made = ran(
+        *(folder, str(folder / "node_modules/.bin/openapi-typescript"), str(FILE)),
+        *("--default-non-nullable=false", "--output=contract.d.ts"),
+    )
+    assert made.returncode == 0, made.stdout + made.stderr
+    return folder
+
+
+def ran(folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
+    """Returns the outcome of a command in a folder."""
+    return completed(command, environment(), cwd=folder, patience=150)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(600)
+def test_a_generated_client_in_typescript_gets_a_table(typescript: Path, base_url: str) -> None:
+    compiled = ran(typescript, str(typescript / "node_modules/.bin/tsc"), "--project", ".")
+    assert compiled.returncode == 0, compiled.stdout
+    done = ran(typescript, "node", "out/table.js", base_url)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == {"counts": [6], "first": "0.845282018280357", "fields": ["digits"]}

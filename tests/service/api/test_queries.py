@@ -79,6 +79,7 @@ def test_numbers_can_be_json_numbers(api: httpx.Client) -> None:
     question = {"geometry": {**GEOMETRY, "d1": "426/25"}, "l1": "14.98", "digits": 30}
     text = api.post("/v1/cusp-tables", json=question, headers=WAIT)
     numbers = api.post("/v1/cusp-tables?numbers=float", json=question, headers=WAIT)
+    assert numbers.headers["content-type"] == "application/json; numbers=float"
     [exact], [rounded] = text.json()["slices"], numbers.json()["slices"]
     assert numbers.json()["geometry"]["d1"] == 17.04
     for cusp, plain in zip(exact["cusps"], rounded["cusps"], strict=True):
