@@ -1,9 +1,18 @@
 """Settings that all tests share."""
 
+import compileall
+import os
+import sys
+from pathlib import Path
+
 import pytest
 from hypothesis import HealthCheck, settings
 
 from worker.process.os_limits import usable_cores
+
+# Hundreds of processes would otherwise compile the project anew, each for itself.
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 SLOW = [HealthCheck.too_slow]
 settings.register_profile("ci", deadline=None, derandomize=True, suppress_health_check=SLOW)
@@ -11,6 +20,12 @@ settings.register_profile(
     "long", deadline=None, max_examples=1000, suppress_health_check=SLOW, print_blob=True
 )
 settings.load_profile("ci")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if not hasattr(config, "workerinput"):  # once, before the processes that run the tests
+        for package in ("rpr_solver", "worker", "service"):
+            compileall.compile_dir(Path(__file__).parents[1] / package, quiet=1)
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from rpr_solver import (
     EXAMPLES,
+    CuspCurves,
     Exact,
     InputError,
     JointPoint,
@@ -39,13 +40,10 @@ from rpr_solver import (
     table_document,
     table_json,
 )
+from tests.support.shared import census_of, curves_of, eliminant_of
 
 FLAT = EXAMPLES["zein-flat"]
-ELIMINANT = eliminate(FLAT)
-CURVES = cusp_curves(FLAT, digits=15)
-CENSUS = census(FLAT, digits=15).to_json()
 AT_MOST_SIX = Requirement(start=30, stop=40, max_cusps=6)
-TABLE = solve_slice(ELIMINANT, 10, 15).to_json()
 LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
@@ -85,26 +83,34 @@ def fields(call: Callable[[], object]) -> set[str]:
     return {problem.field for problem in caught.value.problems}
 
 
+def curves() -> CuspCurves:
+    return curves_of(FLAT, digits=15)
+
+
+def counts() -> dict[str, Any]:
+    return census_of(FLAT, digits=15).to_json()
+
+
 # Numbers
 
 NUMBER_TAKERS: dict[str, tuple[str, Callable[[Any], Any]]] = {
     "cusp_table": ("l1", lambda x: cusp_table(FLAT, x, digits=15)[0].to_json()),
     "cusp_table of several": ("l1[0]", lambda x: cusp_table(FLAT, [x], digits=15)[0].to_json()),
-    "solve_slice": ("l1", lambda x: solve_slice(ELIMINANT, x, 15).to_json()),
+    "solve_slice": ("l1", lambda x: solve_slice(eliminant_of(FLAT), x, 15).to_json()),
     "article_table": ("l1", lambda x: article_table(FLAT, x, digits=15).table.to_json()),
     "poses l1": ("l1", lambda x: poses(FLAT, x, 10, 10, digits=15).to_json()),
     "poses l3": ("l3", lambda x: poses(FLAT, 10, 10, x, digits=15).to_json()),
     "poses_of_squares": ("l2_squared", lambda x: poses_of_squares(FLAT, 90, x, 90, digits=15).to_json()),
-    "sampled": ("l1", lambda x: CURVES.sampled(x, eliminant=ELIMINANT).to_json()),
-    "sampled of several": ("l1[0]", lambda x: CURVES.sampled([x], eliminant=ELIMINANT).to_json()),
-    "slice_json": ("l1", lambda x: slice_json(ELIMINANT, x, 15)),
+    "sampled": ("l1", lambda x: curves().sampled(x, eliminant=eliminant_of(FLAT)).to_json()),
+    "sampled of several": ("l1[0]", lambda x: curves().sampled([x], eliminant=eliminant_of(FLAT)).to_json()),
+    "slice_json": ("l1", lambda x: slice_json(eliminant_of(FLAT), x, 15)),
     "table_document": ("l1[0]", lambda x: table_document(FLAT, [x], digits=15)),
-    "part": ("start", lambda x: CURVES.part(x).to_json()),
-    "within": ("start", lambda x: CURVES.within(x).to_json()),
-    "spread": ("start", lambda x: CURVES.spread(2, x)),
-    "spread stop": ("stop", lambda x: CURVES.spread(2, stop=x)),
-    "restrict_census": ("start", lambda x: restrict_census(CENSUS, x, None)),
-    "restrict_census stop": ("stop", lambda x: restrict_census(CENSUS, None, x)),
+    "part": ("start", lambda x: curves().part(x).to_json()),
+    "within": ("start", lambda x: curves().within(x).to_json()),
+    "spread": ("start", lambda x: curves().spread(2, x)),
+    "spread stop": ("stop", lambda x: curves().spread(2, stop=x)),
+    "restrict_census": ("start", lambda x: restrict_census(counts(), x, None)),
+    "restrict_census stop": ("stop", lambda x: restrict_census(counts(), None, x)),
     "LengthRange": ("start", lambda x: LengthRange.of(x, None)),
     "Requirement start": ("requirement.start", lambda x: Requirement(start=x, max_cusps=1)),
     "Requirement stop": ("requirement.stop", lambda x: Requirement(stop=x, max_cusps=1)),
@@ -167,7 +173,7 @@ def test_all_spellings_of_a_number_are_one(data: st.DataObject) -> None:
     x = data.draw(st.fractions(min_value=Fraction(1, 100), max_value=60, max_denominator=1000))
     spelling = data.draw(spellings(x))
     assert parse_exact(spelling, "x") == x
-    assert solve_slice(ELIMINANT, spelling, 15) == solve_slice(ELIMINANT, x, 15)
+    assert solve_slice(eliminant_of(FLAT), spelling, 15) == solve_slice(eliminant_of(FLAT), x, 15)
     assert Requirement(start=spelling, max_cusps=1) == Requirement(start=x, max_cusps=1)
 
 
@@ -185,7 +191,9 @@ def test_a_text_is_one_number_and_never_a_sequence() -> None:
         Fraction(7, 2),
     ]
     assert cusp_table(FLAT, [], digits=15) == []
-    assert {p.length for c in CURVES.sampled("27", eliminant=ELIMINANT).curves for p in c.points} == {27}
+    assert {
+        p.length for c in curves().sampled("27", eliminant=eliminant_of(FLAT)).curves for p in c.points
+    } == {27}
 
 
 def test_every_wrong_length_is_named_with_its_place() -> None:
@@ -194,15 +202,15 @@ def test_every_wrong_length_is_named_with_its_place() -> None:
 
 WITH_DIGITS: dict[str, Callable[[Any], object]] = {
     "cusp_table": lambda n: cusp_table(FLAT, 10, digits=n),
-    "solve_slice": lambda n: solve_slice(ELIMINANT, 10, n),
+    "solve_slice": lambda n: solve_slice(eliminant_of(FLAT), 10, n),
     "article_table": lambda n: article_table(FLAT, 10, digits=n),
     "poses": lambda n: poses(FLAT, 10, 10, 10, digits=n),
     "poses_of_squares": lambda n: poses_of_squares(FLAT, 10, 10, 10, digits=n),
     "census": lambda n: census(FLAT, digits=n),
     "check": lambda n: check(FLAT, AT_MOST_SIX, digits=n),
     "cusp_curves": lambda n: cusp_curves(FLAT, digits=n),
-    "shorten_slice": lambda n: shorten_slice(TABLE, 15, n),
-    "restrict_census": lambda n: restrict_census(CENSUS, None, None, n),
+    "shorten_slice": lambda n: shorten_slice(solve_slice(eliminant_of(FLAT), 10, 15).to_json(), 15, n),
+    "restrict_census": lambda n: restrict_census(counts(), None, None, n),
     "table_document": lambda n: table_document(FLAT, 10, digits=n),
     "table_json": lambda n: table_json(FLAT, 1, n, []),
 }
@@ -248,16 +256,16 @@ def test_a_manipulator_is_one(name: str, bad: object) -> None:
 
 def test_other_objects_are_refused_by_name() -> None:
     assert fields(lambda: solve_slice(FLAT, 10)) == {"eliminant"}  # type: ignore[arg-type]
-    assert fields(lambda: CURVES.sampled(10, eliminant=FLAT)) == {"eliminant"}  # type: ignore[arg-type]
+    assert fields(lambda: curves().sampled(10, eliminant=FLAT)) == {"eliminant"}  # type: ignore[arg-type]
     assert fields(lambda: check(FLAT, {"max_cusps": 1})) == {"requirement"}  # type: ignore[arg-type]
-    assert fields(lambda: CURVES.spread(0)) == fields(lambda: CURVES.spread(2.0)) == {"count"}  # type: ignore[arg-type]
+    assert fields(lambda: curves().spread(0)) == fields(lambda: curves().spread(2.0)) == {"count"}  # type: ignore[arg-type]
 
 
 def test_ranges_are_exact_everywhere() -> None:
     assert census(FLAT, start="30", stop="40.0", digits=15).range == LengthRange(Fraction(30), Fraction(40))
     assert fields(lambda: census(FLAT, start=20.0, stop="x")) == {"start", "stop"}  # type: ignore[arg-type]
     assert fields(lambda: census(FLAT, start=-1)) == {"start"}
-    assert fields(lambda: CURVES.within(3, 3)) == fields(lambda: CURVES.spread(3, 3, 2)) == {"stop"}
+    assert fields(lambda: curves().within(3, 3)) == fields(lambda: curves().spread(3, 3, 2)) == {"stop"}
 
 
 # Requirements
