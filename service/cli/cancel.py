@@ -1,4 +1,5 @@
-"""Withdraw from a job of a service and print its state. It is canceled unless others wait for it too."""
+"""Withdraw from a job or a batch of a service and print its state. A job is canceled unless others wait for
+it too; what is done of a batch can still be fetched."""
 
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ DESCRIPTION = __doc__
 EXAMPLES = """\
 examples:
   rpr-cusps cancel ct-0f3a… --url http://127.0.0.1:8000
+  rpr-cusps cancel ba-5d41…
 """
 
 

@@ -36,8 +36,13 @@ def add_url(parser: argparse.ArgumentParser) -> None:
 
 
 def add_job(parser: argparse.ArgumentParser) -> None:
-    """Add the id of a job, and the address of its service."""
-    parser.add_argument("job", metavar="JOB", help="the id of the job")
+    """Add the id of a job or a batch, and the address of its service."""
+    parser.add_argument("job", metavar="JOB", help="the id of a job or a batch")
+    add_service(parser)
+
+
+def add_service(parser: argparse.ArgumentParser) -> None:
+    """Add the address of a service, without which there is nothing to do."""
     parser.add_argument("--url", default=LOCAL, help=f"address of the service (default: {LOCAL})")
 
 

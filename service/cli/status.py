@@ -1,4 +1,5 @@
-"""Print the state of a job of a service: queued, running, succeeded, failed or canceled, and its progress."""
+"""Print the state of a job or a batch of a service: queued, running, succeeded, failed or canceled, and its
+progress."""
 
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ DESCRIPTION = __doc__
 EXAMPLES = """\
 examples:
   rpr-cusps status ct-0f3a… --url http://127.0.0.1:8000
+  rpr-cusps status ba-5d41…                      a batch: its items by state
 """
 
 
