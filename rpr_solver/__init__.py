@@ -27,6 +27,7 @@ from rpr_solver.curves.cusp_curves import CuspCurves, cusp_curves
 from rpr_solver.documents import census_csv, curves_csv, restrict_census, shorten_slice, table_csv
 from rpr_solver.errors import FieldProblem, InputError, SolverError, Unproved
 from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
+from rpr_solver.figures.figure import Figure
 from rpr_solver.kinematics.pose_table import (
     DirectPolynomial,
     PlatformPose,
@@ -70,6 +71,7 @@ __all__ = [
     "Eliminant",
     "Exact",
     "FieldProblem",
+    "Figure",
     "InputError",
     "JointPoint",
     "LengthKind",

@@ -28,6 +28,8 @@ from rpr_solver.curves.cusp_curve import CurveEnd, CurvePoint, CuspCurve
 from rpr_solver.curves.destinations import Tracker
 from rpr_solver.curves.naming import name_cusps, tracks
 from rpr_solver.exact.rationals import Exact, exact_str
+from rpr_solver.figures.figure import Figure
+from rpr_solver.figures.locus import locus_figure
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, html_table, with_floats
 from rpr_solver.slices.eliminant import Eliminant, eliminate
@@ -142,6 +144,14 @@ class CuspCurves:
             for curve in self.curves
         ]
         return html_table(repr(self)[1:-1], records)
+
+    def figure(self) -> Figure:
+        """A picture of the curves in joint space; sample them first, as with ``part(samples=14)``.
+
+        Raises:
+            InputError: the lengths are too large to be drawn.
+        """
+        return locus_figure(self.to_json())
 
     def within(self, start: Exact = 0, stop: Exact | None = None) -> CuspCurves:
         """The curves and points of a smaller range. Sample first: sampling needs the points of whole curves.

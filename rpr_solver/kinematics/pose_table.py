@@ -28,6 +28,8 @@ from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
 from rpr_solver.exact.factors import FactorShape, shapes_json
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, rational_sqrt
+from rpr_solver.figures.figure import Figure
+from rpr_solver.figures.mechanism import poses_figure
 from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.kinematics.fibre import DecimalPose, Fibre, fibre
 from rpr_solver.model.classify import PoseKind
@@ -195,6 +197,17 @@ class PoseTable:
     def _repr_html_(self) -> str:
         notes = [f"α = {curve['alpha_deg']}: {curve['description']}" for curve in self.curves]
         return html_table(repr(self)[1:-1], [pose.to_json() for pose in self.poses], notes)
+
+    def figure(self, pose: int = 1) -> Figure:
+        """A picture of the manipulator at one pose, with the other poses behind it.
+
+        Args:
+            pose: the number of the pose, from 1, in the order of ``poses``.
+
+        Raises:
+            InputError: naming ``pose``: there is no such pose.
+        """
+        return poses_figure(self.to_json(), pose)
 
 
 def poses(

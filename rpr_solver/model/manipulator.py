@@ -15,7 +15,9 @@ from typing import Any
 
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_all, parse_exact
-from rpr_solver.notebook import Point, html_table, svg_triangles
+from rpr_solver.figures.figure import Figure
+from rpr_solver.figures.mechanism import geometry_figure
+from rpr_solver.notebook import html_table
 
 CCW, CW = "ccw", "cw"
 _LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
@@ -158,14 +160,15 @@ class Manipulator:
         return html_table("3-RPR manipulator", [self.to_json()])
 
     def _repr_svg_(self) -> str:
-        """A sketch of the base and the platform at α = 0, with a common centre."""
-        lengths = [getattr(self, name) for name in _LENGTHS]
-        a2x, a3x, a3y, d1, d2, d3 = (float(x / max(map(abs, lengths))) for x in lengths)
-        p = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1)
-        h = max(d3 * d3 - p * p, 0.0) ** 0.5 * (1 if self.orientation == CCW else -1)
-        x, y = (a2x + a3x - d1 - p) / 3, (a3y - h) / 3
-        platform: list[Point] = [(x, y), (x + d1, y), (x + p, y + h)]
-        return svg_triangles([(0, 0), (a2x, 0), (a3x, a3y)], platform)
+        return self.figure().svg()
+
+    def figure(self) -> Figure:
+        """A picture of the base and the platform at α = 0, with a common centre.
+
+        >>> EXAMPLES["innocenti"].figure()
+        <Figure 'Manipulator at α = 0'>
+        """
+        return geometry_figure(self.to_json())
 
     @cached_property
     def geometry_hash(self) -> str:

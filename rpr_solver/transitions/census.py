@@ -13,11 +13,13 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
 from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
 from rpr_solver.exact.rationals import Exact
+from rpr_solver.figures.census import census_figure
+from rpr_solver.figures.figure import Figure
 from rpr_solver.model.classify import Kind, PoseKind
 from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.notebook import Row, counted, html_table, shortened, svg_steps, with_floats
+from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
 from rpr_solver.slices.joint_points import JointPoint, joint_point, point_of_pose
 from rpr_solver.transitions.event_types import BallPose, Event
 from rpr_solver.transitions.length_range import LengthRange, intervals_json
@@ -181,11 +183,17 @@ class Census:
         return html_table(repr(self)[1:-1], self._records())
 
     def _repr_svg_(self) -> str:
-        """A sketch of the number of cusps against the length of the fixed leg."""
-        rows = self.rows()
-        ends = [row["from"] for row in rows]
-        ends.append(rows[-1]["to"] if self.range.stop is not None else 1.1 * ends[-1] or 1.0)
-        return svg_steps(ends, self.counts, f"cusps against L{self.fixed_leg}")
+        return self.figure().svg()
+
+    def figure(self) -> Figure:
+        """A picture of the number of cusps against the length of the fixed leg.
+
+        Narrow intervals are widened and marked; a fan of lines leads to an axis that is true to scale.
+
+        Raises:
+            InputError: the lengths are too large to be drawn.
+        """
+        return census_figure(self.to_json())
 
 
 def census(

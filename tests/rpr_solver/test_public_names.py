@@ -54,6 +54,7 @@ CLASSES = {
     "DirectPolynomial",
     "Eliminant",
     "FieldProblem",
+    "Figure",
     "InputError",
     "JointPoint",
     "LengthKind",

@@ -1,0 +1,200 @@
+"""The census: the number of cusps against the length of the fixed leg.
+
+Windows between transitions may be a millionth of the whole range. So the upper axis gives each of them a
+width that can be seen, and a fan of lines leads from it to the axis below, which is true to scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rpr_solver.figures.axes import EDGE, SMALL
+from rpr_solver.figures.figure import Figure
+from rpr_solver.figures.plane import Box, Point
+from rpr_solver.figures.scales import Scale, WidenedScale, ticks
+from rpr_solver.figures.scene import Disc, Group, Paint, Path, Shape, Text
+from rpr_solver.figures.sheet import WIDTH, sheet
+from rpr_solver.figures.wording import number, short, width
+
+HEIGHT = 480.0
+_PLOT = Box(66, 160, WIDTH - 30, 350)
+_AXIS = 398.0
+_LEAST = 22.0
+
+_KINDS = {"swallowtail": "swallowtail", "beak-to-beak": "beak", "lips": "lips"}
+
+
+def census_figure(document: Mapping[str, Any]) -> Figure:
+    """Draws a census.
+
+    Args:
+        document: as :meth:`Census.to_json` gives it.
+    """
+    plan = _Plan.of(document)
+    counts = [interval["count"] for interval in document["intervals"]]
+    transitions = document["transitions"]
+    leg = f"L{document['fixed_leg']}"
+    rise = Scale(0, 1.16 * max(*counts, 4), _PLOT.y1, _PLOT.y0)
+    shapes = [
+        *_bands(plan),
+        *_steps(plan, counts, rise),
+        *_fan(plan, leg),
+        *_marks(plan, [t["kind"] for t in transitions]),
+        *_legend({t["kind"] for t in transitions}),
+    ]
+    low, high = min(counts), max(counts)
+    cusps = f"{low} cusps" if low == high else f"{low} to {high} cusps"
+    windows = [
+        f"{n} from {a} to {b}"
+        for n, a, b in zip(counts, plan.labels, [*plan.labels[1:], "∞" if plan.is_open else ""], strict=False)
+    ]
+    note = f"Numbers of cusps by {leg}: {'; '.join(windows[: len(counts)])}."
+    return sheet(f"Number of cusps against {leg}: {cusps}", document["geometry"], note, shapes, HEIGHT)
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """The horizontal scales: ``seen``, with widened windows, and ``true``."""
+
+    seen: WidenedScale
+    true: Scale
+    labels: tuple[str, ...]
+    is_open: bool
+
+    @classmethod
+    def of(cls, document: Mapping[str, Any]) -> _Plan:
+        """The scales of a census."""
+        leg = f"l{document['fixed_leg']}"
+        start, stop = (document["range"][end] for end in ("from", "to"))
+        inner = [t[leg] for t in document["transitions"]]
+        last = number(inner[-1] if inner else start)
+        end = number(stop) if stop is not None else last + 0.12 * (last - number(start)) or 1.0
+        knots = _apart([number(start), *map(number, inner), end])
+        labels = _labels([start, *inner, *([] if stop is None else [stop])])
+        return cls(
+            WidenedScale.of(knots, _PLOT.x0, _PLOT.x1, _LEAST),
+            Scale(knots[0], knots[-1], _PLOT.x0, _PLOT.x1),
+            labels,
+            stop is None,
+        )
+
+    @property
+    def inner(self) -> Sequence[tuple[float, float]]:
+        """The places of the transitions, on both axes."""
+        return [(self.seen(x), self.true(x)) for x in self.seen.knots[1:-1]]
+
+
+def _apart(values: list[float]) -> list[float]:
+    """Values that ascend: floats that coincide are moved by the least amount."""
+    least = max(abs(values[-1]), 1e-300) * 1e-14
+    for k in range(1, len(values)):
+        values[k] = max(values[k], values[k - 1] + least)
+    return values
+
+
+def _labels(texts: Sequence[str]) -> tuple[str, ...]:
+    """The lengths with so many digits that neighbours differ."""
+    labels = []
+    for k, text in enumerate(texts):
+        beside = [texts[i] for i in (k - 1, k + 1) if 0 <= i < len(texts)]
+        digits = next((n for n in range(4, 12) if short(text, n) not in {short(x, n) for x in beside}), 12)
+        labels.append(short(text, digits))
+    return tuple(labels)
+
+
+def _bands(plan: _Plan) -> Iterator[Shape]:
+    """The windows that are drawn wider than they are."""
+    places = plan.seen.places
+    for k in range(len(places) - 1):
+        if plan.seen.is_widened(k):
+            ring = Box(places[k], _PLOT.y0, places[k + 1], _PLOT.y1).corners
+            yield Path((ring,), Paint("tint"), closed=True)
+
+
+def _steps(plan: _Plan, counts: Sequence[int], rise: Scale) -> Iterator[Shape]:
+    places = plan.seen.places
+    line: list[Point] = []
+    for k, count in enumerate(counts):
+        line += [(places[k], rise(count)), (places[k + 1], rise(count))]
+    area = [(line[0][0], _PLOT.y1), *line, (line[-1][0], _PLOT.y1)]
+    yield Path((area,), Paint("poses4", opacity=0.6), closed=True)
+    levels = list(range(0, max(*counts, 2) + 1, 2 if max(counts) < 20 else 10))
+    yield Path(
+        tuple([(_PLOT.x0, rise(n)), (_PLOT.x1, rise(n))] for n in levels[1:]),
+        Paint(stroke="faint", width=0.6),
+    )
+    yield Path((_PLOT.corners,), EDGE, closed=True)
+    yield Path((line,), Paint(stroke="curve", width=2.2))
+    for n in levels:
+        yield Text((_PLOT.x0 - 8, rise(n)), str(n), SMALL, "soft", "end")
+    yield Text((_PLOT.x0 - 46, _PLOT.centre[1]), "cusps", 15, "ink", "middle", turn=-90)
+    for k, count in enumerate(counts):
+        middle, room = (places[k] + places[k + 1]) / 2, places[k + 1] - places[k]
+        if room > width(str(count), 13) + 4:
+            yield Text((middle, rise(count) - 11), str(count), 13, "ink", "middle", bold=True, halo="paper")
+
+
+def _fan(plan: _Plan, leg: str) -> Iterator[Shape]:
+    """The lines from the widened axis to the true one, and its ticks."""
+    top, bottom = _PLOT.y1, _AXIS
+    ends = [(_PLOT.x0, _PLOT.x0), *plan.inner, (_PLOT.x1, _PLOT.x1)]
+    wide = [k for k in range(len(ends) - 1) if plan.seen.is_widened(k)]
+    for k in wide:
+        (a, p), (b, q) = ends[k : k + 2]
+        yield Path(([(a, top), (b, top), (q, bottom), (p, bottom)],), Paint("tint"), closed=True)
+    yield Path(tuple([(a, top), (p, bottom)] for a, p in plan.inner), Paint(stroke="ghost", width=0.7))
+    yield Path(([(_PLOT.x0, bottom), (_PLOT.x1, bottom)],), EDGE)
+    for value, words in ticks(plan.true.low, plan.true.high, 9):
+        x = plan.true(value)
+        yield Path(([(x, bottom), (x, bottom + 5)],), EDGE)
+        if not (plan.is_open and x > _PLOT.x1 - 24):
+            yield Text((x, bottom + 16), words, SMALL, "soft", "middle")
+    if plan.is_open:
+        yield Path(([(_PLOT.x1 - 7, bottom - 4), (_PLOT.x1, bottom), (_PLOT.x1 - 7, bottom + 4)],), EDGE)
+        yield Text((_PLOT.x1, bottom + 16), "∞", 15, "soft", "middle")
+    yield Text(((_PLOT.x0 + _PLOT.x1) / 2, bottom + 36), f"{leg}, true to scale", 14, "ink", "middle")
+
+
+def _marks(plan: _Plan, kinds: Sequence[str]) -> Iterator[Shape]:
+    """The transitions: a mark of each kind, and the length above it."""
+    y = _PLOT.y0 - 12
+    labels = plan.labels[1:]
+    for (x, _), kind, words in zip(plan.inner, kinds, labels, strict=False):
+        yield Path(([(x, y), (x, _PLOT.y1)],), Paint(stroke="ghost", width=0.7, dash=(2, 3)))
+        yield Group((mark(kind, (x, y)),), f"{kind} at {words}")
+        yield Text((x + 3, y - 11), words, 11.5, "soft", turn=-58)
+
+
+def _legend(kinds: set[str]) -> Iterator[Shape]:
+    x = _PLOT.x0
+    for kind in sorted(kinds, key=lambda kind: ([*_KINDS, kind].index(kind), kind)):
+        yield mark(kind, (x + 6, 52))
+        yield Text((x + 17, 52), kind, SMALL, "soft")
+        x += 36 + width(kind, SMALL)
+    if kinds:
+        words = "shaded: drawn wider than to scale"
+        yield Path((Box(x + 1, 46, x + 13, 58).corners,), Paint("tint", "ghost", 0.7), closed=True)
+        yield Text((x + 19, 52), words, SMALL, "soft")
+
+
+def mark(kind: str, at: Point, radius: float = 5.5) -> Shape:
+    """The mark of a kind of transition: a triangle, a diamond, a disc, or a square for other kinds."""
+    x, y = at
+    r = radius
+    if kind == "lips":
+        return Disc(at, r * 0.85, Paint("lips", "paper", 1))
+    corners = {
+        "swallowtail": [(x, y - r), (x + r, y + 0.8 * r), (x - r, y + 0.8 * r)],
+        "beak-to-beak": [(x, y - r), (x + r, y), (x, y + r), (x - r, y)],
+    }.get(
+        kind,
+        [
+            (x - 0.7 * r, y - 0.7 * r),
+            (x + 0.7 * r, y - 0.7 * r),
+            (x + 0.7 * r, y + 0.7 * r),
+            (x - 0.7 * r, y + 0.7 * r),
+        ],
+    )
+    return Path((corners,), Paint(_KINDS.get(kind, "soft"), "paper", 1), closed=True)

@@ -1,0 +1,120 @@
+"""A picture with its ways out: SVG text, PNG, PDF, a file, a notebook."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from os import PathLike, fspath
+from pathlib import Path
+
+from rpr_solver.errors import InputError
+from rpr_solver.figures.palette import THEMES, Theme
+from rpr_solver.figures.scene import Scene
+from rpr_solver.figures.svg import svg_of
+
+SUFFIXES = (".svg", ".png", ".pdf")
+"""The kinds of files in which pictures are kept."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture of an answer.
+
+    In a notebook it shows itself. Its SVG text is the same, byte for byte, wherever it is made from the same
+    answer.
+
+    Attributes:
+        scene: what it consists of.
+        theme: ``"auto"`` follows the reader's setting of light or dark; ``"light"`` and ``"dark"`` are fixed.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> figure = EXAMPLES["innocenti"].figure()
+    >>> figure
+    <Figure 'Manipulator at α = 0'>
+    >>> figure.svg("light")[:44]
+    '<svg xmlns="http://www.w3.org/2000/svg" view'
+    """
+
+    scene: Scene
+    theme: Theme = "auto"
+
+    def __repr__(self) -> str:
+        return f"<Figure {self.scene.title!r}>"
+
+    def svg(self, theme: Theme | None = None) -> str:
+        """The picture as an SVG document.
+
+        Args:
+            theme: ``"auto"``, ``"light"`` or ``"dark"``; None is that of the figure.
+
+        Raises:
+            InputError: naming ``theme``.
+        """
+        return svg_of(self.scene, self._theme(theme))
+
+    def png(self, theme: Theme | None = None) -> bytes:
+        """The picture as PNG, two pixels for each of the SVG; ``"auto"`` is light. Needs the extra ``plot``.
+
+        Raises:
+            InputError: naming ``theme``, or ``png``: the extra is not installed.
+        """
+        return self._drawn("png", theme)
+
+    def pdf(self, theme: Theme | None = None) -> bytes:
+        """The picture as PDF, with embedded fonts; ``"auto"`` is light. Needs the extra ``plot``.
+
+        Raises:
+            InputError: naming ``theme``, or ``pdf``: the extra is not installed.
+        """
+        return self._drawn("pdf", theme)
+
+    def save(self, path: str | PathLike[str], theme: Theme | None = None) -> None:
+        """Writes the picture to a file: SVG, PNG or PDF, as its suffix says.
+
+        Raises:
+            InputError: naming ``path``: its suffix is another, or it cannot be written; naming ``theme``.
+        """
+        target = Path(fspath(path))
+        content = self.encoded(suffix_of(target), theme)
+        try:
+            target.write_bytes(content)
+        except OSError as error:
+            raise InputError.of("path", f"{str(target)!r} cannot be written: {error.strerror}") from None
+
+    def encoded(self, suffix: str, theme: Theme | None = None) -> bytes:
+        """The content of a file with this suffix, one of ``.svg``, ``.png`` and ``.pdf``."""
+        return self.svg(theme).encode() if suffix == ".svg" else self._drawn(suffix[1:], theme)
+
+    def _repr_svg_(self) -> str:
+        return self.svg()
+
+    def _drawn(self, form: str, theme: Theme | None) -> bytes:
+        theme = self._theme(theme)
+        try:
+            from rpr_solver.figures.export import drawn
+        except ModuleNotFoundError as error:
+            if error.name != "matplotlib":
+                raise
+            need = "needs matplotlib; install rpr-cusps[plot], or take SVG, which needs nothing"
+            raise InputError.of(form, need) from None
+        return drawn(self.scene, form, theme)
+
+    def _theme(self, theme: Theme | None) -> Theme:
+        chosen = self.theme if theme is None else theme
+        if chosen not in THEMES:
+            raise InputError.of("theme", f"is {chosen!r}; give {', '.join(THEMES[:-1])} or {THEMES[-1]}")
+        return chosen
+
+
+def suffix_of(path: Path) -> str:
+    """The suffix of a picture's file, in lower case.
+
+    Raises:
+        InputError: naming ``path``: it is no suffix of pictures.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        known = f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}"
+        raise InputError.of(
+            "path", f"{str(path)!r} does not end in {known}, which says the form of a picture"
+        )
+    return suffix

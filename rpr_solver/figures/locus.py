@@ -1,0 +1,253 @@
+"""The cusp locus: the curves of cusps in joint space (L1, L2, L3), seen from a corner."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, cos, inf, radians, sin
+from typing import Any
+
+from rpr_solver.figures.axes import EDGE, GRID, SMALL
+from rpr_solver.figures.census import mark
+from rpr_solver.figures.figure import Figure
+from rpr_solver.figures.labels import Room
+from rpr_solver.figures.plane import Box, Point, simplified
+from rpr_solver.figures.scales import ticks
+from rpr_solver.figures.scene import Group, Paint, Path, Shape, Text
+from rpr_solver.figures.sheet import WIDTH, sheet
+from rpr_solver.figures.wording import number, width
+
+HEIGHT = 640.0
+_TURN, _TILT = radians(32), radians(24)
+_SIDES = (1.5, 1.0, 0.95)
+"""The sides of the box in which the locus is drawn: along the fixed leg, and the two others."""
+_COLOURS = ("line1", "line2", "line3", "line4", "line5")
+_DASHES: Sequence[tuple[float, ...]] = ((), (7, 3), (2, 2))
+
+Spot = tuple[float, float, float]
+
+
+def locus_figure(document: Mapping[str, Any]) -> Figure:
+    """Draws curves of cusps.
+
+    Args:
+        document: as :meth:`CuspCurves.to_json` gives it, with several points on each curve.
+    """
+    leg = document["fixed_leg"]
+    others = [k for k in (1, 2, 3) if k != leg]
+    names = [f"l{k}" for k in (leg, *others)]
+    stop = _stop(document, names[0])
+    curves = [
+        (curve["name"], [spot for spot in _spots(curve, names) if spot[0] <= stop], curve)
+        for curve in document["curves"]
+    ]
+    view = _View.of([spots for _, spots, _ in curves], number(document["range"]["from"]))
+    drawn = [(name, view.line(spots)) for name, spots, _ in curves]
+    room = Room(Box(10, 70, WIDTH - 10, HEIGHT - 40))
+    for _, line in drawn:
+        room.add_line(line)
+    titles = [f"L{k}" for k in (leg, *others)]
+    shapes = [
+        *_walls(view, titles),
+        *(_shadow(view, spots) for _, spots, _ in curves),
+        *_lines(view, curves),
+        *_ends(view, curves, names),
+        *_names(drawn, room),
+        *_legend({end["kind"] for _, _, curve in curves for end in (curve["from"], curve["to"])}),
+    ]
+    title = (
+        f"Cusp locus: {len(curves)} curves of cusps" if len(curves) != 1 else "Cusp locus: one curve of cusps"
+    )
+    notes = [
+        f"{curve['name']} from {titles[0]} = {_end(curve['from'], names[0])} ({curve['from']['kind']}) to "
+        f"{_end(curve['to'], names[0])} ({curve['to']['kind']})"
+        for _, _, curve in curves
+    ]
+    text = f"Curves of cusps in ({', '.join(titles)}), with their shadows on the floor. {'; '.join(notes)}."
+    return sheet(title, document["geometry"], text, shapes, HEIGHT)
+
+
+def _spots(curve: Mapping[str, Any], names: Sequence[str]) -> list[Spot]:
+    """The points of a curve, with its ends where a single pose is known there."""
+
+    def of(obj: Mapping[str, str]) -> Spot:
+        a, b, c = (number(obj[name]) for name in names)
+        return a, b, c
+
+    spots = [of(point) for point in curve["points"]]
+    start, stop = curve["from"], curve["to"]
+    before, after = (
+        [{**end["events"][0], names[0]: end[names[0]]}] if len(end["events"]) == 1 else []
+        for end in (start, stop)
+    )
+    return [*map(of, before), *spots, *map(of, after)]
+
+
+def _stop(document: Mapping[str, Any], name: str) -> float:
+    """The greatest length that is drawn: that of the range, or not far from the last end of a curve."""
+    if document["range"]["to"] is not None:
+        return number(document["range"]["to"])
+    ends = [end[name] for curve in document["curves"] for end in (curve["from"], curve["to"])]
+    return 1.3 * max((number(end) for end in ends if end is not None), default=0.0) or inf
+
+
+def _end(end: Mapping[str, Any], name: str) -> str:
+    return "∞" if end[name] is None else f"{number(end[name]):.5g}"
+
+
+@dataclass(frozen=True)
+class _View:
+    """A parallel projection of the box of values onto the picture."""
+
+    low: Spot
+    high: Spot
+    scale: float
+    shift: Point
+
+    @classmethod
+    def of(cls, curves: Sequence[Sequence[Spot]], start: float) -> _View:
+        """The view that shows all points of curves in a range that begins at ``start``."""
+        spots = [spot for curve in curves for spot in curve] or [(0.0, 0.0, 0.0)]
+        low = min(spot[0] for spot in spots)
+        span = [(min(low, start), max(spot[0] for spot in spots))]
+        span += [(0.0, max(spot[k] for spot in spots)) for k in (1, 2)]
+        rounded = [_rounded(a, b) for a, b in span]
+        (a, d), (b, e), (c, f) = rounded
+        draft = cls((a, b, c), (d, e, f), 1.0, (0.0, 0.0))
+        box = Box.around([draft.place(corner) for corner in draft.corners()])
+        room = Box(64, 78, WIDTH - 40, HEIGHT - 84)
+        scale = min(room.width / box.width, room.height / box.height)
+        (x, y), (u, v) = box.centre, room.centre
+        return cls((a, b, c), (d, e, f), scale, (u - scale * x, v - scale * y))
+
+    def corners(self) -> Iterator[Spot]:
+        """Yields the corners of the box of values."""
+        for x in (self.low[0], self.high[0]):
+            for y in (self.low[1], self.high[1]):
+                for z in (self.low[2], self.high[2]):
+                    yield x, y, z
+
+    def _cube(self, spot: Spot) -> Spot:
+        x, y, z = (
+            side * ((value - low) / (high - low) - 0.5)
+            for value, low, high, side in zip(spot, self.low, self.high, _SIDES, strict=True)
+        )
+        return x, y, z
+
+    def place(self, spot: Spot) -> Point:
+        """The place of a point in the picture."""
+        x, y, z = self._cube(spot)
+        across = x * cos(_TURN) + y * sin(_TURN)
+        up = z * cos(_TILT) + (y * cos(_TURN) - x * sin(_TURN)) * sin(_TILT)
+        return self.shift[0] + self.scale * across, self.shift[1] - self.scale * up
+
+    def depth(self, spot: Spot) -> float:
+        """How far away a point is."""
+        x, y, z = self._cube(spot)
+        return (y * cos(_TURN) - x * sin(_TURN)) * cos(_TILT) - z * sin(_TILT)
+
+    def line(self, spots: Sequence[Spot]) -> list[Point]:
+        """The places of points."""
+        return [self.place(spot) for spot in spots]
+
+
+def _rounded(low: float, high: float) -> tuple[float, float]:
+    """A range that ends at a tick."""
+    if high <= low:
+        high = low + 1
+    [first, second, *_] = ticks(low, low + 2 * (high - low), 10)
+    step = second[0] - first[0]
+    return low if low == 0 else step * (low // step), step * ceil(high / step - 1e-9)
+
+
+def _walls(view: _View, titles: Sequence[str]) -> Iterator[Shape]:
+    """The floor and the two walls behind, with grids, ticks and titles."""
+    (x0, y0, z0), (x1, y1, z1) = view.low, view.high
+    marks = [[value for value, _ in ticks(a, b, n)] for a, b, n in ((x0, x1, 8), (y0, y1, 5), (z0, z1, 5))]
+    texts = [[words for _, words in ticks(a, b, n)] for a, b, n in ((x0, x1, 8), (y0, y1, 5), (z0, z1, 5))]
+    grid: list[list[Spot]] = []
+    for x in marks[0]:
+        grid += [[(x, y0, z0), (x, y1, z0)], [(x, y1, z0), (x, y1, z1)]]
+    for y in marks[1]:
+        grid += [[(x0, y, z0), (x1, y, z0)], [(x0, y, z0), (x0, y, z1)]]
+    for z in marks[2]:
+        grid += [[(x0, y1, z), (x1, y1, z)], [(x0, y0, z), (x0, y1, z)]]
+    yield Path(
+        (view.line([(x0, y0, z0), (x1, y0, z0), (x1, y1, z0), (x0, y1, z0)]),), Paint("tint"), closed=True
+    )
+    yield Path(tuple(view.line(line) for line in grid), GRID)
+    edges: list[list[Spot]] = [
+        [(x0, y0, z1), (x0, y0, z0), (x1, y0, z0), (x1, y1, z0)],
+    ]
+    yield Path(tuple(view.line(line) for line in edges), EDGE)
+    for x, words in zip(marks[0], texts[0], strict=True):
+        px, py = view.place((x, y0, z0))
+        yield Text((px - 4, py + 15), words, SMALL, "soft", "middle")
+    for y, words in zip(marks[1], texts[1], strict=True):
+        px, py = view.place((x1, y, z0))
+        yield Text((px + 8, py + 9), words, SMALL, "soft")
+    for z, words in zip(marks[2], texts[2], strict=True):
+        px, py = view.place((x0, y0, z))
+        yield Text((px - 8, py), words, SMALL, "soft", "end")
+    px, py = view.place(((x0 + x1) / 2, y0, z0))
+    yield Text((px - 24, py + 38), titles[0], 15, "ink", "middle")
+    px, py = view.place((x1, (y0 + y1) / 2, z0))
+    yield Text((px + 42, py + 20), titles[1], 15, "ink", "middle")
+    px, py = view.place((x0, y0, (z0 + z1) / 2))
+    yield Text((px - 44, py), titles[2], 15, "ink", "middle", turn=-90)
+
+
+def _shadow(view: _View, spots: Sequence[Spot]) -> Shape:
+    floor = view.low[2]
+    line = simplified(view.line([(x, y, floor) for x, y, _ in spots]), 0.2)
+    return Path((line,), Paint(stroke="faint", width=1.6))
+
+
+def _lines(view: _View, curves: Sequence[tuple[str, Sequence[Spot], Any]]) -> Iterator[Shape]:
+    """The curves from the farthest to the nearest, each with a border where it passes before another."""
+    pieces = []
+    for number_, (_, spots, _) in enumerate(curves):
+        paint = _paint(number_)
+        for start in range(0, max(len(spots) - 1, 0), 6):
+            piece = spots[start : start + 7]
+            pieces.append((view.depth(piece[len(piece) // 2]), view.line(piece), paint))
+    for _, line, paint in sorted(pieces, key=lambda piece: -piece[0]):
+        yield Path((simplified(line, 0.1),), paint)
+
+
+def _paint(number_: int) -> Paint:
+    colours = len(_COLOURS)
+    return Paint(stroke=_COLOURS[number_ % colours], width=2, dash=_DASHES[number_ // colours % len(_DASHES)])
+
+
+def _ends(
+    view: _View, curves: Sequence[tuple[str, Sequence[Spot], Any]], names: Sequence[str]
+) -> Iterator[Shape]:
+    """The transitions at which curves begin and end."""
+    seen = set()
+    for _, _, curve in curves:
+        for end in (curve["from"], curve["to"]):
+            if end[names[0]] is None or len(end["events"]) != 1:
+                continue
+            event = end["events"][0]
+            spot = (number(end[names[0]]), number(event[names[1]]), number(event[names[2]]))
+            if spot not in seen:
+                seen.add(spot)
+                yield Group((mark(end["kind"], view.place(spot), 5),), f"{end['kind']} at {end[names[0]]}")
+
+
+def _names(drawn: Sequence[tuple[str, Sequence[Point]]], room: Room) -> Iterator[Shape]:
+    for k, (name, line) in enumerate(drawn):
+        far = sum(abs(b[0] - a[0]) + abs(b[1] - a[1]) for a, b in pairwise(line))
+        if far > 40:
+            yield room.near(line[len(line) // 2], name, 12, 11, _COLOURS[k % len(_COLOURS)])
+
+
+def _legend(kinds: set[str]) -> Iterator[Shape]:
+    known = [kind for kind in ("swallowtail", "beak-to-beak", "lips") if kind in kinds]
+    x = WIDTH / 2 - sum(36 + width(kind, SMALL) for kind in known) / 2
+    for kind in known:
+        yield mark(kind, (x + 6, 52))
+        yield Text((x + 17, 52), kind, SMALL, "soft")
+        x += 36 + width(kind, SMALL)

@@ -1,0 +1,171 @@
+"""The mechanism at a pose: base, platform and legs, other poses of the same legs behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import hypot
+from typing import Any
+
+from rpr_solver.errors import InputError
+from rpr_solver.figures.figure import Figure
+from rpr_solver.figures.labels import Room
+from rpr_solver.figures.plane import Box, Point, between, distance
+from rpr_solver.figures.scene import Disc, Group, Paint, Path, Shape
+from rpr_solver.figures.sheet import WIDTH, sheet
+from rpr_solver.figures.triangles import Triangles
+from rpr_solver.figures.wording import number, short
+
+HEIGHT = 560.0
+_ROD, _CYLINDER, _JOINT = 3.0, 9.0, 6.0
+
+
+def geometry_figure(geometry: Mapping[str, str]) -> Figure:
+    """Draws a manipulator without a pose: base and platform at α = 0 with a common centre."""
+    shape = Triangles.of(geometry)
+    (ax, ay), (bx, by) = (
+        (sum(x for x, _ in ring) / 3, sum(y for _, y in ring) / 3) for ring in (shape.base, shape.platform)
+    )
+    platform = shape.placed(0.0, (ax - bx, ay - by))
+    text = "Base A1A2A3 and platform B1B2B3 at α = 0 with a common centre, joined by three legs."
+    shapes = _drawing(shape.base, [platform], 0, ())
+    return sheet("Manipulator at α = 0", geometry, text, shapes, HEIGHT)
+
+
+def poses_figure(document: Mapping[str, Any], pose: int = 1) -> Figure:
+    """Draws one pose of a table of poses in full, and its other poses behind.
+
+    Args:
+        document: as :meth:`PoseTable.to_json` gives it.
+        pose: the number of the pose from 1.
+
+    Raises:
+        InputError: naming ``pose``: the table has no such pose.
+    """
+    shape, table = Triangles.of(document["geometry"]), document["poses"]
+    if not 1 <= pose <= len(table):
+        there_are = f"give 1 to {len(table)}" if table else "these legs have no pose"
+        raise InputError.of("pose", f"is {pose}; {there_are}")
+    platforms = [
+        shape.placed(number(p["alpha_deg"]), (shape.length(p["b1_x"]), shape.length(p["b1_y"])))
+        for p in table
+    ]
+    legs = [document[f"l{k}"] for k in (1, 2, 3)]
+    one = len(table) == 1
+    title = "The only pose with these legs" if one else f"Pose {pose} of {len(table)} with these legs"
+    others = "" if one else " The other poses with the same legs are drawn lightly."
+    text = f"{_facts(table[pose - 1]['alpha_deg'], legs)}{others}"
+    shapes = _drawing(shape.base, platforms, pose - 1, legs)
+    return sheet(title, document["geometry"], text, shapes, HEIGHT)
+
+
+def point_figure(
+    geometry: Mapping[str, str], fixed_leg: int, length: str, point: Mapping[str, str], title: str
+) -> Figure:
+    """Draws a manipulator at a point of a slice, such as a cusp.
+
+    Args:
+        geometry: the contract's geometry object.
+        fixed_leg: the leg with the fixed length.
+        length: its length.
+        point: the point with the names of documents, such as ``alpha_deg``, ``theta1_deg``, ``l2``, ``l3``.
+        title: what is drawn.
+    """
+    shape, legs = Triangles.of(geometry), {**point, f"l{fixed_leg}": length}
+    alpha, theta = number(point["alpha_deg"]), number(point[f"theta{fixed_leg}_deg"])
+    platform = shape.placed(alpha, shape.held(fixed_leg, shape.length(length), alpha, theta))
+    lengths = [legs[f"l{k}"] for k in (1, 2, 3)]
+    shapes = _drawing(shape.base, [platform], 0, lengths)
+    return sheet(title, geometry, _facts(point["alpha_deg"], lengths), shapes, HEIGHT)
+
+
+def joint(at: Point) -> Disc:
+    """A revolute joint."""
+    return Disc(at, _JOINT, Paint("paper", "ink", 2))
+
+
+def base_shapes(ring: Sequence[Point]) -> Iterator[Shape]:
+    """Yields the base, with the ground below each joint."""
+    yield Path((ring,), Paint("tint", "soft", 1.4, (6, 4)), closed=True)
+    for x, y in ring:
+        teeth = tuple([(x + d + 4, y + 15), (x + d - 2, y + 21)] for d in range(-9, 12, 6))
+        yield Path(([(x, y), (x - 10, y + 15), (x + 10, y + 15)],), Paint("paper", "soft", 1.4), closed=True)
+        yield Path(([(x - 14, y + 15), (x + 14, y + 15)], *teeth), Paint(stroke="soft", width=1.4))
+
+
+def platform_shape(ring: Sequence[Point]) -> Shape:
+    """The platform."""
+    return Path((ring,), Paint("poses4", "line1", 2.4, opacity=0.6), closed=True)
+
+
+def ghost_shapes(a: Sequence[Point], b: Sequence[Point]) -> Iterator[Shape]:
+    """Yields the legs and the platform of another pose."""
+    yield Path(tuple(zip(a, b, strict=True)), Paint(stroke="ghost", width=1, dash=(3, 3)))
+    yield Path((b,), Paint("poses4", "ghost", 1.2, opacity=0.25), closed=True)
+
+
+def leg_shapes(start: Point, stop: Point) -> Iterator[Shape]:
+    """Yields a leg: the rod at the platform, and the cylinder at the base."""
+    yield Path((bar(start, stop, _ROD),), Paint("ink"), closed=True)
+    yield Path((bar(start, between(start, stop, 0.55), _CYLINDER),), Paint("tint", "ink", 1.4), closed=True)
+
+
+def bar(start: Point, stop: Point, width: float) -> list[Point]:
+    """The corners of a rectangle along a segment."""
+    (x, y), (u, v) = start, stop
+    length = hypot(u - x, v - y) or 1
+    dx, dy = -(v - y) / length * width / 2, (u - x) / length * width / 2
+    return [(x + dx, y + dy), (u + dx, v + dy), (u - dx, v - dy), (x - dx, y - dy)]
+
+
+class View:
+    """A map from the plane of the mechanism, with equal scales, to a box of the picture."""
+
+    def __init__(self, points: Sequence[Point], box: Box) -> None:
+        values = Box.around(points)
+        self.scale = min(box.width / (values.width or 1), box.height / (values.height or 1))
+        self._from, self._to = values.centre, box.centre
+
+    def line(self, points: Sequence[Point]) -> list[Point]:
+        """The places of points."""
+        (x0, y0), (u0, v0), k = self._from, self._to, self.scale
+        return [(u0 + k * (x - x0), v0 - k * (y - y0)) for x, y in points]
+
+
+def _drawing(
+    base: Sequence[Point], platforms: Sequence[Sequence[Point]], chosen: int, lengths: Sequence[str]
+) -> list[Shape]:
+    points = [*base, *(point for platform in platforms for point in platform)]
+    view = View(points, Box(60, 70, WIDTH - 60, HEIGHT - 66))
+    a, rings = view.line(base), [view.line(platform) for platform in platforms]
+    b = rings[chosen]
+    legs = list(zip(a, b, strict=True))
+    return [
+        *(Group(tuple(ghost_shapes(a, ring)), "another pose") for k, ring in enumerate(rings) if k != chosen),
+        Group(tuple(base_shapes(a)), "base"),
+        Group((platform_shape(b),), "platform"),
+        *(Group(tuple(leg_shapes(*ends)), f"leg {k}") for k, ends in enumerate(legs, 1)),
+        *(joint(point) for point in (*a, *b)),
+        *_labels(a, b, lengths),
+    ]
+
+
+def _labels(a: Sequence[Point], b: Sequence[Point], lengths: Sequence[str]) -> Iterator[Shape]:
+    room = Room(Box(8, 44, WIDTH - 8, HEIGHT - 28))
+    legs = list(zip(a, b, strict=True))
+    for line in (*legs, (*a, a[0]), (*b, b[0])):
+        room.add_line(line)
+    for x, y in a:
+        room.add_box(Box(x - 14, y - 8, x + 14, y + 21))
+    for point in b:
+        room.add_box(Box.around([point]).grown(8))
+    for name, ring in (("A", a), ("B", b)):
+        for k, point in enumerate(ring, 1):
+            yield room.near(point, f"{name}{k}", 16, 14)
+    for k, ((p, q), length) in enumerate(zip(legs, lengths, strict=False), 1):
+        if distance(p, q) > 30:
+            yield room.near(between(p, q, 0.5), f"L{k} = {short(length)}", 13, 12, "soft")
+
+
+def _facts(alpha: str, lengths: Sequence[str]) -> str:
+    legs = ", ".join(f"L{k} = {short(length)}" for k, length in enumerate(lengths, 1))
+    return f"Base A1A2A3, platform B1B2B3 at α = {short(alpha)}°, {legs}."

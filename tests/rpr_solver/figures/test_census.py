@@ -1,0 +1,57 @@
+"""The census: every count and every transition, narrow windows widened and marked."""
+
+import json
+from typing import Any
+
+import pytest
+
+from rpr_solver.figures.census import census_figure
+from rpr_solver.figures.scene import Group
+from tests.support.pictures import GEOMETRY, check, words
+
+KINDS = ["swallowtail", "beak-to-beak", "lips", "several"]
+
+
+def document(
+    lengths: list[str], counts: list[int], start: str = "0", stop: str | None = None
+) -> dict[str, Any]:
+    ends = [start, *lengths, stop]
+    return {
+        "geometry": GEOMETRY,
+        "fixed_leg": 1,
+        "range": {"from": start, "to": stop},
+        "transitions": [{"l1": x, "kind": KINDS[k % 4], "events": []} for k, x in enumerate(lengths)],
+        "intervals": [{"from": ends[k], "to": ends[k + 1], "count": n} for k, n in enumerate(counts)],
+    }
+
+
+CASES = {
+    "none": document([], [4]),
+    "none-in-a-range": document([], [0], "3", "7"),
+    "one": document(["2.5"], [0, 2]),
+    "narrow": document(["5", "5.00000001", "30"], [0, 2, 4, 6]),
+    "closer-than-floats": document(["5." + "0" * 30 + "1", "5." + "0" * 30 + "2"], [2, 4, 2], "5", "6"),
+    "many": document([str(k) for k in range(1, 40)], [2 * (k % 7) for k in range(40)]),
+    "tiny": document(["1e-30", "3e-30"], [0, 2, 0]),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_pictures(name: str) -> None:
+    check(census_figure(CASES[name]))
+
+
+def test_what_it_says() -> None:
+    figure = census_figure(CASES["narrow"])
+    assert [x for x in words(figure) if x in ("2", "4", "6")] != []
+    assert {"5", "5.00000001", "30", "∞", "swallowtail", "beak-to-beak", "lips"} <= set(words(figure))
+    assert "2 from 5 to 5.00000001" in figure.scene.description
+    names = [shape.name for shape in figure.scene.shapes if isinstance(shape, Group)]
+    assert names == ["swallowtail at 5", "beak-to-beak at 5.00000001", "lips at 30"]
+    assert census_figure(CASES["one"]).scene.title == "Number of cusps against L1: 0 to 2 cusps"
+
+
+def test_it_takes_the_documents_of_the_service() -> None:
+    """Only members of the contract are read, whatever else a document has."""
+    figure = census_figure(json.loads(json.dumps({**CASES["one"], "more": [1, 2]})))
+    assert figure.svg() == census_figure(CASES["one"]).svg()

@@ -1,0 +1,61 @@
+"""PNG and PDF show the scene that SVG shows, with the same bytes each time."""
+
+from collections.abc import Iterable
+from io import BytesIO
+
+import pytest
+
+pytest.importorskip("matplotlib")
+
+from matplotlib import rc_context
+from matplotlib.image import imread
+
+from rpr_solver.figures.export import drawn
+from rpr_solver.figures.palette import colour
+from rpr_solver.figures.plane import Box
+from rpr_solver.figures.scene import Disc, Group, Motion, Paint, Path, Scene, Text
+
+SCENE = Scene(
+    80,
+    60,
+    "title",
+    "text",
+    (
+        Path((Box(10, 10, 30, 30).corners,), Paint("poses6"), closed=True),
+        Group((Path(([(0, 50), (80, 50)],), Paint(stroke="ink", width=6)),), clip=Box(0, 40, 40, 60)),
+        Group((Disc((0, 0), 6, Paint("cusp")),), motion=Motion(((60, 20, 90, 1), (0, 0, 0, 1)), 1)),
+        Text((40, 5), "α θ1 −180° ∞", 8, halo="paper", turn=-5),
+        Text((2, 58), "L2", 3),
+    ),
+)
+
+
+def code(pixel: Iterable[float]) -> str:
+    return "#" + "".join(f"{round(255 * x):02x}" for x in list(pixel)[:3])
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_png_has_the_colours_of_the_scene_where_it_has_its_shapes(theme: str) -> None:
+    is_dark = "dark" if theme == "dark" else "light"
+    picture = imread(BytesIO(drawn(SCENE, "png", is_dark)), format="png")
+    assert picture.shape[:2] == (120, 160)
+    at = {
+        (40, 40): "poses6",
+        (80, 40): "paper",
+        (40, 100): "ink",
+        (120, 100): "paper",  # clipped
+        (120, 40): "cusp",  # moved to its first place
+    }
+    for (x, y), role in at.items():
+        assert code(picture[y][x]) == colour(role, is_dark), role
+
+
+def test_bytes_are_the_same_each_time() -> None:
+    for form in ("png", "pdf"):
+        assert drawn(SCENE, form, "light") == drawn(SCENE, form, "light")
+
+
+def test_pdf_embeds_its_font() -> None:
+    assert drawn(SCENE, "pdf", "light").startswith(b"%PDF")
+    with rc_context({"pdf.compression": 0}):
+        assert b"/FontFile2" in drawn(SCENE, "pdf", "light")

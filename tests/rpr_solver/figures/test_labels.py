@@ -1,0 +1,38 @@
+"""Labels and boxes go where they hide nothing."""
+
+from rpr_solver.figures.labels import Room
+from rpr_solver.figures.plane import Box
+from rpr_solver.figures.wording import box_of
+
+
+def test_labels_near_one_point_do_not_cover_each_other_or_lines() -> None:
+    room = Room(Box(0, 0, 200, 200))
+    line = [(0.0, 100.0), (200.0, 100.0)]
+    room.add_line(line)
+    boxes = [box_of(room.near((100, 100), name, 14, 12)) for name in "ABC"]
+    for k, box in enumerate(boxes):
+        assert not (box.y0 < 100 < box.y1)
+        assert not any(box.meets(other) for other in boxes[:k])
+
+
+def test_a_label_in_a_corner_stays_inside() -> None:
+    room = Room(Box(0, 0, 200, 200))
+    box = box_of(room.near((1, 1), "L1 = 20", 14, 10))
+    assert box.x0 >= 0
+    assert box.y0 >= 0
+
+
+def test_a_label_without_any_room_is_at_its_point() -> None:
+    assert Room(Box(0, 0, 5, 5)).near((2, 2), "L1 = 20", 14, 10).at == (2, 2)
+
+
+def test_a_free_box_is_the_nearest_one() -> None:
+    room = Room(Box(0, 0, 300, 300))
+    room.add_box(Box(0, 0, 300, 100))
+    box = room.free_box(80, 60, (150, 0))
+    assert box is not None
+    assert room.is_free(box)
+    assert 100 < box.y0 < 124
+    assert room.hidden(Box(0, 0, 20, 20)) > 0
+    room.add_line([(0, 0), (300, 300)])
+    assert room.free_box(290, 190, (150, 0)) is None

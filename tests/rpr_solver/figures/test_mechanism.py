@@ -1,0 +1,58 @@
+"""The mechanism: joints where the pose has them, its lengths, the other poses behind."""
+
+import pytest
+
+from rpr_solver import EXAMPLES, InputError, Manipulator, cusp_table, poses
+from rpr_solver.figures.mechanism import geometry_figure, point_figure, poses_figure
+from rpr_solver.figures.scene import Disc, Group
+from tests.support.pictures import GEOMETRY, check, every, words
+
+INNOCENTI = EXAMPLES["innocenti"]
+SIX = poses(INNOCENTI, "14.98", 16, 20, digits=15)
+
+
+def test_a_pose_with_the_others_behind_it() -> None:
+    figure = SIX.figure(3)
+    check(figure)
+    assert {"A1", "A2", "A3", "B1", "B2", "B3", "L1 = 14.98", "L2 = 16", "L3 = 20"} <= set(words(figure))
+    groups = [shape.name for shape in figure.scene.shapes if isinstance(shape, Group)]
+    assert groups.count("another pose") == 5
+    assert figure.scene.title == "Pose 3 of 6 with these legs"
+    assert f"α = {float(SIX.poses[2].alpha_deg):.3f}°" in figure.scene.description
+
+
+def test_joints_are_as_far_apart_as_the_legs_are_long() -> None:
+    discs = [shape.centre for shape in every(SIX.figure(1).scene.shapes) if isinstance(shape, Disc)]
+    a, b = discs[:3], discs[3:]
+    lengths = [((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2) ** 0.5 for p, q in zip(a, b, strict=True)]
+    assert [x / lengths[0] for x in lengths] == pytest.approx([1, 16 / 14.98, 20 / 14.98])
+
+
+@pytest.mark.parametrize("pose", [0, 7, -1])
+def test_a_pose_that_there_is_not(pose: int) -> None:
+    with pytest.raises(InputError, match=r"^pose: is -?\d; give 1 to 6$"):
+        SIX.figure(pose)
+
+
+def test_legs_without_a_pose() -> None:
+    with pytest.raises(InputError, match="these legs have no pose"):
+        poses(INNOCENTI, 1, 1, 1, digits=15).figure()
+
+
+@pytest.mark.parametrize("leg", [1, 2])
+def test_a_cusp_of_any_leg(leg: int) -> None:
+    [table] = cusp_table(INNOCENTI, 15, fixed_leg=leg, digits=15)
+    cusp = table.cusps[0].to_json()
+    figure = point_figure(GEOMETRY, leg, "15", cusp, "Cusp A")
+    check(figure)
+    assert f"L{leg} = 15" in words(figure)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_manipulators(name: str) -> None:
+    check(EXAMPLES[name].figure())
+
+
+def test_flat_triangles_are_drawn() -> None:
+    check(geometry_figure(Manipulator(20, 6, 0, 7, 9, 16).to_json()))
+    check(poses_figure(poses(Manipulator(20, 6, 0, 7, 9, 16), 20, 18, 16, digits=15).to_json()))
