@@ -12,6 +12,7 @@ import rpr_solver
 from docs import reference, reliability
 from service.api.problems import ProblemType
 from tests.support.links import broken
+from tests.support.pages import BLOCKS, NEEDS, PAGES, READ, RUN, SHOWN
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -87,6 +88,18 @@ def test_every_setting_problem_option_and_public_name_is_in_the_reference() -> N
     }
     settings -= {"RPR_CUSPS_LIMITS", "RPR_CUSPS_WEBHOOKS"}
     assert settings | problems | options | set(rpr_solver.__all__) <= documented
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
+def test_every_block_is_in_a_language_that_is_run_or_says_why_it_is_not(path: Path) -> None:
+    found = [block for block in BLOCKS if block.page == path.relative_to(ROOT).as_posix()]
+    fences = re.findall(r"^ *(```+)(\S*)", path.read_text(encoding="utf-8"), re.MULTILINE)
+    directives = [language for _, language in fences if language.startswith("{")]
+    shown = [block for block in found if block.printed]
+    assert len(fences) == 2 * (len(found) + len(shown) + len(directives)), "a block is indented or unclosed"
+    known = RUN | READ | SHOWN | NEEDS.keys()
+    strange = [block.name for block in found if block.language not in known and not block.reason]
+    assert not strange, "see docs/testing.md: name the language, or why the block is not run"
 
 
 @pytest.mark.parametrize(

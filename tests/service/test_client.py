@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import doctest
 import json
-import re
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -30,7 +28,6 @@ from service.client import (
 )
 from service.client.questions import PATHS
 from service.errors import ServiceError
-from tests.support.processes import ROOT
 from worker.jobs.queue import JobQueue
 
 ZEIN = EXAMPLES["zein-flat"]
@@ -151,15 +148,6 @@ def test_a_canceled_task_withdraws_its_question(idle_url: str, idle_queue: JobQu
     job = idle_queue.get(job_id)
     assert job is not None
     assert job.status == "canceled"
-
-
-def test_the_document_about_clients(base_url: str) -> None:
-    text = (ROOT / "docs" / "client.md").read_text(encoding="utf-8")
-    code = "\n".join(re.findall(r"^```pycon\n(.*?)^```$", text, re.MULTILINE | re.DOTALL))
-    examples = doctest.DocTestParser().get_doctest(
-        code.replace("http://127.0.0.1:8000", base_url), {}, "client.md", "client.md", 0
-    )
-    assert doctest.DocTestRunner().run(examples).failed == 0
 
 
 def test_faults_are_named_before_anything_is_sent() -> None:

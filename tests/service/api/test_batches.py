@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import doctest
 import json
-import re
-import shutil
-import subprocess
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import httpx
@@ -18,7 +13,7 @@ from redis import Redis
 from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.processes import PATIENCE, ROOT, until
+from tests.support.processes import PATIENCE, until
 from tests.support.service_server import GEOMETRY, serving
 from worker.connection import connect
 from worker.jobs.attempts import ChunkEntry
@@ -423,29 +418,3 @@ def test_a_refused_submission_leaves_its_key(idle: httpx.Client) -> None:
     key = {**NDJSON, "Idempotency-Key": "again"}
     problem(idle.post("/v1/batches", content=lines(*[poses(15)] * 6), headers=key), 422, "limit-exceeded")
     assert submitted(idle, lines(poses(15)), key)["total"] == 1
-
-
-def blocks(language: str) -> str:
-    text = (ROOT / "docs" / "batches.md").read_text(encoding="utf-8")
-    found = re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
-    assert found
-    return "\n".join(found)
-
-
-def test_the_page_for_python(client: httpx.Client) -> None:
-    code = blocks("pycon").replace("http://127.0.0.1:8000", str(client.base_url))
-    test = doctest.DocTestParser().get_doctest(code, {}, "batches.md", "batches.md", 0)
-    assert doctest.DocTestRunner().run(test).failed == 0
-
-
-@pytest.mark.skipif(shutil.which("curl") is None, reason="needs curl")
-def test_the_page_for_the_shell(client: httpx.Client, tmp_path: Path) -> None:
-    script = "set -e\n" + blocks("sh").replace("http://127.0.0.1:8000", str(client.base_url).rstrip("/"))
-    done = subprocess.run(["sh", "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
-    *got, accepted = [json.loads(line) for line in done.stdout.splitlines()]
-    assert [(line["id"], line["status"]) for line in got] == [
-        ("slice", "succeeded"),
-        ("legs", "succeeded"),
-        ("wrong", "failed"),
-    ]
-    assert accepted["total"] == 2

@@ -8,18 +8,23 @@ import re
 import shlex
 import shutil
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
+import yaml
 
 from service.cli.main import main
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.pages import BLOCKS, NOT_RUN, Block, blocks_of, pages
 from tests.support.processes import PATIENCE, ROOT, until
 
 SERVICE = "http://127.0.0.1:8000"
 TEXTS = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"))}
-LONG = {page: pytest.param(page, marks=pytest.mark.long) for page in ("census", "gate")}
+LONG = ("docs/census.md", "docs/gate.md", "examples/README.md")
+STRICT = 'set -euo pipefail; curl() { command curl --fail-with-body "$@"; }\n'
 ADDRESSES = sorted(
     {
         found
@@ -30,8 +35,15 @@ ADDRESSES = sorted(
 CSV_HEADS = ("l1,count,cusp,alpha_deg,theta1_deg,l2,l3,error", "from,to,count,transition_at_end")
 
 
-def blocks(page: str, language: str) -> str:
-    return "\n".join(re.findall(rf"^```{language}\n(.*?)^```$", TEXTS[page], re.MULTILINE | re.DOTALL))
+def with_marks(names: Sequence[str]) -> list[Any]:
+    return [pytest.param(name, marks=pytest.mark.long) if name in LONG else name for name in names]
+
+
+def code_of(page: str) -> str:
+    """What a page shows in the language that it is about."""
+    return "\n".join(
+        block.text for block in BLOCKS if block.page == f"docs/{page}.md" and block.language == page
+    )
 
 
 def document(api: httpx.Client, method: str, address: str, **options: Any) -> Any:
@@ -49,37 +61,60 @@ def matches(printed: str, got: str) -> bool:
     return doctest.OutputChecker().check_output(printed.replace("…", "..."), got, doctest.ELLIPSIS)
 
 
-@pytest.mark.parametrize("page", ["first-table", "scan", *LONG.values()])
+@pytest.mark.parametrize("page", with_marks(pages("sh")))
 def test_commands_print_what_is_below_them(
     page: str,
     api: httpx.Client,
+    valkey: EmbeddedValkey,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("RPR_CUSPS_REDIS_URL", f"{valkey.url}?db=4")  # of `keys` and `store`
     (tmp_path / "examples").symlink_to(ROOT / "examples")
-    pairs = re.findall(
-        r"^```sh\n(.*?)^```\n(?:\n```text\n(.*?)^```$)?", TEXTS[page], re.MULTILINE | re.DOTALL
-    )
-    assert pairs
-    for command, printed in pairs:
-        if command.startswith("rpr-cusps"):
-            assert main(shlex.split(command)[1:]) == 0
-        elif "pip install" not in command and (shutil.which("curl") or "curl" not in command):
-            here = command.replace(SERVICE, str(api.base_url).rstrip("/"))
-            subprocess.run(["sh", "-ec", here], timeout=PATIENCE, check=True)
+    (tmp_path / "robots").symlink_to(ROOT / "examples" / "passing" / "robots")
+    for block in blocks_of(page, "sh"):
+        lines = block.text.splitlines()
+        if all(line.startswith("rpr-cusps ") for line in lines):
+            assert [main(shlex.split(line, comments=True)[1:]) for line in lines] == [0] * len(lines)
+        elif shutil.which("curl") or "curl" not in block.text:
+            script = STRICT + block.text.replace(SERVICE, str(api.base_url).rstrip("/"))
+            subprocess.run(["bash", "-c", script], timeout=PATIENCE, check=True)
         else:
             continue
         got = capfd.readouterr().out
-        assert matches(printed.strip(), got.strip()), got
+        assert not block.printed or matches(block.printed.strip(), got.strip()), f"{block.name}: {got}"
 
 
-@pytest.mark.parametrize("page", ["first-table", "scan", LONG["census"]])
-def test_python(page: str) -> None:
-    session = doctest.DocTestParser().get_doctest(blocks(page, "pycon"), {}, page, page, 0)
+@pytest.mark.parametrize("page", with_marks(pages("pycon")))
+def test_python(page: str, base_url: str) -> None:
+    code = "\n".join(block.text for block in blocks_of(page, "pycon")).replace(SERVICE, base_url)
+    session = doctest.DocTestParser().get_doctest(code, {}, page, page, 0)
     assert session.examples
     assert doctest.DocTestRunner().run(session).failed == 0
+
+
+@pytest.mark.parametrize("page", [page for page in pages("python") if page != "docs/library.md"])
+def test_programs_in_python(page: str, base_url: str) -> None:
+    names: dict[str, Any] = {}
+    for block in blocks_of(page, "python"):
+        exec(compile(block.text.replace(SERVICE, base_url), block.name, "exec"), names)
+
+
+@pytest.mark.parametrize("block", [b for b in BLOCKS if b.language == "json"], ids=lambda block: block.name)
+def test_json(block: Block) -> None:
+    json.loads(re.sub(r",?\s*…(?=\s*[}\]])", "", block.text))
+
+
+@pytest.mark.parametrize("block", [b for b in BLOCKS if b.language == "yaml"], ids=lambda block: block.name)
+def test_yaml(block: Block) -> None:
+    assert yaml.safe_load(block.text)
+
+
+@pytest.mark.parametrize("block", NOT_RUN, ids=lambda block: block.name)
+def test_what_is_not_run(block: Block) -> None:
+    pytest.skip(f"{block.name} is not run: {block.reason}")
 
 
 @pytest.mark.parametrize("address", ADDRESSES)
@@ -94,7 +129,7 @@ def test_matlab(api: httpx.Client) -> None:
     def struct(*members: Any) -> dict[str, Any]:
         return dict(zip(members[::2], members[1::2], strict=True))
 
-    code = blocks("matlab", "matlab")
+    code = code_of("matlab")
     names: dict[str, Any] = {"struct": struct}
     questions = []
     for name, value in re.findall(r"^(geometry|question) = (.*);$", code, re.MULTILINE):
@@ -118,7 +153,7 @@ def test_matlab(api: httpx.Client) -> None:
 
 
 def test_javascript_calls(api: httpx.Client) -> None:
-    code = blocks("javascript", "javascript")
+    code = code_of("javascript")
     geometry = json.loads(re.search(r"geometry = (\{.*\});", code)[1])  # type: ignore[index]
     calls = re.findall(r'ask\("([\w-]+)", (\{.*\}), "(.+)"\)', code)
     assert [kind for kind, _, _ in calls] == ["cusp-tables", "censuses"]
@@ -138,7 +173,7 @@ def runs_events() -> bool:
 @pytest.mark.skipif(not runs_events(), reason="needs Node with EventSource")
 def test_javascript(api: httpx.Client, tmp_path: Path) -> None:
     script = tmp_path / "page.mjs"
-    script.write_text(blocks("javascript", "javascript").replace(SERVICE, str(api.base_url).rstrip("/")))
+    script.write_text(code_of("javascript").replace(SERVICE, str(api.base_url).rstrip("/")))
     command = ["node", "--experimental-eventsource", "--no-warnings", str(script)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
     assert re.findall(r"\d+", done.stdout) == ["6", "8", "8", "10", "8", "6", "8", "6", "4"]
