@@ -8,8 +8,9 @@ import logging
 import queue
 import sys
 import threading
+import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from datetime import UTC, datetime
 from types import MappingProxyType
@@ -19,6 +20,7 @@ LogFormat = Literal["text", "json"]
 
 _WAITING_LINES = 10_000
 _LAST_LINES_PATIENCE = 2.0
+_PAUSE = 0.02  # in which lines gather, to be written together
 
 _subject: ContextVar[Mapping[str, str]] = ContextVar("subject", default=MappingProxyType({}))
 
@@ -96,8 +98,8 @@ class _Background(logging.Handler):
 
     def __init__(self, stream: TextIO) -> None:
         super().__init__()
-        self._writer = logging.StreamHandler(stream)
-        self._lines: queue.Queue[logging.LogRecord | None] = queue.Queue(_WAITING_LINES)
+        self._stream = stream
+        self._lines: queue.Queue[str | None] = queue.Queue(_WAITING_LINES)
         self._dropped = 0
         self._thread = threading.Thread(target=self._write, name="log", daemon=True)
         self._thread.start()
@@ -108,18 +110,23 @@ class _Background(logging.Handler):
             if self._dropped:
                 dropped = logging.makeLogRecord({**record.__dict__, "args": None, "exc_info": None})
                 dropped.msg = f"{self._dropped} log lines were dropped, since nobody read them"
-                self._lines.put_nowait(self._formatted(dropped))
+                self._lines.put_nowait(self.format(dropped))
                 self._dropped = 0
-            self._lines.put_nowait(self._formatted(record))
+            self._lines.put_nowait(self.format(record))
         except queue.Full:
             self._dropped += 1
 
-    def _formatted(self, record: logging.LogRecord) -> logging.LogRecord:
-        return logging.makeLogRecord({"msg": self.format(record)})
-
     def _write(self) -> None:
-        while (line := self._lines.get()) is not None:
-            self._writer.handle(line)
+        is_over = False
+        while not is_over:
+            lines = [self._lines.get()]
+            time.sleep(_PAUSE)
+            while not self._lines.empty():
+                lines.append(self._lines.get())
+            is_over = None in lines
+            with suppress(OSError, ValueError):  # nobody reads, or the stream is closed
+                self._stream.write("".join(f"{line}\n" for line in lines if line is not None))
+                self._stream.flush()
 
     def _end(self) -> None:
         try:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from fastapi import Request, Response
 
 from service.api.access.admission import admit
 from service.api.access.caller import caller_of, subscriber_of
-from service.api.body import json_of, read_body
+from service.api.body import read_body
 from service.api.calling_back import call_back
 from service.api.chosen_forms import choice_of
 from service.api.context import Context
@@ -17,31 +15,20 @@ from service.api.negotiation import JSON, negotiate
 from service.api.operations import Operation
 from service.api.prefer import Preferences, parse_prefer
 from service.api.problems import ProblemError
+from service.api.reading import Asked
 from service.api.responses import answer_response
 from service.api.table_forms import json_bytes
-from service.schemas.document import Source, read
-from service.schemas.limits import Limits
 from service.schemas.price import check_price
 from service.webhooks.urls import target_of
 from worker.answers.kinds import Answer
-from worker.answers.requests import JobRequest
 from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
 
 
-class Asked(NamedTuple):
-    """A question, its deadline in seconds, and where its end is to be told."""
-
-    request: JobRequest
-    deadline_s: float | None
-    callback_url: str | None = None
-
-
 async def answer_question(request: Request, context: Context, operation: Operation) -> Response:
     """Answer a posted question: 200 with the document, or 202 with the job that computes it."""
-    limits = context.settings.limits
-    body = await read_body(request, limits.max_body_bytes)
-    asked = await context.parsing(_question, operation, body, limits)
+    body = await read_body(request, context.settings.limits.max_body_bytes)
+    asked = await context.reading.question(operation, body)
     return await answer_asked(
         request, context, operation, asked, parse_prefer(request.headers.getlist("prefer"))
     )
@@ -94,16 +81,6 @@ async def answer_asked(
     if is_kept:
         headers["Content-Location"] = f"/v1/jobs/{job_request.job_id}/result{choice.query}"
     return await answer_response(context, request, outcome, choice, headers=headers)
-
-
-def _question(operation: Operation, body: bytes, limits: Limits) -> Asked:
-    return asked_of(operation, json_of(body, limits), limits)
-
-
-def asked_of(operation: Operation, document: object, limits: Limits) -> Asked:
-    """Returns the question that a document asks."""
-    question = read(operation.question, document, Source(limits))
-    return Asked(question.job_request(), question.deadline_s, question.callback_url)
 
 
 def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[int | None, int | None]:

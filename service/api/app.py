@@ -51,6 +51,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redirect_slashes=False,
         default_response_class=Response,
         generate_unique_id_function=operation_id,
+        telemetry={"tracing": False, "metrics": False, "logs": False},  # we have our own
     )
     app.state.context = context
     app.state.begin_shutdown = context.events.stop

@@ -12,6 +12,7 @@ from redis.exceptions import RedisError
 
 from service.api.job_events import JobEvents
 from service.api.metrics import Metrics
+from service.api.reading import Reading
 from service.api.redis_access import Breaker, RedisAccess, Refusals
 from service.api.sending import Places
 from service.api.settings import Settings
@@ -40,6 +41,7 @@ class Context:
         metrics: counts and times.
         redis: runs what uses Redis, outside the event loop.
         parsing: threads for the reading of requests.
+        reading: reads posted questions.
         scraping: threads for the metrics.
         refusals: the log of what Redis refuses.
         large_answers: the large results that are being sent.
@@ -53,6 +55,7 @@ class Context:
     metrics: Metrics
     redis: RedisAccess
     parsing: Threads
+    reading: Reading
     scraping: Threads
     refusals: Refusals
     large_answers: Places
@@ -68,6 +71,7 @@ class Context:
         )
         queue = JobQueue(redis, WorkerSettings())
         breaker, refusals = Breaker(), Refusals()
+        parsing = Threads(_PARSING_THREADS)
         return cls(
             settings=settings,
             queue=queue,
@@ -75,7 +79,8 @@ class Context:
             events=JobEvents.of(settings, queue, RedisAccess(Threads(_EVENT_THREADS), breaker), refusals),
             metrics=Metrics(queue),
             redis=RedisAccess(Threads(settings.threads), breaker),
-            parsing=Threads(_PARSING_THREADS),
+            parsing=parsing,
+            reading=Reading(settings.limits, parsing),
             scraping=Threads(_SCRAPING_THREADS),
             refusals=refusals,
             large_answers=Places(

@@ -21,6 +21,7 @@ from worker.answers.stored_tables import ResultLostError, StoredTable
 IMMUTABLE = "public, max-age=31536000, immutable"
 REVALIDATE = "no-cache"
 
+_QUICK = 16 << 10  # bytes of a table at hand that are in their form before a thread would have begun
 _HELD_OF_A_TABLE = 4 * LARGE  # a batch as it is read, in its form, compressed, and being sent
 
 
@@ -85,6 +86,8 @@ async def answer_response(
         return head.not_modified()
     pieces = forms[form].pieces(answer)
     try:
+        if answer.size <= _QUICK and answer.is_at_hand:
+            return head.response(b"".join(pieces))
         if answer.size <= LARGE:
             return head.response(await context.redis(b"".join, pieces))
         first = await context.redis(next, pieces)

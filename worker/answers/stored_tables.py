@@ -65,6 +65,11 @@ class StoredTable:
         """Whether a slice has an error in place of an answer."""
         return any(part.measured.is_error for part in self.slices)
 
+    @property
+    def is_at_hand(self) -> bool:
+        """Whether every slice was read already."""
+        return all(part.text is not None for part in self.slices)
+
     @cached_property
     def digest(self) -> str:
         """A digest of the content: equal digests are equal documents, byte for byte."""

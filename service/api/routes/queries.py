@@ -8,7 +8,7 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from rpr_solver.errors import InputError
-from service.api.answering import answer_asked, asked_of
+from service.api.answering import answer_asked
 from service.api.batch_csv import ENDS, GEOMETRY, LEGS, item_of
 from service.api.context import ContextDep
 from service.api.header_docs import RESULT_FORM, form_parameters
@@ -16,11 +16,13 @@ from service.api.operation_docs import question_responses
 from service.api.operations import CENSUSES, CUSP_TABLES, Operation
 from service.api.prefer import Preferences
 from service.api.problems import ProblemError, ProblemType
+from service.api.reading import asked_of
+from service.api.routes.plain import PlainRoute
 from service.schemas.limits import MAX_DIGITS, MIN_DIGITS
 from service.schemas.numbers import FIXED_LEGS, NUMBER_PATTERN, POSITIVE_PATTERN, list_pattern
 from service.schemas.tables import METHODS
 
-router = APIRouter()
+router = APIRouter(route_class=PlainRoute)
 
 _WAIT = 10
 _OWN = ("wait", *RESULT_FORM)

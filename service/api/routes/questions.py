@@ -10,8 +10,9 @@ from service.api.answering import answer_question
 from service.api.context import ContextDep
 from service.api.operation_docs import question_responses, request_body
 from service.api.operations import OPERATIONS, Operation
+from service.api.routes.plain import PlainRoute
 
-router = APIRouter()
+router = APIRouter(route_class=PlainRoute)
 
 
 def _endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
