@@ -24,7 +24,14 @@ from rpr_solver.contract import (
 )
 from rpr_solver.curves.cusp_curve import CurveEnd, CurvePoint, CuspCurve
 from rpr_solver.curves.cusp_curves import CuspCurves, cusp_curves
-from rpr_solver.documents import census_csv, curves_csv, restrict_census, shorten_slice, table_csv
+from rpr_solver.documents import (
+    census_csv,
+    curves_csv,
+    path_csv,
+    restrict_census,
+    shorten_slice,
+    table_csv,
+)
 from rpr_solver.errors import FieldProblem, InputError, SolverError, Unproved
 from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
 from rpr_solver.figures.figure import Figure
@@ -102,6 +109,7 @@ __all__ = [
     "eliminate",
     "exact_str",
     "parse_exact",
+    "path_csv",
     "poses",
     "poses_of_squares",
     "restrict_census",

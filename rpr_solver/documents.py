@@ -89,6 +89,19 @@ def curves_csv(document: Mapping[str, Any]) -> str:
     return _csv(["curve", f"l{leg}", "cusp", *coordinate_names(leg)], records)
 
 
+def path_csv(document: Mapping[str, Any]) -> str:
+    """The document of a path as CSV: a line for each sample.
+
+    >>> from rpr_solver import EXAMPLES, cusp_loop
+    >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=2)
+    >>> print(path_csv(loop.to_json()).splitlines()[0])
+    time,l1,l2,l3,alpha_deg,theta1_deg,determinant,clearance_deg
+    """
+    angle = f"theta{document['fixed_leg']}_deg"
+    columns = ["time", "l1", "l2", "l3", "alpha_deg", angle, "determinant", "clearance_deg"]
+    return _csv(columns, document["samples"])
+
+
 def restrict_census(
     document: Mapping[str, Any], start: Exact | None, stop: Exact | None, digits: int | None = None
 ) -> dict[str, Any] | None:

@@ -81,18 +81,29 @@ def cusp_loop(
     plan = SamplingPlan.of(samples, timing, duration)
     exact = slice_length(length, leg)
     eliminant = eliminate(manipulator, leg)
-    table = solve_slice(eliminant, exact, CUSP_DIGITS)
-    return loop_in_slice(eliminant, table, number_of(cusp, table.count), plan, digits)
+    return loop_in_slice(eliminant, slice_for_loops(eliminant, exact), cusp, plan, digits)
+
+
+def slice_for_loops(eliminant: Eliminant, length: Exact) -> SliceTable:
+    """The cusps of a slice, to as many digits as the search for a loop needs.
+
+    Raises:
+        InputError: naming the length by its leg.
+        SolverError: the slice could not be decided.
+    """
+    return solve_slice(eliminant, length, CUSP_DIGITS)
 
 
 def loop_in_slice(
-    eliminant: Eliminant, table: SliceTable, cusp: int, plan: SamplingPlan, digits: int
+    eliminant: Eliminant, table: SliceTable, cusp: int | str, plan: SamplingPlan, digits: int
 ) -> Path:
-    """As :func:`cusp_loop`, for a slice that is known to :data:`CUSP_DIGITS` or more digits.
+    """As :func:`cusp_loop`, for a slice that is known (see :func:`slice_for_loops`).
 
     Raises:
+        InputError: naming ``cusp``: the slice has no such cusp.
         SolverError: the loop could not be decided.
     """
+    cusp = number_of(cusp, table.count)
     check_type(table, SliceTable, "table")
     route, proof = _Search(eliminant.slice_map, table, cusp).found()
     winding = proof.windings[0]

@@ -30,11 +30,14 @@ from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
 from rpr_solver.paths.route import Route
 from rpr_solver.paths.samples import PathSample, sampled
 from rpr_solver.paths.timing import TIMINGS
+from rpr_solver.slices.eliminant import DEGREE_U
 
 PATH_DIGITS = 15
 """The default number of significant digits of a path."""
 DEFAULT_SAMPLES = 101
 LEAST_SAMPLES, MOST_SAMPLES = 2, 10_001
+MOST_CUSPS = DEGREE_U
+"""No slice has more cusps than Q has roots."""
 
 
 class PathCertificate(TypedDict):
@@ -220,19 +223,15 @@ class SamplingPlan:
 
 
 def letter(cusp: int) -> str:
-    """The letter of a cusp in pictures: A, B, …, Z, AA, …
+    """The letter of a cusp in pictures: A, B, …, X.
 
-    >>> letter(1), letter(26), letter(27)
-    ('A', 'Z', 'AA')
+    >>> letter(1), letter(24)
+    ('A', 'X')
     """
-    text = ""
-    while cusp:
-        cusp, rest = divmod(cusp - 1, 26)
-        text = chr(ord("A") + rest) + text
-    return text
+    return chr(ord("A") + cusp - 1)
 
 
-def number_of(cusp: int | str, count: int) -> int:
+def number_of(cusp: int | str, count: int = MOST_CUSPS) -> int:
     """The number of a cusp that is given by its number from 1 or its letter.
 
     Raises:
@@ -248,6 +247,6 @@ def number_of(cusp: int | str, count: int) -> int:
         text = cusp.strip().upper()
         number = next((k for k in range(1, count + 1) if text in (str(k), letter(k))), None)
         if number is None:
-            raise InputError.of("cusp", f"{shown(cusp)} is not a cusp of this slice; give {expected}")
+            raise InputError.of("cusp", f"{shown(cusp)} names no cusp; give {expected}")
         return number
     return check_integer(cusp, "cusp", expected, 1, count)

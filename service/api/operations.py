@@ -16,6 +16,8 @@ from service.api.table_forms import csv_pieces, ndjson_bytes, ndjson_pieces, ndj
 from service.schemas.census import Census, CensusRequest
 from service.schemas.checks import CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
+from service.schemas.paths import Path as PathDocument
+from service.schemas.paths import PathRequest
 from service.schemas.poses import PosesRequest, PoseTable
 from service.schemas.questions import Question
 from service.schemas.tables import CuspTable, CuspTableRequest
@@ -155,7 +157,29 @@ A worker computes the poses in milliseconds, so the response waits for them, up 
     implied_wait=10,
 )
 
-OPERATIONS = (CUSP_TABLES, CENSUSES, CUSP_CURVES, CHECKS, POSES)
+PATHS = Operation(
+    path="/v1/paths",
+    name="post_path",
+    tag=("paths", "Motions without a singularity."),
+    summary="A loop of the leg lengths round a cusp, which carries one pose to another without a singularity",
+    description="""\
+A loop begins and ends at one joint vector, where the manipulator has two poses of one sign of J. The platform
+follows the legs continuously, is nowhere singular, and yet arrives at the other pose. Proved along the whole
+path, not only at the samples: J keeps its sign, and the loop turns once round the cusp, counter-clockwise,
+and round no other cusp of the slice.
+
+Samples are points of that path at equal intervals of time, with the legs, the pose, the determinant and a
+bound of the distance to the nearest singular pose. A worker finds a path in a fraction of a second, so the
+response waits for it, up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.
+""",
+    question=PathRequest,
+    answer=PathDocument,
+    known="The path.",
+    forms={JSON: JSON_FORM, CSV: _csv(rpr_solver.path_csv, "sample")},
+    implied_wait=10,
+)
+
+OPERATIONS = (CUSP_TABLES, CENSUSES, CUSP_CURVES, CHECKS, POSES, PATHS)
 
 _BY_KIND: Mapping[str, Operation] = {
     kind.name: operation for operation in OPERATIONS for kind in operation.question.kinds

@@ -11,11 +11,13 @@ from typing import Any, Generic, TypeVar
 from pydantic import BaseModel
 
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement, exact_str
+from rpr_solver.paths.path import DEFAULT_SAMPLES, PATH_DIGITS
 from service.schemas.census import Census, CensusRequest
 from service.schemas.checks import CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
+from service.schemas.paths import Path, PathRequest
 from service.schemas.poses import PosesRequest, PoseTable
 from service.schemas.questions import Question
 from service.schemas.tables import CuspTable, CuspTableRequest
@@ -28,6 +30,7 @@ PATHS: Mapping[type[Question], tuple[str, type[BaseModel]]] = {
     CuspCurvesRequest: ("/v1/cusp-curves", CuspCurves),
     CheckRequest: ("/v1/checks", CheckReport),
     PosesRequest: ("/v1/poses", PoseTable),
+    PathRequest: ("/v1/paths", Path),
 }
 """Question → where it is posted, and the model of its answer."""
 
@@ -162,6 +165,30 @@ def poses(
     """All poses with given lengths of the legs."""
     members = {name: _text(x) for name, x in (("l1", l1), ("l2", l2), ("l3", l3))}
     return _asked(PosesRequest, PoseTable, manipulator, digits, deadline, members)
+
+
+def cusp_loop(
+    manipulator: Manipulator,
+    length: Exact,
+    cusp: int | str,
+    *,
+    fixed_leg: int = 1,
+    digits: int = PATH_DIGITS,
+    samples: int = DEFAULT_SAMPLES,
+    timing: str = "cosine",
+    duration: Exact = 1,
+    deadline: float | None = None,
+) -> Asked[Path]:
+    """A loop of the leg lengths round a cusp, without a singularity, from one pose to another."""
+    members = {
+        f"l{fixed_leg}": _text(length),
+        "fixed_leg": fixed_leg,
+        "cusp": str(cusp),
+        "samples": str(samples),
+        "timing": timing,
+        "duration": _text(duration),
+    }
+    return _asked(PathRequest, Path, manipulator, digits, deadline, members)
 
 
 def _asked(

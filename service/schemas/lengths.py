@@ -217,6 +217,7 @@ class SlicesOfOneLeg(Document):
     model_config = ConfigDict(json_schema_extra=OF_THE_FIXED_LEG)
 
     needs_slices: ClassVar[bool]
+    hint_of_slices: ClassVar[str] = 'give a number, a list of numbers, or {"from": …, "to": …, "step": …}'
 
     if TYPE_CHECKING:  # each question has these among its own fields
         fixed_leg: int
@@ -237,8 +238,7 @@ class SlicesOfOneLeg(Document):
         yield from super()._problems_of_members(value, known)
         own = [name for name in LEGS if name in known]
         if cls.needs_slices and not any(name in value for name in own):
-            hint = 'give a number, a list of numbers, or {"from": …, "to": …, "step": …}'
-            yield FieldProblem(own[0], f"is missing; {hint}")
+            yield FieldProblem(own[0], f"is missing; {cls.hint_of_slices}")
 
     @classmethod
     def _hint(cls, name: str, known: Sequence[str]) -> str:

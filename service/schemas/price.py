@@ -41,7 +41,8 @@ def _ways(request: JobRequest, size: Sizes) -> dict[str, tuple[Sizes, str]]:
         "digits": (replace(size, digits=15), f"ask for fewer than {size.digits} digits"),
     }
     if size.count > 1:
-        leg = f"l{content.get('fixed_leg', 1)}" if content.get("l1") or content.get("lengths") else "samples"
+        listed = isinstance(content.get("l1"), list) or content.get("lengths")
+        leg = f"l{content.get('fixed_leg', 1)}" if listed else "samples"
         ways[leg] = (replace(size, count=1), f"ask for fewer than {size.count}")
     return ways
 

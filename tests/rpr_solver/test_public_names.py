@@ -31,6 +31,7 @@ FUNCTIONS = {
     "eliminate",
     "exact_str",
     "parse_exact",
+    "path_csv",
     "poses",
     "poses_of_squares",
     "restrict_census",

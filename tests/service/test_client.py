@@ -23,6 +23,7 @@ from service.client import (
     census,
     check,
     cusp_curves,
+    cusp_loop,
     cusp_table,
     poses,
 )
@@ -57,6 +58,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "poses": (
         poses(ZEIN, 15, "61/2", 40, digits=15),
         lambda: rpr_solver.poses(ZEIN, 15, "61/2", 40, digits=15).to_json(),
+    ),
+    "path": (
+        cusp_loop(ZEIN, 10, "B", samples=3, duration="2.5"),
+        lambda: rpr_solver.cusp_loop(ZEIN, 10, "B", samples=3, duration="2.5").to_json(),
     ),
 }
 

@@ -12,7 +12,7 @@ from fractions import Fraction
 from math import gcd, lcm
 from typing import Any
 
-from worker.answers import article, censuses, checks, curves, poses, tables
+from worker.answers import article, censuses, checks, curves, paths, poses, tables
 from worker.answers.requests import JobRequest, Kind
 
 _INTERVALS = 20  # between two transitions, of a typical manipulator
@@ -43,7 +43,8 @@ class Sizes:
         lengths: bits of the longest numerator or denominator of the leg lengths in the question.
         spread: bits of the quotient of the longest and the shortest of all these lengths.
         digits: significant digits of the answer.
-        count: the slices of a table, or the lengths at which curves are sampled; else 1.
+        count: the slices of a table, the lengths at which curves are sampled, or the samples of a path; else
+            1.
     """
 
     geometry: int
@@ -63,7 +64,8 @@ def sizes(request: JobRequest) -> Sizes:
     common = gcd(*whole).bit_length() - 1
     bits = [abs(x).bit_length() - common for x in whole if x]
     scales = [_scale(x) for x in (*sides, *legs) if x]
-    points = len(content.get("lengths", ())) + _INTERVALS * (content.get("samples") or 0)
+    per_interval = 1 if request.kind is paths.KIND else _INTERVALS
+    points = len(content.get("lengths", ())) + per_interval * (content.get("samples") or 0)
     return Sizes(
         geometry=(max(bits) + 2 * sum(bits) // len(sides)) // 3,
         lengths=max((max(x.numerator.bit_length(), x.denominator.bit_length()) for x in legs), default=1),
@@ -106,6 +108,8 @@ def _lengths(content: Mapping[str, Any]) -> Iterable[str]:
         return [content[leg] for leg in ("l1", "l2", "l3")]
     requirement = content.get("requirement", content)
     ends = [requirement.get("range", {}), *(requirement.get("limits") or {}).values()]
+    if "length" in content:
+        return [content["length"]]
     listed = [*content.get("l1", ()), *content.get("lengths", ())]
     return [*listed, *(end for pair in ends for end in pair.values() if end)]
 
@@ -142,11 +146,18 @@ def _poses(size: Sizes) -> float:
     return 0.005 + 1e-5 * (size.geometry + size.lengths + size.digits) + 1e-7 * size.spread**2
 
 
+def _path(size: Sizes) -> float:
+    """The slice, the search of the path, and its samples."""
+    sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits)
+    return 0.05 + _elimination(size) + _slice(size) + sample * size.count
+
+
 _COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {
     tables.KIND: lambda size: Cost(_elimination(size), _slice(size)),
     article.KIND: lambda size: Cost(0.0, _article(size)),
     poses.KIND: lambda size: Cost(0.0, _poses(size)),
     censuses.KIND: lambda size: Cost(0.0, _events(size)),
     checks.KIND: lambda size: Cost(0.0, _events(size)),
+    paths.KIND: lambda size: Cost(0.0, _path(size)),
     curves.KIND: lambda size: Cost(0.0, 2.5 + _events(size) + _slice(size) * size.count),
 }

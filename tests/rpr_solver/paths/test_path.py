@@ -53,4 +53,4 @@ def test_a_bad_number_of_samples_is_named(samples: int) -> None:
 
 
 def test_letters_and_numbers_name_the_same_cusps() -> None:
-    assert [number_of(letter(k), 30) for k in range(1, 31)] == list(range(1, 31))
+    assert [number_of(letter(k)) for k in range(1, 25)] == list(range(1, 25))

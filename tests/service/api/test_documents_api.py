@@ -56,6 +56,23 @@ def test_poses_are_answered_without_being_asked_to_wait(api: httpx.Client) -> No
     assert is_whole("PoseTable", answer.json())
 
 
+def test_a_loop_is_answered_without_being_asked_to_wait(api: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "l1": 27, "cusp": "d", "samples": 4}
+    answer = api.post("/v1/paths", json=body)
+    assert answer.status_code == 200
+    loop = rpr_solver.cusp_loop(EXAMPLES["innocenti"], 27, 4, samples=4).to_json()
+    assert answer.json() == loop
+    assert is_whole("Path", loop)
+    table = api.post("/v1/paths", json={**body, "cusp": 4}, headers={"Accept": "text/csv"})
+    assert table.text == rpr_solver.path_csv(loop)
+
+
+def test_a_cusp_that_a_slice_lacks_is_bad_input(api: httpx.Client) -> None:
+    refused = api.post("/v1/paths", json={"geometry": GEOMETRY, "l1": 27, "cusp": "I"})
+    assert (refused.status_code, refused.json()["type"]) == (422, "/problems/job-input-error")
+    assert "is 9; give 1 to 8, or A to H" in refused.text
+
+
 def test_a_document_can_be_had_by_its_job(api: httpx.Client) -> None:
     body = {**POSES, "l3": "30.125"}
     answer = api.post("/v1/poses", json=body, headers={"Prefer": "respond-async"})

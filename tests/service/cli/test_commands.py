@@ -13,6 +13,8 @@ from rpr_solver import (
     census_csv,
     curves_csv,
     cusp_curves,
+    cusp_loop,
+    path_csv,
     poses,
     restrict_census,
     table_csv,
@@ -31,6 +33,19 @@ def test_poses_as_json_and_as_text(run_here: Run) -> None:
     lines = run_here("poses", "innocenti", *LEGS, "--digits", "20").stdout.splitlines()
     assert lines[2] == "L1 = 14.98, L2 = 15, L3 = 30: 2 poses"
     assert lines[4].split()[:2] == [expected["poses"][0]["alpha_deg"], expected["poses"][0]["theta1_deg"]]  # type: ignore[index]
+
+
+def test_a_loop_round_a_cusp_in_every_form(run_here: Run) -> None:
+    args = ("paths", "innocenti", "--l1", "27", "--cusp", "B", "--samples", "41", "--timing", "trapezoid")
+    expected = cusp_loop(EXAMPLES["innocenti"], 27, 2, samples=41, timing="trapezoid").to_json()
+    assert json.loads(run_here(*args, "--format", "json").stdout) == expected
+    assert run_here(*args, "--format", "csv").stdout == path_csv(expected)
+    lines = run_here(*args).stdout.splitlines()
+    ends = (expected[end]["pose"] for end in ("from", "to"))
+    legs = "L1 = 27, L2 = 15.5, L3 = 16.9"
+    assert lines[2] == "Loop round cusp B, from pose {} to pose {} of {}: J > 0".format(*ends, legs)
+    assert lines[-1].strip() == "41 samples, of which 21 are shown."
+    assert run_here(*args[:-2], "--fixed-leg", "1").returncode == 0
 
 
 @pytest.mark.slow
@@ -99,6 +114,12 @@ def test_cusp_curves_of_another_leg() -> None:
     ("args", "said"),
     [
         (("poses", "innocenti", "--l1", "1"), "--l2, --l3"),
+        (("paths", "innocenti"), "--l1: is missing; give a number"),
+        (("paths", "innocenti", "--l1", "27", "--cusp", "Z"), "--cusp: is 'Z'; give its number, 1 to 24"),
+        (("paths", "innocenti", "--l1", "27", "--cusp", "9"), "cusp: is 9; give 1 to 8, or A to H"),
+        (("paths", "innocenti", "--l1", "27", "--l2", "1"), "--l2"),
+        (("paths", "innocenti", "--l1", "27", "--samples", "1"), "--samples: is 1; give 2 to 10001"),
+        (("paths", "innocenti", "--l1", "27", "--duration", "0"), "--duration: is 0; a duration must be > 0"),
         (("poses", "innocenti", "--l1", "x", "--l2", "1", "--l3", "1"), "--l1: 'x' is not a finite number"),
         (
             ("poses", "innocenti", "--l1", "0", "--l2", "1", "--l3", "1"),

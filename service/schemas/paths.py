@@ -1,0 +1,202 @@
+"""Paths without a singularity: the question, and the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInfo
+
+from rpr_solver import exact_str
+from rpr_solver.errors import InputError
+from rpr_solver.paths.path import (
+    DEFAULT_SAMPLES,
+    LEAST_SAMPLES,
+    MOST_CUSPS,
+    MOST_SAMPLES,
+    PATH_DIGITS,
+    letter,
+    number_of,
+)
+from service.schemas.document import Source
+from service.schemas.exact_json import JsonNumber, json_kind
+from service.schemas.lengths import NEEDED, SlicesOfOneLeg
+from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, exact_number, whole_number
+from service.schemas.points import Decimal, DocumentHead
+from service.schemas.questions import Examples, Question
+from worker.answers import paths
+from worker.answers.requests import Kind
+
+_LAST = letter(MOST_CUSPS)
+
+
+def _cusp(value: object, info: ValidationInfo) -> int:
+    expected = f"its number, 1 to {MOST_CUSPS}, or its letter, A to {_LAST}"
+    if isinstance(value, str) and (Source.of(info).is_text or not isinstance(value, JsonNumber)):
+        number = value
+    elif isinstance(value, str | int):
+        number = str(whole_number(value, expected, is_text=False))
+    else:
+        raise InputError.of("", f"is {json_kind(value)}; give {expected}")
+    try:
+        return number_of(number)
+    except InputError:
+        raise InputError.of("", f"is {number[:40]!r}; give {expected}") from None
+
+
+def _samples(value: object, info: ValidationInfo) -> int:
+    expected = f"{LEAST_SAMPLES} to {MOST_SAMPLES}"
+    samples = whole_number(value, expected, is_text=Source.of(info).is_text)
+    if not LEAST_SAMPLES <= samples <= MOST_SAMPLES:
+        raise InputError.of("", f"is {str(samples)[:40]}; give {expected}")
+    return samples
+
+
+def _duration(value: object, info: ValidationInfo) -> Fraction:
+    duration = exact_number(value, info)
+    if duration <= 0:
+        raise InputError.of("", f"is {exact_str(duration)}; a duration must be > 0")
+    return duration
+
+
+class PathRequest(SlicesOfOneLeg, Question):
+    """A manipulator, a slice, and the cusp round which a loop is requested.
+
+    The slice is the length of the fixed leg: give `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg`
+    3, and neither of the other two.
+    """
+
+    model_config = ConfigDict(json_schema_extra=NEEDED)
+
+    expected: ClassVar[str] = "send an object with geometry and l1"
+    kinds: ClassVar[Sequence[Kind]] = (paths.KIND,)
+    needs_slices: ClassVar[bool] = True
+    hint_of_slices: ClassVar[str] = "give a number"
+    examples: ClassVar[Examples] = {
+        "loop": (
+            "The article's first manipulator, round cusp B at L1 = 27",
+            {"l1": 27, "cusp": "B", "samples": 5},
+        ),
+    }
+
+    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length is fixed in a slice.")
+    l1: Length | None = Field(
+        default=None, description="The length of leg 1. With `fixed_leg` 2 or 3 use `l2` or `l3`."
+    )
+    l2: Length | None = Field(default=None, description="The length, with `fixed_leg` 2.")
+    l3: Length | None = Field(default=None, description="The length, with `fixed_leg` 3.")
+    cusp: Annotated[
+        int,
+        PlainValidator(
+            _cusp,
+            json_schema_input_type=Annotated[int, Field(ge=1, le=MOST_CUSPS)]
+            | Annotated[str, Field(pattern=f"^[A-{_LAST}a-{_LAST.lower()}]$")],
+        ),
+    ] = Field(
+        default=1,
+        description="The cusp: its number, from 1, in the cusp table of the slice, or its letter.",
+    )
+    samples: Annotated[
+        int,
+        PlainValidator(
+            _samples, json_schema_input_type=Annotated[int, Field(ge=LEAST_SAMPLES, le=MOST_SAMPLES)]
+        ),
+    ] = Field(default=DEFAULT_SAMPLES, description="The number of samples, the ends included.")
+    timing: Literal["cosine", "trapezoid", "constant"] = Field(
+        default="cosine",
+        description="The law of time over the arc length in joint space: the speed rises and falls as half a "
+        "sine wave, or rises for a third of the time, stays, and falls for a third, or is constant.",
+    )
+    duration: Annotated[Fraction, PlainValidator(_duration, json_schema_input_type=Length)] = Field(
+        default=Fraction(1), description="The time of the last sample; > 0."
+    )
+    digits: Digits = digits_field(PATH_DIGITS)
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question."""
+        return {
+            "geometry": self.geometry.to_json(),
+            "fixed_leg": self.fixed_leg,
+            "length": exact_str(self.length),
+            "cusp": self.cusp,
+            "samples": self.samples,
+            "timing": self.timing,
+            "duration": exact_str(self.duration),
+            "digits": self.digits,
+        }
+
+    @property
+    def length(self) -> Fraction:
+        """The length of the fixed leg."""
+        length: Fraction = getattr(self, f"l{self.fixed_leg}")
+        return length
+
+    def _asked(self) -> dict[str, Any]:
+        content = self.content()
+        return {f"l{self.fixed_leg}": content.pop("length"), **content}
+
+
+class PoseOnPath(BaseModel):
+    """A pose at an end of the path."""
+
+    pose: int = Field(description="The number of the pose, from 1, in the answer of /v1/poses.")
+    alpha_deg: Decimal
+    theta1_deg: Decimal | None = None
+    theta2_deg: Decimal | None = None
+    theta3_deg: Decimal | None = None
+
+
+class PathSample(BaseModel):
+    """A point of the path at its time."""
+
+    time: str = Field(description="Exact, from 0 to the duration.")
+    l1: Decimal
+    l2: Decimal
+    l3: Decimal
+    alpha_deg: Decimal
+    theta1_deg: Decimal | None = None
+    theta2_deg: Decimal | None = None
+    theta3_deg: Decimal | None = None
+    determinant: Decimal = Field(
+        description="J / (L1 L2 L3), in the unit of the geometry: up to its sign the determinant of the "
+        "partial derivatives of L1, L2, L3 by a translation of the platform and its rotation in radians."
+    )
+    clearance_deg: Decimal = Field(
+        description="A proved lower bound, of 6 digits, of the distance to the nearest singular pose with "
+        "the same fixed length: as far α and the fixed leg's angle may change together, in degrees."
+    )
+
+
+class PathCertificate(BaseModel):
+    """The proof of the path."""
+
+    model_config = ConfigDict(extra="allow")
+
+    arcs: list[list[Any]] = Field(
+        description="The control points of the Bézier arcs of the path, exact; `from` and `to` are its ends."
+    )
+    pieces: int = Field(description="Number of pieces on each of which balls prove the sign of J.")
+    least_determinant: Decimal = Field(description="The determinant is nowhere smaller in size.")
+    working_bits: int
+
+
+class Path(DocumentHead):
+    """A path without a singularity."""
+
+    l1: str = Field(description="Length of leg 1 at both ends, exact.")
+    l2: str
+    l3: str
+    cusp: int | None = Field(description="The number of the cusp, from 1.")
+    closed: bool = Field(description="Whether the leg lengths at the end are those at the start.")
+    sign: int = Field(description="The sign of J along the path.")
+    winding: int | None = Field(
+        description="How often the path goes round the cusp in the plane of the other two legs, "
+        "counter-clockwise."
+    )
+    start: PoseOnPath = Field(alias="from")
+    stop: PoseOnPath = Field(alias="to")
+    duration: str
+    timing: str
+    samples: list[PathSample]
+    certificate: PathCertificate

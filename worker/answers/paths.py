@@ -1,0 +1,28 @@
+"""Paths without a singularity: loops round cusps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rpr_solver.contract import Progress
+from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
+from rpr_solver.paths.path import SamplingPlan
+from worker.answers.requests import JobRequest, Kind
+from worker.answers.store import ResultStore
+from worker.answers.tables import eliminant_of
+
+KIND = Kind("path", "pa-")
+
+
+def compute(request: JobRequest, store: ResultStore, _progress: Progress) -> dict[str, Any]:
+    """Compute a loop; the eliminant is kept.
+
+    Raises:
+        InputError: the slice has no such cusp.
+        SolverError: the slice or the loop could not be decided.
+    """
+    content = request.content
+    plan = SamplingPlan.of(content["samples"], content["timing"], content["duration"])
+    eliminant = eliminant_of(request, store)
+    table = slice_for_loops(eliminant, content["length"])
+    return loop_in_slice(eliminant, table, content["cusp"], plan, request.digits).to_json()
