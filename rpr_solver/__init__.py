@@ -47,6 +47,14 @@ from rpr_solver.model.manipulator import EXAMPLES, Manipulator
 from rpr_solver.paths.loops import cusp_loop
 from rpr_solver.paths.path import Path, PathPose
 from rpr_solver.paths.samples import PathSample
+from rpr_solver.singular.drawing import Strand
+from rpr_solver.singular.singular_curves import (
+    SingularComponent,
+    SingularCurves,
+    singular_curves,
+    trace_slice,
+)
+from rpr_solver.singular.vertices import Vertex, VertexKind
 from rpr_solver.slices.answers import slice_error_json, slice_json, table_document, table_json
 from rpr_solver.slices.cusp_table import cusp_table, solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
@@ -92,11 +100,16 @@ __all__ = [
     "PoseTable",
     "Progress",
     "Requirement",
+    "SingularComponent",
+    "SingularCurves",
     "SliceTable",
     "SolverError",
+    "Strand",
     "Transition",
     "TransitionEvent",
     "Unproved",
+    "Vertex",
+    "VertexKind",
     "__version__",
     "article_table",
     "census",
@@ -114,10 +127,12 @@ __all__ = [
     "poses_of_squares",
     "restrict_census",
     "shorten_slice",
+    "singular_curves",
     "slice_error_json",
     "slice_json",
     "solve_slice",
     "table_csv",
     "table_document",
     "table_json",
+    "trace_slice",
 ]

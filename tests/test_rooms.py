@@ -20,13 +20,14 @@ MAY_IMPORT = {
     "rpr_solver.model": "errors contract notebook figures exact",
     "rpr_solver.kinematics": "errors contract notebook figures exact model",
     "rpr_solver.slices": "errors contract notebook exact model",
-    "rpr_solver.transitions": "errors contract notebook figures exact model slices",
+    "rpr_solver.transitions": "errors contract notebook figures exact model slices singular",
+    "rpr_solver.singular": "errors contract notebook exact model kinematics slices",
     "rpr_solver.documents": "errors contract exact model slices transitions",
     "rpr_solver.article": "errors contract notebook exact model slices",
     "rpr_solver.curves": "errors contract notebook figures exact model slices transitions",
-    "rpr_solver.paths": "errors contract notebook figures exact model kinematics slices",
+    "rpr_solver.paths": "errors contract notebook figures exact model kinematics slices singular",
     "rpr_solver": "errors contract figures exact model kinematics slices documents transitions article "
-    "curves paths",
+    "curves paths singular",
     # worker: jobs in Redis, and the processes that compute
     "worker.logs": "",
     "worker.tracing": "",

@@ -223,7 +223,7 @@ def adjoin_real_roots(field: Field, polynomial: Polynomial) -> Iterator[Extensio
     primitive = fmpz_poly(norm.numer())
     factors = [QuadraticPoly.rational(f) for f, _ in primitive.factor()[1]]
     candidates = [root for f in factors for root in real_roots(f)]
-    for ball in _real_balls(polynomial):
+    for ball in real_balls(polynomial):
         # w = root + shift · generator generates the new field
         new = Field(_match(candidates, ball, field, shift))
         yield _extension(field, polynomial, shift, new)
@@ -266,7 +266,7 @@ def _squarefree_norm(field: Field, polynomial: Polynomial) -> tuple[int, fmpq_po
     raise AssertionError("unreachable: all but finitely many shifts are good")
 
 
-def _real_balls(polynomial: Polynomial) -> list[_BallRoot]:
+def real_balls(polynomial: Polynomial) -> list[BallRoot]:
     """Functions that give the real roots as balls at any precision, ascending."""
 
     def isolated(bits: int) -> list[arb] | None:
@@ -275,11 +275,11 @@ def _real_balls(polynomial: Polynomial) -> list[_BallRoot]:
         return bisected(balls, bits)
 
     message = "the roots of a polynomial over a number field could not be told apart"
-    return [_BallRoot(polynomial, x) for x in decided(isolated, _START_BITS, GREATEST_BITS, message)]
+    return [BallRoot(polynomial, x) for x in decided(isolated, _START_BITS, GREATEST_BITS, message)]
 
 
 @dataclass(frozen=True)
-class _BallRoot:
+class BallRoot:
     """A real root of a polynomial over a number field, refined on demand."""
 
     polynomial: Polynomial
@@ -297,7 +297,7 @@ class _BallRoot:
                 x = y
 
 
-def _match(candidates: list[RealRoot], root: _BallRoot, field: Field, shift: int) -> RealRoot:
+def _match(candidates: list[RealRoot], root: BallRoot, field: Field, shift: int) -> RealRoot:
     """The candidate equal to root + shift × generator, at a precision that excludes all others."""
 
     def match(bits: int) -> RealRoot | None:

@@ -27,6 +27,12 @@ def ball_of(x: Fraction) -> arb:
     return arb(x.numerator) / x.denominator
 
 
+def fraction_of(x: arb) -> Fraction:
+    """The middle of a ball."""
+    mantissa, exponent = x.mid().man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
 @dataclass(frozen=True)
 class RealRoot:
     """One simple real root: the polynomial, and a ball that contains this root and no other."""

@@ -13,12 +13,13 @@ from fractions import Fraction
 from itertools import pairwise
 from math import floor
 
-from flint import arb, ctx
+from flint import ctx
 
 from rpr_solver.contract import MIN_DIGITS, Progress
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import GREATEST_BITS, decided
+from rpr_solver.exact.real_roots import fraction_of
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.cusp_table import solve_slice
@@ -142,7 +143,7 @@ def _gap(below: Event | None, above: Event) -> tuple[Fraction, Fraction]:
 def _bounds(place: Event, bits: int) -> tuple[Fraction, Fraction]:
     ball = place.scaled_length(bits)
     with ctx.workprec(bits):
-        return _fraction(ball.lower()), _fraction(ball.upper())
+        return fraction_of(ball.lower()), fraction_of(ball.upper())
 
 
 def _short_between(low: Fraction, high: Fraction) -> Fraction:
@@ -151,8 +152,3 @@ def _short_between(low: Fraction, high: Fraction) -> Fraction:
     while step > (high - low) / 4:
         step /= 10
     return floor((low + high) / 2 / step) * step
-
-
-def _fraction(x: arb) -> Fraction:
-    mantissa, exponent = x.mid().man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)

@@ -36,12 +36,14 @@ FUNCTIONS = {
     "poses_of_squares",
     "restrict_census",
     "shorten_slice",
+    "singular_curves",
     "slice_error_json",
     "slice_json",
     "solve_slice",
     "table_csv",
     "table_document",
     "table_json",
+    "trace_slice",
 }
 CLASSES = {
     "ArticleTable",
@@ -68,11 +70,16 @@ CLASSES = {
     "PoseKind",
     "PoseTable",
     "Requirement",
+    "SingularComponent",
+    "SingularCurves",
     "SliceTable",
     "SolverError",
+    "Strand",
     "Transition",
     "TransitionEvent",
     "Unproved",
+    "Vertex",
+    "VertexKind",
 }
 
 

@@ -1,0 +1,205 @@
+"""J = 0 of one slice as a form in two half tangents, in a chart where neither angle is special at 180°.
+
+The sweep (sweep.py) reads J as a form in t = tan(α′/2) whose coefficients are polynomials in u = tan(θ′/2),
+with α = α′ + α₀ and θ = θ′ + θ₀. The turns α₀ and θ₀ have rational half tangents, so the form stays over
+ℤ[ω]. In a *good* chart
+
+- t = ∞ is crossed transversally and away from critical lines: the leading coefficient is squarefree and
+  prime to the discriminant;
+- u = ∞ is no critical line and no line where t = ∞ is crossed.
+
+Nothing is then lost at 180°. Repeated components, which only flat congruent triangles are known to have, are
+taken once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import atan
+
+from flint import fmpq, fmpz_poly
+
+from rpr_solver.errors import SolverError
+from rpr_solver.exact.biform import BiForm, Rows, T, U
+from rpr_solver.exact.modular import simple_and_finite
+from rpr_solver.exact.quadratic import Form, QuadraticPoly
+from rpr_solver.model.slice_map import SliceMap
+
+_CIRCULAR = fmpz_poly([1, 0, 1])
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A turn by an angle with the half tangent ``sin``/``cos``."""
+
+    sin: int
+    cos: int
+
+    @property
+    def angle(self) -> float:
+        """The angle in radians."""
+        return 2 * atan(self.sin / self.cos)
+
+    @property
+    def rotation(self) -> tuple[int, int, int]:
+        """Multiples of cosine, sine and 1."""
+        return self.cos**2 - self.sin**2, 2 * self.sin * self.cos, self.cos**2 + self.sin**2
+
+    def powers(self, degree: int) -> list[fmpz_poly]:
+        """The powers of the whole angle's half tangent, in terms of that in the chart, as forms."""
+        up, down = fmpz_poly([self.sin, self.cos]), fmpz_poly([self.cos, -self.sin])
+        return [up**k * down ** (degree - k) for k in range(degree + 1)]
+
+
+_TURNS = [
+    (Turn(*alpha), Turn(*theta))
+    for alpha, theta in (
+        ((1, 3), (1, 2)),
+        ((2, 7), (2, 5)),
+        ((5, 6), (3, 8)),
+        ((3, 7), (4, 9)),
+        ((5, 11), (7, 12)),
+        ((8, 11), (9, 13)),
+    )
+]
+
+
+@dataclass(frozen=True)
+class Chart:
+    """The form of a slice in one chart.
+
+    Attributes:
+        slice_map: the integer model.
+        length: of the fixed leg, *scaled*.
+        alpha, theta: the turns α₀ and θ₀.
+        rows: the coefficients of t⁰, t¹, …, polynomials in u.
+        degree_u: their formal degree.
+        whole: the coefficients of J itself, which differ where a repeated component was taken once.
+    """
+
+    slice_map: SliceMap
+    length: Fraction
+    alpha: Turn
+    theta: Turn
+    rows: Rows
+    degree_u: int
+    whole: Rows
+
+    @property
+    def repeated(self) -> bool:
+        """Whether a repeated component was taken once, so that J may keep its sign across the curve."""
+        return len(self.whole) != len(self.rows)
+
+    @cached_property
+    def discriminant(self) -> Form:
+        """The discriminant in t, without u² + 1: its real roots are the critical lines θ = const."""
+        polynomial, degree = _discriminant(self.rows), 2 * (len(self.rows) - 2) * self.degree_u
+        while not polynomial.is_zero and not (polynomial.a % _CIRCULAR or polynomial.b % _CIRCULAR):
+            polynomial, degree = polynomial / _CIRCULAR, degree - 2
+        return Form(polynomial.primitive(), degree)
+
+    @cached_property
+    def lines(self) -> QuadraticPoly:
+        """The real roots are the critical lines and those on which a branch crosses t = ∞."""
+        return self.discriminant.polynomial * self.lead
+
+    @property
+    def lead(self) -> QuadraticPoly:
+        """The leading coefficient in t: its real roots are the lines on which a branch crosses t = ∞."""
+        return self.rows[-1]
+
+    def above(self, u: Fraction) -> QuadraticPoly:
+        """The form on the line of one u, a polynomial in t, times the sign-free power of u's denominator."""
+        at, power = fmpq(u.numerator, u.denominator), fmpq(u.denominator) ** self.degree_u
+        a, b = (
+            fmpz_poly([int((part(at) * power).p) for part in parts])
+            for parts in ([row.a for row in self.rows], [row.b for row in self.rows])
+        )
+        return QuadraticPoly(a, b, self.slice_map.radicand)
+
+
+def chart_of(slice_map: SliceMap, length: Fraction) -> tuple[Chart, bool]:
+    """A good chart of the slice of one *scaled* length, and whether all its critical lines are simple.
+
+    On a simple critical line the form has one double root, at a smooth point of the curve.
+
+    Raises:
+        SolverError: the singular curve has a component that this version does not draw.
+    """
+    form = slice_map.singular.sliced(length)
+    if not form.joined:
+        raise SolverError("every pose of this slice is singular, so it has no singular curve")
+    whole = _without_circular_points(form)
+    form = _without_repetition(whole)
+    if form.degree_t == 0 and form.degree_u > 0:
+        raise SolverError("the singular curve consists of whole lines theta = const; they are not drawn")
+    for alpha, theta in _TURNS:
+        rows = _turned(form.rows, form.degree_u, alpha, theta)
+        own = rows if whole is form else _turned(whole.rows, whole.degree_u, alpha, theta)
+        chart = Chart(slice_map, length, alpha, theta, rows, int(form.degree_u), own)
+        if chart.discriminant.polynomial.is_zero:
+            raise SolverError("the singular curve has a repeated component that is not rational")
+        simple = simple_and_finite(chart.lines, chart.discriminant.degree + chart.degree_u)
+        if simple or _good(chart):
+            return chart, simple
+    raise SolverError(
+        "the singular curve has a whole line theta = const, or touches every line alpha = const tried"
+    )
+
+
+def _good(chart: Chart) -> bool:
+    """Proof that the chart is good; critical lines may be multiple."""
+    discriminant = chart.discriminant
+    return discriminant.zeros_at_infinity == 0 and simple_and_finite(
+        chart.lead, chart.degree_u, apart_from=discriminant.polynomial.norm
+    )
+
+
+def _turned(rows: Rows, degree_u: int, alpha: Turn, theta: Turn) -> Rows:
+    """The rows of a form, in terms of the half tangents of a chart."""
+    zero, powers = fmpz_poly([]), theta.powers(degree_u)
+
+    def along(part: fmpz_poly) -> fmpz_poly:
+        return sum((power * part[k] for k, power in enumerate(powers)), zero)
+
+    turned = [QuadraticPoly(along(row.a), along(row.b), row.radicand) for row in rows]
+    if not alpha.sin:
+        return tuple(turned)
+    weights = alpha.powers(len(rows) - 1)
+    sums = ([row * int(w[k]) for row, w in zip(turned, weights, strict=True)] for k in range(len(rows)))
+    return tuple(sum(terms[1:], terms[0]) for terms in sums)
+
+
+def _without_circular_points(form: BiForm) -> BiForm:
+    """Divided by t² + 1 and u² + 1, which have no real zeros and are factors for similar triangles."""
+    for circular in (T**2 + 1, U**2 + 1):
+        while not (form.a % circular or form.b % circular):
+            form = form / circular
+    return form
+
+
+def _without_repetition(form: BiForm) -> BiForm:
+    """Each rational component taken once."""
+    common = form.a * 0
+    for part in (form.a, form.b):
+        for p in (part, part.derivative(0), part.derivative(1)):
+            common = common.gcd(p)
+    return form if common.is_constant() else form / common
+
+
+def _discriminant(c: Sequence[QuadraticPoly]) -> QuadraticPoly:
+    """Of a form of degree 1 to 4, from its coefficients, up to a constant factor."""
+    if len(c) == 5:
+        i = c[4] * c[0] * 12 - c[3] * c[1] * 3 + c[2] * c[2]
+        n = (c[4] * c[0] * 8 + c[3] * c[1]) * c[2] * 9 - c[4] * c[1] * c[1] * 27
+        n = n - c[3] * c[3] * c[0] * 27 - c[2] * c[2] * c[2] * 2
+        return i * i * i * 4 - n * n
+    if len(c) == 4:
+        squares = c[1] * c[1] * c[2] * c[2] - c[3] * c[1] * c[1] * c[1] * 4 - c[2] * c[2] * c[2] * c[0] * 4
+        return squares - c[3] * c[3] * c[0] * c[0] * 27 + c[3] * c[2] * c[1] * c[0] * 18
+    if len(c) == 3:
+        return c[1] * c[1] - c[2] * c[0] * 4
+    return QuadraticPoly.rational([1], c[0].radicand)

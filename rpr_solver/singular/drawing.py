@@ -1,0 +1,185 @@
+"""Strands of singular curves: samples for drawing, with the special points at their places."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from math import degrees
+from typing import Any
+
+from rpr_solver.errors import Unproved
+from rpr_solver.model.classify import PoseKind
+from rpr_solver.singular.strands import Cell, Chain
+from rpr_solver.singular.sweep import Sweep
+from rpr_solver.singular.tracing import TURN, Mark, Sample, Tracer
+from rpr_solver.singular.vertices import (
+    Place,
+    Vertex,
+    closed_legs,
+    cusp_place,
+    poses_on_line,
+    vertices_of_lines,
+)
+from rpr_solver.slices.joint_points import JointPoint, coordinate_names, point_of_pose
+
+_MORE_DIGITS = (60, 240)
+"""The digits at which cusps are looked for again if a critical line is too near to tell them apart."""
+
+
+@dataclass(frozen=True)
+class Strand:
+    """A piece of a singular curve from node to node, or a closed curve, as samples and special points.
+
+    J > 0 lies on its left in the (α, θ) plane. Samples are floats for drawing. Their angles run on
+    continuously beyond ±180 degrees; ``turns`` tells by how many full turns the last sample of a closed
+    strand, which is its first one again, is ahead of it.
+
+    Attributes:
+        closed: whether the strand is a closed curve without a node.
+        alpha_deg: the orientation of the platform at each sample.
+        theta_deg: the angle of the fixed leg.
+        first: the length of the first free leg, in the user's unit.
+        second: the length of the second free leg.
+        vertices: the special points by the number of their sample, ascending.
+
+    >>> from rpr_solver import EXAMPLES, singular_curves
+    >>> [strand] = singular_curves(EXAMPLES["innocenti"], "14.98").strands
+    >>> strand.closed, strand.turns, strand.first[0] == strand.first[-1]
+    (True, (0, 0), True)
+    >>> sorted({vertex.kind for _, vertex in strand.vertices})
+    ['closed-leg', 'cusp', 'turning']
+    """
+
+    closed: bool
+    alpha_deg: tuple[float, ...]
+    theta_deg: tuple[float, ...]
+    first: tuple[float, ...]
+    second: tuple[float, ...]
+    vertices: tuple[tuple[int, Vertex], ...]
+
+    @property
+    def turns(self) -> tuple[int, int]:
+        """The full turns of α and θ along a closed strand; (0, 0) for an open one."""
+        if not self.closed:
+            return 0, 0
+        alpha, theta = (round((x[-1] - x[0]) / 360) for x in (self.alpha_deg, self.theta_deg))
+        return alpha, theta
+
+    def to_json(self, fixed_leg: int) -> dict[str, Any]:
+        """The document's strand object."""
+        names = coordinate_names(fixed_leg)
+        columns = self.alpha_deg, self.theta_deg, self.first, self.second
+        alpha, theta = self.turns
+        return {
+            "closed": self.closed,
+            "turns": {"alpha": alpha, f"theta{fixed_leg}": theta},
+            **{name: list(column) for name, column in zip(names, columns, strict=True)},
+            "vertices": [{"index": index, **vertex.to_json()} for index, vertex in self.vertices],
+        }
+
+
+class Drawing:
+    """The strands of a sweep with their vertices.
+
+    Args:
+        topology: the sweep.
+        cusps: of the cusp table.
+        finer: gives a cusp, by its number from 1, to more digits.
+        tolerance: the largest deviation of a chord, relative to the pictures.
+        digits: the significant digits of the vertices.
+    """
+
+    def __init__(
+        self,
+        topology: Sweep,
+        cusps: Sequence[JointPoint],
+        finer: Callable[[int, int], JointPoint],
+        tolerance: float,
+        digits: int,
+    ) -> None:
+        self._sweep = topology
+        self._tracer = Tracer(topology, tolerance)
+        self._at_cells = dict(vertices_of_lines(topology, digits))
+        self._marks: dict[tuple[int, int], list[Mark]] = {}
+        for vertex, place in closed_legs(topology, digits):
+            self._mark(vertex, place)
+        for number, cusp in enumerate(cusps, 1):
+            self._place_cusp(number, cusp, finer, digits)
+
+    def _mark(self, vertex: Vertex, place: Place) -> None:
+        self._marks.setdefault((place.slab, place.arc), []).append(Mark(place, vertex))
+
+    def _place_cusp(
+        self, number: int, cusp: JointPoint, finer: Callable[[int, int], JointPoint], digits: int
+    ) -> None:
+        """Puts a cusp on its arc, or on a critical line, where it is also a turning point."""
+        vertex = Vertex(PoseKind.CUSP, cusp, number)
+        place = cusp_place(self._sweep, cusp)
+        for more in _MORE_DIGITS:
+            if not isinstance(place, Place) and more > digits:
+                place = cusp_place(self._sweep, finer(number, more))
+        if isinstance(place, Place):
+            self._mark(vertex, place)
+            return
+        here = [
+            (place, cell)
+            for cell, pose in poses_on_line(self._sweep, place)
+            if pose.kind is PoseKind.CUSP and point_of_pose(pose, digits).point == cusp
+        ]
+        if len(here) != 1:
+            raise Unproved(f"cusp {number} could not be placed on the singular curve")
+        self._at_cells[here[0]] = vertex
+
+    def strand(self, chain: Chain) -> Strand:
+        """The samples and vertices of a chain."""
+        samples: list[Sample] = []
+        vertices: list[tuple[int, Vertex]] = []
+        if not chain.steps:
+            [(line, number)] = chain.cells
+            samples.append(self._tracer.at_meeting(line, self._sweep.lines[line].meetings[number]))
+            vertices += ((0, vertex) for vertex in self._at(chain.cells[0]))
+        for k, step in enumerate(chain.steps):
+            course = self._tracer.course(step.slab, step.arc, self._marks.get((step.slab, step.arc), ()))
+            own, marks = list(course.samples), [(index, mark.vertex) for index, mark in course.marks]
+            if not step.upwards:
+                own.reverse()
+                marks = [(len(own) - 1 - index, vertex) for index, vertex in reversed(marks)]
+            start = max(len(samples) - 1, 0)
+            if chain.cells:
+                vertices += ((start, vertex) for vertex in self._at(chain.cells[k]))
+            vertices += ((start + index, vertex) for index, vertex in marks)
+            samples += own[1:] if samples else own
+        if chain.steps and not chain.closed and chain.cells:
+            vertices += ((len(samples) - 1, vertex) for vertex in self._at(chain.cells[-1]))
+        return _strand(samples, vertices, self._tracer.floats.unit, closed=chain.closed)
+
+    def _at(self, cell: Cell) -> Iterator[Vertex]:
+        if cell in self._at_cells:
+            yield self._at_cells[cell]
+
+
+def _strand(
+    samples: Sequence[Sample], vertices: Sequence[tuple[int, Vertex]], unit: float, *, closed: bool
+) -> Strand:
+    """The strand in the user's units, its angles continuous and those of the first sample within a turn."""
+    if closed:
+        samples = [*samples[:-1], samples[0]]
+    alpha, theta = (
+        _continuous(column) for column in zip(*((x.alpha, x.theta) for x in samples), strict=True)
+    )
+    return Strand(
+        closed,
+        tuple(map(degrees, alpha)),
+        tuple(map(degrees, theta)),
+        tuple(x.first / unit for x in samples),
+        tuple(x.second / unit for x in samples),
+        tuple(sorted(vertices, key=lambda x: x[0])),
+    )
+
+
+def _continuous(angles: Sequence[float]) -> list[float]:
+    """Each angle by whole turns as near as possible to the one before, the first in (−180°, 180°]."""
+    result = [-((-angles[0] + TURN / 2) % TURN - TURN / 2)]
+    for angle in angles[1:]:
+        result.append(angle - TURN * round((angle - result[-1]) / TURN))
+    return result

@@ -1,0 +1,131 @@
+"""The slice in floats, for drawing: J, its roots near a guess, leg lengths. Nothing is decided by them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from math import cos, hypot, isfinite, pi, sin, sqrt
+
+from rpr_solver.errors import SolverError
+from rpr_solver.model.slice_map import Leg, SliceMap
+
+_NEWTON_STEPS = 12
+_CLOSE = 1e-13
+_SMALL = 4e-15
+
+Vector = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class FloatSlice:
+    """A slice scaled to a size of about 1.
+
+    Attributes:
+        unit: the user's unit of length times this is 1 here.
+        length: of the fixed leg.
+        legs: the platform point and the base point of each moving leg, seen from the fixed one.
+    """
+
+    unit: float
+    length: float
+    legs: tuple[tuple[Vector, Vector], tuple[Vector, Vector]]
+
+    @classmethod
+    def of(cls, slice_map: SliceMap, length: Fraction) -> FloatSlice:
+        """The slice of one *scaled* length.
+
+        Raises:
+            SolverError: the lengths are too large or too small for floats.
+        """
+        legs = slice_map.f, slice_map.g
+        size = length + sum(abs(leg.ax) + abs(leg.ay) + abs(leg.m) for leg in legs)
+
+        def vectors(leg: Leg) -> tuple[Vector, Vector]:
+            height = sqrt(Fraction(leg.n**2 * leg.radicand) / size**2)
+            platform = float(leg.m / size), height if leg.n >= 0 else -height
+            return platform, (float(leg.ax / size), float(leg.ay / size))
+
+        try:
+            unit = float(slice_map.scale / size)
+            first, second = (vectors(leg) for leg in legs)
+        except OverflowError:
+            unit = 0.0
+        if not isfinite(unit) or unit < 1e-290:
+            raise SolverError("the lengths are too large or too small for a drawing in double precision")
+        return cls(unit, float(length / size), (first, second))
+
+    def joints(self, alpha: float, theta: float) -> Vector:
+        """The lengths of the two moving legs."""
+        ca, sa = cos(alpha), sin(alpha)
+        x, y = self.length * cos(theta), self.length * sin(theta)
+        first, second = (
+            hypot(x + ca * m - sa * n - ax, y + sa * m + ca * n - ay) for (m, n), (ax, ay) in self.legs
+        )
+        return first, second
+
+    def on_line(self, theta: float) -> SingularOnLine:
+        """J as a function of α at one θ."""
+        c, s = cos(theta), sin(theta)
+        terms = []
+        for (m, n), (ax, ay) in self.legs:
+            p, q = ax - self.length * c, self.length * s - ay
+            terms.append((n * p + m * q, m * p - n * q, s * ax - c * ay, c * n - s * m, c * m + s * n))
+        (a1, a2, b0, b1, b2), (d1, d2, e0, e1, e2) = terms
+        return SingularOnLine(
+            (
+                a1 * e0 - b0 * d1,
+                a2 * e0 - b0 * d2,
+                a1 * e1 - b1 * d1,
+                a2 * e2 - b2 * d2,
+                a1 * e2 + a2 * e1 - b1 * d2 - b2 * d1,
+            )
+        )
+
+
+@dataclass(frozen=True)
+class SingularOnLine:
+    """J = k₀ cos α + k₁ sin α + k₂ cos² α + k₃ sin² α + k₄ sin α cos α."""
+
+    k: tuple[float, float, float, float, float]
+
+    def value_and_slope(self, alpha: float) -> Vector:
+        """J and ∂J/∂α."""
+        k0, k1, k2, k3, k4 = self.k
+        c, s = cos(alpha), sin(alpha)
+        value = c * (k0 + k2 * c + k4 * s) + s * (k1 + k3 * s)
+        return value, k1 * c - k0 * s + 2 * (k3 - k2) * s * c + k4 * (c * c - s * s)
+
+    def slope_and_bend(self, alpha: float) -> Vector:
+        """∂J/∂α and ∂²J/∂α²."""
+        k0, k1, k2, k3, k4 = self.k
+        c, s = cos(alpha), sin(alpha)
+        cross, square = 2 * s * c, c * c - s * s
+        return k1 * c - k0 * s + (k3 - k2) * cross + k4 * square, -k0 * c - k1 * s + 2 * (
+            k3 - k2
+        ) * square - 2 * k4 * cross
+
+    def root(self, guess: float) -> float | None:
+        """A zero of J near a guess, by Newton's iteration."""
+        return newton(self.value_and_slope, guess)
+
+    def turning(self, guess: float) -> float | None:
+        """A zero of ∂J/∂α near a guess."""
+        return newton(self.slope_and_bend, guess)
+
+
+def newton(function: Callable[[float], Vector], guess: float) -> float | None:
+    """A zero near a guess, or None if the iteration does not settle within a third of a turn."""
+    x, last = guess, 2 * pi / 3
+    for _ in range(_NEWTON_STEPS):
+        value, slope = function(x)
+        if not slope:
+            return None
+        step = value / slope
+        x -= step
+        if abs(x - guess) > 2 * pi / 3:
+            return None
+        if abs(step) < _CLOSE:
+            return x
+        last = step
+    return x if abs(last) < _CLOSE**0.5 else None

@@ -1,0 +1,191 @@
+"""The singular curves of a slice: proved topology, exact special points, and samples for drawing.
+
+The document of :meth:`SingularCurves.to_json`::
+
+    {"geometry": {…}, "geometry_hash": "sha256:…", "fixed_leg": 1, "digits": 15, "solver_version": "…",
+     "l1": "14.98", "tolerance": "0.001",
+     "components": [{"strands": [{"closed": true, "turns": {"alpha": 0, "theta1": -1},
+                                  "alpha_deg": [12.5, …], "theta1_deg": […], "l2": […], "l3": […],
+                                  "vertices": [{"index": 17, "kind": "cusp", "cusp": 1, "alpha_deg": "…",
+                                                "theta1_deg": "…", "l2": "…", "l3": "…"}]}]}]}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from rpr_solver.contract import MIN_DIGITS, check_digits, check_leg, check_type, document_head
+from rpr_solver.errors import InputError
+from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.notebook import counted, shortened
+from rpr_solver.singular.drawing import Drawing, Strand
+from rpr_solver.singular.strands import components
+from rpr_solver.singular.sweep import sweep
+from rpr_solver.singular.vertices import Vertex
+from rpr_solver.slices.cusp_table import solve_slice
+from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices.joint_points import JointPoint
+from rpr_solver.slices.lengths import slice_length
+from rpr_solver.slices.slice_table import SliceTable
+
+DEFAULT_TOLERANCE = Fraction(1, 1000)
+"""The default deviation of a drawn curve, relative to the picture."""
+FINEST = Fraction(1, 10**6)
+"""The least tolerance of a request."""
+
+
+@dataclass(frozen=True)
+class SingularComponent:
+    """A connected component of the singular curves: one closed strand, or several that meet in nodes.
+
+    An isolated point is a strand with one sample.
+
+    >>> from rpr_solver import EXAMPLES, singular_curves
+    >>> [len(part.strands) for part in singular_curves(EXAMPLES["innocenti"], 27).components]
+    [1, 1, 1]
+    """
+
+    strands: tuple[Strand, ...]
+
+
+@dataclass(frozen=True)
+class SingularCurves:
+    """The singular curves of one slice, complete.
+
+    Proved: the components and how they run between their special points, and every digit of these points.
+    The samples are floats and keep the tolerance.
+
+    Attributes:
+        manipulator: the geometry.
+        fixed_leg: the leg that is held, 1, 2 or 3.
+        length: its length, exact, in the user's unit.
+        digits: the significant digits of the special points.
+        tolerance: the deviation of the drawn curves, relative to the pictures in both planes.
+        components: the connected components.
+        table: the cusps and degenerate points of the slice.
+
+    >>> from rpr_solver import EXAMPLES, singular_curves
+    >>> curves = singular_curves(EXAMPLES["zein-flat"], 34)
+    >>> curves, sum(vertex.kind == "cusp" for vertex in curves.vertices)
+    (<SingularCurves L1=34: 1 component, 6 cusps>, 6)
+    """
+
+    manipulator: Manipulator
+    fixed_leg: int
+    length: Fraction
+    digits: int
+    tolerance: Fraction
+    components: tuple[SingularComponent, ...]
+    table: SliceTable
+
+    def __repr__(self) -> str:
+        leg = f"L{self.fixed_leg}={shortened(exact_str(self.length))}"
+        parts, cusps = counted(len(self.components), "component"), counted(self.table.count, "cusp")
+        return f"<SingularCurves {leg}: {parts}, {cusps}>"
+
+    @property
+    def strands(self) -> Iterator[Strand]:
+        """The strands of all components."""
+        return (strand for component in self.components for strand in component.strands)
+
+    @property
+    def vertices(self) -> Iterator[Vertex]:
+        """The special points of all components; a node once for each strand end."""
+        return (vertex for strand in self.strands for _, vertex in strand.vertices)
+
+    def to_json(self) -> dict[str, Any]:
+        """The document described at the top of this module."""
+        leg = self.fixed_leg
+        return {
+            **document_head(self.manipulator, self.digits, leg),
+            f"l{leg}": exact_str(self.length),
+            "tolerance": exact_str(self.tolerance),
+            "components": [
+                {"strands": [strand.to_json(leg) for strand in part.strands]} for part in self.components
+            ],
+        }
+
+
+def singular_curves(
+    manipulator: Manipulator,
+    length: Exact,
+    *,
+    fixed_leg: int = 1,
+    tolerance: Exact = DEFAULT_TOLERANCE,
+    digits: int = MIN_DIGITS,
+) -> SingularCurves:
+    """The singular curves J = 0 of a slice, in the planes of (α, θ) and of the free legs.
+
+    Args:
+        manipulator: the geometry.
+        length: of the fixed leg, exact (see :data:`Exact`), > 0, in the user's unit.
+        fixed_leg: the leg of fixed length, 1, 2 or 3.
+        tolerance: the deviation of the drawn curves, relative to the size of the pictures, 0.000001 to 0.1.
+        digits: significant digits of the special points, 15 to 10000; all are proved.
+
+    Raises:
+        InputError: naming ``manipulator``, the length by its leg, ``fixed_leg``, ``tolerance`` or ``digits``.
+        SolverError: the slice could not be decided, or has a curve that is not supported.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> curves = singular_curves(EXAMPLES["innocenti"], "14.98")
+    >>> curves
+    <SingularCurves L1=14.98: 1 component, 6 cusps>
+    """
+    eliminant = eliminate(manipulator, check_leg(fixed_leg))
+    return trace_slice(eliminant, length, tolerance=tolerance, digits=digits)
+
+
+def trace_slice(
+    eliminant: Eliminant,
+    length: Exact,
+    *,
+    tolerance: Exact = DEFAULT_TOLERANCE,
+    digits: int = MIN_DIGITS,
+) -> SingularCurves:
+    """As :func:`singular_curves`; several slices of one manipulator share its eliminant.
+
+    Args:
+        eliminant: of the manipulator and its fixed leg (see :func:`eliminate`).
+        length: of the fixed leg, exact, > 0, in the user's unit.
+        tolerance: the deviation of the drawn curves, relative to the size of the pictures.
+        digits: significant digits of the special points.
+
+    Raises:
+        InputError: naming the argument that is wrong.
+        SolverError: the slice could not be decided, or has a curve that is not supported.
+
+    >>> from rpr_solver import EXAMPLES, eliminate
+    >>> eliminant = eliminate(EXAMPLES["innocenti"])
+    >>> [len(trace_slice(eliminant, length).components) for length in ("14.98", 27)]
+    [1, 3]
+    """
+    check_type(eliminant, Eliminant, "eliminant")
+    slice_map = eliminant.slice_map
+    exact, digits = slice_length(length, slice_map.fixed_leg), check_digits(digits)
+    chord = check_tolerance(tolerance)
+    topology = sweep(slice_map, exact * slice_map.scale)
+    table = solve_slice(eliminant, exact, digits)
+
+    def finer(number: int, digits: int) -> JointPoint:
+        return solve_slice(eliminant, exact, digits).cusps[number - 1]
+
+    drawing = Drawing(topology, table.cusps, finer, float(chord), digits)
+    parts = tuple(SingularComponent(tuple(map(drawing.strand, chains))) for chains in components(topology))
+    return SingularCurves(eliminant.manipulator, slice_map.fixed_leg, exact, digits, chord, parts, table)
+
+
+def check_tolerance(tolerance: Exact) -> Fraction:
+    """Returns a tolerance as an exact number.
+
+    Raises:
+        InputError: naming ``tolerance``: not an exact number, or out of range.
+    """
+    exact = parse_exact(tolerance, "tolerance")
+    if not FINEST <= exact <= Fraction(1, 10):
+        raise InputError.of("tolerance", f"is {exact_str(exact)}; give 0.000001 to 0.1")
+    return exact

@@ -1,0 +1,307 @@
+"""Special points of the singular curves, exactly: turning points, nodes, cusps, and poses with a closed leg.
+
+Turning points, and all points of multiple lines, come with the sweep. Cusps are those of the cusp table;
+each is placed on its arc by proof: exactly one arc passes through a small cell round it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, ctx, fmpz_poly
+
+from rpr_solver.exact.decimals import digit_bits, round_all
+from rpr_solver.exact.factors import ExactRoot, exact_counterparts
+from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
+from rpr_solver.exact.precision import EVENT_BITS, TIMES_BEFORE_EXACT, decided, decided_or_none
+from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
+from rpr_solver.exact.real_roots import ball_of, fraction_of, real_roots
+from rpr_solver.model.classify import Kind, PoseKind, cos_sin
+from rpr_solver.model.exact_pose import ExactPose
+from rpr_solver.model.half_tangent import HalfTangent, common_root, direction
+from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.slice_map import Leg
+from rpr_solver.singular.charts import Chart, Turn
+from rpr_solver.singular.sweep import Line, Sweep, free_of_zeros
+from rpr_solver.slices.joint_points import JointPoint, joint_point, point_of_pose
+
+_FIRST_BITS = 64
+
+Ball = Callable[[int], arb]
+"""A number as a ball, from the precision in bits."""
+
+
+class VertexKind(Kind):
+    """The kinds of special points that are not degenerate poses; the others are of :class:`PoseKind`.
+
+    >>> VertexKind.TURNING == "turning"
+    True
+    """
+
+    TURNING = "turning"
+    """The fixed leg's angle has an extremum along the curve: ∂J/∂α = 0."""
+    CLOSED_LEG = "closed-leg"
+    """A free leg has length 0; its reversal makes a corner in the joint plane."""
+
+
+@dataclass(frozen=True)
+class Vertex:
+    """A special point of the singular curves.
+
+    Attributes:
+        kind: ``"cusp"``, ``"turning"``, ``"closed-leg"``, or that of a degenerate pose such as ``"node"``.
+        point: its coordinates, correctly rounded decimals.
+        cusp: the number of a cusp in the cusp table, from 1; None for other points.
+
+    >>> Vertex(PoseKind.CUSP, JointPoint(1, ("-164.316", "1.990", "5.673", "34.945")), 1).to_json()["kind"]
+    'cusp'
+    """
+
+    kind: PoseKind | VertexKind
+    point: JointPoint
+    cusp: int | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """The document's vertex object, without its index."""
+        number = {} if self.cusp is None else {"cusp": self.cusp}
+        return {"kind": self.kind.value, **number, **self.point.to_json()}
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point inside a slab: the slab, the arc, and u and t of the chart in floats."""
+
+    slab: int
+    arc: int
+    u: float
+    t: float
+
+
+def vertices_of_lines(sweep: Sweep, digits: int) -> Iterator[tuple[tuple[int, int], Vertex]]:
+    """The turning points and degenerate points, by their lines and meetings.
+
+    Raises:
+        Unproved: digits could not be decided.
+    """
+    for number, line in enumerate(sweep.lines):
+        if line.exact is None:
+            for cell, meeting in enumerate(line.meetings):
+                if not meeting.passes:
+                    yield (number, cell), Vertex(VertexKind.TURNING, turning_point(sweep.chart, line, digits))
+            continue
+        for cell, pose in poses_on_line(sweep, number):
+            meeting = line.meetings[cell]
+            turns = {len(meeting.left), len(meeting.right)} == {0, 2}
+            kind = VertexKind.TURNING if turns and pose.kind is PoseKind.ORDINARY else pose.kind
+            if kind and kind is not PoseKind.CUSP:
+                yield (number, cell), Vertex(kind, point_of_pose(pose, digits).point)
+
+
+def poses_on_line(sweep: Sweep, number: int) -> Iterator[tuple[int, ExactPose]]:
+    """The multiple zeros of J on a critical line, classified, by their meetings."""
+    line = sweep.lines[number]
+    for t, pose in exact_points(sweep.chart, exact_line(sweep.chart, line)):
+        if line.exact is None:
+            [cell] = (k for k, meeting in enumerate(line.meetings) if not meeting.passes)
+        else:
+
+            def cell_of(bits: int, t: Algebraic = t) -> int | None:
+                ball = t.ball(bits)
+                near = [
+                    k for k, m in enumerate(line.meetings) if m.point is not None and m.point.overlaps(ball)
+                ]
+                return near[0] if len(near) == 1 else None
+
+            cell = decided(cell_of, _FIRST_BITS, EVENT_BITS, "a degenerate point could not be placed")
+        yield cell, pose
+
+
+def turning_point(chart: Chart, line: Line, digits: int) -> JointPoint:
+    """The point at which two arcs meet on a simple line.
+
+    Raises:
+        Unproved: its digits could not be decided.
+    """
+    start = digit_bits(digits) + 128
+    slope_rows = range(1, len(chart.rows))
+
+    def attempt(bits: int) -> JointPoint | None:
+        u = line.root.refined(bits)
+        with ctx.workprec(bits):
+            form = [row.ball(bits)(u) for row in chart.rows]
+            slope = [form[i] * i for i in slope_rows]
+            t = common_root(form, slope) if len(form) > 3 else HalfTangent(-form[1], 2 * form[2])
+            if t is None or t.denominator.contains(0):
+                return None
+            angles = t.cos_sin(), HalfTangent(u, arb(1)).cos_sin()
+            (ca, sa), (ct, st) = (
+                turned(turn, *pair) for turn, pair in zip((chart.alpha, chart.theta), angles, strict=True)
+            )
+            pose = Pose(ca, sa, ct, st, ball_of(chart.length), omega_ball(chart.slice_map.radicand, bits))
+            squares = LocalMap.at(chart.slice_map, pose, 0).squared_lengths()
+            if not all(x > 0 for x in squares):
+                return None
+            first, second = (x.sqrt() / chart.slice_map.scale_ball() for x in squares)
+            texts = round_all((direction(ca, sa), direction(ct, st), first, second), digits)
+        return None if texts is None else joint_point(texts, chart.slice_map.fixed_leg)
+
+    point = decided_or_none(attempt, start, TIMES_BEFORE_EXACT * start)
+    if point is not None:
+        return point
+    [(_, pose)] = exact_points(chart, exact_line(chart, line))
+    return point_of_pose(pose, digits).point
+
+
+def exact_line(chart: Chart, line: Line) -> ExactRoot:
+    """The u of a critical line in a number field."""
+    if line.exact is not None:
+        return line.exact
+    [root] = exact_counterparts([line.root], chart.discriminant.polynomial)
+    return root
+
+
+def exact_points(chart: Chart, root: ExactRoot) -> Iterator[tuple[Algebraic, ExactPose]]:
+    """The multiple zeros t on a critical line, ascending, with their poses, classified."""
+    u, omega = root.in_field()
+    form = trimmed([row(u, omega) for row in chart.rows])
+    slope = trimmed([c * i for i, c in enumerate(form)][1:])
+    multiple = poly_gcd(form, slope)
+    if len(multiple) < 2:
+        return
+    for extension in adjoin_real_roots(omega.field, squarefree_part(multiple)):
+        t, at, own_omega = extension.root, extension.lift(u), extension.lift(omega)
+        field = t.field
+        cos_a, sin_a = turned(chart.alpha, *cos_sin(t, field))
+        cos_t, sin_t = turned(chart.theta, *cos_sin(at, field))
+        pose = Pose(cos_a, sin_a, cos_t, sin_t, field(chart.length), own_omega)
+        yield t, ExactPose.of(chart.slice_map, pose)
+
+
+def turned(turn: Turn, cos: Any, sin: Any) -> tuple[Any, Any]:
+    """Cosine and sine of the whole angle, from those of the angle in a chart; in any ring."""
+    p, q, n = turn.rotation
+    return _over(cos * p - sin * q, n), _over(sin * p + cos * q, n)
+
+
+def _over(x: Any, n: int) -> Any:
+    return x / n if isinstance(x, arb) else x * x.field(Fraction(1, n))
+
+
+def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, Place]]:
+    """The poses in which a free leg has length 0, unless it closes while stretched along its base line.
+
+    Raises:
+        Unproved: a pose could not be placed on its arc.
+    """
+    chart = sweep.chart
+    slice_map = chart.slice_map
+    powers = chart.theta.powers(2)
+    for leg in (slice_map.f, slice_map.g):
+        closed = leg.closed(chart.length)
+        polynomial = sum((power * closed[k] for k, power in enumerate(powers)), fmpz_poly([]))
+        for factor, order in polynomial.factor()[1]:
+            for root in real_roots(QuadraticPoly.rational(factor)) if order == 1 else []:
+                u, omega = ExactRoot(root, slice_map.radicand, 1, None).in_field()
+                pose = _closing(chart, leg, u, omega)
+                exact = ExactPose(PoseKind.ORDINARY, LocalMap.at(slice_map, pose, 0))
+                point = point_of_pose(exact, digits).point
+                place = placed(sweep, u.ball, _half_of(chart.alpha, pose.cos_alpha, pose.sin_alpha))
+                if isinstance(place, Place):
+                    yield Vertex(VertexKind.CLOSED_LEG, point), place
+
+
+def _closing(chart: Chart, leg: Leg, u: Algebraic, omega: Algebraic) -> Pose[Algebraic]:
+    """The pose with this leg closed: R(α) m = a − X."""
+    field = u.field
+    cos, sin = turned(chart.theta, *cos_sin(u, field))
+    length = field(chart.length)
+    x, y = field(leg.ax) - length * cos, field(leg.ay) - length * sin
+    n, share = omega * leg.n, field(Fraction(1, leg.platform2))
+    return Pose((x * leg.m + y * n) * share, (y * leg.m - x * n) * share, cos, sin, length, omega)
+
+
+def _half_of(turn: Turn, cos: Algebraic, sin: Algebraic) -> Ball:
+    """The chart's half tangent of an angle."""
+    own_cos, own_sin = turned(Turn(-turn.sin, turn.cos), cos, sin)
+
+    def ball(bits: int) -> arb:
+        c, s = own_cos.ball(bits), own_sin.ball(bits)
+        with ctx.workprec(bits):
+            half: arb = s / (1 + c)
+        return half
+
+    return ball
+
+
+def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> Place | int:
+    """The place of a point of the curve that is given by balls, or the line on which it may lie.
+
+    Raises:
+        Unproved: the arc could not be decided.
+    """
+    line = 0
+
+    def slab_of(bits: int) -> int | None:
+        nonlocal line
+        at = u(bits)
+        below = 0
+        for k, other in enumerate(sweep.lines):
+            ball = other.root.refined(bits)
+            if ball.overlaps(at):
+                line = k
+                return None
+            below += bool(ball < at)
+        return (below - 1) % len(sweep.slabs)
+
+    slab = decided_or_none(slab_of, _FIRST_BITS, most)
+    if slab is None:
+        return line
+
+    def attempt(bits: int) -> Place | None:
+        at, across = u(bits), t(bits)
+        if not (at.is_finite() and across.is_finite()):
+            return None
+        with ctx.workprec(2 * bits):
+            middle = fraction_of(at)
+            radius = Fraction(2) ** -(bits // 3) * (1 + fraction_of(abs(across)))
+            low, high = fraction_of(across) - radius, fraction_of(across) + radius
+            if not across.rad() * 4 < ball_of(radius) or not free_of_zeros(sweep.chart, at, (low, high)):
+                return None
+        arcs = [root.refined(bits) for root in real_roots(sweep.chart.above(middle))]
+        with ctx.workprec(2 * bits):
+            cell = ball_of(low).union(ball_of(high))
+            near = [k for k, t in enumerate(arcs) if t.overlaps(cell)]
+            sure = len(near) == 1 and ball_of(low) < arcs[near[0]] < ball_of(high)
+        return Place(slab, near[0], float(middle), float(across.mid())) if sure else None
+
+    return decided(attempt, _FIRST_BITS, most, "a special point could not be placed on its arc")
+
+
+def cusp_place(sweep: Sweep, cusp: JointPoint) -> Place | int:
+    """The place of a cusp, or the line on which it may lie, from its printed coordinates."""
+    chart = sweep.chart
+    alpha, theta = (
+        _half_of_degrees(text, turn)
+        for text, turn in zip(cusp.coordinates, (chart.alpha, chart.theta), strict=False)
+    )
+    digits = max(len(Decimal(text).as_tuple().digits) for text in cusp.coordinates[:2])
+    return placed(sweep, theta, alpha, digit_bits(digits))
+
+
+def _half_of_degrees(text: str, turn: Turn) -> Ball:
+    """The chart's half tangent of a printed angle in degrees."""
+    value = Decimal(text)
+    _, _, exponent = value.as_tuple()
+    half_unit = Fraction(10) ** int(exponent) / 2 if value else Fraction(0)
+
+    def ball(bits: int) -> arb:
+        with ctx.workprec(bits + _FIRST_BITS):
+            degrees = ball_of(Fraction(value)) + arb(0, ball_of(half_unit).abs_upper())
+            tan = (degrees * arb.pi() / 360).tan()
+            return (tan * turn.cos - turn.sin) / (turn.cos + tan * turn.sin)
+
+    return ball

@@ -1,0 +1,52 @@
+"""Samples lie on J = 0, keep the tolerance, and are denser where it is smaller."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import hypot
+
+import pytest
+
+from rpr_solver import SingularCurves, trace_slice
+from rpr_solver.singular.tracing import Tracer
+from tests.support.shared import eliminant_of
+from tests.support.singular import SLICES, manipulator, swept
+
+
+@pytest.mark.parametrize(("name", "leg", "length"), SLICES)
+def test_samples_are_zeros_of_j_between_their_neighbours(name: str, leg: int, length: str) -> None:
+    found = swept(name, leg, length)
+    tracer = Tracer(found, 1e-3)
+    for slab, part in enumerate(found.slabs):
+        courses = [tracer.course(slab, arc).samples for arc in range(len(part.arcs))]
+        for samples in courses:
+            assert all(a.theta <= b.theta for a, b in pairwise(samples))
+            for x in samples:
+                value, slope = tracer.floats.on_line(x.theta).value_and_slope(x.alpha)
+                assert abs(value) < 1e-9 * (1 + abs(slope))
+        for low, high in pairwise(courses):
+            assert low[len(low) // 2].alpha < high[len(high) // 2].alpha
+
+
+@pytest.mark.parametrize(("name", "leg", "length"), SLICES[1:5:3])
+def test_a_finer_curve_is_within_the_tolerance_of_a_coarser_one(name: str, leg: int, length: str) -> None:
+    eliminant = eliminant_of(manipulator(name), leg)
+    rough, smooth = (trace_slice(eliminant, length, tolerance=x) for x in ("0.01", "0.0001"))
+    pairs = list(zip(rough.strands, smooth.strands, strict=True))
+    extent = max(max(axis) - min(axis) for axis in _joined(rough))
+    for coarse, fine in pairs:
+        chords = list(pairwise(zip(coarse.first, coarse.second, strict=True)))
+        for p in list(zip(fine.first, fine.second, strict=True))[::7]:
+            assert min(_distance(a, b, p) for a, b in chords) <= 0.01 * extent
+
+
+def _joined(curves: SingularCurves) -> list[list[float]]:
+    strands = list(curves.strands)
+    return [[x for s in strands for x in s.first], [x for s in strands for x in s.second]]
+
+
+def _distance(a: tuple[float, float], b: tuple[float, float], p: tuple[float, float]) -> float:
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    square = dx * dx + dy * dy
+    part = max(0.0, min(1.0, ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / square)) if square else 0.0
+    return hypot(p[0] - a[0] - part * dx, p[1] - a[1] - part * dy)

@@ -1,0 +1,62 @@
+"""Vertices satisfy their defining conditions, and stand at the right place of the curve."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import cos, radians, sin
+
+import pytest
+from flint import arb
+
+from rpr_solver import PoseKind, VertexKind
+from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.slice_map import SliceMap
+from tests.support.singular import SLICES, manipulator, traced
+
+EACH = pytest.mark.parametrize(("name", "leg", "length"), SLICES)
+
+
+@EACH
+def test_vertices_satisfy_their_conditions(name: str, leg: int, length: str) -> None:
+    curves = traced(name, leg, length)
+    slice_map = SliceMap.of(manipulator(name), leg)
+    scaled = ball_of(Fraction(length) * slice_map.scale)
+    size = float(slice_map.scale) ** 4 * float(length) * 1e5
+    for vertex in curves.vertices:
+        alpha, theta, *lengths = map(float, vertex.point.coordinates)
+        angles = (f(radians(x)) for x in (alpha, theta) for f in (cos, sin))
+        pose = Pose(*map(arb, angles), scaled, omega_ball(slice_map.radicand, 53))
+        j = LocalMap.at(slice_map, pose, 3).singularity()
+        value, across, along = (abs(float(x.mid())) / size for x in (j.value, j.alpha.value, j.theta.value))
+        assert value < 1e-11
+        if vertex.kind is VertexKind.TURNING:
+            assert across < 1e-11 < along
+        elif vertex.kind is VertexKind.CLOSED_LEG:
+            assert min(lengths) == 0
+        elif vertex.kind is not PoseKind.CUSP:
+            assert max(across, along) < 1e-11
+
+
+@EACH
+def test_vertices_stand_at_their_samples(name: str, leg: int, length: str) -> None:
+    curves = traced(name, leg, length)
+    for strand in curves.strands:
+        for index, vertex in strand.vertices:
+            alpha, theta, first, second = map(float, vertex.point.coordinates)
+            assert (strand.alpha_deg[index] - alpha + 180) % 360 == pytest.approx(180, abs=1e-5)
+            assert (strand.theta_deg[index] - theta + 180) % 360 == pytest.approx(180, abs=1e-5)
+            assert (strand.first[index], strand.second[index]) == pytest.approx((first, second), abs=1e-4)
+
+
+@EACH
+def test_every_cusp_and_degenerate_point_of_the_table_is_a_vertex(name: str, leg: int, length: str) -> None:
+    curves = traced(name, leg, length)
+    cusps = {vertex.cusp: vertex.point for vertex in curves.vertices if vertex.kind is PoseKind.CUSP}
+    assert cusps == dict(enumerate(curves.table.cusps, 1))
+    points = {(vertex.kind.value, vertex.point.coordinates) for vertex in curves.vertices}
+    for point in curves.table.degenerate_points:
+        if point["kind"] != "curve":
+            coordinates = tuple(text for key, text in point.items() if key != "kind")
+            assert (point["kind"], coordinates) in points
