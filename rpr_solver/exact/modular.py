@@ -120,7 +120,14 @@ def interpolated(
 def _inverse_vandermonde(points: tuple[int, ...], p: int) -> nmod_mat:
     """The matrix from values to coefficients; cached, since one prime serves several values of ω."""
     n = len(points)
-    return nmod_mat(n, n, [pow(x, k, p) for x in points for k in range(n)], p).inv()
+    return nmod_mat(n, n, [power for x in points for power in _powers(x, n, p)], p).inv()
+
+
+def _powers(x: int, count: int, p: int) -> Iterator[int]:
+    power = 1
+    for _ in range(count):
+        yield power
+        power = power * x % p
 
 
 def _chinese_remainder(images: list[tuple[int, list[int]]], modulus: int) -> list[fmpz]:

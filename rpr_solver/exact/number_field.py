@@ -10,16 +10,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import count
+from itertools import count, islice
 
-from flint import arb, arb_poly, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
+from flint import arb, arb_poly, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly, nmod_poly
 
 from rpr_solver.errors import SolverError
+from rpr_solver.exact.modular import primes
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, bisected, real_roots
 
 _START_BITS = 128
+_MOST_PRIMES = 40
 _PLANE = fmpq_mpoly_ctx.get(("x", "y"), "lex")
 
 
@@ -57,6 +59,22 @@ class Field:
         """The root itself."""
         return self(fmpq_poly([0, 1]))
 
+    @cached_property
+    def place(self) -> tuple[int, int] | None:
+        """A prime p and a simple root of the modulus modulo p, to which the generator may be sent; or None.
+
+        The elements without p in their denominators belong to a discrete valuation ring with the field 𝔽ₚ of
+        residues.
+        """
+        coefficients = self.root.polynomial.a
+        for p, _ in islice(primes(1), _MOST_PRIMES):
+            image = nmod_poly(coefficients, p)
+            if image.degree() == self.degree:
+                for root, multiplicity in image.roots():
+                    if multiplicity == 1:
+                        return p, int(root)
+        return None
+
     def generator_ball(self, bits: int) -> arb:
         """The generator's real value to a relative accuracy of ``bits`` bits."""
         if self.degree == 1:
@@ -92,6 +110,8 @@ class Algebraic:
         """
         if not self.poly:
             raise ZeroDivisionError("inverse of 0 in a number field")
+        if self.poly.degree() == 0:
+            return self.field(1 / self.poly[0])
         _, cofactor, _ = self.poly.xgcd(self.field.modulus)
         return Algebraic(self.field, cofactor % self.field.modulus)
 
@@ -178,12 +198,42 @@ def poly_mod(a: Polynomial, b: Polynomial) -> tuple[Polynomial, Polynomial]:
 
 def poly_gcd(a: Polynomial, b: Polynomial) -> Polynomial:
     """The monic greatest common divisor."""
+    if a and b and _coprime_at_a_place(a, b):
+        return [a[0].field(1)]
     while b:
         a, b = b, poly_mod(a, b)[1]
     if not a:
         return a
     lead = a[-1].inverse()
     return [c * lead for c in a]
+
+
+def _coprime_at_a_place(a: Polynomial, b: Polynomial) -> bool:
+    """Proves that two polynomials have no common divisor, by their images over 𝔽ₚ; False gives no proof.
+
+    By Gauss's lemma a common divisor is one over the valuation ring too, up to a factor, if a leading
+    coefficient is a unit there; then its image has its degree.
+    """
+    place = a[0].field.place
+    if place is None:
+        return False
+    first, second = (_residues(x, *place) for x in (a, b))
+    if first is None or second is None or not (first[-1] or second[-1]):
+        return False
+    p, _ = place
+    return bool(nmod_poly(first, p).gcd(nmod_poly(second, p)).degree() == 0)
+
+
+def _residues(polynomial: Polynomial, p: int, generator: int) -> list[int] | None:
+    """The coefficients modulo p; None if p divides a denominator."""
+    residues = []
+    for c in polynomial:
+        denominator = int(c.poly.denom()) % p
+        if not denominator:
+            return None
+        value = int(nmod_poly(c.poly.numer(), p)(generator))
+        residues.append(value * pow(denominator, -1, p) % p)
+    return residues
 
 
 def squarefree_part(a: Polynomial) -> Polynomial:

@@ -140,11 +140,12 @@ def _degenerate_lengths(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[
         slopes = [s for s in slopes if s]
     factors: list[Polynomial] = []
     for vanishing, condition in zip([[], *slopes], conditions, strict=True):
-        common = poly_gcd(*(x.coefficients for x in condition))
+        first, second = (x.coefficients for x in condition)
+        for factor in ([field(0), field(1)], vanishing, *factors):
+            first, second = _without(first, factor), _without(second, factor)
+        common = poly_gcd(first, second)  # of degree 0 as a rule
         if not common:
             raise NotGeneric
-        for factor in ([field(0), field(1)], vanishing, *factors):
-            common = _without(common, factor)
         factors.append(common)
         yield from adjoin_real_roots(field, squarefree_part(common))
 

@@ -1,6 +1,9 @@
 from fractions import Fraction
 
 import pytest
+from flint import fmpq_poly, nmod_poly
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from rpr_solver.exact.number_field import (
     Algebraic,
@@ -10,7 +13,9 @@ from rpr_solver.exact.number_field import (
     evaluate,
     poly_gcd,
     poly_mod,
+    poly_product,
     squarefree_part,
+    trimmed,
 )
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
@@ -55,6 +60,45 @@ def test_polynomials_over_a_field() -> None:
     assert rest == []
     assert (evaluate(quotient, zero) - x).is_zero
     assert len(poly_gcd(square, [SQRT2(-2), zero, one])) == 2
+
+
+OCTIC = field_of([7, -40, 0, 9, 1, 0, -12, 0, 1])
+COEFFICIENTS = st.lists(st.integers(-20, 20), min_size=1, max_size=4)
+
+
+@st.composite
+def polynomials(draw: st.DrawFn) -> list[Algebraic]:
+    """Of degree 3 at most, over a field of degree 8, with denominators."""
+    rows = draw(st.lists(COEFFICIENTS, min_size=1, max_size=4))
+    return trimmed([OCTIC(fmpq_poly(row, draw(st.integers(1, 9)))) for row in rows])
+
+
+@given(polynomials(), polynomials(), polynomials())
+def test_the_greatest_common_divisor_of_multiples(
+    a: list[Algebraic], b: list[Algebraic], shared: list[Algebraic]
+) -> None:
+    """What it divides it divides; and it is divided by what both share."""
+    assume(a and b and shared)
+    first, second = poly_product(a, shared), poly_product(b, shared)
+    common = poly_gcd(first, second)
+    assert all(poly_mod(x, common)[1] == [] for x in (first, second))
+    assert poly_mod(common, shared)[1] == []
+    assert (common[-1] - 1).is_zero
+    if len(poly_gcd(a, b)) == 1:
+        assert len(common) == len(shared)
+
+
+def test_a_place_that_divides_a_leading_coefficient_proves_nothing() -> None:
+    """Modulo p the forms (p t + 1)(t + 1) and (p t + 1)(t + 2) have no common root."""
+    place = OCTIC.place
+    assert place is not None
+    p, root = place
+    assert int(nmod_poly(OCTIC.root.polynomial.a, p)(root)) == 0
+    shared = [OCTIC(1), OCTIC(p)]
+    first, second = (poly_product(shared, [OCTIC(c), OCTIC(1)]) for c in (1, 2))
+    assert len(poly_gcd(first, second)) == 2
+    divided = [[c * OCTIC(Fraction(1, p)) for c in x] for x in (first, second)]
+    assert len(poly_gcd(*divided)) == 2
 
 
 def value(x: Algebraic) -> float:
