@@ -1,13 +1,16 @@
-"""A receiver of webhooks: a real server that notes what comes and answers as it is told."""
+"""A receiver of webhooks: a real server that notes what comes and answers as it is told, also by TLS."""
 
 from __future__ import annotations
 
+import ssl
 import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+from tests.support.tls import Certificates
 
 Reply = tuple[int, Mapping[str, str]]
 
@@ -21,10 +24,12 @@ class Receiver:
 
 
 @contextmanager
-def receiving(*replies: int | Reply, slow_seconds: float = 0.0) -> Iterator[Receiver]:
+def receiving(
+    *replies: int | Reply, slow_seconds: float = 0.0, certificates: Certificates | None = None
+) -> Iterator[Receiver]:
     """A receiver that gives these answers, the last one again and again (204 without any).
 
-    With `slow_seconds`, it takes that long to answer the first one.
+    With `slow_seconds`, it takes that long to answer the first one; with certificates, it speaks TLS.
     """
     receiver = Receiver()
     answers: Sequence[int | Reply] = replies or (204,)
@@ -52,7 +57,12 @@ def receiving(*replies: int | Reply, slow_seconds: float = 0.0) -> Iterator[Rece
             pass
 
     with Server(("127.0.0.1", 0), Handler) as server:
-        receiver.url = f"http://127.0.0.1:{server.server_port}/hook?for=cusps"
+        if certificates is not None:
+            context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+            context.load_cert_chain(certificates["server.pem"], certificates["server.key"])
+            server.socket = context.wrap_socket(server.socket, server_side=True)
+        scheme = "http" if certificates is None else "https"
+        receiver.url = f"{scheme}://127.0.0.1:{server.server_port}/hook?for=cusps"
         thread = threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True)
         thread.start()
         try:

@@ -21,9 +21,12 @@ import pytest
 from pydantic import ValidationError
 from redis import Redis
 
+from rpr_solver import EXAMPLES
 from rpr_solver.errors import InputError
 from service.api.calling_back import shown
 from service.api.settings import Settings
+from service.client import Job, ServiceClient, cusp_table
+from service.errors import ServiceError
 from service.stack.embedded_valkey import EmbeddedValkey
 from service.webhooks.deliverer import Deliverer, pause
 from service.webhooks.sending import signature
@@ -32,6 +35,8 @@ from service.webhooks.urls import is_allowed, target_of
 from tests.support.processes import PATIENCE, started, until
 from tests.support.receivers import Receiver, receiving
 from tests.support.service_server import GEOMETRY, serving
+from tests.support.stack import running
+from tests.support.tls import Certificates
 from worker.connection import connect
 from worker.jobs.callbacks import MANY, Attempt, Callbacks
 from worker.settings import WorkerSettings
@@ -214,6 +219,84 @@ def test_a_slow_receiver_is_given_up(
         delivery = over(idle, canceled(idle, receiver.url))
     assert delivery["state"] == "exhausted"
     assert delivery["attempts"][0]["problem"].startswith("ReadTimeout")
+
+
+def authority(folder: Path, host: str = "127.0.0.1") -> Certificates:
+    folder.mkdir()
+    return Certificates(folder, host)
+
+
+def trusting(path: Path, *authorities: Certificates) -> str:
+    """Returns a file of authorities, as `SSL_CERT_FILE` names it."""
+    path.write_text("".join(Path(certificates["authority.pem"]).read_text() for certificates in authorities))
+    return str(path)
+
+
+def test_a_certificate_must_be_for_the_host_and_of_a_trusted_authority(
+    idle: httpx.Client,
+    idle_redis: Redis,
+    webhooks: Callable[..., WebhookSettings],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ours, strange = authority(tmp_path / "ours"), authority(tmp_path / "strange")
+    elsewhere = authority(tmp_path / "elsewhere", "127.0.0.2")
+    monkeypatch.setenv("SSL_CERT_FILE", trusting(tmp_path / "trusted.pem", ours, elsewhere))
+    settings = webhooks(webhook_retry_seconds="")
+    with (
+        receiving(certificates=ours) as trusted,
+        receiving(certificates=strange) as unknown,
+        receiving(certificates=elsewhere) as misnamed,
+        delivering(idle_redis, settings),
+    ):
+        assert over(idle, canceled(idle, trusted.url))["state"] == "delivered"
+        assert [event["type"] for event in verified(trusted, SECRETS[0])] == ["job.canceled"]
+        for receiver, reason in ((unknown, "local issuer certificate"), (misnamed, "IP address mismatch")):
+            delivery = over(idle, canceled(idle, receiver.url))
+            assert (delivery["state"], receiver.received) == ("exhausted", [])
+            assert reason in delivery["attempts"][0]["problem"]
+
+
+@pytest.mark.long
+def test_by_the_whole_service_with_settings_from_the_environment(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ours, strange = authority(tmp_path / "ours"), authority(tmp_path / "strange")
+    monkeypatch.setenv("SSL_CERT_FILE", trusting(tmp_path / "trusted.pem", ours))
+    secrets = tmp_path / "secrets"
+    secrets.write_text("\n".join(SECRETS))
+    settings = {
+        "webhook_hosts": "127.0.0.1",
+        "webhook_networks": "127.0.0.0/8",
+        "webhook_secret_file": secrets,
+        "webhook_retry_seconds": "0.1",
+    }
+    with (
+        receiving(500, 204, certificates=ours) as receiver,
+        receiving(certificates=strange) as unknown,
+        running(tmp_path / "data", **settings) as stack,
+        ServiceClient(stack.base) as client,
+        httpx.Client(base_url=stack.base) as http,
+    ):
+        asked = cusp_table(EXAMPLES["innocenti"], "14.98", digits=15)
+        job = client.begin(asked, callback_url=receiver.url)
+        assert isinstance(job, Job)
+        assert over(http, job.id)["state"] == "delivered"
+        batch = client.submit([asked], callback_url=receiver.url)
+        assert over(http, batch.id)["state"] == "delivered"
+        assert [event["type"] for event in verified(receiver, SECRETS[0])] == [
+            *["job.succeeded"] * 2,
+            "batch.succeeded",
+        ]
+        assert verified(receiver, SECRETS[1])[-1]["data"]["id"] == batch.id
+        refused = over(http, client.submit([asked], callback_url=unknown.url).id)
+        assert (refused["state"], len(refused["attempts"]), unknown.received) == ("exhausted", 2, [])
+        assert "certificate verify failed" in refused["attempts"][0]["problem"]
+        with pytest.raises(ServiceError, match="must be https://"):
+            client.begin(asked.named("x"), callback_url="http://127.0.0.1/")
+        stack.process.terminate()
+        assert stack.process.wait(PATIENCE) == 0
+        assert stack.complaints() == []
 
 
 def test_a_private_address_is_refused_whatever_its_name(

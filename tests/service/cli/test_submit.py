@@ -44,7 +44,7 @@ def test_answers_are_those_of_the_single_commands(run_here: Run, base_url: str) 
 
 def test_csv_in_and_out(run_here: Run, base_url: str, tmp_path: Path) -> None:
     names = ["id", *ZEIN, "l1", "digits"]
-    rows = [["one, two", *ZEIN.values(), "0;10", "15"], ["bad", *ZEIN.values(), "-1", "15"]]
+    rows = [["one, two", *ZEIN.values(), "0;10", "15"], ["bad", *ZEIN.values(), "1", "5"]]
     text = io.StringIO()
     csv.writer(text).writerows([names, *rows])
     path = tmp_path / "designs.csv"
@@ -58,7 +58,7 @@ def test_csv_in_and_out(run_here: Run, base_url: str, tmp_path: Path) -> None:
     assert head == ["index", "id", *columns]
     assert body == [["0", "one, two", *row] for row in expected]
     assert last[:2] == ["1", "bad"]
-    assert "is -1; a slice needs a leg length > 0" in last[-1]
+    assert "items[1].request.digits: asks for 5 digits" in last[-1]
 
 
 def test_csv_is_for_tables_of_one_leg(run_here: Run, base_url: str) -> None:
