@@ -8,11 +8,11 @@ from contextlib import asynccontextmanager
 
 from fastapi import FastAPI, Response
 from starlette.middleware.cors import CORSMiddleware
-from starlette.staticfiles import StaticFiles
 
 from service import __version__
 from service.api.access.guard import Guard
 from service.api.access_log import AccessLog
+from service.api.assets import Assets
 from service.api.compression import Compression
 from service.api.context import Context
 from service.api.error_handlers import add_error_handlers
@@ -57,7 +57,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.state.begin_shutdown = context.events.stop
     for part in (questions, queries, batches, jobs, operations, pages):
         app.include_router(part.router)
-    app.mount("/static", StaticFiles(directory=WEB), name="static")
+    app.mount("/static", Assets(directory=WEB), name="static")
     add_error_handlers(app)
     describe(app)
     app.add_middleware(Guard, context=context)

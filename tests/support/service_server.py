@@ -21,17 +21,18 @@ GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 2
 
 
 @contextmanager
-def serving(settings: Settings) -> Iterator[str]:
-    """A server that runs as long as the block; gives its base URL."""
-    with serving_app(create_app(settings)) as url:
+def serving(settings: Settings, port: int = 0) -> Iterator[str]:
+    """A server that runs as long as the block, on a free port if none is given; gives its base URL."""
+    with serving_app(create_app(settings), port) as url:
         yield url
 
 
 @contextmanager
-def serving_app(app: FastAPI) -> Iterator[str]:
+def serving_app(app: FastAPI, port: int = 0) -> Iterator[str]:
     """The same for a given application."""
     with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(("127.0.0.1", port))
         options = uvicorn_options(app.state.context.settings)
         server = uvicorn.Server(uvicorn.Config(app, log_config=None, timeout_graceful_shutdown=1, **options))
         thread = threading.Thread(target=server.run, args=([listener],), daemon=True)

@@ -1,4 +1,4 @@
-"""HTML pages: the landing page, the interactive documentation, and the types of problems."""
+"""HTML pages: the explorer, the interactive documentation, and the types of problems."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from string import Template
 from fastapi import APIRouter, Request, Response
 
 from service import __version__
+from service.api.explorer_page import EXPLORER_POLICY, explorer_markup
 from service.api.negotiation import JSON
 from service.api.operations import WEB
 from service.api.problems import ProblemError, ProblemType
 from service.api.table_forms import json_bytes
-from service.schemas.questions import EXAMPLE_GEOMETRY, schema_of_geometry
+from service.schemas.questions import schema_of_geometry
 
 router = APIRouter(include_in_schema=False)
 
@@ -27,10 +28,9 @@ _POLICY = (
 
 
 @router.get("/")
-async def index(request: Request) -> Response:
-    """The landing page, with a first request to copy."""
-    example = {key: json.dumps(value) for key, value in {"geometry": EXAMPLE_GEOMETRY, "l1": 14.98}.items()}
-    return _page("index.html", text={"base": str(request.base_url).rstrip("/"), **example})
+async def index() -> Response:
+    """The explorer."""
+    return _page("explorer.html", markup=explorer_markup(), policy=EXPLORER_POLICY)
 
 
 @router.get("/docs")
@@ -82,12 +82,16 @@ async def problem(slug: str) -> Response:
 
 
 def _page(
-    name: str, *, text: Mapping[str, str] | None = None, markup: Mapping[str, str] | None = None
+    name: str,
+    *,
+    text: Mapping[str, str] | None = None,
+    markup: Mapping[str, str] | None = None,
+    policy: str = _POLICY,
 ) -> Response:
     escaped = {key: html.escape(value) for key, value in (text or {}).items()}
     body = _template(name).substitute(version=__version__, **escaped, **(markup or {}))
     headers = {
-        "Content-Security-Policy": _POLICY,
+        "Content-Security-Policy": policy,
         "Referrer-Policy": "no-referrer",
         "Cache-Control": "no-cache",
     }

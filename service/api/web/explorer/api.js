@@ -1,0 +1,147 @@
+/** Calls of the public API: questions, jobs with their progress, and what goes wrong. */
+
+const WAIT = 2; // seconds that an answer may take before it is a job to be followed
+const PAUSE = 100; // ms between a stream of events and the state of the job
+const KEY = "rpr-cusps-key";
+
+/** The service refused or failed; `problem` is its document (RFC 9457). */
+export class ProblemError extends Error {
+  constructor(status, problem, retryAfter) {
+    super(problem.detail ?? problem.title ?? `The service answered with status ${status}.`);
+    this.status = status;
+    this.problem = problem;
+    this.retryAfter = retryAfter;
+  }
+
+  get fields() {
+    return this.problem.errors ?? [];
+  }
+
+  get isPassing() {
+    return [429, 502, 503, 504].includes(this.status);
+  }
+}
+
+/** The service cannot be reached. */
+export class GoneError extends Error {}
+
+/** The key for a service that asks for one; kept as long as this tab. */
+export const key = {
+  get: () => sessionStorage.getItem(KEY) ?? "",
+  set: (text) => (text ? sessionStorage.setItem(KEY, text) : sessionStorage.removeItem(KEY)),
+};
+
+/** The address of a call, as other programs write it. */
+export function address(path) {
+  return new URL(path.replace(/^\//, ""), document.baseURI.replace(/#.*/, "")).href;
+}
+
+/** Sends a request; anything but success is an error. */
+export async function call(path, { headers = {}, ...options } = {}) {
+  const bearer = key.get() ? { Authorization: `Bearer ${key.get()}` } : {};
+  let response;
+  try {
+    response = await fetch(address(path), { ...options, headers: { ...headers, ...bearer } });
+  } catch (error) {
+    throw error.name === "AbortError" ? error : new GoneError("The service cannot be reached.");
+  }
+  if (response.ok) return response;
+  const problem = await response.json().catch(() => ({ title: response.statusText }));
+  throw new ProblemError(response.status, problem, Number(response.headers.get("Retry-After") ?? 0));
+}
+
+/**
+ * Asks a question; follows the job if there is one.
+ * An abort by `signal` withdraws the question; `onProgress` gets the job's `{done, total}`.
+ */
+export async function ask(path, question, { signal, onProgress = () => {}, wait = WAIT } = {}) {
+  const response = await call(path, {
+    method: "POST",
+    headers: { "Content-Type": "application/json", Prefer: wait ? `wait=${wait}` : "respond-async" },
+    body: JSON.stringify(question),
+    signal,
+  });
+  const answer = await read(response);
+  return response.status === 202 ? result(answer, signal, onProgress) : answer;
+}
+
+async function result(job, signal, onProgress) {
+  const withdraw = () => call(job.links.cancel ?? job.links.self, { method: "DELETE" }).catch(() => {});
+  signal?.addEventListener("abort", withdraw, { once: true });
+  try {
+    onProgress(job.progress);
+    while (!job.done) {
+      await follow(job.links.events, signal, onProgress);
+      await new Promise((resolve) => setTimeout(resolve, PAUSE));
+      job = await read(await call(job.links.self, { signal }));
+    }
+    return await read(await call(job.links.result, { signal }));
+  } finally {
+    signal?.removeEventListener("abort", withdraw);
+  }
+}
+
+/** Reads server-sent events to the end of the stream; by fetch, since an EventSource sends no key. */
+async function follow(path, signal, onProgress) {
+  const response = await call(path, { headers: { Accept: "text/event-stream" }, signal });
+  if (!response.body) return;
+  const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
+  try {
+    for (let text = ""; ; ) {
+      const { value, done } = await reader.read();
+      if (done) return;
+      const events = (text + value).split(/\r?\n\r?\n/);
+      text = events.pop();
+      for (const event of events) {
+        const data = event.match(/^data: ?(.*)$/m)?.[1];
+        const progress = data && JSON.parse(data).progress;
+        if (progress) onProgress(progress);
+      }
+    }
+  } catch (error) {
+    if (error.name === "AbortError") throw error; // a stream that breaks is no harm: the job is asked again
+  }
+}
+
+async function read(response) {
+  try {
+    return await response.json();
+  } catch (error) {
+    throw error.name === "AbortError" ? error : new GoneError("The answer of the service broke off.");
+  }
+}
+
+/** Does one thing at a time; of those that come meanwhile only the newest is done next. */
+export class Latest {
+  #run;
+  #next = null;
+  #isBusy = false;
+
+  constructor(run) {
+    this.#run = run;
+  }
+
+  async push(...parameters) {
+    this.#next = parameters;
+    if (this.#isBusy) return;
+    this.#isBusy = true;
+    try {
+      while (this.#next) {
+        const now = this.#next;
+        this.#next = null;
+        await this.#run(...now);
+      }
+    } finally {
+      this.#isBusy = false;
+    }
+  }
+
+  /** Whether something newer than what is being done is waiting. */
+  get isOvertaken() {
+    return this.#next !== null;
+  }
+
+  drop() {
+    this.#next = null;
+  }
+}

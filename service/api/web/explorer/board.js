@@ -1,0 +1,122 @@
+/** A drawing board of JSXGraph, and lines on it whose colours are those of the style sheet. */
+
+import JXG from "../jsxgraph/jsxgraphcore.mjs";
+
+const PLAIN = { highlight: false, fixed: true, tabindex: null, transitionDuration: 0 };
+const KEY_STEP = 6; // pixels that an arrow key moves a point
+
+JXG.Options.text.display = "internal"; // SVG text: HTML over the drawing would need inline styles
+
+/** A board in an element; `axes` are the names of its axes, a board without them keeps proportions. */
+export function makeBoard(id, title, axes = null) {
+  const board = JXG.JSXGraph.initBoard(id, {
+    boundingBox: [-1, 1, 1, -1],
+    keepAspectRatio: !axes,
+    axis: false,
+    showCopyright: false,
+    showNavigation: false,
+    showInfobox: false,
+    title,
+    pan: { enabled: true, needTwoFingers: true, needShift: false },
+    zoom: { enabled: true, wheel: true, needShift: true, pinch: true },
+    keyboard: { enabled: true, dx: KEY_STEP, dy: KEY_STEP, panShift: true },
+  });
+  board.containerObj.setAttribute("role", "group"); // "region" would be one landmark too many
+  if (axes) axes.forEach((name, k) => makeAxis(board, name, k));
+  return board;
+}
+
+function makeAxis(board, name, k) {
+  const end = k === 0 ? [1, 0] : [0, 1];
+  board.create("axis", [[0, 0], end], {
+    ...PLAIN,
+    name,
+    withLabel: true,
+    cssClass: "axis",
+    position: "fixed",
+    anchor: k === 0 ? "right" : "left",
+    anchorDist: () => (k === 0 ? `${26 / board.canvasHeight}fr` : `${44 / board.canvasWidth}fr`),
+    lastArrow: false,
+    label: { ...PLAIN, cssClass: "axis-name", position: k === 0 ? "rt" : "rt", offset: k === 0 ? [-26, 12] : [8, -10] },
+    ticks: {
+      ...PLAIN,
+      cssClass: "tick",
+      drawZero: true,
+      minorTicks: 0,
+      majorHeight: 6,
+      majorTickEndings: [1, 1],
+      ticksPerLabel: 1,
+      insertTicks: true,
+      minTicksDistance: k === 0 ? 60 : 40,
+      label: {
+        ...PLAIN,
+        cssClass: "tick-label",
+        fontSize: 11,
+        anchorX: k === 0 ? "middle" : "right",
+        anchorY: k === 0 ? "top" : "middle",
+        offset: k === 0 ? [0, -6] : [-7, 0],
+      },
+    },
+  });
+}
+
+/** A line through points, or the area within; `set` moves it, and gaps are points that are null. */
+export function makeLine(board, cssClass, layer = 5) {
+  const curve = board.create("curve", [[], []], { ...PLAIN, cssClass, layer, fillColor: "none" });
+  curve.rendNode.setAttribute("aria-hidden", "true");
+  return {
+    node: curve.rendNode,
+    set(points) {
+      curve.dataX = points.map((point) => (point ? point[0] : NaN));
+      curve.dataY = points.map((point) => (point ? point[1] : NaN));
+      curve.needsUpdate = true;
+    },
+  };
+}
+
+/** A dot with its name beside it. */
+export function makePoint(board, name, { cssClass, size = 4, draggable = false, label = [8, 8], layer = 9 }) {
+  return board.create("point", [0, 0], {
+    name,
+    size,
+    layer,
+    cssClass,
+    highlightCssClass: cssClass,
+    fixed: !draggable,
+    highlight: draggable,
+    highlightStrokeColor: "none",
+    showInfobox: false,
+    transitionDuration: 0,
+    tabindex: draggable ? 0 : null,
+    withLabel: Boolean(name),
+    label: { ...PLAIN, cssClass: "point-name", offset: label, fontSize: 13, autoPosition: false },
+  });
+}
+
+/** Puts a point at a place without firing its events. */
+export function put(point, [x, y]) {
+  point.setPositionDirectly(JXG.COORDS_BY_USER, [x, y]);
+}
+
+/** Shows the rectangle that holds all points, with a margin; what has no extent gets some. */
+export function fit(board, points, { margin = 0.1, keepAspect = false } = {}) {
+  const known = points.filter((point) => point && point.every(Number.isFinite));
+  if (known.length === 0) return;
+  const [left, right] = extent(known.map(([x]) => x), margin);
+  const [low, high] = extent(known.map(([, y]) => y), margin);
+  board.setBoundingBox([left, high, right, low], keepAspect);
+}
+
+function extent(values, margin) {
+  const [low, high] = [Math.min(...values), Math.max(...values)];
+  const pad = (high - low || Math.abs(high) || 1) * margin;
+  return [low - pad, high + pad];
+}
+
+/** Buttons that zoom, and show all again; `show` does the latter. */
+export function bindZoom(board, toolbar, show) {
+  const actions = { in: () => board.zoomIn(), out: () => board.zoomOut(), all: show };
+  for (const button of toolbar.querySelectorAll("button[data-zoom]")) {
+    button.addEventListener("click", actions[button.dataset.zoom]);
+  }
+}

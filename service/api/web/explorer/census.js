@@ -1,0 +1,175 @@
+/** The census: the number of cusps over L1, narrow windows widened, under a slider for L1. */
+
+import { between, shortened, toNumber } from "./decimals.js";
+
+const STEPS = 2000;
+const LEAST = 0.02; // the least share of the strip that a window gets
+const [HEIGHT, FOOT, HEAD] = [150, 22, 16];
+const SVG = "http://www.w3.org/2000/svg";
+
+export class CensusStrip {
+  #svg = document.getElementById("census-strip");
+  #slider = document.getElementById("l1-slider");
+  #windows = []; // {from, to, count, left, right}: lengths, and shares of the strip
+  #width = 1;
+  #l1 = "1";
+  #onChange;
+
+  /** `onChange(l1)` is told each length that is chosen. */
+  constructor({ onChange }) {
+    this.#onChange = onChange;
+    this.#slider.max = STEPS;
+    this.#slider.addEventListener("input", () => this.#choose(this.#at(Number(this.#slider.value) / STEPS)));
+    this.#slider.addEventListener("keydown", (event) => this.#key(event));
+    for (const button of document.querySelectorAll("button[data-window]")) {
+      button.addEventListener("click", () => this.#step(Number(button.dataset.window)));
+    }
+    new ResizeObserver(() => this.#paint()).observe(this.#svg);
+  }
+
+  /** Draws a census; null while there is none. */
+  draw(census) {
+    this.#windows = census ? windowsOf(census.intervals) : [];
+    this.#slider.disabled = !census;
+    fillTable(census);
+    this.#paint();
+  }
+
+  #paint() {
+    this.#width = this.#svg.clientWidth || 1;
+    this.#svg.setAttribute("viewBox", `0 0 ${this.#width} ${HEIGHT}`);
+    this.#svg.replaceChildren(...picture(this.#windows, this.#width));
+    this.show(this.#l1);
+  }
+
+  /** Marks a length. */
+  show(l1) {
+    this.#l1 = l1;
+    const share = this.#shareOf(toNumber(l1));
+    if (share === null) return;
+    this.#slider.value = Math.round(share * STEPS);
+    const window = this.#windows[this.#indexOf(toNumber(l1))];
+    const ends = window.to === Infinity ? `above ${window.text.from}` : `${window.text.from} to ${window.text.to}`;
+    this.#slider.setAttribute("aria-valuetext", `L1 = ${l1}, ${counted(window.count)}, window ${ends}`);
+    document.getElementById("window").textContent = `${counted(window.count)} in the window ${ends}`;
+    this.#svg.querySelector(".here")?.remove();
+    this.#svg.append(shape("path", { class: "here", d: `M${share * this.#width} ${HEAD - 4}V${HEIGHT - FOOT}` }));
+  }
+
+  #key(event) {
+    const actions = {
+      PageUp: () => this.#cross(1),
+      PageDown: () => this.#cross(-1),
+      "]": () => this.#step(1),
+      "[": () => this.#step(-1),
+    };
+    if (!(event.key in actions) || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    actions[event.key]();
+  }
+
+  /** Goes to the middle of the window that is so many further. */
+  #step(by) {
+    const window = this.#windows[this.#indexOf(toNumber(this.#l1)) + by];
+    if (window) this.#choose(between(window.from, window.end));
+  }
+
+  /** Goes just beyond the next transition. */
+  #cross(by) {
+    const window = this.#windows[this.#indexOf(toNumber(this.#l1)) + by];
+    if (window) this.#choose(this.#at(by > 0 ? window.left + 1 / STEPS : window.right - 1 / STEPS));
+  }
+
+  #choose(l1) {
+    if (l1 === null) return;
+    this.show(l1);
+    this.#onChange(l1);
+  }
+
+  /** A short decimal at a share of the strip. */
+  #at(share) {
+    const window = this.#windows.find(({ right }) => share <= right) ?? this.#windows.at(-1);
+    const length = (s) => window.from + ((s - window.left) / (window.right - window.left)) * (window.end - window.from);
+    const half = 0.5 / STEPS;
+    const low = length(Math.max(share - half, window.left));
+    return between(low, length(Math.min(share + half, window.right)));
+  }
+
+  #indexOf(length) {
+    const index = this.#windows.findIndex(({ to }) => length < to);
+    return index < 0 ? this.#windows.length - 1 : index;
+  }
+
+  #shareOf(length) {
+    const window = this.#windows[this.#indexOf(length)];
+    if (!window || !Number.isFinite(length)) return null;
+    const inside = (length - window.from) / (window.end - window.from);
+    return window.left + Math.min(Math.max(inside, 0), 1) * (window.right - window.left);
+  }
+}
+
+/** The windows with their shares of the strip: as long as they are, but none too narrow to be hit. */
+function windowsOf(intervals) {
+  const last = intervals.at(-1);
+  const reach = 1.15 * (toNumber(last.to ?? last.from) || 1);
+  const windows = intervals.map(({ from, to, count }) => {
+    const [start, stop] = [toNumber(from), to === null ? Infinity : toNumber(to)];
+    const end = Math.min(stop, Math.max(reach, start * 1.15));
+    const text = { from: shortened(from, 9), to: to === null ? "∞" : shortened(to, 9) };
+    return { from: start, to: stop, end, count, text, share: Math.max((end - start) / reach, LEAST) };
+  });
+  const whole = windows.reduce((sum, { share }) => sum + share, 0);
+  let right = 0;
+  for (const window of windows) {
+    window.isWidened = window.share === LEAST;
+    window.left = right;
+    right += window.share / whole;
+    window.right = right;
+  }
+  return windows;
+}
+
+function picture(windows, width) {
+  const most = Math.max(...windows.map(({ count }) => count), 1);
+  const height = (count) => ((HEIGHT - FOOT - HEAD) * count) / most;
+  const parts = [hatching()];
+  let labelled = -Infinity;
+  for (const { left, right, count, text, isWidened } of windows) {
+    const [x, wide, y] = [left * width, (right - left) * width, HEIGHT - FOOT - height(count)];
+    parts.push(shape("rect", { class: "bar", x, y, width: wide, height: height(count) }));
+    if (isWidened) parts.push(shape("rect", { fill: "url(#hatching)", x, y, width: wide, height: height(count) }));
+    parts.push(shape("path", { class: "step", d: `M${x} ${y}h${wide}` }));
+    parts.push(shape("text", { class: "count", x: x + wide / 2, y: y - 4 }, count));
+    if (x - labelled < 60 || x > width - 60) continue;
+    parts.push(shape("text", { class: "length", x, y: HEIGHT - 6 }, shortened(text.from, 5)));
+    labelled = x;
+  }
+  return parts;
+}
+
+function hatching() {
+  const pattern = shape("pattern", { id: "hatching", width: 5, height: 5, patternUnits: "userSpaceOnUse" });
+  pattern.append(shape("path", { class: "hatch", d: "M0 5L5 0" }));
+  return pattern;
+}
+
+function fillTable(census) {
+  const rows = (census?.intervals ?? []).map(({ from, to, count }, k) => {
+    const row = document.createElement("tr");
+    const kind = census.transitions.find(({ l1 }) => l1 === to)?.kind ?? "";
+    for (const text of [shortened(from, 12), to === null ? "∞" : shortened(to, 12), count, kind]) row.insertCell().textContent = text;
+    return row;
+  });
+  document.getElementById("census-rows").replaceChildren(...rows);
+}
+
+function shape(name, attributes, text = "") {
+  const node = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
+  node.textContent = text;
+  return node;
+}
+
+export function counted(number) {
+  return `${number} cusp${number === 1 ? "" : "s"}`;
+}

@@ -1,0 +1,81 @@
+/** The fields: the geometry and L1 as text, the source of truth, with errors where they belong. */
+
+import { LENGTHS } from "./geometry.js";
+import { geometryOf, geometryText } from "./state.js";
+
+const byId = (id) => document.getElementById(id);
+
+export class Fields {
+  #examples = byId("example");
+
+  /** `onChange({geometry}|{l1}, isExample)` is told each change that the user makes. */
+  constructor({ onChange }) {
+    for (const name of LENGTHS) {
+      byId(name).addEventListener("input", () => onChange({ geometry: this.geometry }));
+    }
+    for (const radio of document.querySelectorAll("input[name=orientation]")) {
+      radio.addEventListener("change", () => onChange({ geometry: this.geometry }));
+    }
+    byId("l1").addEventListener("input", () => onChange({ l1: byId("l1").value.trim() }));
+    this.#examples.addEventListener("change", () => {
+      const chosen = this.#examples.selectedOptions[0];
+      if (chosen.value) onChange(exampleOf(chosen), true);
+    });
+    for (const form of document.querySelectorAll("form")) {
+      form.addEventListener("submit", (event) => event.preventDefault());
+    }
+  }
+
+  get geometry() {
+    const orientation = document.querySelector("input[name=orientation]:checked").value;
+    return { ...Object.fromEntries(LENGTHS.map((name) => [name, byId(name).value.trim()])), orientation };
+  }
+
+  /** Shows a state; a field in which somebody writes keeps its text. */
+  show({ geometry, l1 }) {
+    for (const name of LENGTHS) write(byId(name), geometry[name]);
+    document.querySelector(`input[name=orientation][value=${geometry.orientation}]`).checked = true;
+    write(byId("l1"), l1);
+    const text = geometryText(geometry);
+    const known = [...this.#examples.options].find(({ value }) => value === text);
+    this.#examples.value = known?.value ?? "";
+  }
+
+  /** Shows the errors of a refused question at their fields; returns those of no field here. */
+  refuse(errors) {
+    this.clear();
+    const [own, others] = [[], []];
+    for (const error of errors) {
+      const input = byId(error.field.replace("geometry.", "").replace(/\[\d+\]$/, ""));
+      if (input?.matches("input.exact")) own.push([input, error]);
+      else others.push(error);
+    }
+    for (const [input, { message }] of own) {
+      input.setAttribute("aria-invalid", "true");
+      const sentence = message.replace(`${input.id}: `, "");
+      byId(`${input.id}-error`).textContent = sentence.startsWith("is ") ? `${input.id} ${sentence}` : sentence;
+    }
+    if (own.length && !document.activeElement?.matches("input.exact")) own[0][0].focus();
+    return others;
+  }
+
+  clear() {
+    for (const input of document.querySelectorAll("input.exact[aria-invalid]")) {
+      input.removeAttribute("aria-invalid");
+      byId(`${input.id}-error`).textContent = "";
+    }
+  }
+}
+
+/** The first example of the chooser, which the page opens with. */
+export function firstExample() {
+  return exampleOf(byId("example").querySelector("option[data-l1]"));
+}
+
+function exampleOf(option) {
+  return { geometry: geometryOf(option.value), l1: option.dataset.l1, cusp: 0 };
+}
+
+function write(input, text) {
+  if (input.value.trim() !== text) input.value = text;
+}

@@ -1,0 +1,114 @@
+/** The slice: cusps in the (L2, L3) plane, or on the torus of its poses (θ1, α). */
+
+import { bindZoom, fit, makeBoard, makePoint, put } from "./board.js";
+import { shortened } from "./decimals.js";
+import { letterOf } from "./state.js";
+
+const AXES = { joint: ["L2", "L3"], torus: ["α [deg]", "θ1 [deg]"] };
+const PLACES = {
+  joint: (cusp) => [Number(cusp.l2), Number(cusp.l3)],
+  torus: (cusp) => [Number(cusp.alpha_deg), Number(cusp.theta1_deg)],
+};
+
+export class JointSpace {
+  #view = null;
+  #board = null;
+  #points = [];
+  #slice = null;
+  #selected = 0;
+  #active = 0; // the cusp that the Tab key reaches
+  #onSelect;
+  #onVisit;
+
+  /** `onSelect(index)` is told which cusp was chosen, `onVisit(index)` which one is looked at. */
+  constructor({ onSelect, onVisit }) {
+    this.#onSelect = onSelect;
+    this.#onVisit = onVisit;
+  }
+
+  /** Draws a slice in a view; `isFitted` shows all of it. */
+  draw(slice, view, selected, isFitted) {
+    const isNew = view !== this.#view;
+    if (isNew) this.#open(view);
+    this.#slice = slice;
+    const cusps = slice?.cusps ?? [];
+    while (this.#points.length > cusps.length) this.#board.removeObject(this.#points.pop());
+    while (this.#points.length < cusps.length) this.#points.push(this.#point(this.#points.length));
+    cusps.forEach((cusp, k) => put(this.#points[k], PLACES[view](cusp)));
+    this.select(selected);
+    if (isNew || isFitted) this.showAll();
+    this.#board.update();
+  }
+
+  select(index) {
+    const hadFocus = this.#points.some((point) => point.rendNode === document.activeElement);
+    this.#selected = index;
+    this.#active = Math.min(index, Math.max(this.#points.length - 1, 0));
+    this.#describe();
+    if (hadFocus) this.#points[this.#active]?.rendNode.focus();
+  }
+
+  showAll() {
+    const places = (this.#slice?.cusps ?? []).map(PLACES[this.#view]);
+    const corners = this.#view === "torus" ? [[-180, -180], [180, 180]] : [];
+    fit(this.#board, [...places, ...corners], { margin: this.#view === "torus" ? 0.06 : 0.15 });
+  }
+
+  #open(view) {
+    const container = document.getElementById("slice-board");
+    const fresh = container.cloneNode(false); // a board leaves listeners behind on its element
+    container.replaceWith(fresh);
+    this.#view = view;
+    this.#board = makeBoard("slice-board", view === "joint" ? "Joint space of the slice" : "Torus of its poses", AXES[view]);
+    this.#points = [];
+    bindZoom(this.#board, document.getElementById("slice-zoom"), () => this.showAll());
+    const group = this.#board.renderer.layer[9];
+    group.setAttribute("role", "listbox");
+    group.setAttribute("aria-label", "Cusps");
+    group.addEventListener("keydown", (event) => this.#key(event), true);
+  }
+
+  #point(index) {
+    const point = makePoint(this.#board, letterOf(index), { cssClass: "cusp", size: 5, label: [9, 9] });
+    const node = point.rendNode;
+    node.setAttribute("role", "option");
+    node.dataset.cusp = index;
+    point.label.rendNode.setAttribute("aria-hidden", "true");
+    node.addEventListener("click", () => this.#onSelect(index));
+    node.addEventListener("focus", () => this.#onVisit(index));
+    node.addEventListener("pointerenter", () => this.#onVisit(index));
+    return point;
+  }
+
+  #key(event) {
+    const count = this.#points.length;
+    const steps = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 };
+    const targets = { Home: 0, End: count - 1 };
+    if (event.shiftKey || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key in steps || event.key in targets) {
+      this.#active = event.key in steps ? (this.#active + steps[event.key] + count) % count : targets[event.key];
+      this.#describe();
+      this.#points[this.#active].rendNode.focus();
+    } else if (event.key === "Enter" || event.key === " ") {
+      this.#onSelect(this.#active);
+    } else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  #describe() {
+    const cusps = this.#slice?.cusps ?? [];
+    this.#points.forEach(({ rendNode }, k) => {
+      rendNode.setAttribute("tabindex", k === this.#active ? "0" : "-1");
+      rendNode.setAttribute("aria-selected", String(k === this.#selected));
+      rendNode.setAttribute("aria-label", spoken(cusps[k], k));
+      rendNode.classList.toggle("selected", k === this.#selected);
+    });
+  }
+}
+
+export function spoken(cusp, index) {
+  const { l2, l3, alpha_deg: alpha, theta1_deg: theta } = cusp;
+  const angles = `α = ${shortened(alpha)}°, θ1 = ${shortened(theta)}°`;
+  return `Cusp ${letterOf(index)}: L2 = ${shortened(l2)}, L3 = ${shortened(l3)}, ${angles}`;
+}

@@ -1,0 +1,133 @@
+/** The mechanism: base, legs and platform; A2, A3, B2 and B3 can be dragged. */
+
+import { bindZoom, fit, makeBoard, makeLine, makePoint, put } from "./board.js";
+import { basePoints, dragged, heldDirection, measured, placeOf, placesOf, platformPoints } from "./geometry.js";
+
+const NAMES = ["A1", "A2", "A3", "B1", "B2", "B3"];
+const FREE = ["A2", "A3", "B2", "B3"];
+const OFFSETS = { A1: [8, -12], A2: [8, -12], A3: [8, 10], B1: [-22, 10], B2: [8, 10], B3: [8, 10] };
+
+export class Mechanism {
+  #board = makeBoard("mechanism-board", "The manipulator");
+  #lines = {
+    orbit: makeLine(this.#board, "orbit", 2),
+    base: makeLine(this.#board, "base", 3),
+    ghosts: makeLine(this.#board, "ghost", 3),
+    platform: makeLine(this.#board, "platform", 4),
+    legs: makeLine(this.#board, "legs", 6),
+  };
+  #points = {};
+  #shown = null; // {geometry, lengths, l1, b1, alpha}
+  #held = null; // the point that is dragged
+  #onDrag;
+
+  /** `onDrag(geometry)` is told each geometry on the grid while a point is dragged, `onRest()` its end. */
+  constructor({ onDrag, onRest }) {
+    this.#onDrag = onDrag;
+    for (const name of NAMES) this.#points[name] = this.#point(name);
+    for (const name of FREE) {
+      const point = this.#points[name];
+      point.on("drag", () => this.#drag(name));
+      point.on("up", () => {
+        this.#held = null;
+        onRest();
+      });
+      point.rendNode.addEventListener("blur", () => (this.#held = null));
+    }
+    bindZoom(this.#board, document.getElementById("mechanism"), () => this.showAll());
+  }
+
+  get isHeld() {
+    return this.#held !== null;
+  }
+
+  /** Draws the manipulator at a pose; while a point is dragged, the platform stays where it is. */
+  draw(geometry, pose) {
+    const lengths = measured(geometry);
+    if (!lengths) return;
+    const isFirst = !this.#shown;
+    const place = this.#held && this.#shown ? this.#shown : placeOf(pose);
+    this.#shown = { geometry, lengths, l1: pose.l1, b1: place.b1, alpha: place.alpha };
+    this.#update();
+    if (!isFirst) return;
+    this.#board.containerObj.classList.remove("empty");
+    this.showAll();
+  }
+
+  /** Draws other poses as outlines: pairs of B1 and the direction of B1B2. */
+  drawGhosts(poses) {
+    const { lengths } = this.#shown ?? {};
+    const outlines = lengths ? poses.map(placeOf).map(({ b1, alpha }) => platformPoints(lengths, b1, alpha)) : [];
+    this.#lines.ghosts.set(outlines.flatMap((corners) => [...corners, corners[0], null]));
+    this.#board.update();
+  }
+
+  showAll() {
+    const { lengths, b1, alpha } = this.#shown ?? {};
+    if (!lengths) return;
+    const radius = Math.hypot(...b1);
+    const round = [[-radius, -radius], [radius, radius]];
+    fit(this.#board, [...basePoints(lengths), ...platformPoints(lengths, b1, alpha), ...round], { keepAspect: true });
+  }
+
+  #point(name) {
+    const isFree = FREE.includes(name);
+    const cssClass = isFree ? "handle" : "joint";
+    const point = makePoint(this.#board, name, { cssClass, size: isFree ? 6 : 3, draggable: isFree, label: OFFSETS[name] });
+    const { rendNode } = point;
+    if (isFree) {
+      rendNode.setAttribute("role", "img");
+      rendNode.setAttribute("aria-label", name);
+      rendNode.setAttribute("aria-roledescription", "point that the arrow keys move");
+    } else {
+      rendNode.setAttribute("aria-hidden", "true");
+    }
+    point.label.rendNode.setAttribute("aria-hidden", "true");
+    return point;
+  }
+
+  #drag(name) {
+    const { geometry, lengths, l1, b1, alpha } = this.#shown;
+    const point = this.#points[name];
+    const corners = platformPoints(lengths, b1, alpha);
+    const next = dragged(geometry, name, [point.X(), point.Y()], corners, placesOf(lengths));
+    if (next) {
+      this.#held = name;
+      const after = measured(next);
+      const turned = name.startsWith("B") ? directionAfter(after, name, corners, [point.X(), point.Y()]) : alpha;
+      this.#shown = { geometry: next, lengths: after, l1, b1, alpha: turned };
+    }
+    this.#update(); // also where the point may not go
+    if (next) this.#onDrag(next);
+  }
+
+  #update() {
+    const { geometry, lengths, b1, alpha } = this.#shown;
+    const base = basePoints(lengths);
+    const corners = platformPoints(lengths, b1, alpha);
+    const radius = Math.hypot(...b1);
+    const turns = Array.from({ length: 97 }, (_, k) => (k * Math.PI) / 48);
+    this.#lines.orbit.set(turns.map((t) => [radius * Math.cos(t), radius * Math.sin(t)]));
+    this.#lines.base.set([...base, base[0]]);
+    this.#lines.platform.set([...corners, corners[0]]);
+    this.#lines.legs.set(base.flatMap((foot, k) => [foot, corners[k], null]));
+    [...base, ...corners].forEach((place, k) => put(this.#points[NAMES[k]], place));
+    for (const name of FREE) this.#points[name].rendNode.setAttribute("aria-label", spoken(name, geometry));
+    this.#board.update();
+  }
+}
+
+function directionAfter(lengths, name, corners, to) {
+  const moved = [...corners];
+  moved[name === "B2" ? 1 : 2] = to;
+  return heldDirection(lengths, name, moved);
+}
+
+function spoken(name, { a2x, a3x, a3y, d1, d2, d3 }) {
+  return {
+    A2: `Base point A2, a2x = ${a2x}`,
+    A3: `Base point A3, a3x = ${a3x}, a3y = ${a3y}`,
+    B2: `Platform point B2, d1 = ${d1}, d2 = ${d2}`,
+    B3: `Platform point B3, d2 = ${d2}, d3 = ${d3}`,
+  }[name];
+}

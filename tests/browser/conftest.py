@@ -1,0 +1,129 @@
+"""A real browser, and a real service for it: Debian's Chromium, an embedded Valkey and a worker.
+
+One of each is shared by all tests of this package. The fixtures end with the package, not with the session,
+since Playwright's event loop would otherwise be in the way of other tests of the process.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from service.api.settings import Settings
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import PATIENCE, until
+from tests.support.service_server import serving
+from worker.process.pool import WorkerPool
+
+sync_api = pytest.importorskip("playwright.sync_api", reason="no Playwright: pip install -e '.[test]'")
+
+CHROMIUM = shutil.which(os.environ.get("CHROMIUM", "chromium"))
+OPTIONS = (
+    "--no-sandbox",  # which root cannot have
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+AXE = (Path(__file__).parent / "axe" / "axe.min.js").read_text(encoding="utf-8")
+RULES = {"type": "tag", "values": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]}
+
+
+@pytest.fixture(scope="package")
+def browser() -> Iterator[Any]:
+    if CHROMIUM is None:
+        pytest.skip("no Chromium: apt-get install chromium, or name it in CHROMIUM")
+    with sync_api.sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=list(OPTIONS), timeout=1000 * PATIENCE
+        )
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="package")
+def valkey(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedValkey]:
+    with EmbeddedValkey(tmp_path_factory.mktemp("valkey")) as server:
+        yield server
+
+
+@pytest.fixture(scope="package")
+def base_url(valkey: EmbeddedValkey, browser: Any) -> Iterator[str]:  # noqa: ARG001
+    """A service with a worker."""
+    pool = WorkerPool(1, valkey.url)
+    pool.start()
+    try:
+        until(pool.is_ready)
+        with serving(Settings(redis_url=valkey.url, require_keys="never")) as url:
+            yield url
+    finally:
+        pool.stop()
+
+
+@pytest.fixture
+def idle_url(valkey: EmbeddedValkey, browser: Any) -> Iterator[str]:  # noqa: ARG001
+    """A service whose queue nobody works on."""
+    with serving(Settings(redis_url=f"{valkey.url}?db=1")) as url:
+        yield url
+
+
+@pytest.fixture
+def open_page(browser: Any) -> Iterator[Callable[..., Any]]:
+    """Opens a page; whatever it complains of fails the test, unless it contains what is `expected`."""
+    contexts: list[Any] = []
+    complaints: list[str] = []
+
+    def open_it(url: str, *, expected: str = "", **options: Any) -> Any:
+        context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **options})
+        contexts.append(context)
+        context.set_default_timeout(1000 * PATIENCE)
+        context.grant_permissions(["clipboard-read", "clipboard-write"])
+        page = context.new_page()
+
+        def complain(text: str) -> None:
+            if not expected or expected not in text:
+                complaints.append(text)
+
+        page.on("console", lambda message: message.type == "error" and complain(message.text))
+        page.on("pageerror", lambda error: complain(str(error)))
+        page.goto(url)
+        return page
+
+    yield open_it
+    for context in contexts:
+        context.close()
+    assert complaints == []
+
+
+@pytest.fixture(scope="package")
+def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the screenshots are kept: the folder that SCREENSHOTS names, else one of pytest."""
+    named = os.environ.get("SCREENSHOTS")
+    folder = Path(named) if named else tmp_path_factory.mktemp("screenshots")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+@pytest.fixture
+def inspect(pictures: Path) -> Callable[[Any, str], None]:
+    """Keeps a screenshot of a page, and asserts that axe finds no fault with it."""
+
+    def inspected(page: Any, name: str) -> None:
+        page.screenshot(path=pictures / f"{name}.png", full_page=True)
+        page.evaluate(AXE)
+        found = page.evaluate("rules => axe.run(document, {runOnly: rules})", RULES)
+        faults = [
+            (rule["id"], rule["help"], [node["html"][:200] for node in rule["nodes"]])
+            for rule in found["violations"]
+        ]
+        assert faults == []
+        assert found["passes"]
+
+    return inspected

@@ -1,0 +1,322 @@
+"""The explorer in a browser, as its users meet it."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from rpr_solver import EXAMPLES
+from service.api.access.key_store import KeyStore
+from service.api.access.keys import make_key
+from service.api.explorer_page import FIRST_SLICES
+from service.api.settings import Settings
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import PATIENCE, environment
+from tests.support.service_server import serving
+from worker.connection import connect
+
+expect = pytest.importorskip("playwright.sync_api").expect
+expect.set_options(timeout=1000 * PATIENCE)
+
+INNOCENTI = "g=15.91,0,10,17.04,16.54,20.84,ccw"
+Open = Callable[..., Any]
+Inspect = Callable[[Any, str], None]
+
+
+def count_is(page: Any, text: str) -> None:
+    """Waits for a slice that is up to date."""
+    expect(page.locator("#count")).to_have_text(text)
+    expect(page.locator("#slice")).not_to_have_class(re.compile("stale"))
+
+
+def middle(locator: Any) -> tuple[float, float]:
+    box = locator.bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_the_first_visit_shows_a_picture(base_url: str, open_page: Open, inspect: Inspect) -> None:
+    page = open_page(base_url)
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#cusp-rows tr")).to_have_count(8)
+    expect(page.get_by_role("listbox", name="Cusps").get_by_role("option")).to_have_count(8)
+    expect(page.locator("#census-strip rect.bar")).to_have_count(23)
+    expect(page.locator("#l1-slider")).to_have_attribute(
+        "aria-valuetext", re.compile("^L1 = 27, 8 cusps, window 26.7")
+    )
+    assert page.url.endswith(f"#{INNOCENTI}&l1=27&c=A&v=joint")
+    inspect(page, "first-visit")
+
+
+def test_each_example(base_url: str, open_page: Open, pictures: Path) -> None:
+    assert FIRST_SLICES.keys() == EXAMPLES.keys()
+    page = open_page(base_url)
+    for name, count in {"zein-flat": 8, "twelve-cusps": 12, "fourteen-cusps": 14, "innocenti": 8}.items():
+        page.get_by_label("Example").select_option(name)
+        count_is(page, f"L1 = {FIRST_SLICES[name]}: {count} cusps")
+        expect(page.locator("#census")).not_to_have_class(re.compile("stale"))
+        page.screenshot(path=pictures / f"{name}.png", full_page=True)
+
+
+def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open, inspect: Inspect) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=14.98")
+    count_is(page, "L1 = 14.98: 6 cusps")
+    x, y = middle(page.get_by_label(re.compile("^Base point A3")))
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 20, y - 11, steps=5)
+    expect(page.locator("#a3x")).not_to_have_value("0")
+    page.mouse.up()
+    a3 = [page.locator(f"#{name}").input_value() for name in ("a3x", "a3y")]
+    assert all(re.fullmatch(r"\d+(\.\d{1,2})?", text) for text in a3), a3
+    assert page.locator("#a2x").input_value() == "15.91"
+    expect(page.get_by_label("Example")).to_have_value("")
+
+    page.get_by_label(re.compile("^Base point A2")).focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator("#a2x")).not_to_have_value("15.91")
+    a2x = page.locator("#a2x").input_value()
+    assert float(a2x) > 15.91
+    expect(page.locator("#slice")).not_to_have_class(re.compile("stale"))
+    expect(page).to_have_url(
+        re.compile(re.escape(f"#g={a2x},{a3[0]},{a3[1]},17.04,16.54,20.84,ccw&l1=14.98"))
+    )
+    inspect(page, "dragged")
+
+
+def test_a_corner_of_the_platform_takes_its_sides_and_its_sense_along(base_url: str, open_page: Open) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27")
+    count_is(page, "L1 = 27: 8 cusps")
+    boxes = {
+        name: page.locator(f"#mechanism-board [aria-label^='Platform point {name}']").bounding_box()
+        for name in ("B2", "B3")
+    }
+    middle = {
+        name: (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2) for name, box in boxes.items()
+    }
+    page.mouse.move(*middle["B3"])
+    page.mouse.down()
+    page.mouse.move(middle["B2"][0] - 20, middle["B2"][1] + 40, steps=8)
+    page.mouse.up()
+    expect(page.get_by_label("clockwise", exact=True)).to_be_checked()
+    assert page.locator("#d1").input_value() == "17.04"
+    assert page.locator("#d2").input_value() != "16.54"
+    assert page.locator("#d3").input_value() != "20.84"
+
+
+def test_fields_and_windows(base_url: str, open_page: Open) -> None:
+    page = open_page(base_url)
+    page.get_by_label("L1", exact=False).and_(page.locator("#l1")).fill("28.1")
+    count_is(page, "L1 = 28.1: 10 cusps")
+    expect(page.locator("#window")).to_have_text("10 cusps in the window 28.0948945 to 28.1074306")
+    page.locator("#d1").fill("426/25")
+    count_is(page, "L1 = 28.1: 10 cusps")
+    expect(page.locator("#l1-slider")).to_be_enabled()
+
+    slider = page.locator("#l1-slider")
+    slider.press("[")
+    expect(page.locator("#count")).to_have_text("L1 = 27: 8 cusps")
+    slider.press("]")
+    expect(page.locator("#count")).to_have_text("L1 = 28.1: 10 cusps")
+    slider.press("PageUp")
+    expect(page.locator("#count")).to_have_text(re.compile(r"^L1 = 28\.1\d*: 8 cusps"))
+    slider.press("ArrowLeft")
+    slider.press("PageDown")
+    expect(page.locator("#count")).to_have_text(re.compile(r"^L1 = 28\.0\d*: 8 cusps"))
+    page.get_by_role("button", name="Higher window").click()
+    count_is(page, "L1 = 28.1: 10 cusps")
+    page.get_by_label("clockwise", exact=True).check()
+    expect(page).to_have_url(re.compile("g=15.91,0,10,426%2F25,16.54,20.84,cw"))
+
+
+def test_a_cusp_by_mouse_by_keys_and_in_the_table(base_url: str, open_page: Open) -> None:
+    page = open_page(base_url)
+    count_is(page, "L1 = 27: 8 cusps")
+    cusps = page.get_by_role("listbox", name="Cusps").get_by_role("option")
+    cusps.nth(2).click()
+    expect(page.get_by_role("button", name="Select cusp C")).to_have_attribute("aria-pressed", "true")
+    expect(page.locator("#visited")).to_have_text(re.compile(r"^Cusp C: L2 = 5.92908, L3 = 29.7418"))
+    page.keyboard.press("ArrowRight")
+    expect(cusps.nth(3)).to_be_focused()
+    expect(page.locator("#visited")).to_have_text(re.compile("^Cusp D"))
+    expect(cusps.nth(2)).to_have_attribute("aria-selected", "true")
+    page.keyboard.press("Enter")
+    expect(cusps.nth(3)).to_have_attribute("aria-selected", "true")
+    expect(page).to_have_url(re.compile("&c=D"))
+    page.keyboard.press("End")
+    expect(cusps.nth(7)).to_be_focused()
+    page.get_by_role("button", name="Select cusp B").click()
+    expect(cusps.nth(1)).to_have_attribute("aria-selected", "true")
+
+    page.get_by_role("button", name="Copy cusp").click()
+    expect(page.locator("#live")).to_have_text("The cusp is copied.")
+    copied = page.evaluate("navigator.clipboard.readText()")
+    assert copied.startswith("l2\t12.5634317760031727")
+    assert len(re.search(r"l2\t([\d.]+)", copied)[1]) == 31  # type: ignore[index]
+
+
+def test_a_permanent_link(base_url: str, open_page: Open, inspect: Inspect) -> None:
+    page = open_page(f"{base_url}/#g=30,11,27,13,9,4,ccw&l1=35&c=F&v=torus")
+    count_is(page, "L1 = 35: 8 cusps")
+    expect(page.get_by_label("torus of poses")).to_be_checked()
+    expect(page.get_by_label("Example")).to_have_value("30,11,27,13,9,4,ccw")
+    expect(page.get_by_role("button", name="Select cusp F")).to_have_attribute("aria-pressed", "true")
+    inspect(page, "torus")
+    page.get_by_role("button", name="Copy link").click()
+    expect(page.locator("#live")).to_have_text("The link is copied.")
+    assert page.evaluate("navigator.clipboard.readText()") == page.url
+    page.evaluate(f"location.hash = '{INNOCENTI}&l1=27'")
+    count_is(page, "L1 = 27: 8 cusps")
+
+
+def test_what_is_shown_is_a_call_of_other_programs(base_url: str, open_page: Open) -> None:
+    page = open_page(base_url)
+    expect(page.locator("#code")).to_contain_text("curl")
+    count_is(page, "L1 = 27: 8 cusps")
+    curl = page.locator("#code").inner_text()
+    body = json.loads(re.search(r"-d '(.*)'$", curl, re.DOTALL)[1])  # type: ignore[index]
+    answer = httpx.post(f"{base_url}/v1/cusp-tables", json=body, headers={"Prefer": "wait=10"})
+    assert answer.json()["slices"][0]["count"] == 8
+
+    page.get_by_role("tab", name="curl").press("ArrowRight")
+    expect(page.get_by_role("tab", name="Python")).to_be_focused()
+    program = page.locator("#code").inner_text()
+    done = completed([sys.executable, "-c", program], environment())
+    assert len(done.stdout.splitlines()) == 8
+
+    page.get_by_role("tab", name="MATLAB").click()
+    expect(page.locator("#code")).to_contain_text("webread(")
+    csv = httpx.get(page.locator("#csv").evaluate("link => link.href"))
+    assert csv.headers["content-type"].startswith("text/csv")
+    assert len(csv.text.splitlines()) == 9
+    with page.expect_download() as download:
+        page.get_by_role("link", name="JSON").click()
+    assert json.loads(download.value.path().read_text())["digits"] == 30
+
+
+def test_bad_input_is_refused_at_its_field(base_url: str, open_page: Open, inspect: Inspect) -> None:
+    page = open_page(f"{base_url}/#g=15.91,0,10,17.04,16.54,50,ccw&l1=27", expected="422")
+    expect(page.locator("#d3")).to_be_focused()
+    expect(page.locator("#d3")).to_have_attribute("aria-invalid", "true")
+    expect(page.locator("#d3-error")).to_contain_text("breaks the triangle inequality")
+    expect(page.locator("#banner")).to_be_hidden()
+    inspect(page, "bad-input")
+    page.locator("#d3").fill("20.84")
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#d3")).not_to_have_attribute("aria-invalid", "true")
+    page.locator("#l1").fill("-1")
+    expect(page.locator("#l1-error")).to_contain_text("l1 is -1; a slice needs a leg length > 0")
+    page.locator("#l1").fill("14.98")
+    count_is(page, "L1 = 14.98: 6 cusps")
+    expect(page.locator("#l1-error")).to_be_hidden()
+
+
+def test_a_server_error_and_another_try(base_url: str, open_page: Open, inspect: Inspect) -> None:
+    page = open_page("about:blank", expected="500")
+    problem = {
+        "type": "/problems/internal-error",
+        "title": "Something went wrong here",
+        "status": 500,
+        "detail": "Oh.",
+    }
+    page.route(
+        "**/v1/cusp-tables",
+        lambda route: route.fulfill(
+            status=500, content_type="application/problem+json", body=json.dumps(problem)
+        ),
+    )
+    page.goto(base_url)
+    expect(page.get_by_role("alert")).to_contain_text("Oh.")
+    inspect(page, "server-error")
+    page.unroute("**/v1/cusp-tables")
+    page.get_by_role("button", name="Try again").click()
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.get_by_role("alert")).to_be_hidden()
+
+
+@pytest.mark.usefixtures("base_url")
+def test_a_service_that_goes_and_comes_back(
+    valkey: EmbeddedValkey, open_page: Open, inspect: Inspect
+) -> None:
+    settings = Settings(redis_url=valkey.url)
+    with serving(settings) as url:
+        page = open_page(f"{url}/#{INNOCENTI}&l1=27", expected="ERR_CONNECTION")
+        count_is(page, "L1 = 27: 8 cusps")
+        expect(page.locator("#census")).not_to_have_class(re.compile("stale"))
+    page.locator("#l1").fill("14.98")
+    expect(page.get_by_role("alert")).to_contain_text("The service cannot be reached. Trying again in")
+    expect(page.locator("#slice")).to_have_class("stale")
+    inspect(page, "service-gone")
+    with serving(settings, port=int(url.rpartition(":")[2])):
+        count_is(page, "L1 = 14.98: 6 cusps")  # by itself
+        expect(page.get_by_role("alert")).to_be_hidden()
+        page.goto("about:blank")
+
+
+def test_progress_and_cancel(idle_url: str, open_page: Open, inspect: Inspect) -> None:
+    page = open_page("about:blank")
+    with page.expect_request("**/events"):
+        page.goto(idle_url)
+    expect(page.locator("#progress-text")).to_have_text("Computing the slice")
+    expect(page.locator("#count")).to_have_text("")
+    inspect(page, "computing")
+    with page.expect_response(lambda response: response.request.method == "DELETE") as response:
+        page.get_by_role("button", name="Cancel").click()
+    job = httpx.get(response.value.url).json()
+    assert (job["kind"], job["status"]) == ("cusp-table", "canceled")
+    expect(page.locator("#progress")).to_be_hidden()
+    expect(page.get_by_role("alert")).to_contain_text("Cancelled.")
+
+
+@pytest.mark.usefixtures("base_url")
+def test_a_service_that_asks_for_keys(valkey: EmbeddedValkey, open_page: Open, inspect: Inspect) -> None:
+    with connect(valkey.url) as client:
+        key, token = make_key("browser", "submit", time.time(), None)
+        assert KeyStore(client, "cusps").add(key, time.time())
+    with serving(Settings(redis_url=valkey.url, require_keys="always")) as url:
+        page = open_page(url, expected="401")
+        expect(page.get_by_role("alert")).to_contain_text("key")
+        inspect(page, "key-wanted")
+        page.get_by_label("Key for this service").fill(token)
+        page.get_by_role("button", name="Use this key").click()
+        count_is(page, "L1 = 27: 8 cusps")
+        expect(page.get_by_role("alert")).to_be_hidden()
+        expect(page.locator("#census-strip rect.bar")).to_have_count(23)
+        assert token not in page.url + page.content()
+        expect(page.locator("#code")).to_contain_text("$RPR_CUSPS_API_KEY")
+        with page.expect_download() as download:
+            page.get_by_role("link", name="CSV").click()
+        assert len(download.value.path().read_text().splitlines()) == 9
+        page.goto("about:blank")
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        ("phone", {"viewport": {"width": 360, "height": 740}, "has_touch": True, "is_mobile": True}),
+        ("dark", {"color_scheme": "dark"}),
+        ("forced-colours", {"forced_colors": "active"}),
+    ],
+)
+def test_other_ways_of_looking(
+    base_url: str, open_page: Open, inspect: Inspect, name: str, options: dict[str, Any]
+) -> None:
+    page = open_page(base_url, **options)
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#census-strip rect.bar")).to_have_count(23)
+    inspect(page, name)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    if name == "phone":
+        page.get_by_role("option", name=re.compile("^Cusp G")).tap()
+        expect(page.get_by_role("button", name="Select cusp G")).to_have_attribute("aria-pressed", "true")
+    if name == "dark":
+        assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(17, 21, 26)"
+        page.get_by_label("Theme").select_option("light")
+        assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(246, 246, 243)"
