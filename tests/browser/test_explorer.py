@@ -19,7 +19,7 @@ from service.api.access.keys import make_key
 from service.api.explorer_page import FIRST_SLICES
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.processes import PATIENCE, environment
+from tests.support.processes import PATIENCE, completed, environment
 from tests.support.service_server import serving
 from worker.connection import connect
 
