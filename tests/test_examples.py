@@ -22,7 +22,7 @@ EXPECTED = {"passing": 0, "failing": 1}
 BIN = Path(sys.executable).parent
 
 
-@pytest.fixture(params=EXPECTED)
+@pytest.fixture
 def example(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     """A copy of an example."""
     folder = tmp_path / request.param
@@ -47,6 +47,7 @@ def bash(script: str, folder: Path, **variables: str) -> subprocess.CompletedPro
     )
 
 
+@pytest.mark.parametrize("example", EXPECTED, indirect=True)
 def test_on_github(example: Path) -> None:
     [_, step] = loaded(example / ".github/workflows/cusps.yml")["jobs"]["check"]["steps"]
     action = loaded(ROOT / "action.yml")
@@ -72,6 +73,9 @@ def test_on_github(example: Path) -> None:
         assert place["physicalLocation"]["artifactLocation"]["uri"] == "robots/gripper.json"
 
 
+@pytest.mark.parametrize(
+    "example", ["passing", pytest.param("failing", marks=pytest.mark.long)], indirect=True
+)
 def test_on_gitlab(example: Path) -> None:
     [include] = loaded(example / ".gitlab-ci.yml")["include"]
     name = include["component"].rpartition("/")[2].partition("@")[0]
@@ -88,6 +92,9 @@ def test_on_gitlab(example: Path) -> None:
     assert (example / job["artifacts"]["reports"]["junit"]).is_file()
 
 
+@pytest.mark.parametrize(
+    "example", [pytest.param("passing", marks=pytest.mark.long), "failing"], indirect=True
+)
 def test_with_pre_commit(example: Path) -> None:
     [repository] = loaded(example / ".pre-commit-config.yaml")["repos"]
     [hook] = repository["hooks"]

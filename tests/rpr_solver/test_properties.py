@@ -56,7 +56,7 @@ def swapped_legs_2_and_3(m: Manipulator, side: Fraction) -> Manipulator:
 
 @pytest.mark.slow
 @given(ANY_MANIPULATOR, ANY_LENGTH, LEGS, st.sampled_from([Fraction(3), Fraction(1, 7), Fraction(10) ** 12]))
-@examples(20)
+@examples(12)
 def test_scale(m: Manipulator, length: Fraction, leg: int, factor: Fraction) -> None:
     table, other = solve(m, length, leg), solve(scaled(m, factor), length * factor, leg)
     assert [c.coordinates[:2] for c in other.cusps] == [c.coordinates[:2] for c in table.cusps]
@@ -68,7 +68,7 @@ def test_scale(m: Manipulator, length: Fraction, leg: int, factor: Fraction) -> 
 
 @pytest.mark.slow
 @given(ANY_MANIPULATOR, ANY_LENGTH, LEGS)
-@examples(20)
+@examples(12)
 def test_mirror(m: Manipulator, length: Fraction, leg: int) -> None:
     def turned(angle: str) -> str:
         return (
@@ -88,7 +88,7 @@ def test_mirror(m: Manipulator, length: Fraction, leg: int) -> None:
 
 @pytest.mark.slow
 @given(ANY_MANIPULATOR, st.integers(-9, 9), st.integers(0, 9), ANY_LENGTH, LEGS)
-@examples(20)
+@examples(12)
 def test_renaming_legs(m: Manipulator, p: int, q: int, length: Fraction, leg: int) -> None:
     """Pythagorean triples give bases with a rational side A1A3, which can be rotated to the x-axis."""
     assume((p, q) != (0, 0))
@@ -115,7 +115,7 @@ def test_renaming_legs(m: Manipulator, p: int, q: int, length: Fraction, leg: in
 @pytest.mark.slow
 @pytest.mark.timeout(400)
 @given(manipulators(), lengths())
-@examples(12)
+@examples(7)
 def test_the_three_choices_of_fixed_leg_agree(m: Manipulator, length: Fraction) -> None:
     """A cusp of the slice L1 = c at (L2, L3) is a cusp of the slice with this L2, to the digits of L2."""
     cusps = solve(m, length, 1, 60).cusps[:2]
@@ -142,7 +142,7 @@ def test_every_cusp_satisfies_the_articles_equations(m: Manipulator, length: Fra
 
 @pytest.mark.slow
 @given(manipulators(size=20), lengths(size=30))
-@examples(12)
+@examples(8)
 def test_nothing_that_floating_point_newton_finds_is_missing(m: Manipulator, length: Fraction) -> None:
     """Newton's method may miss cusps; every cusp that it finds must be in the table."""
     table = solve(m, length)
