@@ -10,6 +10,7 @@ import shutil
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import httpx
@@ -125,31 +126,46 @@ def test_addresses(api: httpx.Client, address: str) -> None:
         assert answer.text.splitlines()[0] in CSV_HEADS
 
 
-def test_matlab(api: httpx.Client) -> None:
-    def struct(*members: Any) -> dict[str, Any]:
+def run_matlab(api: httpx.Client, code: str) -> dict[str, Any]:
+    """Runs the assignments of a program in MATLAB, calls of the service included; gives its variables."""
+
+    def pairs(*members: Any) -> dict[str, Any]:
         return dict(zip(members[::2], members[1::2], strict=True))
 
+    def struct(*members: Any) -> dict[str, Any]:
+        return {name: v[0] if isinstance(v, list) else v for name, v in pairs(*members).items()}
+
+    def webread(address: str, *rest: Any) -> list[str]:
+        assert rest[-1].ContentType == "table"
+        address = address.removeprefix(SERVICE)
+        return document(api, "GET", address, params=pairs(*rest[:-1])).text.splitlines()
+
+    def webwrite(address: str, question: dict[str, Any], options: SimpleNamespace) -> Any:
+        headers = {"Content-Type": options.MediaType, **pairs(*options.HeaderFields)}
+        address = address.removeprefix(SERVICE)
+        return document(api, "POST", address, content=json.dumps(question), headers=headers).json()
+
+    def weboptions(*members: Any) -> SimpleNamespace:
+        return SimpleNamespace(**pairs(*members))
+
+    names = {"struct": struct, "webread": webread, "webwrite": webwrite, "weboptions": weboptions}
+    for statement in re.findall(r"^[\w.]+ = .*;$", re.sub(r" \.\.\.\n *", " ", code), re.MULTILINE):
+        python = re.sub(r"(\w+)\{:\}", r"*\1", statement).translate(str.maketrans("{}", "[]"))
+        exec(python.removesuffix(";"), names)
+        if "webwrite" in statement:
+            names["slices"] = names["answer"].get("slices", names.get("slices"))
+    return names
+
+
+def test_matlab(api: httpx.Client) -> None:
     code = code_of("matlab")
-    names: dict[str, Any] = {"struct": struct}
-    questions = []
-    for name, value in re.findall(r"^(geometry|question) = (.*);$", code, re.MULTILINE):
-        names[name] = eval(value.replace("{{", "[").replace("}}", "]"), names)
-        questions.append(names[name])
-    [media, wait] = re.findall(r"'MediaType', '(.*?)'.*'HeaderFields', \{'Prefer', '(.*?)'\}", code)[0]
-    paths = dict.fromkeys(re.findall(rf"{SERVICE}(/v1/\S+float)", code))
-    tables, poses = [
-        document(
-            api, "POST", path, content=json.dumps(question), headers={"Content-Type": media, "Prefer": wait}
-        )
-        for path, question in zip(paths, questions[1:], strict=True)
-    ]
-    slices = tables.json()["slices"]
-    [counts, lengths] = [
-        re.findall(r"[\d.]+", line) for line in re.findall(r"% ( *\d.*)", code) if "202" not in line
-    ]
-    assert [part["count"] for part in slices] == [int(count) for count in counts]
-    assert [f"{cusp['l2']:.4f}" for cusp in slices[0]["cusps"]] == lengths
-    assert all(isinstance(pose["alpha_deg"], float) for pose in poses.json()["poses"])
+    found = run_matlab(api, code)
+    assert (found["cusps"][0], len(found["cusps"])) == (CSV_HEADS[0], 1 + 6 + 8)
+    assert (found["census"][0], len(found["census"])) == (CSV_HEADS[1], 1 + 7)
+    [counts, lengths] = re.findall(r"% (\d[\d. ]*)$", code, re.MULTILINE)
+    assert [part["count"] for part in found["slices"]] == [int(count) for count in counts.split()]
+    assert [f"{cusp['l2']:.4f}" for cusp in found["slices"][0]["cusps"]] == lengths.split()
+    assert all(isinstance(pose["alpha_deg"], float) for pose in found["answer"]["poses"])
 
 
 def test_javascript_calls(api: httpx.Client) -> None:
