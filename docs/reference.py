@@ -14,10 +14,12 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from pydantic_settings import BaseSettings
 
 import rpr_solver
+from service.api.app import create_app
 from service.api.metric_families import OF_INSTALLATION, OF_PROCESS
 from service.api.problems import ProblemType
 from service.api.settings import Settings
@@ -49,6 +51,25 @@ def settings() -> Iterator[str]:
             if field.annotation not in (Limits, WebhookSettings)
         ]
         yield from table((group, "default", "meaning"), rows)
+
+
+def calls() -> Iterator[str]:
+    """Yields every call of the HTTP API, with the forms of its answer."""
+    contract = create_app(Settings(limits=Limits())).openapi()
+    rows = [
+        (f"`{method.upper()} {path}`", call["summary"], ", ".join(forms(call["responses"])) or "–")
+        for path, methods in contract["paths"].items()
+        for method, call in methods.items()
+        if method != "parameters"
+    ]
+    return table(("call", "what it answers", "forms"), rows)
+
+
+def forms(responses: Mapping[str, dict[str, Any]]) -> Iterator[str]:
+    """Yields the media types of the answers to a call that succeed, in short."""
+    kinds = {kind: None for status, r in responses.items() if status < "3" for kind in r.get("content", ())}
+    for kind in dict.fromkeys(kind.partition(";")[0].partition("/")[2] for kind in kinds):
+        yield {"event-stream": "events", "x-ndjson": "NDJSON", "plain": "text"}.get(kind, kind.upper())
 
 
 def problems() -> Iterator[str]:
@@ -128,7 +149,7 @@ def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[st
 
 def rewritten(text: str) -> str:
     """Returns the document with new tables."""
-    for part in (settings, problems, metrics, options, names):
+    for part in (settings, calls, problems, metrics, options, names):
         begin, end = f"<!-- {part.__name__} -->\n", f"<!-- end of {part.__name__} -->\n"
         before, _, rest = text.partition(begin)
         _, marker, after = rest.partition(end)
