@@ -18,7 +18,9 @@ from service.api.operation_docs import (
     problems,
     ref,
 )
+from service.api.operations import EXAMPLE_TABLE
 from service.api.problems import ProblemType
+from service.schemas.forms import compact
 from service.schemas.questions import EXAMPLE_GEOMETRY
 from worker.jobs.records import JobView
 from worker.settings import WorkerSettings
@@ -41,10 +43,24 @@ _LINES = (
     '"d2":16.54,"d3":20.84},"l1":27}}\n'
 )
 _ROWS = "id,a2x,a3x,a3y,d1,d2,d3,l1,digits\nleg-27,15.91,0,10,17.04,16.54,20.84,27;28.1,30\n"
-_RESULTS = (
-    '{"index":0,"id":"leg-27","kind":"cusp-table","status":"succeeded","result":{…}}\n'
-    '{"index":1,"id":null,"kind":"poses","status":"failed","problem":{…}}\n'
-)
+_REFUSED = {
+    "type": "/problems/invalid-request",
+    "title": ProblemType.INVALID_REQUEST.title,
+    "status": 422,
+    "detail": "items[1].request.l3: is missing; give a number > 0",
+    "errors": [
+        {
+            "field": "items[1].request.l3",
+            "pointer": "/items/1/request/l3",
+            "message": "is missing; give a number > 0",
+        }
+    ],
+}
+_LINES_OF_RESULTS: list[dict[str, Any]] = [
+    {"index": 0, "id": "leg-27", "kind": "cusp-table", "status": "succeeded", "result": EXAMPLE_TABLE},
+    {"index": 1, "id": None, "kind": "poses", "status": "failed", "problem": _REFUSED},
+]
+_RESULTS = "".join(compact(line) + "\n" for line in _LINES_OF_RESULTS)
 
 
 def _header(name: str, text: str, pattern: str | None = None, **examples: str) -> dict[str, Any]:

@@ -7,11 +7,10 @@ import re
 from fastapi import Request, Response
 
 from service.api.context import Context
+from service.api.job_tail import EVENT_ID
 from service.api.problems import ProblemError, ProblemType
 from service.api.sending import IS_HEAD, LongAnswer
 from worker.jobs.records import JobView
-
-_EVENT_ID = re.compile(r"\d{1,20}(-\d{1,20})?", re.ASCII)
 
 
 async def follow(request: Request, context: Context, view: JobView) -> Response:
@@ -21,7 +20,7 @@ async def follow(request: Request, context: Context, view: JobView) -> Response:
         ProblemError: 400, the id is malformed.
     """
     last = request.headers.get("last-event-id", "0").strip() or "0"
-    if not _EVENT_ID.fullmatch(last):
+    if not re.fullmatch(EVENT_ID, last, re.ASCII):
         raise ProblemError(
             ProblemType.INVALID_HEADER,
             f"Last-Event-ID {last[:60]!r} is not an event id of this stream.",

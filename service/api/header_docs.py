@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from service.api.chosen_forms import FORMATS, NUMBERS, format_names
+from service.api.job_tail import EVENT_ID
 from service.api.negotiation import Forms
 
 _TEXT = {"type": "string"}
@@ -24,7 +25,7 @@ _PARAMETERS: dict[str, dict[str, Any]] = {
     "LastEventId": {
         "name": "Last-Event-ID",
         "description": "The id of the last event received; only later ones are sent.",
-        "schema": {"type": "string", "pattern": r"^\s*(\d{1,20}(-\d{1,20})?)?\s*$"},
+        "schema": {"type": "string", "pattern": rf"^\s*({EVENT_ID})?\s*$"},
     },
     "Numbers": {
         "name": "numbers",

@@ -17,6 +17,9 @@ _COUNT = 200
 
 EventId = tuple[int, int]
 
+EVENT_ID = r"\d{1,18}(-\d{1,18})?"
+"""The pattern of an event's id; its numbers are less than 2^64, as Redis demands."""
+
 
 def event_id(text: str) -> EventId:
     """Returns an event's id as numbers, which compare in the order of the events."""
