@@ -1,6 +1,6 @@
 """A batch of many small questions over HTTP: accepted, run and fetched, and the memory that it takes.
 
-    python benchmarks/batches.py [--items 10000] [--workers 2]
+    python -m benchmarks.batches [--items 10000] [--workers 2]
 
 Half of the items are slices of one manipulator, half are poses. Starts the real stack (embedded Valkey,
 workers, uvicorn) on a free port of 127.0.0.1 with an empty data directory, and stops it at the end.
@@ -10,11 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
-import signal
 import subprocess
-import sys
-import tempfile
 import threading
 import time
 from collections import defaultdict
@@ -23,7 +19,8 @@ from typing import Any
 
 import httpx
 
-GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"}
+from benchmarks.stack import GEOMETRY, serving
+
 WAIT = 60
 ROLES = {"api_process": "API", "worker": "a worker with its horse", "valkey-server": "Valkey"}
 
@@ -104,28 +101,17 @@ def main() -> None:
     parser.add_argument("--items", type=int, default=10_000)
     parser.add_argument("--workers", type=int, default=2)
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as data:
-        command = [sys.executable, "-m", "service", "serve", "--port", "0", "--data-dir", data]
-        command += ["--workers", str(options.workers)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as stack:
-            try:
-                assert stack.stdout is not None
-                url = None
-                while url is None:
-                    line = stack.stdout.readline()
-                    if not line:
-                        raise SystemExit("the service did not start")
-                    url = re.search(r"http://[\d.]+:\d+", line)
-                threading.Thread(target=stack.stdout.read, daemon=True).start()
-                memory = Memory(stack.pid)
-                memory.start()
-                with httpx.Client(base_url=url[0], timeout=2 * WAIT) as client:
-                    measure(client, options.items)
-                memory.is_over.set()
-                for role, size in sorted(memory.peak.items()):
-                    print(f"largest memory of {role}: {size:.0f} MiB")
-            finally:
-                stack.send_signal(signal.SIGTERM)
+    with (
+        serving("--workers", str(options.workers)) as stack,
+        httpx.Client(base_url=stack.url, timeout=2 * WAIT) as client,
+    ):
+        memory = Memory(stack.pid)
+        memory.start()
+        measure(client, options.items)
+        memory.is_over.set()
+        memory.join()
+        for role, size in sorted(memory.peak.items()):
+            print(f"largest memory of {role}: {size:.0f} MiB")
 
 
 if __name__ == "__main__":

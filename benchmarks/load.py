@@ -1,8 +1,8 @@
 """The whole service under load: mixed questions, a long run of cached ones, and connections that hold it up.
 
-    python benchmarks/load.py mixed --clients 100 --seconds 60
-    python benchmarks/load.py cached --clients 32 --requests 100000
-    python benchmarks/load.py held --idle 10000 --slow 600
+    python -m benchmarks.load mixed --clients 100 --seconds 60
+    python -m benchmarks.load cached --clients 32 --requests 100000
+    python -m benchmarks.load held --idle 10000 --slow 600
 
 Each starts the real stack on a free port of 127.0.0.1 with an empty data directory, and stops it at the end.
 The clients share the cores with it. `--at URL` loads a service of your own on this computer instead.
@@ -17,19 +17,15 @@ import json
 import random
 import re
 import resource
-import signal
-import subprocess
-import sys
-import tempfile
 import time
 from collections import Counter, defaultdict
-from collections.abc import Awaitable, Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"}
+from benchmarks.stack import GEOMETRY, serving
+
 CACHED = {"geometry": GEOMETRY, "l1": "14.98"}
 
 _fresh = itertools.count(random.randrange(10**9))
@@ -199,21 +195,6 @@ async def held(port: int, args: argparse.Namespace) -> None:
         writer.close()
 
 
-@contextmanager
-def service(data: str) -> Iterator[tuple[int, int]]:
-    """Runs the stack; gives the process id of `serve` and the port."""
-    command = [sys.executable, "-m", "service", "serve", "--port", "0", "--data-dir", data]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as stack:
-        try:
-            assert stack.stdout is not None
-            address = re.search(r"http://[\d.]+:(\d+)", stack.stdout.readline())
-            if address is None:
-                raise SystemExit("the service did not start")
-            yield stack.pid, int(address[1])
-        finally:
-            stack.send_signal(signal.SIGTERM)
-
-
 def memory(root: int) -> str:
     """Returns the memory of a process and its descendants, where /proc tells it."""
     parents: dict[int, int] = {}
@@ -261,11 +242,11 @@ def main() -> None:
     if args.at:
         asyncio.run(load(urlsplit(args.at).port or 80, args))
         return
-    with tempfile.TemporaryDirectory() as data, service(data) as (pid, port):
-        asyncio.run(known(port))
-        print("before:", memory(pid))
-        asyncio.run(load(port, args))
-        print("after:", memory(pid))
+    with serving() as stack:
+        asyncio.run(known(stack.port))
+        print("before:", memory(stack.pid))
+        asyncio.run(load(stack.port, args))
+        print("after:", memory(stack.pid))
 
 
 async def known(port: int) -> None:

@@ -1,6 +1,6 @@
 """Memory of the API by readers: of a large result, of one that is never read, and of one job's events.
 
-    python -P benchmarks/readers.py [--slices 2000] [--digits 1000]
+    python -m benchmarks.readers [--slices 2000] [--digits 1000]
 
 Starts an embedded Valkey and an API without workers on 127.0.0.1, puts a table of copies of one slice into
 the store, and stops both at the end.
@@ -10,19 +10,18 @@ from __future__ import annotations
 
 import argparse
 import json
-import re
 import socket
 import subprocess
-import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack, closing
 from fractions import Fraction
 from pathlib import Path
 
 import rpr_solver
+from benchmarks.stack import serving
 from service.stack.embedded_valkey import EmbeddedValkey
 from worker.answers import tables
 from worker.answers.requests import JobRequest
@@ -31,21 +30,6 @@ from worker.jobs.queue import JobQueue
 
 MANIPULATOR = rpr_solver.EXAMPLES["innocenti"]
 SECONDS = 60
-
-
-@contextmanager
-def serving(url: str) -> Iterator[tuple[int, int]]:
-    """An API; gives its port and its process id."""
-    command = [sys.executable, "-m", "service", "serve", "--port", "0", "--workers", "0", "--redis-url", url]
-    pipe, null = subprocess.PIPE, subprocess.DEVNULL
-    with subprocess.Popen(command, stdout=pipe, stderr=null, text=True) as process:
-        try:
-            assert process.stdout is not None
-            ready = re.search(r":(\d+) \(", process.stdout.readline())
-            assert ready, "the service did not start"
-            yield int(ready[1]), process.pid
-        finally:
-            process.terminate()
 
 
 def memory(pid: int) -> float:
@@ -138,7 +122,8 @@ def main() -> None:
     options = parser.parse_args()
     with ExitStack() as stack:
         valkey = stack.enter_context(EmbeddedValkey(Path(stack.enter_context(tempfile.TemporaryDirectory()))))
-        port, pid = stack.enter_context(serving(valkey.url))
+        api = stack.enter_context(serving("--workers", "0", "--redis-url", valkey.url))
+        port, pid = api.port, api.pid
         with connect(valkey.url) as redis:
             queue = JobQueue(redis)
             path = f"/v1/jobs/{known_table(queue, options.slices, options.digits)}/result"

@@ -1,6 +1,6 @@
 """The whole service over HTTP: a long scan, and cached answers compared with the cheapest call.
 
-    python benchmarks/service.py
+    python -m benchmarks.service
 
 Starts the real stack (embedded Valkey, a worker per core, uvicorn) on a free port of 127.0.0.1 with an empty
 data directory, and stops it at the end.
@@ -10,18 +10,14 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
-import signal
 import statistics
-import subprocess
-import sys
-import tempfile
 import time
 from collections.abc import Callable
 
 import httpx
 
-GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"}
+from benchmarks.stack import GEOMETRY, serving
+
 SCAN = {"geometry": GEOMETRY, "l1": {"from": "0.1", "to": "50.1", "step": "0.1"}}
 ONE = {"geometry": GEOMETRY, "l1": "14.98"}
 CALLS = 200
@@ -55,30 +51,17 @@ def main() -> None:
     """Print the table."""
     form = argparse.RawDescriptionHelpFormatter
     argparse.ArgumentParser(description=__doc__, formatter_class=form).parse_args()
-    with tempfile.TemporaryDirectory() as data:
-        command = [sys.executable, "-m", "service", "serve", "--port", "0", "--data-dir", data]
-        begin = time.perf_counter()
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as stack:
-            try:
-                assert stack.stdout is not None
-                url = None
-                while url is None:
-                    line = stack.stdout.readline()
-                    if not line:
-                        raise SystemExit("the service did not start")
-                    url = re.search(r"http://[\d.]+:\d+", line)
-                print(f"ready after {time.perf_counter() - begin:.2f} s, {os.cpu_count()} cores")
-                with httpx.Client(base_url=url[0], timeout=60) as client:
-                    seconds, slices, seen = scan(client)
-                    print(f"{slices} slices at 90 digits: {seconds:.2f} s, progress seen {seen} times")
-                    seconds, slices = cached_scan(client)
-                    print(f"the same {slices} slices from the cache: {seconds:.2f} s")
-                    health = milliseconds(lambda: client.get("/healthz"))
-                    cached = milliseconds(lambda: client.post("/v1/cusp-tables", json=ONE))
-                    against = f"{cached / health:.1f} × GET /healthz ({health:.2f} ms)"
-                    print(f"POST of a cached slice: {cached:.2f} ms, {against}")
-            finally:
-                stack.send_signal(signal.SIGTERM)
+    begin = time.perf_counter()
+    with serving() as stack, httpx.Client(base_url=stack.url, timeout=60) as client:
+        print(f"ready after {time.perf_counter() - begin:.2f} s, {os.cpu_count()} cores")
+        seconds, slices, seen = scan(client)
+        print(f"{slices} slices at 90 digits: {seconds:.2f} s, progress seen {seen} times")
+        seconds, slices = cached_scan(client)
+        print(f"the same {slices} slices from the cache: {seconds:.2f} s")
+        health = milliseconds(lambda: client.get("/healthz"))
+        cached = milliseconds(lambda: client.post("/v1/cusp-tables", json=ONE))
+        against = f"{cached / health:.1f} × GET /healthz ({health:.2f} ms)"
+        print(f"POST of a cached slice: {cached:.2f} ms, {against}")
 
 
 def cached_scan(client: httpx.Client) -> tuple[float, int]:

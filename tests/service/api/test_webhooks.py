@@ -251,7 +251,7 @@ def test_a_certificate_must_be_for_the_host_and_of_a_trusted_authority(
     ):
         assert over(idle, canceled(idle, trusted.url))["state"] == "delivered"
         assert [event["type"] for event in verified(trusted, SECRETS[0])] == ["job.canceled"]
-        for receiver, reason in ((unknown, "local issuer certificate"), (misnamed, "IP address mismatch")):
+        for receiver, reason in ((unknown, "certificate verify failed"), (misnamed, "IP address mismatch")):
             delivery = over(idle, canceled(idle, receiver.url))
             assert (delivery["state"], receiver.received) == ("exhausted", [])
             assert reason in delivery["attempts"][0]["problem"]
