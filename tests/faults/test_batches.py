@@ -114,6 +114,34 @@ def test_batches_with_the_same_questions(redis: Redis, workers: Workers) -> None
     assert redis.get("eliminations") == b"1"
 
 
+def test_a_batch_and_a_job_with_the_same_document(redis: Redis, workers: Workers) -> None:
+    """A batch and a job ask for the same document at the same time. One worker computes it, the other one
+    waits for it.
+    """
+    queue = jobs(redis, "gated")
+    for _ in range(2):
+        workers.start(task=queue.settings.task)
+    batch = submit_batch(queue, [Item(request=a_document())])
+    until(lambda: redis.llen("begun") == 1)
+    job = queue.submit(a_document())
+    until(lambda: (view := queue.get(job.id)) is not None and view.status == "running")
+    redis.set("gate", 1)
+    assert {ended(queue, view.id).status for view in (batch, job)} == {"succeeded"}
+    assert redis.llen("begun") == 1
+
+
+def test_a_document_whose_horse_dies_is_not_waited_for(redis: Redis, workers: Workers) -> None:
+    """The work horse that computes a document of a job crashes each time. Its lock goes with it: no attempt
+    waits for the one before, and the job fails with the reason.
+    """
+    queue = jobs(redis, "crash")
+    workers.start(task=queue.settings.task, max_losses=1, beat_ttl=1000, log_level="CRITICAL")
+    view = ended(queue, queue.submit(a_document()).id)
+    assert view.status == "failed"
+    assert view.error is not None
+    assert view.error["type"] == "worker-crashed"
+
+
 def small_items(count: int) -> Iterator[bytes]:
     """Questions that take milliseconds, none twice: slices and poses of one manipulator."""
     for i in range(count):

@@ -92,7 +92,7 @@ class ItemSolver:
         return Outcome()
 
     def _answer_once(self, request: JobRequest) -> None:
-        """Compute a document, or wait for the worker that does so for another batch."""
+        """Compute a document, or wait for the worker that does so for a job or another batch."""
 
         def make() -> dict[str, Any]:
             document = compute(request, self.store, lambda _done, _total: None)

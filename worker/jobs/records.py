@@ -260,9 +260,12 @@ class JobRecords:
         return bool(self._beat(keys=names, args=[ref.run, ref.index, ref.attempt, worker, ttl]))
 
     def end_beat(self, ref: ChunkRef) -> bool:
-        """Record that nobody runs this attempt any more; returns whether it is still open, as for `beat`."""
+        """Record that nobody runs this attempt any more, and free its locks.
+
+        Returns whether it is still open, as for `beat`.
+        """
         keys = self.keys.job(ref.job_id)
-        names = [keys.record, keys.chunks, self.keys.beat(ref.rq_id)]
+        names = [keys.record, keys.chunks, self.keys.beat(ref.rq_id), self.result_keys.locks(ref.rq_id)]
         return bool(self._end_beat(keys=names, args=[ref.run, ref.index, ref.attempt]))
 
     def open_chunks(self) -> list[ChunkEntry]:

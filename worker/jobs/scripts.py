@@ -242,12 +242,12 @@ end
 return open_chunk(record, chunks, run, index, attempt) and 1 or 0
 """
 
-# Records that nobody runs the attempt any more. Returns 1 if it is open.
+# Records that nobody runs the attempt any more, and frees the locks that it held. Returns 1 if it is open.
 END_BEAT = """
-local record, chunks, beat = unpack(KEYS)
+local record, chunks, beat, locks = unpack(KEYS)
 local run, index, attempt = unpack(ARGV)
 
-redis.call('DEL', beat)
+redis.call('DEL', beat, locks, unpack(redis.call('SMEMBERS', locks)))
 return open_chunk(record, chunks, run, index, attempt) and 1 or 0
 """
 

@@ -7,6 +7,7 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from redis import Redis
 from redis.exceptions import RedisError
@@ -18,6 +19,7 @@ from worker import tracing
 from worker.answers.items import ItemSolver, Outcome
 from worker.answers.kinds import compute, known_document
 from worker.answers.requests import JobRequest
+from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore
 from worker.answers.tables import INTERNAL, eliminant_of, solve
 from worker.jobs.attempts import Chunk, ChunkRef
@@ -159,10 +161,19 @@ def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: R
         if not records.put_progress(ref, done, total):
             raise AttemptOver
 
+    def kept(document: dict[str, Any]) -> dict[str, Any]:
+        records.put_document(ref, request, document)
+        return document
+
+    def known() -> dict[str, Any] | None:
+        document = known_document(request, store)
+        return None if document is None else kept(document)
+
     progress = Throttle(tell)
-    with tracing.span(request.kind.name):
-        document = known_document(request, store) or compute(request, store, progress)
-    records.put_document(ref, request, document)
+    with tracing.span(request.kind.name):  # or it waits for the worker that does so for a batch
+        single_flight(
+            known, lambda: store.answer_lock(request), lambda: kept(compute(request, store, progress))
+        )
 
 
 class Throttle:
