@@ -96,7 +96,12 @@ def test_python(page: str, base_url: str) -> None:
     assert doctest.DocTestRunner().run(session).failed == 0
 
 
-@pytest.mark.parametrize("page", [page for page in pages("python") if page != "docs/library.md"])
+def is_program(page: str) -> bool:
+    """Whether the Python of a page has no prompts; those with prompts are tutorials, which `test_docs` runs."""
+    return not any(block.text.startswith(">>> ") for block in blocks_of(page, "python"))
+
+
+@pytest.mark.parametrize("page", filter(is_program, pages("python")))
 def test_programs_in_python(page: str, base_url: str) -> None:
     names: dict[str, Any] = {}
     for block in blocks_of(page, "python"):
