@@ -47,7 +47,9 @@ from rpr_solver.model.manipulator import EXAMPLES, Manipulator
 from rpr_solver.paths.loops import cusp_loop
 from rpr_solver.paths.path import Path, PathPose
 from rpr_solver.paths.samples import PathSample
+from rpr_solver.singular.aspects import Aspect
 from rpr_solver.singular.drawing import Strand
+from rpr_solver.singular.regions import Region
 from rpr_solver.singular.singular_curves import (
     SingularComponent,
     SingularCurves,
@@ -75,6 +77,7 @@ __all__ = [
     "MIN_DIGITS",
     "SOLVER_VERSION",
     "ArticleTable",
+    "Aspect",
     "Census",
     "CheckReport",
     "CheckedInterval",
@@ -99,6 +102,7 @@ __all__ = [
     "PoseKind",
     "PoseTable",
     "Progress",
+    "Region",
     "Requirement",
     "SingularComponent",
     "SingularCurves",

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from math import degrees
 from typing import Any
 
 from rpr_solver.errors import Unproved
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.singular.arrangement import Polyline
+from rpr_solver.singular.aspects import Aspect, drawn_aspects
+from rpr_solver.singular.regions import Regions, regions_of
 from rpr_solver.singular.strands import Cell, Chain
 from rpr_solver.singular.sweep import Sweep
-from rpr_solver.singular.tracing import TURN, Mark, Sample, Tracer
+from rpr_solver.singular.tracing import TURN, Course, Mark, Sample, Tracer
 from rpr_solver.singular.vertices import (
     Place,
     Vertex,
@@ -98,13 +102,22 @@ class Drawing:
         digits: int,
     ) -> None:
         self._sweep = topology
-        self._tracer = Tracer(topology, tolerance)
         self._at_cells = dict(vertices_of_lines(topology, digits))
         self._marks: dict[tuple[int, int], list[Mark]] = {}
-        for vertex, place in closed_legs(topology, digits):
-            self._mark(vertex, place)
         for number, cusp in enumerate(cusps, 1):
             self._place_cusp(number, cusp, finer, digits)
+        places = [mark.place for marks in self._marks.values() for mark in marks]
+        for vertex, place in closed_legs(topology, digits):
+            self._mark(vertex, place)
+        self._tracer = Tracer(topology, tolerance, places)
+        self._courses: dict[tuple[int, int], Course] = {}
+
+    def course(self, slab: int, arc: int) -> Course:
+        """The samples of an arc with its vertices."""
+        key = slab, arc
+        if key not in self._courses:
+            self._courses[key] = self._tracer.course(slab, arc, self._marks.get(key, ()))
+        return self._courses[key]
 
     def _mark(self, vertex: Vertex, place: Place) -> None:
         self._marks.setdefault((place.slab, place.arc), []).append(Mark(place, vertex))
@@ -130,6 +143,40 @@ class Drawing:
             raise Unproved(f"cusp {number} could not be placed on the singular curve")
         self._at_cells[here[0]] = vertex
 
+    @property
+    def extent(self) -> float:
+        """The extent of the curves in the joint plane, in the user's unit."""
+        return self._tracer.extent / self._tracer.floats.unit
+
+    def aspects(self) -> list[Aspect]:
+        """The aspects of the slice."""
+        return drawn_aspects(self._sweep, lambda slab, arc: self.course(slab, arc).samples, self._tracer.span)
+
+    def regions(self, length: Fraction, parts: Sequence[tuple[Chain, Strand]]) -> Regions:
+        """The regions of the joint plane between the strands; ``length`` is in the user's unit."""
+        curves = [
+            Polyline(
+                tuple(zip(strand.first, strand.second, strict=True)),
+                *((number, number) if chain.closed else (chain.cells[0], chain.cells[-1])),
+            )
+            for number, (chain, strand) in enumerate(parts)
+            if chain.steps and self._separates(chain)
+        ]
+        cusps = [
+            (strand.first[index], strand.second[index])
+            for _, strand in parts
+            for index, vertex in strand.vertices
+            if vertex.kind is PoseKind.CUSP
+        ]
+        tolerance = self._tracer.tolerance * self.extent
+        return regions_of(self._sweep.chart.slice_map, length, curves, cusps, tolerance)
+
+    def _separates(self, chain: Chain) -> bool:
+        """Whether J has different signs on both sides, unlike along a repeated component."""
+        step = chain.steps[0]
+        signs = self._sweep.slabs[step.slab].signs
+        return signs[step.arc - 1] != signs[step.arc]
+
     def strand(self, chain: Chain) -> Strand:
         """The samples and vertices of a chain."""
         samples: list[Sample] = []
@@ -139,7 +186,7 @@ class Drawing:
             samples.append(self._tracer.at_meeting(line, self._sweep.lines[line].meetings[number]))
             vertices += ((0, vertex) for vertex in self._at(chain.cells[0]))
         for k, step in enumerate(chain.steps):
-            course = self._tracer.course(step.slab, step.arc, self._marks.get((step.slab, step.arc), ()))
+            course = self.course(step.slab, step.arc)
             own, marks = list(course.samples), [(index, mark.vertex) for index, mark in course.marks]
             if not step.upwards:
                 own.reverse()

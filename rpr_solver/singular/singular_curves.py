@@ -7,14 +7,20 @@ The document of :meth:`SingularCurves.to_json`::
      "components": [{"strands": [{"closed": true, "turns": {"alpha": 0, "theta1": -1},
                                   "alpha_deg": [12.5, …], "theta1_deg": […], "l2": […], "l3": […],
                                   "vertices": [{"index": 17, "kind": "cusp", "cusp": 1, "alpha_deg": "…",
-                                                "theta1_deg": "…", "l2": "…", "l3": "…"}]}]}]}
+                                                "theta1_deg": "…", "l2": "…", "l3": "…"}]}]}],
+     "regions": [{"poses": 4, "bounded": true, "point": {"l2": "15", "l3": "30"},
+                  "rings": [{"l2": […], "l3": […]}]}], "thin_regions": 0,
+     "aspects": [{"sign": 1, "share": 0.48, "polygons": [{"alpha_deg": […], "theta1_deg": […]}]}]}
+
+Angles of samples are continuous along a strand, beyond ±180; those of vertices and polygons are not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from rpr_solver.contract import MIN_DIGITS, check_digits, check_leg, check_type, document_head
@@ -22,8 +28,10 @@ from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, shortened
+from rpr_solver.singular.aspects import Aspect
 from rpr_solver.singular.drawing import Drawing, Strand
-from rpr_solver.singular.strands import components
+from rpr_solver.singular.regions import Region, Regions
+from rpr_solver.singular.strands import Chain, components
 from rpr_solver.singular.sweep import sweep
 from rpr_solver.singular.vertices import Vertex
 from rpr_solver.slices.cusp_table import solve_slice
@@ -67,11 +75,17 @@ class SingularCurves:
         tolerance: the deviation of the drawn curves, relative to the pictures in both planes.
         components: the connected components.
         table: the cusps and degenerate points of the slice.
+        regions: of the plane of the free legs, each with its proved number of poses.
+        thin_regions: the number of faces of the drawing that are thinner than its tolerance and therefore
+            are no regions by proof: slivers between curves that coincide, or regions too small for it.
+        aspects: of the slice, those with J > 0 first; their number is exact.
 
     >>> from rpr_solver import EXAMPLES, singular_curves
     >>> curves = singular_curves(EXAMPLES["zein-flat"], 34)
     >>> curves, sum(vertex.kind == "cusp" for vertex in curves.vertices)
     (<SingularCurves L1=34: 1 component, 6 cusps>, 6)
+    >>> [region.poses for region in curves.regions], [aspect.sign for aspect in curves.aspects]
+    ([4, 4, 4, 2, 0, 0], [1, -1])
     """
 
     manipulator: Manipulator
@@ -81,6 +95,8 @@ class SingularCurves:
     tolerance: Fraction
     components: tuple[SingularComponent, ...]
     table: SliceTable
+    _drawing: Drawing = field(repr=False, compare=False)
+    _chains: tuple[Chain, ...] = field(repr=False, compare=False)
 
     def __repr__(self) -> str:
         leg = f"L{self.fixed_leg}={shortened(exact_str(self.length))}"
@@ -97,6 +113,25 @@ class SingularCurves:
         """The special points of all components; a node once for each strand end."""
         return (vertex for strand in self.strands for _, vertex in strand.vertices)
 
+    @property
+    def regions(self) -> tuple[Region, ...]:
+        """The regions, computed when they are first asked for."""
+        return self._regions.regions
+
+    @property
+    def thin_regions(self) -> int:
+        """The number of faces that are too thin."""
+        return self._regions.thin
+
+    @cached_property
+    def aspects(self) -> tuple[Aspect, ...]:
+        """The aspects, drawn when they are first asked for."""
+        return tuple(self._drawing.aspects())
+
+    @cached_property
+    def _regions(self) -> Regions:
+        return self._drawing.regions(self.length, list(zip(self._chains, self.strands, strict=True)))
+
     def to_json(self) -> dict[str, Any]:
         """The document described at the top of this module."""
         leg = self.fixed_leg
@@ -107,6 +142,9 @@ class SingularCurves:
             "components": [
                 {"strands": [strand.to_json(leg) for strand in part.strands]} for part in self.components
             ],
+            "regions": [region.to_json(leg) for region in self.regions],
+            "thin_regions": self.thin_regions,
+            "aspects": [aspect.to_json(leg) for aspect in self.aspects],
         }
 
 
@@ -175,8 +213,19 @@ def trace_slice(
         return solve_slice(eliminant, exact, digits).cusps[number - 1]
 
     drawing = Drawing(topology, table.cusps, finer, float(chord), digits)
-    parts = tuple(SingularComponent(tuple(map(drawing.strand, chains))) for chains in components(topology))
-    return SingularCurves(eliminant.manipulator, slice_map.fixed_leg, exact, digits, chord, parts, table)
+    chains = components(topology)
+    parts = tuple(SingularComponent(tuple(map(drawing.strand, part))) for part in chains)
+    return SingularCurves(
+        eliminant.manipulator,
+        slice_map.fixed_leg,
+        exact,
+        digits,
+        chord,
+        parts,
+        table,
+        drawing,
+        tuple(chain for part in chains for chain in part),
+    )
 
 
 def check_tolerance(tolerance: Exact) -> Fraction:

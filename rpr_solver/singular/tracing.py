@@ -8,7 +8,7 @@ u are isolated again.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -23,6 +23,7 @@ from rpr_solver.singular.vertices import Place, Vertex
 TURN = 2 * pi
 _FIRST = (0.25, 0.5, 0.75)
 _DEEPEST = 24
+_PART = 1 / 30
 
 
 @dataclass(frozen=True)
@@ -58,14 +59,16 @@ class Tracer:
         sweep: the topology.
         tolerance: the largest deviation of a chord, relative to a full turn, and to the extent of the
             picture in the joint plane.
+        cusps: cusps, near which the curve is drawn as finely as the distance to the next cusp needs.
     """
 
-    def __init__(self, sweep: Sweep, tolerance: float) -> None:
+    def __init__(self, sweep: Sweep, tolerance: float, cusps: Sequence[Place] = ()) -> None:
         self.sweep = sweep
         self.floats = FloatSlice.of(sweep.chart.slice_map, sweep.chart.length)
         self.tolerance = tolerance
         self._alpha0, self._theta0 = sweep.chart.alpha.angle, sweep.chart.theta.angle
         self._lines = [angle_of(line.root) for line in sweep.lines]
+        self._cusps = list(self._focused([self._at_place(place) for place in cusps]))
 
     @cached_property
     def extent(self) -> float:
@@ -78,18 +81,25 @@ class Tracer:
 
     def course(self, slab: int, arc: int, marks: Sequence[Mark] = ()) -> Course:
         """The samples of one arc."""
-        placed = [(self._parameter(slab, mark.place.u), self._marked(mark), mark) for mark in marks]
+        placed = [(self._parameter(slab, mark.place.u), self._at_place(mark.place), mark) for mark in marks]
         own = sorted([*self._first[slab][arc], *((tau, x) for tau, x, _ in placed)], key=lambda x: x[0])
         samples = [own[0][1]]
         for (start, first), (stop, last) in pairwise(own):
             if stop > start:
                 self._refine(slab, arc, start, first, stop, last, samples, 0)
                 samples.append(last)
+            else:
+                samples[-1] = last
         places = {id(x): k for k, x in enumerate(samples)}
         found = sorted(
             ((places[id(x)], mark) for _, x, mark in placed if id(x) in places), key=lambda y: y[0]
         )
         return Course(tuple(samples), tuple(found))
+
+    def span(self, slab: int) -> tuple[float, float]:
+        """θ at the ends of a slab."""
+        low, high = self._limits(slab)
+        return low + self._theta0, high + self._theta0
 
     def at_meeting(self, line: int, meeting: Meeting) -> Sample:
         """The point of a meeting that is no passage."""
@@ -134,11 +144,24 @@ class Tracer:
         part = min(max(part, 0.0), 1.0)
         return acos(1 - 2 * part) / pi if self._lines else part
 
-    def _marked(self, mark: Mark) -> Sample:
-        theta = 2 * atan(mark.place.u)
-        return self.sample(
-            2 * atan(mark.place.t), theta if theta >= self._limits(mark.place.slab)[0] else theta + TURN
-        )
+    def _at_place(self, place: Place) -> Sample:
+        theta = 2 * atan(place.u)
+        return self.sample(2 * atan(place.t), theta if theta >= self._limits(place.slab)[0] else theta + TURN)
+
+    def _focused(self, cusps: Sequence[Sample]) -> Iterator[tuple[float, float, float]]:
+        """The joints of each cusp that is near another one, and its distance from the nearest."""
+        for k, x in enumerate(cusps):
+            others = (y for i, y in enumerate(cusps) if i != k)
+            nearest = min((hypot(x.first - y.first, x.second - y.second) for y in others), default=1.0)
+            if nearest * _PART < self.tolerance * self.extent:
+                yield x.first, x.second, nearest
+
+    def _allowed(self, x: Sample) -> float:
+        """The deviation of a chord that is allowed at a sample, in the joint plane."""
+        allowed = self.tolerance * self.extent
+        for first, second, nearest in self._cusps:
+            allowed = min(allowed, _PART * max(hypot(x.first - first, x.second - second), nearest))
+        return allowed
 
     def _ends(self, slab: int, arc: int) -> list[tuple[float, Sample]]:
         if not self._lines:
@@ -199,20 +222,18 @@ class Tracer:
     ) -> None:
         tau = (start + stop) / 2
         middle = self._on_arc(slab, arc, tau, (first.alpha + last.alpha) / 2)
-        if depth < _DEEPEST and self._deviation(first, middle, last) > self.tolerance:
+        if depth < _DEEPEST and self._coarse(first, middle, last):
             self._refine(slab, arc, start, first, tau, middle, into, depth + 1)
             into.append(middle)
             self._refine(slab, arc, tau, middle, stop, last, into, depth + 1)
         else:
             into.append(middle)
 
-    def _deviation(self, first: Sample, middle: Sample, last: Sample) -> float:
-        """The distance of a sample from a chord, relative to the pictures; the larger of both planes."""
-        return max(
-            _from_chord(first.alpha, first.theta, middle.alpha, middle.theta, last.alpha, last.theta) / TURN,
-            _from_chord(first.first, first.second, middle.first, middle.second, last.first, last.second)
-            / self.extent,
-        )
+    def _coarse(self, a: Sample, x: Sample, b: Sample) -> bool:
+        """Whether the sample between two others is too far from their chord, in either plane."""
+        if _from_chord(a.alpha, a.theta, x.alpha, x.theta, b.alpha, b.theta) > TURN * self.tolerance:
+            return True
+        return _from_chord(a.first, a.second, x.first, x.second, b.first, b.second) > self._allowed(x)
 
 
 def angle_of(root: RealRoot) -> float:

@@ -47,6 +47,7 @@ FUNCTIONS = {
 }
 CLASSES = {
     "ArticleTable",
+    "Aspect",
     "Census",
     "CheckReport",
     "CheckedInterval",
@@ -69,6 +70,7 @@ CLASSES = {
     "PlatformPose",
     "PoseKind",
     "PoseTable",
+    "Region",
     "Requirement",
     "SingularComponent",
     "SingularCurves",

@@ -27,7 +27,10 @@ def test_components_and_their_turns(name: str, leg: int, length: str, turns: lis
 
 def test_the_document_is_json_with_the_names_of_the_leg() -> None:
     document = json.loads(json.dumps(traced("innocenti", 3, "28.1").to_json()))
-    assert list(document)[-3:] == ["l3", "tolerance", "components"]
+    members = ["l3", "tolerance", "components", "regions", "thin_regions", "aspects"]
+    assert list(document)[-6:] == members
+    assert document["regions"][0]["rings"][0].keys() == {"l1", "l2"}
+    assert document["aspects"][0]["polygons"][0].keys() == {"alpha_deg", "theta3_deg"}
     [strand, *_] = document["components"][0]["strands"]
     assert {"closed", "turns", "alpha_deg", "theta3_deg", "l1", "l2", "vertices"} == strand.keys()
     vertex = strand["vertices"][0]

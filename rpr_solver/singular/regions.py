@@ -1,0 +1,207 @@
+"""Assembly modes: the faces of the plane of the free legs, each with its proved number of poses.
+
+The curve J = 0 bounds the part of the torus with J > 0, which lies on its left and is mapped to the plane
+with its orientation. So the winding number of the curve's image about a joint vector is the number of its
+poses with J > 0. As many have J < 0, since the map of a closed surface to the plane has degree 0. The number
+is confirmed by the sextic of direct kinematics at a rational point of each face.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from math import floor, hypot, log10
+from typing import Any
+
+from rpr_solver.errors import SolverError
+from rpr_solver.exact.modular import simple_and_finite
+from rpr_solver.exact.rationals import exact_str
+from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.kinematics.closure import DEGREE, Closure
+from rpr_solver.kinematics.fibre import fibre
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
+from rpr_solver.slices.joint_points import coordinate_names
+
+_LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
+_CLEAR = 1e-7
+
+
+@dataclass(frozen=True)
+class Region:
+    """A region of the plane of the free legs, in which the number of poses is constant.
+
+    Attributes:
+        poses: the number of real poses of each joint vector, half of them with J > 0.
+        point: a joint vector in the region: the free legs' lengths, exact, at which the number is proved.
+        rings: closed polylines of the free legs' lengths, in floats: the outer boundary first, then those of
+            holes. The unbounded region has only holes.
+        bounded: whether it is bounded.
+
+    >>> from rpr_solver import EXAMPLES, singular_curves
+    >>> [region.poses for region in singular_curves(EXAMPLES["innocenti"], "14.98").regions]
+    [6, 4, 4, 2, 2, 2, 2, 0]
+    """
+
+    poses: int
+    point: tuple[Fraction, Fraction]
+    rings: tuple[tuple[Point, ...], ...]
+    bounded: bool
+
+    def to_json(self, fixed_leg: int) -> dict[str, Any]:
+        """The document's region object."""
+        _, _, *names = coordinate_names(fixed_leg)
+        return {
+            "poses": self.poses,
+            "bounded": self.bounded,
+            "point": dict(zip(names, map(exact_str, self.point), strict=True)),
+            "rings": [
+                dict(zip(names, map(list, zip(*ring, strict=True)), strict=True)) for ring in self.rings
+            ],
+        }
+
+
+@dataclass(frozen=True)
+class Regions:
+    """The regions of the plane of the free legs.
+
+    Attributes:
+        regions: by falling number of poses, then by falling area.
+        thin: the number of faces of the drawing that are too thin, for its tolerance, to be regions by proof:
+            slivers between curves that coincide, or regions smaller than the tolerance.
+    """
+
+    regions: tuple[Region, ...]
+    thin: int
+
+
+def regions_of(
+    slice_map: SliceMap,
+    length: Fraction,
+    curves: Sequence[Polyline],
+    cusps: Sequence[Point],
+    tolerance: float,
+) -> Regions:
+    """The regions between directed curves with J > 0 on their left, in the user's unit.
+
+    Args:
+        slice_map: the integer model.
+        length: of the fixed leg, in the user's unit.
+        curves: images of the strands, with their ends by name.
+        cusps: the cusps among their points.
+        tolerance: the deviation of the curves in the user's unit.
+
+    Raises:
+        SolverError: a number of poses contradicts the winding number.
+    """
+    found, thin = [], 0
+    for face in faces(list(_drawable(curves))):
+        region = _region(slice_map, length, face, cusps, tolerance)
+        if region is None:
+            thin += 1
+        else:
+            found.append((region, abs(_area(face.rings[0])) if face.bounded else 0.0))
+    found.sort(key=lambda x: (-x[0].poses, -x[1]))
+    return Regions(tuple(region for region, _ in found), thin)
+
+
+def number_of_poses(slice_map: SliceMap, squares: Sequence[Fraction]) -> int:
+    """The number of real poses, exactly, from the squared lengths of the fixed leg and of the free legs."""
+    closure = Closure.of(slice_map, squares)
+    if simple_and_finite(closure.sextic, DEGREE):
+        return len(real_roots(closure.sextic))
+    return len(fibre(closure, 15).poses)
+
+
+def _region(
+    slice_map: SliceMap, length: Fraction, face: Face, cusps: Sequence[Point], tolerance: float
+) -> Region | None:
+    """The region of a face; None if it is thin, except at cusps, near which curves are drawn finer."""
+    point, clearance = _inner_point(face)
+    if clearance < tolerance and not (clearance and _touches(face, cusps)):
+        return None
+    poses = number_of_poses(slice_map, (length**2, point[0] ** 2, point[1] ** 2))
+    if poses == 2 * face.winding:
+        return Region(poses, point, face.rings, face.bounded)
+    if clearance > 2 * tolerance:
+        raise SolverError("a region has another number of poses than its boundary says; please report it")
+    return None
+
+
+def _touches(face: Face, cusps: Sequence[Point]) -> bool:
+    near = 1e-8 * max(abs(x) for point in face.rings[0] for x in point)
+    return any(hypot(x - p, y - q) < near for p, q in cusps for x, y in face.rings[0])
+
+
+def _drawable(curves: Sequence[Polyline]) -> Iterator[Polyline]:
+    """The curves without repeated points; a curve whose image is a point joins its ends."""
+    size = max((abs(x) for curve in curves for point in curve.points for x in point), default=1.0)
+    alias: dict[Hashable, Hashable] = {}
+
+    def name(end: Hashable) -> Hashable:
+        while end in alias:
+            end = alias[end]
+        return end
+
+    kept = []
+    for curve in curves:
+        points = [curve.points[0]]
+        for point in curve.points[1:]:
+            if hypot(point[0] - points[-1][0], point[1] - points[-1][1]) > 1e-9 * size:
+                points.append(point)
+        if len(points) > 2 or (len(points) == 2 and curve.start != curve.end):
+            kept.append((points, curve.start, curve.end))
+        elif name(curve.start) != name(curve.end):
+            alias[name(curve.start)] = name(curve.end)
+    for points, start, end in kept:
+        yield Polyline(tuple(points), name(start), name(end))
+
+
+def _inner_point(face: Face) -> tuple[tuple[Fraction, Fraction], float]:
+    """A rational point in a face, and its distance from the boundary, as large as a few trials give."""
+    xs, ys = ([point[k] for ring in face.rings for point in ring] or [1.0] for k in (0, 1))
+    if not face.bounded:
+        x, y = 2 * max(xs), 2 * max(ys)
+        return (Fraction(floor(x) + 1), Fraction(floor(y) + 1)), min(x, y)
+    edges = [edge for ring in face.rings for edge in pairwise(ring)]
+    low, high = min(ys), max(ys)
+    best, clearance = (xs[0], ys[0]), 0.0
+    for level in _LEVELS:
+        y = low + level * (high - low)
+        cuts = sorted(
+            ax + (y - ay) / (by - ay) * (bx - ax) for (ax, ay), (bx, by) in edges if (ay > y) != (by > y)
+        )
+        gap, x = max(
+            ((b - a, (a + b) / 2) for a, b in zip(cuts[::2], cuts[1::2], strict=False)), default=(0.0, 0.0)
+        )
+        if gap / 2 > clearance:
+            distance = _distance((x, y), edges)
+            if distance > clearance:
+                best, clearance = (x, y), distance
+    if clearance < _CLEAR * (high - low + max(xs) - min(xs)):
+        return (_short(best[0], 1e-9 * abs(best[0])), _short(best[1], 1e-9 * abs(best[1]))), 0.0
+    first, second = (_short(x, clearance / 4) for x in best)
+    return (first, second), clearance / 2
+
+
+def _short(x: float, error: float) -> Fraction:
+    """A decimal > 0 with few digits near x."""
+    places = max(0, -floor(log10(error))) if error > 0 else 12
+    return max(Fraction(round(x * 10**places), 10**places), Fraction(1, 10 ** (places + 1)))
+
+
+def _distance(point: Point, edges: Sequence[tuple[Point, Point]]) -> float:
+    px, py = point
+    best = float("inf")
+    for (ax, ay), (bx, by) in edges:
+        dx, dy = bx - ax, by - ay
+        square = dx * dx + dy * dy
+        part = min(max(((px - ax) * dx + (py - ay) * dy) / square, 0.0), 1.0) if square else 0.0
+        best = min(best, hypot(ax + part * dx - px, ay + part * dy - py))
+    return best
+
+
+def _area(ring: Sequence[Point]) -> float:
+    return sum(a[0] * b[1] - a[1] * b[0] for a, b in pairwise(ring)) / 2

@@ -1,0 +1,54 @@
+"""Regions: their numbers of poses are those of direct kinematics at any point."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rpr_solver import EXAMPLES, poses, trace_slice
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.singular.regions import number_of_poses
+from tests.support.shared import eliminant_of
+from tests.support.singular import SLICES, manipulator, traced
+
+
+@pytest.mark.parametrize(("name", "leg", "length"), SLICES)
+def test_the_number_of_poses_is_that_of_direct_kinematics(name: str, leg: int, length: str) -> None:
+    curves = traced(name, leg, length)
+    assert [region.poses for region in curves.regions if not region.bounded] == [0]
+    for region in curves.regions:
+        lengths = list(region.point)
+        lengths.insert(leg - 1, curves.length)
+        assert poses(manipulator(name), *lengths, digits=15).count_with_multiplicity == region.poses
+
+
+@pytest.mark.parametrize(
+    ("name", "length", "expected"),
+    [
+        ("innocenti", "14.98", [6, 4, 4, 2, 2, 2, 2, 0]),
+        ("innocenti", "27", [6, 4, 4, 4, 4, 4, 2, 2, 0]),
+        ("zein-flat", "34", [4, 4, 4, 2, 0, 0]),
+    ],
+)
+def test_regions_of_the_examples(name: str, length: str, expected: list[int]) -> None:
+    curves = traced(name, 1, length)
+    assert [region.poses for region in curves.regions] == expected
+    assert curves.thin_regions == 0
+
+
+@pytest.mark.long
+@given(st.sampled_from(sorted(EXAMPLES)), st.sampled_from((1, 2, 3)), st.integers(1, 400), st.data())
+def test_regions_of_any_slice_at_any_point(name: str, leg: int, tenths: int, data: st.DataObject) -> None:
+    curves = trace_slice(eliminant_of(EXAMPLES[name], leg), Fraction(tenths, 10))
+    [region] = data.draw(st.lists(st.sampled_from(curves.regions), min_size=1, max_size=1))
+    lengths = list(region.point)
+    lengths.insert(leg - 1, curves.length)
+    assert poses(EXAMPLES[name], *lengths, digits=15).count_with_multiplicity == region.poses
+
+
+def test_poses_are_counted_where_two_coalesce() -> None:
+    slice_map = SliceMap.of(manipulator("congruent"))
+    assert number_of_poses(slice_map, [Fraction(4), Fraction(9), Fraction(16)]) in (0, 1, 2, 3, 4)
