@@ -97,11 +97,11 @@ def test_python(page: str, base_url: str) -> None:
 
 
 def is_program(page: str) -> bool:
-    """Whether the Python of a page has no prompts; those with prompts are tutorials, which `test_docs` runs."""
+    """Whether the Python of a page has no prompts; `test_docs` runs what has prompts, as tutorials."""
     return not any(block.text.startswith(">>> ") for block in blocks_of(page, "python"))
 
 
-@pytest.mark.parametrize("page", filter(is_program, pages("python")))
+@pytest.mark.parametrize("page", [page for page in pages("python") if is_program(page)])
 def test_programs_in_python(page: str, base_url: str) -> None:
     names: dict[str, Any] = {}
     for block in blocks_of(page, "python"):
