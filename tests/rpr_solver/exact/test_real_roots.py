@@ -21,6 +21,7 @@ from rpr_solver.exact.real_roots import (
     _sharpened,
     ball_of,
     bisected,
+    fraction_of,
     real_roots,
 )
 from tests.support.shared import eliminant_of
@@ -347,3 +348,10 @@ def test_the_ball_of_a_rational_number_holds_it() -> None:
             for x in (Fraction(1, 3), Fraction(-(10**40), 7), Fraction(5), Fraction(0)):
                 assert holds(ball_of(x), x)
                 assert x == 0 or ball_of(x).rel_accuracy_bits() >= bits - 4
+
+
+@given(st.integers(-(10**30), 10**30), st.integers(-300, 300))
+def test_the_middle_of_a_ball_is_a_fraction(mantissa: int, exponent: int) -> None:
+    with ctx.workprec(128):
+        x = arb(mantissa) * arb(2) ** exponent
+    assert fraction_of(x) == mantissa * Fraction(2) ** exponent

@@ -7,7 +7,6 @@ from functools import cache
 from itertools import pairwise
 
 import pytest
-from flint import arb, ctx
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -22,7 +21,6 @@ from rpr_solver.transitions.survey import (
     Survey,
     _bounds,
     _cusps_at_multiple_roots,
-    _fraction,
     _gap,
     _short_between,
     survey,
@@ -182,13 +180,6 @@ def test_a_short_decimal_between(low: Fraction, gap: Fraction) -> None:
     assert low < x < low + gap
     digits = decimals(x)
     assert digits == 0 or gap * 10**digits < 40
-
-
-@given(st.integers(-(10**30), 10**30), st.integers(-300, 300))
-def test_the_middle_of_a_ball_is_a_fraction(mantissa: int, exponent: int) -> None:
-    with ctx.workprec(128):
-        x = arb(mantissa) * arb(2) ** exponent
-    assert _fraction(x) == mantissa * Fraction(2) ** exponent
 
 
 @pytest.mark.parametrize("exponent", [0, 50, 3000])
