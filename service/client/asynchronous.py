@@ -190,7 +190,8 @@ class AsyncServiceClient:
             self.url, batch_id, wait=wait, as_done=as_done, after=after, on_progress=on_progress
         )
         await self._drive(reading.begun())
-        while (call := reading.call) is not None:
+        while not reading.is_complete:
+            call = reading.call
             try:
                 async with self._http.stream(call.method, call.path, **call.options) as response:
                     if response.status_code != 200:

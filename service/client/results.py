@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
+from urllib.parse import quote
 
 import httpx
 from pydantic import BaseModel, ConfigDict
@@ -91,12 +92,12 @@ class Reading:
         on_progress: OnProgress = silent,
     ) -> None:
         self._talk = Conversation(url)
-        self._path = f"/v1/batches/{batch_id}"
+        self._path = f"/v1/batches/{quote(batch_id, safe='')}"
         self._wait, self._as_done, self._after = wait, as_done, after
         self._on_progress = on_progress
         self._seen = bytearray()
         self._count = 0
-        self._rest = b""
+        self._held: list[bytes] = []  # the beginning of a line
         self._left = self._looks = _TRIES
         self._is_complete = False
 
@@ -108,11 +109,13 @@ class Reading:
         self._on_progress(self._count, len(self._seen))
 
     @property
-    def call(self) -> Call | None:
-        """What to ask next, as a stream; None once everything came."""
-        if self._is_complete or self._count >= len(self._seen):
-            return None
-        self._rest = b""
+    def is_complete(self) -> bool:
+        """Whether all that was wanted came."""
+        return self._is_complete or self._count >= len(self._seen)
+
+    @property
+    def call(self) -> Call:
+        """What to ask next, as a stream."""
         prefer = [f"wait={_STREAM}"] if self._wait else []
         if self._as_done:
             prefer.append("order=completion")
@@ -127,7 +130,11 @@ class Reading:
 
     def taken(self, piece: bytes) -> Iterator[ItemResult]:
         """Yields the results that are complete with the next piece of the response."""
-        *lines, self._rest = (self._rest + piece).split(b"\n")
+        self._held.append(piece)
+        if b"\n" not in piece:
+            return
+        *lines, rest = b"".join(self._held).split(b"\n")
+        self._held = [rest]
         for line in lines:
             result = item_result(line)
             if self._seen[result.index]:
@@ -150,7 +157,7 @@ class Reading:
             return
         self._left = _TRIES
         self._is_complete = not self._wait
-        if self.call is not None:
+        if not self.is_complete:
             yield from self._looked()
 
     def broken(self) -> Talk[None]:
@@ -164,6 +171,7 @@ class Reading:
 
     def _looked(self) -> Talk[None]:
         """Be sure that more is to come, after a response that ended before all was there."""
+        self._held = []
         if (yield from self._state())["finished_at"] is None:
             return
         self._looks -= 1

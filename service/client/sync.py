@@ -184,7 +184,8 @@ class ServiceClient:
             self.url, batch_id, wait=wait, as_done=as_done, after=after, on_progress=on_progress
         )
         self._drive(reading.begun())
-        while (call := reading.call) is not None:
+        while not reading.is_complete:
+            call = reading.call
             try:
                 with self._http.stream(call.method, call.path, **call.options) as response:
                     if response.status_code != 200:

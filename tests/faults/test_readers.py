@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing, contextmanager
@@ -11,6 +12,8 @@ import httpx
 import pytest
 from redis import Redis
 
+from benchmarks import readers
+from benchmarks import stack as benchmark
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.large_table import keep_table, run_job
@@ -126,6 +129,29 @@ def test_many_follow_one_job(valkey: EmbeddedValkey, redis: Redis) -> None:
             while b'"succeeded"' not in text:
                 text += late.recv(1 << 20)
         assert text.count(b"\nid: ") == len(ids)
+
+
+@pytest.mark.long
+def test_two_hundred_follow_one_job(valkey: EmbeddedValkey, redis: Redis) -> None:
+    """Two hundred clients follow one job of 200 slices. All get every event, and the memory of the API grows
+    by less than 100 MiB meanwhile.
+    """
+    queue, count = JobQueue(redis), 200
+    with benchmark.serving("--workers", "0", "--redis-url", valkey.url) as api:
+        rest = readers.memory(api.pid)
+        job_id, run = readers.running_job(queue, count, 300)
+        clients = readers.Readers(api.port, f"/v1/jobs/{job_id}/events", count)
+        with closing(clients):
+            threads = clients.read()
+            until(lambda: readers_of_events(redis) == 1)
+            work = threading.Thread(target=run)
+            work.start()
+            highest = readers.peak(api.pid, lambda: not any(thread.is_alive() for thread in threads))
+            for thread in (work, *threads):
+                thread.join(PATIENCE)
+        assert len(clients.done) == count
+        assert min(clients.done) > 0.95 * max(clients.done) > 1 << 20
+        assert highest - rest < 100, f"{rest:.0f} MiB at rest, {highest:.0f} MiB at most"
 
 
 def test_followers_leave(valkey: EmbeddedValkey, redis: Redis, caplog: pytest.LogCaptureFixture) -> None:
