@@ -44,8 +44,10 @@ from rpr_solver.kinematics.pose_table import (
 )
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import EXAMPLES, Manipulator
+from rpr_solver.paths.ends import PathPose
 from rpr_solver.paths.loops import cusp_loop
-from rpr_solver.paths.path import Path, PathPose
+from rpr_solver.paths.others import FoldPoint, OtherPose
+from rpr_solver.paths.path import Path
 from rpr_solver.paths.samples import PathSample
 from rpr_solver.singular.aspects import Aspect
 from rpr_solver.singular.drawing import Strand
@@ -90,11 +92,13 @@ __all__ = [
     "Exact",
     "FieldProblem",
     "Figure",
+    "FoldPoint",
     "InputError",
     "JointPoint",
     "LengthKind",
     "LengthRange",
     "Manipulator",
+    "OtherPose",
     "Path",
     "PathPose",
     "PathSample",

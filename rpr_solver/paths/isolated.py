@@ -19,6 +19,10 @@ _FIRST_BITS = 192
 
 Angles = tuple[arb, arb]
 """α and θ in radians."""
+Image = tuple[arb, arb]
+"""Half the squared lengths of the free legs, scaled."""
+Legs = tuple[Fraction, Fraction, Fraction]
+"""The fixed leg and the two others, exact, scaled."""
 
 
 def local_map(slice_map: SliceMap, length: arb, angles: Angles, order: int) -> LocalMap[arb]:
@@ -32,32 +36,30 @@ def local_map(slice_map: SliceMap, length: arb, angles: Angles, order: int) -> L
 class IsolatedPose:
     """A pose with J ≠ 0, given by its legs and a box in (α, θ) that contains no other pose of these legs.
 
-    ``legs`` are the fixed leg and the two others, exact, scaled; ``angles`` are in radians, the box.
+    ``angles`` are the box.
     """
 
     slice_map: SliceMap
-    legs: tuple[Fraction, Fraction, Fraction]
+    legs: Legs
     angles: Angles
 
     @classmethod
-    def near(
-        cls, slice_map: SliceMap, legs: tuple[Fraction, Fraction, Fraction], start: Angles
-    ) -> IsolatedPose | None:
+    def near(cls, slice_map: SliceMap, legs: Legs, start: Angles) -> IsolatedPose | None:
         """The pose to which Newton's method leads, proved to exist; None if no proof was found."""
-        angles = start
+        goal, angles = _goal(legs), start
         for _ in range(_STEPS):
-            step = _newton(slice_map, legs, (angles[0].mid(), angles[1].mid()))
+            step = newton_step(slice_map, *goal, (angles[0].mid(), angles[1].mid()))
             if step is None:
                 return None
             angles, size = (step[0].mid(), step[1].mid()), _distance(step, angles)
             if size < arb(2) ** -(ctx.prec // 3):
                 break
-        last = _newton(slice_map, legs, angles)
+        last = newton_step(slice_map, *goal, angles)
         if last is None:
             return None
         radius = (2 * _distance(last, angles)).max(arb(2) ** -(ctx.prec - 32)).abs_upper()
         box = arb(angles[0], radius), arb(angles[1], radius)
-        inner = _newton(slice_map, legs, box)
+        inner = newton_step(slice_map, *goal, box)
         proved = inner is not None and all(
             abs(y - x.mid()) < x.rad() for x, y in zip(box, inner, strict=True)
         )
@@ -76,7 +78,7 @@ class IsolatedPose:
                 for _ in range(_STEPS):
                     if all(x.rad() < goal for x in angles):
                         return angles
-                    inner = _newton(self.slice_map, self.legs, angles)
+                    inner = newton_step(self.slice_map, *_goal(self.legs), angles)
                     if inner is None:
                         break
                     new = angles[0].intersection(inner[0]), angles[1].intersection(inner[1])
@@ -87,20 +89,24 @@ class IsolatedPose:
         raise Unproved("the digits of a pose could not be refined")
 
 
-def _newton(slice_map: SliceMap, legs: tuple[Fraction, Fraction, Fraction], box: Angles) -> Angles | None:
-    """One interval Newton step: it contains every pose of the box with these legs."""
-    fixed, *free = (ball_of(leg) for leg in legs)
+def newton_step(slice_map: SliceMap, length: arb, image: Image, box: Angles) -> Angles | None:
+    """One interval Newton step: it contains every pose of the box with this fixed length and this image."""
     middle = box[0].mid(), box[1].mid()
-    values = local_map(slice_map, fixed, middle, 0).squared_lengths()
-    wide = local_map(slice_map, fixed, box, 1)
+    values = local_map(slice_map, length, middle, 0).squared_lengths()
+    wide = local_map(slice_map, length, box, 1)
     jacobian = arb_mat([[leg.alpha.value, leg.theta.value] for leg in (wide.f, wide.g)])
-    missing = arb_mat([[(leg * leg - value) / 2] for leg, value in zip(free, values, strict=True)])
+    missing = arb_mat([[goal - value / 2] for goal, value in zip(image, values, strict=True)])
     try:
         move = jacobian.solve(missing)
     except ZeroDivisionError:
         return None
     new = middle[0] + move[0, 0], middle[1] + move[1, 0]
     return new if all(x.is_finite() for x in new) else None
+
+
+def _goal(legs: Legs) -> tuple[arb, Image]:
+    fixed, first, second = (ball_of(leg) for leg in legs)
+    return fixed, (first * first / 2, second * second / 2)
 
 
 def _distance(x: Angles, y: Angles) -> arb:

@@ -22,9 +22,9 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cusp_frame import CuspFrame
-from rpr_solver.paths.isolated import IsolatedPose, local_map
+from rpr_solver.paths.isolated import Image, IsolatedPose, local_map
 from rpr_solver.paths.path import DEFAULT_SAMPLES, PATH_DIGITS, Path, SamplingPlan, number_of
-from rpr_solver.paths.proofs import Image, PathProof, prove
+from rpr_solver.paths.proofs import PathProof, prove
 from rpr_solver.paths.proved import PROOF_BITS, path_of
 from rpr_solver.paths.route import ControlPoint, Route
 from rpr_solver.slices.cusp_table import solve_slice

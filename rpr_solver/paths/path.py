@@ -5,6 +5,8 @@ The document of :meth:`Path.to_json`::
     {"geometry": {…}, "geometry_hash": "sha256:…", "fixed_leg": 1, "digits": 15, "solver_version": "…",
      "l1": "27", "l2": "24.1", "l3": "16.8", "cusp": 1, "closed": true, "sign": -1, "winding": 1,
      "from": {"pose": 2, "alpha_deg": "…", "theta1_deg": "…"}, "to": {"pose": 4, …},
+     "others": [{"from": {"pose": 1, …}, "to": {"pose": 1, …}, "fold": null},
+                {"from": {"pose": 3, …}, "to": null, "fold": {"l1": "27", "l2": "…", "l3": "…", …}}],
      "duration": "1", "timing": "cosine",
      "samples": [{"time": "0", "l1": "…", "l2": "…", "l3": "…", "alpha_deg": "…", "theta1_deg": "…",
                   "determinant": "…", "clearance_deg": "…"}, …],
@@ -25,8 +27,11 @@ from typing import Any, TypedDict
 from rpr_solver.contract import check_integer, document_head
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
+from rpr_solver.kinematics.pose_table import poses
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
+from rpr_solver.paths.ends import PathPose
+from rpr_solver.paths.others import OtherPose, other_poses
 from rpr_solver.paths.route import Route
 from rpr_solver.paths.samples import PathSample, sampled
 from rpr_solver.paths.timing import TIMINGS
@@ -55,29 +60,6 @@ class PathCertificate(TypedDict):
 
 
 @dataclass(frozen=True)
-class PathPose:
-    """A pose at an end of a path.
-
-    Attributes:
-        number: of the pose, from 1, in the table of all poses of the joint vector (:func:`poses`).
-        alpha_deg: the orientation of the platform, in degrees in (−180, 180].
-        theta_deg: the angle of the fixed leg, likewise.
-
-    >>> from rpr_solver import EXAMPLES, cusp_loop
-    >>> cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=2).start.to_json(1)
-    {'pose': 1, 'alpha_deg': '-19.0937319036636', 'theta1_deg': '145.442869910252'}
-    """
-
-    number: int
-    alpha_deg: str
-    theta_deg: str
-
-    def to_json(self, fixed_leg: int) -> dict[str, Any]:
-        """The document's object."""
-        return {"pose": self.number, "alpha_deg": self.alpha_deg, f"theta{fixed_leg}_deg": self.theta_deg}
-
-
-@dataclass(frozen=True)
 class Path:
     """A path along which the manipulator meets no singularity, from one pose to another of the same legs.
 
@@ -100,6 +82,7 @@ class Path:
         duration: the time of the last sample.
         route: the exact path.
         certificate: how the path is proved.
+        others: what becomes of the other poses meanwhile; None unless asked for (:meth:`with_others`).
 
     >>> from rpr_solver import EXAMPLES, cusp_loop
     >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "A")
@@ -124,6 +107,7 @@ class Path:
     duration: Fraction
     route: Route = field(compare=False, repr=False)
     certificate: PathCertificate
+    others: tuple[OtherPose, ...] | None = None
 
     def __repr__(self) -> str:
         length = shortened(exact_str(self.lengths[self.fixed_leg - 1]))
@@ -162,7 +146,20 @@ class Path:
         )
         certificate: PathCertificate = {**self.certificate, "arcs": backwards.route.to_json()}
         backwards = replace(backwards, certificate=certificate)
-        return backwards.resampled(len(self.samples), timing=self.timing, duration=self.duration)
+        backwards = backwards.resampled(len(self.samples), timing=self.timing, duration=self.duration)
+        return backwards if self.others is None else backwards.with_others()
+
+    def with_others(self) -> Path:
+        """The same path, with what becomes of the other poses of the joint vector meanwhile.
+
+        Each is followed by proof while the legs take the lengths of the path, to the end or to the fold on
+        which it meets another one. This takes longer than the path itself.
+
+        Raises:
+            SolverError: two poses could not be told apart.
+        """
+        table = poses(self.manipulator, *self.lengths, digits=self.digits)
+        return replace(self, others=other_poses(self.route, table, (self.start, self.stop)))
 
     def to_json(self) -> dict[str, Any]:
         """The document described at the top of this module."""
@@ -177,6 +174,7 @@ class Path:
             "winding": self.winding,
             "from": self.start.to_json(leg),
             "to": self.stop.to_json(leg),
+            "others": None if self.others is None else [other.to_json(leg) for other in self.others],
             "duration": exact_str(self.duration),
             "timing": self.timing,
             "samples": [sample.to_json(leg) for sample in self.samples],

@@ -13,9 +13,7 @@ from flint import acb, arb
 
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.arcs import Arc, Expansion, bounded, expanded
-
-Image = tuple[arb, arb]
-"""Half the squared lengths of the free legs, scaled."""
+from rpr_solver.paths.isolated import Image
 
 _FIRST_CUT = 4
 _SMALLEST = 2.0**-24

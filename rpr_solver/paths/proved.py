@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from flint import arb, ctx
+from flint import ctx
 
-from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import round_down
-from rpr_solver.kinematics.pose_table import PlatformPose, PoseTable, poses
+from rpr_solver.kinematics.pose_table import poses
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.paths.isolated import Angles, IsolatedPose
-from rpr_solver.paths.path import Path, PathCertificate, PathPose, SamplingPlan
+from rpr_solver.paths.ends import numbered
+from rpr_solver.paths.path import Path, PathCertificate, SamplingPlan
 from rpr_solver.paths.proofs import PathProof
 from rpr_solver.paths.route import Route
 from rpr_solver.slices.joint_points import free_legs
@@ -17,7 +16,6 @@ from rpr_solver.slices.joint_points import free_legs
 PROOF_BITS = 160
 """The working precision of the proofs."""
 _BOUND_DIGITS = 6
-_MATCH_BITS = 96
 
 
 def path_of(
@@ -63,34 +61,3 @@ def path_of(
         certificate=certificate,
         **plan.members(route, (start, stop), digits),
     )
-
-
-def numbered(pose: IsolatedPose, table: PoseTable, fixed_leg: int) -> PathPose:
-    """A pose with its number in the table of all poses of its joint vector.
-
-    Raises:
-        Unproved: it cannot be told from another pose of the table.
-    """
-    angles = pose.refined(_MATCH_BITS)
-    with ctx.workprec(_MATCH_BITS):
-        digits, candidates = table.digits, enumerate(table.poses, 1)
-        numbers = [k for k, other in candidates if _may_be(angles, other, fixed_leg, digits)]
-    if len(numbers) != 1:
-        raise Unproved("a pose could not be told from the others of its joint vector; ask for more digits")
-    [number] = numbers
-    found = table.poses[number - 1]
-    return PathPose(number, found.alpha_deg, _theta(found, fixed_leg))
-
-
-def _theta(pose: PlatformPose, fixed_leg: int) -> str:
-    return str(pose.to_json()[f"theta{fixed_leg}_deg"])
-
-
-def _may_be(angles: Angles, other: PlatformPose, fixed_leg: int, digits: int) -> bool:
-    """Whether a pose may be one of the table, within the accuracy of the table's decimals."""
-    doubt = arb(10) ** (4 - digits)
-    for angle, text in zip(angles, (other.alpha_deg, _theta(other, fixed_leg)), strict=True):
-        turns = (angle / arb.pi() * 180 - arb(text, doubt)) / 360
-        if not turns.contains_integer():
-            return False
-    return True

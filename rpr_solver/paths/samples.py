@@ -146,7 +146,7 @@ class _Points:
         if texts is None:
             return None
         if angles is None:
-            degrees = round_all((_wrapped(alpha), _wrapped(theta)), self.digits)
+            degrees = round_all((wrapped(alpha), wrapped(theta)), self.digits)
             if degrees is None:
                 return None
             angles = angle_text(degrees[0]), angle_text(degrees[1])
@@ -157,7 +157,7 @@ class _Points:
         return PathSample(time, (legs[1], legs[2], legs[3]), *angles, texts[3], bound)
 
 
-def _wrapped(angle: arb) -> arb:
+def wrapped(angle: arb) -> arb:
     """An angle in degrees, in (−180, 180] up to the width of its ball."""
     degrees = angle * 180 / arb.pi()
     return degrees - 360 * ceil((float(degrees.mid()) - 180) / 360)

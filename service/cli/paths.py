@@ -38,6 +38,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--samples", metavar="N", help=f"number of samples (default: {DEFAULT_SAMPLES})")
     parser.add_argument("--timing", choices=tuple(TIMINGS), help="the law of time (default: cosine)")
     parser.add_argument("--duration", metavar="T", help="the time of the last sample (default: 1)")
+    parser.add_argument(
+        "--others", action="store_true", default=None, help="follow the other poses too, as far as they live"
+    )
     arguments.add_digits(parser, PATH_DIGITS)
     arguments.add_format(parser, "csv")
     remote.add_url(parser)
@@ -56,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _loop(question: PathRequest) -> dict[str, Any]:
-    return rpr_solver.cusp_loop(
+    loop = rpr_solver.cusp_loop(
         question.geometry,
         question.length,
         question.cusp,
@@ -65,7 +68,8 @@ def _loop(question: PathRequest) -> dict[str, Any]:
         samples=question.samples,
         timing=question.timing,
         duration=question.duration,
-    ).to_json()
+    )
+    return (loop.with_others() if question.others else loop).to_json()
 
 
 def _question(args: argparse.Namespace) -> PathRequest:
@@ -77,6 +81,7 @@ def _question(args: argparse.Namespace) -> PathRequest:
         "samples": args.samples,
         "timing": args.timing,
         "duration": args.duration,
+        "others": args.others,
         **remote.deadline_of(args),
     }
     names = {name: f"--{name}" for name in ("l1", "l2", "l3", "cusp", "timing", "duration")}
@@ -95,4 +100,17 @@ def _page(document: Mapping[str, Any]) -> Page:
     notes = [f"Proved along the whole path: |determinant| ≥ {least}; once round the cusp, counter-clockwise."]
     if len(shown) < len(samples):
         notes.append(f"{counted(len(samples), 'sample')}, of which {len(shown)} are shown.")
+    notes += [_fate(other) for other in document["others"] or ()]
     return Page(about(document), [Section(title, rows_of(shown), notes)], document["digits"])
+
+
+def _fate(other: Mapping[str, Any]) -> str:
+    """What becomes of another pose."""
+    pose = f"Pose {other['from']['pose']}"
+    if other["to"] is not None:
+        return f"{pose} is carried to pose {other['to']['pose']}."
+    fold = other["fold"]
+    if fold is None:
+        return f"{pose}: not decided."
+    legs = ", ".join(f"L{i} = {fold[f'l{i}']}" for i in arguments.LEGS)
+    return f"{pose} ends on a fold at {legs}."

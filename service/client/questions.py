@@ -177,9 +177,13 @@ def cusp_loop(
     samples: int = DEFAULT_SAMPLES,
     timing: str = "cosine",
     duration: Exact = 1,
+    others: bool = False,
     deadline: float | None = None,
 ) -> Asked[Path]:
-    """A loop of the leg lengths round a cusp, without a singularity, from one pose to another."""
+    """A loop of the leg lengths round a cusp, without a singularity, from one pose to another.
+
+    With `others` the answer says what becomes of the other poses meanwhile.
+    """
     members = {
         f"l{fixed_leg}": _text(length),
         "fixed_leg": fixed_leg,
@@ -187,6 +191,7 @@ def cusp_loop(
         "samples": str(samples),
         "timing": timing,
         "duration": _text(duration),
+        "others": others,
     }
     return _asked(PathRequest, Path, manipulator, digits, deadline, members)
 

@@ -60,6 +60,12 @@ def _duration(value: object, info: ValidationInfo) -> Fraction:
     return duration
 
 
+def _yes_or_no(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise InputError.of("", f"is {json_kind(value)}; give true or false")
+    return value
+
+
 class PathRequest(SlicesOfOneLeg, Question):
     """A manipulator, a slice, and the cusp round which a loop is requested.
 
@@ -108,6 +114,10 @@ class PathRequest(SlicesOfOneLeg, Question):
         description="The law of time over the arc length in joint space: the speed rises and falls as half a "
         "sine wave, or rises for a third of the time, stays, and falls for a third, or is constant.",
     )
+    others: Annotated[bool, PlainValidator(_yes_or_no, json_schema_input_type=bool)] = Field(
+        default=False,
+        description="Whether the other poses of the joint vector are followed too, as far as they live.",
+    )
     duration: Annotated[Fraction, PlainValidator(_duration, json_schema_input_type=Length)] = Field(
         default=Fraction(1), description="The time of the last sample; > 0."
     )
@@ -123,6 +133,7 @@ class PathRequest(SlicesOfOneLeg, Question):
             "samples": self.samples,
             "timing": self.timing,
             "duration": exact_str(self.duration),
+            "others": self.others,
             "digits": self.digits,
         }
 
@@ -168,6 +179,26 @@ class PathSample(BaseModel):
     )
 
 
+class FoldPoint(BaseModel):
+    """Where a pose meets another one, and both end: a point of a singular curve."""
+
+    l1: Decimal
+    l2: Decimal
+    l3: Decimal
+    alpha_deg: Decimal
+    theta1_deg: Decimal | None = None
+    theta2_deg: Decimal | None = None
+    theta3_deg: Decimal | None = None
+
+
+class OtherPose(BaseModel):
+    """Another pose of the joint vector, carried along by the leg lengths of the path."""
+
+    start: PoseOnPath = Field(alias="from")
+    stop: PoseOnPath | None = Field(alias="to", description="null: it ends before, or is not followed.")
+    fold: FoldPoint | None = Field(description="Where it ends; null with `to` null: that is not decided.")
+
+
 class PathCertificate(BaseModel):
     """The proof of the path."""
 
@@ -196,6 +227,9 @@ class Path(DocumentHead):
     )
     start: PoseOnPath = Field(alias="from")
     stop: PoseOnPath = Field(alias="to")
+    others: list[OtherPose] | None = Field(
+        description="What becomes of the other poses meanwhile; null unless asked for."
+    )
     duration: str
     timing: str
     samples: list[PathSample]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import hypot, pi, radians
 
-from rpr_solver import Manipulator, Path, PathPose, PathSample
+from rpr_solver import FoldPoint, Manipulator, Path, PathPose, PathSample
 
 Two = tuple[float, float]
 _STEP = 1e-6
@@ -79,7 +79,7 @@ def legs_of(sample: PathSample) -> tuple[float, float, float]:
     return l1, l2, l3
 
 
-def angles_of(pose: PathPose | PathSample) -> Two:
+def angles_of(pose: PathPose | PathSample | FoldPoint) -> Two:
     """α and θ in radians."""
     return radians(float(pose.alpha_deg)), radians(float(pose.theta_deg))
 

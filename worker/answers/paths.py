@@ -25,4 +25,5 @@ def compute(request: JobRequest, store: ResultStore, _progress: Progress) -> dic
     plan = SamplingPlan.of(content["samples"], content["timing"], content["duration"])
     eliminant = eliminant_of(request, store)
     table = slice_for_loops(eliminant, content["length"])
-    return loop_in_slice(eliminant, table, content["cusp"], plan, request.digits).to_json()
+    loop = loop_in_slice(eliminant, table, content["cusp"], plan, request.digits)
+    return (loop.with_others() if content["others"] else loop).to_json()

@@ -9,7 +9,8 @@ from flint import arb, ctx
 from rpr_solver import EXAMPLES
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.arcs import Arc, Point, expanded
-from rpr_solver.paths.proofs import Image, prove
+from rpr_solver.paths.isolated import Image
+from rpr_solver.paths.proofs import prove
 from tests.support.motions import Mover
 
 FIRST = EXAMPLES["innocenti"]

@@ -1,21 +1,20 @@
-"""The numbers of poses in the table of their joint vector."""
+"""From a route and its proof to a path."""
 
-import pytest
-
-from rpr_solver import EXAMPLES, Unproved, cusp_loop, poses
-from rpr_solver.paths.proved import numbered
+from rpr_solver import EXAMPLES, cusp_loop
+from rpr_solver.paths.path import SamplingPlan
+from rpr_solver.paths.proofs import prove
+from rpr_solver.paths.proved import PROOF_BITS, path_of
 
 LOOP = cusp_loop(EXAMPLES["innocenti"], 27, 4, samples=2)
-TABLE = poses(EXAMPLES["innocenti"], *LOOP.lengths, digits=15)
 
 
-def test_a_pose_has_the_number_of_its_line() -> None:
-    for isolated, end in ((LOOP.route.start, LOOP.start), (LOOP.route.stop, LOOP.stop)):
-        assert numbered(isolated, TABLE, 1) == end
-        assert TABLE.poses[end.number - 1].theta1_deg == end.theta_deg
-
-
-def test_a_pose_of_other_legs_has_none() -> None:
-    other = poses(EXAMPLES["innocenti"], 27, 30, 20, digits=15)
-    with pytest.raises(Unproved):
-        numbered(LOOP.route.start, other, 1)
+def test_a_route_and_its_proof_make_the_path() -> None:
+    route = LOOP.route
+    proof = prove(route.slice_map, route.at(PROOF_BITS), LOOP.sign)
+    assert proof is not None
+    plan = SamplingPlan.of(2, "cosine", 1)
+    path = path_of(LOOP.manipulator, route, proof, plan, 15)
+    assert (path.cusp, path.winding) == (None, None)
+    assert (path.start, path.stop, path.lengths) == (LOOP.start, LOOP.stop, LOOP.lengths)
+    again = path_of(LOOP.manipulator, route, proof, plan, 15, (4, 1))
+    assert again.samples == LOOP.samples

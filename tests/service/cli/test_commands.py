@@ -45,7 +45,11 @@ def test_a_loop_round_a_cusp_in_every_form(run_here: Run) -> None:
     legs = "L1 = 27, L2 = 15.5, L3 = 16.9"
     assert lines[2] == "Loop round cusp B, from pose {} to pose {} of {}: J > 0".format(*ends, legs)
     assert lines[-1].strip() == "41 samples, of which 21 are shown."
-    assert run_here(*args[:-2], "--fixed-leg", "1").returncode == 0
+    others = run_here("paths", "innocenti", "--l1", "27", "--samples", "2", "--others").stdout.splitlines()[
+        -3:
+    ]
+    assert others[0].strip().startswith("Pose 2 ends on a fold at L1 = 27.0000000000000, L2 = 24.461706")
+    assert others[2].strip() == "Pose 4 is carried to pose 4."
 
 
 @pytest.mark.slow

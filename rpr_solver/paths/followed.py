@@ -1,0 +1,255 @@
+"""Poses that are carried along by the leg lengths of a path, in tubes, as far as they live.
+
+While the legs take the lengths of a path q(τ), another pose p of the same joint vector follows by
+F(p) = F(q(τ)): a curve in (α, θ, τ). Along it a parabola ẑ(r), r being the coordinate along the tangent,
+approximates the curve on a piece, and if A is the inverse of the derivative D of F(p) − F(q(τ)) in the two
+directions across, at the middle, and
+
+    |A (F(p̂(r)) − F(q(τ̂(r))))| + |1 − A D| ρ < ρ        for all r of the piece, D over the radii ρ,
+
+then for each r there is exactly one point of the curve within ρ of the parabola (Krawczyk's test). The
+pose lives as long as J ≠ 0. Where the curve crosses J = 0 it turns back in τ: this is a fold, on which the
+pose meets another one, and both end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from flint import arb, arb_mat, arb_poly, ctx
+
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.arcs import Arc, bounded, expanded
+from rpr_solver.paths.folds import Carrier, Place, Two, within
+from rpr_solver.paths.isolated import Angles
+
+_FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.125, 0.5, 2.0**-20
+_LONGER, _SHORTER = 1.2, 0.6
+_MOST_PIECES = 200
+_TRIALS = 3
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A pose carried along: where it is at the end, or the fold on which it ends before.
+
+    ``fold`` has the arc's number, and α, θ and τ there. Both are None if the pose could be followed neither
+    to the end nor to a fold.
+    """
+
+    end: Angles | None = None
+    fold: tuple[int, Place] | None = None
+
+
+def follow(slice_map: SliceMap, arcs: Sequence[Arc], start: Angles) -> Followed:
+    """Follows a pose, a small ball, of the joint vector at which the arcs begin.
+
+    The working precision is that of the caller.
+    """
+    angles = start
+    for number, arc in enumerate(arcs):
+        outcome = _along(Carrier(slice_map, arc), angles)
+        if outcome is None:
+            return Followed()
+        if outcome.is_fold:
+            return Followed(fold=(number, outcome.place))
+        angles = outcome.place[0], outcome.place[1]
+    return Followed(end=angles)
+
+
+@dataclass(frozen=True)
+class _Outcome:
+    """The end of an arc, or a fold before it."""
+
+    place: Place
+    is_fold: bool
+
+
+def _along(carrier: Carrier, angles: Angles) -> _Outcome | None:
+    place: Place = (*angles, arb(0))
+    step, backwards = _FIRST_STEP, None
+    for _ in range(_MOST_PIECES):
+        tube = _Tube.built(carrier, place, arb(step), backwards)
+        outcome = None if tube is None else tube.outcome(place)
+        if tube is None or outcome is None:
+            step *= _SHORTER
+            if step < _SMALLEST_STEP:
+                return None
+            continue
+        if outcome.is_fold or outcome.place[2].is_exact():
+            return outcome
+        place, backwards = outcome.place, tube.tangent
+        step = min(_LONGER * step, _LARGEST_STEP)
+    return None
+
+
+@dataclass(frozen=True)
+class _Tube:
+    """The points within ``radii``, across, of the parabola for 0 ≤ r ≤ ``reach``: one for each r."""
+
+    carrier: Carrier
+    hat: tuple[arb_poly, arb_poly, arb_poly]
+    tangent: Place
+    across: tuple[Place, Place]
+    reach: arb
+    radii: Two
+    lives: bool
+    """Whether J ≠ 0 everywhere in the tube."""
+
+    @classmethod
+    def built(cls, carrier: Carrier, place: Place, reach: arb, last: Place | None) -> _Tube | None:
+        """The tube from a place on, in the direction of the last tangent, or else of increasing τ."""
+        origin = place[0].mid(), place[1].mid(), place[2].mid()
+        rows = carrier.slopes(origin)[:2]
+        tangent = _cross(rows[0], rows[1])
+        size = sum((x * x for x in tangent), arb(0)).sqrt()
+        along = (
+            tangent[2] if last is None else sum((x * y for x, y in zip(tangent, last, strict=True)), arb(0))
+        )
+        if size.contains(0) or along.contains(0):
+            return None
+        size = size if along > 0 else -size
+        t = (tangent[0] / size).mid(), (tangent[1] / size).mid(), (tangent[2] / size).mid()
+        across = _across(t, rows)
+        columns = [[_dot(row, n) for n in across] for row in rows]
+        det = columns[0][0] * columns[1][1] - columns[0][1] * columns[1][0]
+        if det.contains(0):
+            return None
+        inverse = arb_mat(
+            [
+                [(columns[1][1] / det).mid(), (-columns[0][1] / det).mid()],
+                [(-columns[1][0] / det).mid(), (columns[0][0] / det).mid()],
+            ]
+        )
+        straight = [arb_poly([x, d]) for x, d in zip(origin, t, strict=True)]
+        bend = inverse * arb_mat([[x] for x in carrier.residue(straight, arb(0), 2)[2]])
+        hat = [
+            p - arb_poly([0, 0, (bend[0, 0] * a + bend[1, 0] * b).mid()])
+            for p, a, b in zip(straight, *across, strict=True)
+        ]
+        return cls._proved(carrier, (hat[0], hat[1], hat[2]), t, across, inverse, reach)
+
+    @classmethod
+    def _proved(
+        cls,
+        carrier: Carrier,
+        hat: tuple[arb_poly, arb_poly, arb_poly],
+        tangent: Place,
+        across: tuple[Place, Place],
+        inverse: arb_mat,
+        reach: arb,
+    ) -> _Tube | None:
+        middle = reach / 2
+        half = middle
+        piece = arb(middle, half)
+        near, wide = carrier.residue(hat, middle, 2), carrier.residue(hat, piece, 3)
+        errors = [
+            sum((abs(near[k][i]) * half**k for k in range(3)), arb(0)) + abs(wide[3][i]) * half**3
+            for i in range(2)
+        ]
+        least = [
+            sum((abs(inverse[i, k]) * errors[k] for k in range(2)), arb(0)).abs_upper() for i in range(2)
+        ]
+        floor = arb(2) ** -(ctx.prec // 2)
+        least = [x + floor for x in least]
+        radii = 2 * least[0], 2 * least[1]
+        for _ in range(_TRIALS):
+            box = _place(hat, across, piece, (arb(0, radii[0]), arb(0, radii[1])))
+            rows = carrier.slopes(box)
+            (a, b), (c, d) = (
+                [
+                    abs(sum((inverse[i, m] * _dot(rows[m], n) for m in range(2)), arb(0)) - (i == k))
+                    for k, n in enumerate(across)
+                ]
+                for i in range(2)
+            )
+            if (
+                least[0] + a * radii[0] + b * radii[1] < radii[0]
+                and least[1] + c * radii[0] + d * radii[1] < radii[1]
+            ):
+                break
+            # 3/2 times the radii that would just pass if the slopes did not change
+            det = (1 - a) * (1 - d) - b * c
+            if not (a < 1 and det > 0):
+                return None
+            factor = arb(3) / (2 * det)
+            radii = (
+                (factor * ((1 - d) * least[0] + b * least[1])).abs_upper(),
+                (factor * (c * least[0] + (1 - a) * least[1])).abs_upper(),
+            )
+        else:
+            return None
+        pose = carrier.pose(hat)
+        at, over = (expanded(carrier.slice_map, pose, x, k) for x, k in ((middle, 1), (piece, 2)))
+        slack = sum((abs(_dot(rows[2], n)) * r for n, r in zip(across, radii, strict=True)), arb(0))
+        j = bounded(at.singularity, over.singularity, half) + arb(0, slack.abs_upper())
+        return cls(carrier, hat, tangent, across, reach, radii, not j.contains(0))
+
+    def outcome(self, start: Place) -> _Outcome | None:
+        """What follows: the end of the arc, a fold, or another place; None if it is not decided."""
+        if not self.contains(start):
+            return None
+        end = self._at(self.reach)
+        if end is None:
+            return None
+        if not self.lives:
+            first, last = (self.carrier.singularity(place) for place in (start, end))
+            if not (first * last < 0):
+                return None
+            fold = self.carrier.fold((start, end))
+            if fold is None or not self.contains(fold):
+                return None
+            return _Outcome(fold, True) if fold[2] < 1 else None
+        if end[2] < 1:
+            return _Outcome(end, False)
+        pose = self.carrier.arrival((end[0], end[1]))
+        if pose is None:
+            return None
+        arrived = *pose, arb(1)
+        return _Outcome(arrived, False) if self.contains(arrived) else None
+
+    def contains(self, place: Place) -> bool:
+        """Proof that a small ball lies in the tube."""
+        away = [x - p[0] for x, p in zip(place, self.hat, strict=True)]
+        r = sum((x * t for x, t in zip(away, self.tangent, strict=True)), arb(0))
+        slack = arb(2) ** -(ctx.prec // 2)
+        if not (r > -slack and r < self.reach + slack):
+            return False
+        aside = [x - p(r) for x, p in zip(place, self.hat, strict=True)]
+        return all(
+            abs(sum((x * y for x, y in zip(aside, n, strict=True)), arb(0))) < radius
+            for n, radius in zip(self.across, self.radii, strict=True)
+        )
+
+    def _at(self, r: arb) -> Place | None:
+        """The point of the curve at one r, as a small ball."""
+        return within(
+            self.carrier, _place(self.hat, self.across, r, (arb(0), arb(0))), self.across, self.radii
+        )
+
+
+def _place(hat: Sequence[arb_poly], across: tuple[Place, Place], r: arb, w: Two) -> Place:
+    x, y, z = (p(r) + w[0] * a + w[1] * b for p, a, b in zip(hat, *across, strict=True))
+    return x, y, z
+
+
+def _cross(p: Place, q: Place) -> Place:
+    (a, b, c), (d, e, f) = p, q
+    return b * f - c * e, c * d - a * f, a * e - b * d
+
+
+def _dot(p: Place, q: Place) -> arb:
+    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+
+
+def _across(t: Place, rows: Sequence[Place]) -> tuple[Place, Place]:
+    """Two directions nearly orthogonal to a unit vector: that in which the rows change most, and another.
+
+    With the steepest apart, the slower one does not suffer from its errors, as near a cusp it would.
+    """
+    row = max(rows, key=lambda row: _dot(row, row).mid())
+    size = _dot(row, row).sqrt()
+    first = (row[0] / size).mid(), (row[1] / size).mid(), (row[2] / size).mid()
+    n = _cross(t, first)
+    return first, (n[0].mid(), n[1].mid(), n[2].mid())

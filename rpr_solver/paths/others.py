@@ -1,0 +1,126 @@
+"""What becomes of the other poses of a joint vector while a path is run, in decimals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from flint import arb, ctx
+
+from rpr_solver.errors import Unproved
+from rpr_solver.exact.decimals import digit_bits, round_all
+from rpr_solver.kinematics.pose_table import PoseTable
+from rpr_solver.paths.arcs import Arc
+from rpr_solver.paths.ends import PathPose, numbered, of_table
+from rpr_solver.paths.folds import Place
+from rpr_solver.paths.followed import follow
+from rpr_solver.paths.isolated import Angles, IsolatedPose, local_map
+from rpr_solver.paths.route import Route
+from rpr_solver.paths.samples import wrapped
+from rpr_solver.slices.joint_points import free_legs
+
+_SPARE_BITS = 128
+
+
+@dataclass(frozen=True)
+class FoldPoint:
+    """Where a pose that is carried along meets another one, and both end: a point of a singular curve.
+
+    Attributes:
+        lengths: L1, L2 and L3 there, correctly rounded, in the user's unit.
+        alpha_deg: the orientation of the platform, in degrees in (−180, 180].
+        theta_deg: the angle of the fixed leg, likewise.
+
+    >>> from rpr_solver import EXAMPLES, cusp_loop
+    >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=2).with_others()
+    >>> [other.fold.lengths[0] for other in loop.others if other.fold]
+    ['27.0000000000000', '27.0000000000000']
+    """
+
+    lengths: tuple[str, str, str]
+    alpha_deg: str
+    theta_deg: str
+
+    def to_json(self, fixed_leg: int) -> dict[str, str]:
+        """The document's object."""
+        l1, l2, l3 = self.lengths
+        angles = {"alpha_deg": self.alpha_deg, f"theta{fixed_leg}_deg": self.theta_deg}
+        return {"l1": l1, "l2": l2, "l3": l3, **angles}
+
+
+@dataclass(frozen=True)
+class OtherPose:
+    """A pose that no path was asked for, carried along by the leg lengths of one.
+
+    Attributes:
+        start: the pose at the start.
+        stop: the pose at the stop, if it lives so long.
+        fold: the fold on which it ends before; with ``stop`` None too, it is not decided what becomes of it.
+
+    >>> from rpr_solver import EXAMPLES, cusp_loop
+    >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=2).with_others()
+    >>> [(other.start.number, other.stop and other.stop.number) for other in loop.others]
+    [(2, None), (3, None), (4, 4)]
+    """
+
+    start: PathPose
+    stop: PathPose | None
+    fold: FoldPoint | None
+
+    def to_json(self, fixed_leg: int) -> dict[str, Any]:
+        """The document's object."""
+        return {
+            "from": self.start.to_json(fixed_leg),
+            "to": self.stop and self.stop.to_json(fixed_leg),
+            "fold": self.fold and self.fold.to_json(fixed_leg),
+        }
+
+
+def other_poses(route: Route, table: PoseTable, ends: tuple[PathPose, PathPose]) -> tuple[OtherPose, ...]:
+    """The poses of the joint vector beside that which follows the route, each as far as it is proved to live.
+
+    ``table`` has all poses of the joint vector; those that coalesce with others are left out.
+
+    Raises:
+        Unproved: two poses could not be told apart.
+    """
+    leg = route.slice_map.fixed_leg
+    bits = digit_bits(table.digits) + _SPARE_BITS
+    arcs = route.at(bits)
+    others = []
+    for number, pose in enumerate(table.poses, 1):
+        if number == ends[0].number or pose.multiplicity > 1:
+            continue
+        start = of_table(table, number, leg)
+        with ctx.workprec(bits):
+            angles = arb(start.alpha_deg) * arb.pi() / 180, arb(start.theta_deg) * arb.pi() / 180
+            isolated = IsolatedPose.near(route.slice_map, route.start.legs, angles)
+            if isolated is None or numbered(isolated, table, leg) != start:
+                raise Unproved("a pose of the joint vector could not be told from another one")
+            followed = follow(route.slice_map, arcs, isolated.refined(bits - 32))
+            stop = None if followed.end is None else _arrived(route, followed.end, table)
+            fold = None
+            if followed.fold is not None:
+                at, place = followed.fold
+                fold = _fold_point(route, arcs[at], place, table.digits)
+        others.append(OtherPose(start, stop, fold))
+    return tuple(others)
+
+
+def _arrived(route: Route, angles: Angles, table: PoseTable) -> PathPose | None:
+    isolated = IsolatedPose.near(route.slice_map, route.stop.legs, angles)
+    return None if isolated is None else numbered(isolated, table, route.slice_map.fixed_leg)
+
+
+def _fold_point(route: Route, arc: Arc, place: Place, digits: int) -> FoldPoint | None:
+    alpha, theta, tau = place
+    length, scale, leg = arc.length(tau), route.slice_map.scale_ball(), route.slice_map.fixed_leg
+    first, second = (
+        square.sqrt() / scale
+        for square in local_map(route.slice_map, length, (alpha, theta), 0).squared_lengths()
+    )
+    texts = round_all((length / scale, first, second, wrapped(alpha), wrapped(theta)), digits)
+    if texts is None:
+        return None
+    by_leg = dict(zip((leg, *free_legs(leg)), texts[:3], strict=True))
+    return FoldPoint((by_leg[1], by_leg[2], by_leg[3]), *texts[3:])

@@ -1,0 +1,47 @@
+"""Poses carried along by a path, against Newton's method in floats and against each other."""
+
+import pytest
+from flint import arb, ctx
+
+from rpr_solver import EXAMPLES, Path, cusp_loop, poses
+from rpr_solver.paths.followed import Followed, follow
+from rpr_solver.paths.isolated import IsolatedPose
+from tests.support.motions import Mover, angles_of, apart, legs_of
+
+BITS = 160
+LOOP = cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=401)
+
+
+def followed(path: Path, number: int) -> Followed:
+    pose = poses(path.manipulator, *path.lengths, digits=40).poses[number - 1]
+    with ctx.workprec(BITS):
+        angles = [arb(text) * arb.pi() / 180 for text in (pose.alpha_deg, pose.theta1_deg)]
+        isolated = IsolatedPose.near(path.route.slice_map, path.route.start.legs, (angles[0], angles[1]))
+        assert isolated is not None
+        return follow(path.route.slice_map, path.route.at(BITS), isolated.refined(BITS - 32))
+
+
+def test_the_pose_of_the_path_is_led_to_its_stop() -> None:
+    outcome = followed(LOOP, LOOP.start.number)
+    assert outcome.end is not None
+    assert apart((float(outcome.end[0]), float(outcome.end[1])), angles_of(LOOP.stop)) < 1e-12
+
+
+def test_a_pose_that_lives_is_where_newton_leads_it() -> None:
+    outcome = followed(LOOP, 4)
+    assert outcome.end is not None
+    start = poses(LOOP.manipulator, *LOOP.lengths, digits=20).poses[3]
+    pose = float(arb(start.alpha_deg) * arb.pi() / 180), float(arb(start.theta1_deg) * arb.pi() / 180)
+    reached = Mover.of(LOOP.manipulator).followed(pose, [legs_of(sample) for sample in LOOP.samples])
+    assert apart((float(outcome.end[0]), float(outcome.end[1])), reached) < 1e-6
+
+
+@pytest.mark.parametrize("number", [2, 3])
+def test_two_poses_end_on_one_fold(number: int) -> None:
+    outcome = followed(LOOP, number)
+    assert outcome.fold is not None
+    arc, (alpha, theta, tau) = outcome.fold
+    assert (arc, outcome.end) == (0, None)
+    assert float(tau) == pytest.approx(0.0143589, abs=1e-6)
+    length = 27.0
+    assert abs(Mover.of(LOOP.manipulator).determinant(float(alpha), float(theta), length)) < 1e-5
