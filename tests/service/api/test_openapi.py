@@ -8,6 +8,7 @@ import pytest
 from service.api.app import create_app
 from service.api.problems import MEDIA_TYPE
 from service.openapi_yaml import FILE, main
+from tests.support.contract import demands, known, promises
 
 
 @pytest.fixture(scope="module")
@@ -63,3 +64,16 @@ def test_links_lead_to_operations(contract: dict[str, Any]) -> None:
 def test_it_says_which_openapi_it_is(contract: dict[str, Any]) -> None:
     assert contract["openapi"].startswith("3.1.")
     assert "HTTPValidationError" not in contract["components"]["schemas"]
+
+
+def test_what_was_promised_stays(contract: dict[str, Any]) -> None:
+    kept = {line for line in known() if " must have " not in line}
+    assert not kept - promises(contract), "within /v1 the contract only grows: see docs/http.md"
+
+
+def test_requests_need_no_more_than_before(contract: dict[str, Any]) -> None:
+    old = known()
+    already = {line.partition(" has ")[0] for line in old if " has " in line}
+    already |= {line.partition(" is called ")[0] for line in old if " is called " in line}
+    more = {line for line in demands(contract) - old if line.partition(" must have ")[0] in already}
+    assert not more, "within /v1 a request that was accepted stays so: see docs/http.md"
