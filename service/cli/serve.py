@@ -30,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--host",
         default="127.0.0.1",
-        help="address to listen on (default: 127.0.0.1); one that other computers reach needs a key",
+        help="address or name to listen on (default: 127.0.0.1); one that other computers reach needs a key",
     )
     parser.add_argument("--insecure", action="store_true", help="let everyone in who reaches the address")
     parser.add_argument(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import socket
 import subprocess
+from collections.abc import Mapping
 
-from service.api.settings import KeysPolicy
 from service.stack.health import Pulse
 from worker.process.child import Child, Process, Say, python_program
 
@@ -14,23 +14,26 @@ _STOP_PATIENCE = 6.0  # it gives open connections half of this
 
 
 class ApiChild:
-    """Keeps one API process running. The listening socket stays open: clients wait for the next one."""
+    """Keeps one API process running. The listening socket stays open: clients wait for the next one.
+
+    Args:
+        listener: the listening socket.
+        settings: those of the API that differ from the environment.
+        say: tells what happens to the process.
+        hang_seconds: how long it may be silent.
+    """
 
     def __init__(
         self,
         listener: socket.socket,
-        redis_url: str,
-        keys: KeysPolicy,
-        log_level: str,
+        settings: Mapping[str, str],
         say: Say,
         hang_seconds: float,
     ) -> None:
         self._listener = listener
         self._environment = {
             **os.environ,
-            "RPR_CUSPS_REDIS_URL": redis_url,
-            "RPR_CUSPS_REQUIRE_KEYS": keys,
-            "RPR_CUSPS_LOG_LEVEL": log_level,
+            **{f"RPR_CUSPS_{name.upper()}": value for name, value in settings.items()},
         }
         self._child = Child("the API", self._launch, say, hang_seconds)
         self._pulse: Pulse | None = None

@@ -12,7 +12,7 @@ import stat
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 
 from service.stack.aof import DIRECTORY
@@ -36,21 +36,46 @@ def default_data_dir() -> Path:
 def make_private(data_dir: Path, say: Callable[[str], object]) -> None:
     """Create the directory, or close it to other users, with what an earlier server left in it.
 
+    A volume of Kubernetes with an `fsGroup` stays as it is: it belongs to root, and only to our group beside.
+
     Raises:
-        EmbeddedError: it belongs to another user.
+        EmbeddedError: it belongs to another user, or something in it does.
     """
     data_dir.mkdir(parents=True, exist_ok=True, mode=0o700)
     info = data_dir.stat()
-    if info.st_uid != os.geteuid():
+    if is_lent(info, os.geteuid(), {os.getegid(), *os.getgroups()}):
+        _check_own(data_dir)
+    elif info.st_uid != os.geteuid():
         raise EmbeddedError(
             f"the data directory {data_dir} belongs to {_user(info.st_uid)}, not to {_user(os.geteuid())}; "
-            "choose another --data-dir"
+            "choose another --data-dir, or one below it"
         )
-    if (mode := stat.S_IMODE(info.st_mode)) & _OTHERS:
+    elif (mode := stat.S_IMODE(info.st_mode)) & _OTHERS:
         data_dir.chmod(0o700)
         say(f"the data directory {data_dir} was open to other users (mode {mode:03o}); now it is private")
-    for path in (*data_dir.glob("valkey.log*"), data_dir / DIRECTORY, *(data_dir / DIRECTORY).glob("*")):
+    for path in _files(data_dir):
         _close_to_others(path)
+
+
+def _files(data_dir: Path) -> list[Path]:
+    return [*data_dir.glob("valkey.log*"), data_dir / DIRECTORY, *(data_dir / DIRECTORY).glob("*")]
+
+
+def is_lent(info: os.stat_result, user: int, groups: Collection[int]) -> bool:
+    """Whether a directory of root's is open to a group of ours for writing, and to nobody else.
+
+    Others of that group cannot read our files, and cannot put theirs in place of ours without being noticed.
+    """
+    is_group_writable = info.st_mode & stat.S_IRWXG == stat.S_IRWXG and not info.st_mode & stat.S_IWOTH
+    return user != 0 == info.st_uid and info.st_gid in groups and is_group_writable
+
+
+def _check_own(data_dir: Path) -> None:
+    for path in filter(os.path.lexists, _files(data_dir)):
+        if (owner := path.lstat().st_uid) != os.geteuid():
+            raise EmbeddedError(
+                f"{path} belongs to {_user(owner)}, not to {_user(os.geteuid())}; choose another --data-dir"
+            )
 
 
 def _close_to_others(path: Path) -> None:

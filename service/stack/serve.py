@@ -86,9 +86,14 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
         _check_redis(url, signals)
     if not signals.is_quiet():
         return
-    policy = _keys_policy(settings, listener, url)
+    of_api = {
+        "redis_url": url,
+        "require_keys": _keys_policy(settings, listener, url),
+        "allowed_hosts": f"{Settings().allowed_hosts},{settings.host}",
+        "log_level": level,
+    }
     pool = WorkerPool(settings.worker_count, url, level, tell, patience)
-    api = ApiChild(listener, url, policy, level, tell, patience)
+    api = ApiChild(listener, of_api, tell, patience)
     supervisor = Supervisor(valkey, api, pool, _announcement(settings, listener, where))
     stack.callback(supervisor.stop, signals.is_repeated)
     supervisor.run(signals.is_quiet)

@@ -65,6 +65,14 @@ def test_without_keys_only_by_the_operators_word(tmp_path: Path) -> None:
         assert "without keys: whoever reaches 0.0.0.0 port" in process.stderr.readline()
 
 
+def test_a_name_to_listen_on(tmp_path: Path) -> None:
+    """`serve --host NAME` listens on a name. Requests to that name are answered, those to another are 421."""
+    with running(tmp_path, "--host", "127.1") as (base, _):
+        port = base.rpartition(":")[2]
+        for host, status in ((f"127.1:{port}", 200), (f"127.2:{port}", 421)):
+            assert httpx.get(f"{base}/version", headers={"Host": host}).status_code == status
+
+
 def test_a_client_cannot_end_the_job_of_another(tmp_path: Path) -> None:
     """One client cancels a job that another one waits for. It goes on, and the other one gets its answer."""
     question = {"geometry": GEOMETRY, "l1": 14.98, "digits": 15}
