@@ -54,9 +54,10 @@ async def answer_asked(
             return known, context.queue.remember(job_request)
         check_price(job_request, settings.limits)
         admit(caller, job_request, context.queue.quotas, settings.limits)
-        view = context.queue.submit_for(who, job_request, seconds or 0, deadline_s)
+        view = context.queue.submit_for(who, job_request, seconds or 0, deadline_s, is_unknown=True)
         call_back(context, view.id, who, callback_url)
-        return _finished(context, view), True
+        outcome = _finished(context, view)
+        return (_placed(context, outcome) if seconds is None else outcome), True
 
     outcome, is_kept = await context.redis(begin)
     way = "cached"
@@ -73,7 +74,6 @@ async def answer_asked(
     if applied := prefer.applied(waited, isinstance(outcome, JobView)):
         headers["Preference-Applied"] = applied
     if isinstance(outcome, JobView):
-        outcome = await context.redis(context.queue.placed, outcome)
         headers |= {"Location": f"/v1/jobs/{outcome.id}", **retry_after(outcome, settings)}
         return Response(
             json_bytes(job_json(outcome, context.queue.settings, who)), 202, headers, media_type=JSON
@@ -97,7 +97,11 @@ def _waited(context: Context, view: JobView, who: Subscriber, is_gone: bool) -> 
         context.queue.leave(view.id, who)
     elif isinstance(outcome, JobView):
         context.queue.subscriptions.add(view.id, who)
-    return outcome
+    return _placed(context, outcome)
+
+
+def _placed(context: Context, outcome: Answer | JobView) -> Answer | JobView:
+    return context.queue.placed(outcome) if isinstance(outcome, JobView) else outcome
 
 
 def _finished(context: Context, view: JobView) -> Answer | JobView:

@@ -13,8 +13,10 @@ from service.api.sending import IS_HEAD, LongAnswer
 from worker.jobs.records import JobView
 
 
-async def follow(request: Request, context: Context, view: JobView) -> Response:
+async def follow(request: Request, context: Context, view: JobView, with_known: bool = False) -> Response:
     """Returns the stream of events, from after `Last-Event-ID` if it is sent; or 204 if none follows.
+
+    With `with_known`, a stream from the beginning also has the slices that were known before the job.
 
     Raises:
         ProblemError: 400, the id is malformed.
@@ -31,5 +33,5 @@ async def follow(request: Request, context: Context, view: JobView) -> Response:
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     if request.scope.get(IS_HEAD):
         return Response(headers=headers, media_type="text/event-stream")
-    stream = context.events.follow(view, last)
+    stream = context.events.follow(view, last, with_known and last == "0")
     return LongAnswer(stream, headers, "text/event-stream", context.followers)

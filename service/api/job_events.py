@@ -22,7 +22,8 @@ from service.api.job_view import job_json, state_then
 from service.api.redis_access import RedisAccess, Refusals
 from service.api.settings import Settings
 from service.api.table_forms import json_bytes
-from worker.answers.kinds import is_batch
+from worker.answers import tables
+from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.store import dump
 from worker.connection import password
 from worker.jobs.queue import JobQueue
@@ -116,12 +117,17 @@ class JobEvents:
         """Returns the next events after `last_id` that exist already."""
         return await self._batches.get((view.run, view.id, last_id), self.access, self._read)
 
-    async def follow(self, view: JobView, last_id: str) -> AsyncGenerator[bytes]:
+    async def follow(self, view: JobView, last_id: str, with_known: bool = False) -> AsyncGenerator[bytes]:
         """Yields the stream as text/event-stream, from after `last_id` to the end of the job.
+
+        `with_known`: first the slices that were known before the job, without ids of their own.
 
         It ends early if Redis fails; a client that reconnects resumes it.
         """
         try:
+            if with_known and kind_of_job(view.id) is tables.KIND:
+                async for part in self._known_before(view):
+                    yield part
             async with aclosing(self._follow(view, last_id)) as parts:
                 async for part in parts:
                     yield part
@@ -149,6 +155,16 @@ class JobEvents:
                 if now is None or now.is_terminal or tail.is_over:
                     return
                 yield b": waiting\n\n"
+
+    async def _known_before(self, view: JobView) -> AsyncIterator[bytes]:
+        lengths = await self.access(self.queue.records.known_before, view.id)
+        progress = json_bytes({"done": view.done, "total": view.total})
+        for first in range(0, len(lengths), _AT_ONCE):
+            group = lengths[first : first + _AT_ONCE]
+            slices = await self.access(self._slices, view.id, group)
+            for l1 in filter(slices.get, group):
+                start = b'{"l1":' + json_bytes(l1) + b',"progress":' + progress + b',"slice":'
+                yield b"event: slice\ndata: " + start + slices[l1] + b"}\n\n"
 
     def _read(self, job_id: str, last_id: str) -> Sequence[Event]:
         start = f"({last_id}" if last_id != "0" else "-"

@@ -25,7 +25,7 @@ from service.client.conversation import (
 from service.client.questions import Answer, Asked, M
 from service.client.results import ItemResult, Reading
 from service.client.settings import connection
-from service.client.streams import InOrder, SliceEvents, lengths_of
+from service.client.streams import EVENTS, InOrder, SliceEvents, lengths_of
 from service.schemas.batches import Batch
 from service.schemas.jobs import Job
 from service.schemas.tables import CuspTable
@@ -246,7 +246,7 @@ class AsyncServiceClient:
     async def _events(self, path: str) -> AsyncIterator[tuple[str, Mapping[str, Any]]]:
         events = SliceEvents()
         try:
-            async with self._http.stream("GET", path, headers={"Accept": "text/event-stream"}) as response:
+            async with self._http.stream("GET", path, **EVENTS) as response:
                 if response.status_code == 200:
                     async for line in response.aiter_lines():
                         if (data := events.line(line)) is not None:

@@ -9,6 +9,9 @@ from typing import Any
 from service.client.questions import Asked
 from service.schemas.tables import CuspTable, CuspTableRequest
 
+EVENTS: Mapping[str, Any] = {"params": {"known": "true"}, "headers": {"Accept": "text/event-stream"}}
+"""What a request for the events of a job says: that slices which were known before are wanted too."""
+
 
 def lengths_of(asked: Asked[CuspTable]) -> tuple[str, Sequence[str]]:
     """Returns the name of the fixed leg's length, and the lengths of the slices in the order asked."""

@@ -11,6 +11,8 @@ from service.stack.health import Pulse
 from worker.process.child import Child, Process, Say, python_program
 
 _STOP_PATIENCE = 6.0  # it gives open connections half of this
+_FEW_ARENAS = {"MALLOC_ARENA_MAX": "2"}
+"""Or else glibc spreads what some forty threads need over one arena each, and its memory grows for hours."""
 
 
 class ApiChild:
@@ -32,6 +34,7 @@ class ApiChild:
     ) -> None:
         self._listener = listener
         self._environment = {
+            **_FEW_ARENAS,
             **os.environ,
             **{f"RPR_CUSPS_{name.upper()}": value for name, value in settings.items()},
         }

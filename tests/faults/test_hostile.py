@@ -59,9 +59,8 @@ def spoiled(body: Any, draw: random.Random) -> Any:
         if act == 0:
             del container[key]
         elif act == 1 and isinstance(container, dict):
-            container[draw.choice(["l1", "digits", "geometry", "a2x", "", "é", "__proto__"])] = draw.choice(
-                ODD
-            )
+            name = draw.choice(["l1", "digits", "geometry", "a2x", "", "é", "__proto__"])
+            container[name] = deepcopy(draw.choice(ODD))
         elif act == 2:
             container[key] = [container[key]] * draw.choice([1, 2, most])
         else:

@@ -47,14 +47,17 @@ class JobQueue:
         self._remembered: dict[str, float] = {}
         self.quotas = Quotas(redis, self.settings)
 
-    def submit(self, request: JobRequest, deadline_s: float | None = None) -> JobView:
+    def submit(
+        self, request: JobRequest, deadline_s: float | None = None, *, is_unknown: bool = False
+    ) -> JobView:
         """Submit a request for a table or another document; returns its job.
 
         The job fails if it is not done in `deadline_s` seconds. If several clients submit it, the latest of
         their deadlines counts; None is no deadline.
 
         Joins a job that is queued or running, or has succeeded and still has its results. A job that failed,
-        was canceled, lost a part of its record, or whose results have expired is restarted.
+        was canceled, lost a part of its record, or whose results have expired is restarted. `is_unknown`:
+        the answer was looked up a moment ago, so that one in a single part need not be looked up again.
 
         Raises:
             QueueFullError: the lane of a new job holds too much work.
@@ -64,7 +67,9 @@ class JobQueue:
             if self.records.reconcile(request.job_id):
                 return self._joined(seen, deadline_s)
             seen = self.records.view(request.job_id)
-        todo = missing_parts(request, self.store)
+        has_succeeded = seen is not None and seen.status == "succeeded"
+        is_missing = is_unknown and len(request.parts) == 1 and not has_succeeded
+        todo = request.parts if is_missing else missing_parts(request, self.store)
         if seen is not None and seen.status == "succeeded" and not todo:
             return seen
         job = self.plan(request, len(todo))
@@ -73,7 +78,7 @@ class JobQueue:
             self.chunks.enqueue(refs, job.lane)
         view = self.records.view(request.job_id)
         if view is None:
-            return self.submit(request, deadline_s)
+            return self.submit(request, deadline_s, is_unknown=is_unknown)
         return view if refs is not None else self._joined(view, deadline_s)
 
     def plan(self, request: JobRequest, parts: int) -> Plan:
@@ -85,11 +90,17 @@ class JobQueue:
         return plan(whole, parts, self.settings)
 
     def submit_for(
-        self, who: Subscriber, request: JobRequest, seconds: float = 0.0, deadline_s: float | None = None
+        self,
+        who: Subscriber,
+        request: JobRequest,
+        seconds: float = 0.0,
+        deadline_s: float | None = None,
+        *,
+        is_unknown: bool = False,
     ) -> JobView:
         """Submit a request for a client that may wait `seconds` for it; only such clients can end its job."""
         while True:
-            view: JobView | None = self.submit(request, deadline_s)
+            view: JobView | None = self.submit(request, deadline_s, is_unknown=is_unknown)
             if view is not None and not view.is_terminal:
                 if self.subscriptions.add(view.id, who, seconds):
                     return view

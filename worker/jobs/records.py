@@ -109,6 +109,14 @@ class JobRecords:
         by_l1 = {raw.decode(): json.loads(error) for raw, error in errors.items()}
         return view, request_from_json(fields[-1]), by_l1
 
+    def known_before(self, job_id: str) -> list[str]:
+        """Returns the parts of a job that were known when it was made, in their order."""
+        request, todo = self.redis.hmget(self.keys.job(job_id).record, ["request", "todo"])
+        if request is None or todo is None:
+            return []
+        to_do = set(json.loads(todo))
+        return [part for part in request_from_json(request).parts if part not in to_do]
+
     def create(
         self,
         request: JobRequest,

@@ -8,13 +8,11 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Request, Response
 
 from service.api import batch_docs as doc
-from service.api.access.caller import caller_of, subscriber_of
-from service.api.access.keys import allows
 from service.api.batch_intake import accept_batch
 from service.api.batch_results import BatchResults, Wanted
 from service.api.batch_view import batch_json
-from service.api.calling_back import deliveries_json
 from service.api.context import Context, ContextDep
+from service.api.ending import deliveries, end
 from service.api.following import follow
 from service.api.job_view import retry_after
 from service.api.negotiation import JSON, NDJSON, negotiate
@@ -136,10 +134,7 @@ async def get_batch_events(batch_id: BatchId, request: Request, context: Context
 async def get_batch_deliveries(batch_id: BatchId, context: ContextDep) -> Response:
     """Returns the log of the deliveries to every `callback_url` of the batch, with all attempts; kept for
     three days after the last one. Empty until the batch has ended."""
-    view = await context.redis(_batch, context, batch_id)
-    deliveries = await context.redis(context.callbacks.of_job, view.id)
-    body = json_bytes(deliveries_json(deliveries))
-    return Response(body, headers={"Cache-Control": "no-store"}, media_type=JSON)
+    return await deliveries(context, _batch, batch_id)
 
 
 @router.delete("/v1/batches/{batch_id}", summary="Cancel a batch", responses=doc.CANCEL_RESPONSES)
@@ -154,15 +149,7 @@ async def cancel_batch(
     others are `canceled`. The batch of another caller is unchanged: a key withdraws what was submitted with
     it, and without keys `links.cancel` of the answer to the submission withdraws it from anywhere.
     """
-    caller = caller_of(request.scope)
-    if not force:
-        who = subscriber_of(caller, subscription)
-        return _response(context, await context.redis(_withdraw, context, batch_id, who))
-    if caller is None or caller.is_anonymous or not allows(caller.scope, "admin"):
-        raise ProblemError(
-            ProblemType.FORBIDDEN, "Only a key with scope admin can end the batch of another (force)."
-        )
-    return _response(context, await context.redis(_cancel, context, batch_id))
+    return _response(context, await end(request, context, _batch, batch_id, subscription, force))
 
 
 def _batch(context: Context, batch_id: str) -> JobView:
@@ -171,16 +158,6 @@ def _batch(context: Context, batch_id: str) -> JobView:
         detail = f"There is no batch {batch_id[:80]!r}, or it has expired."
         raise ProblemError(ProblemType.NOT_FOUND, detail)
     return context.queue.placed(view)
-
-
-def _withdraw(context: Context, batch_id: str, who: Subscriber) -> JobView:
-    _batch(context, batch_id)
-    return context.queue.withdraw(batch_id, who) or _batch(context, batch_id)
-
-
-def _cancel(context: Context, batch_id: str) -> JobView:
-    _batch(context, batch_id)
-    return context.queue.cancel(batch_id) or _batch(context, batch_id)
 
 
 def _response(context: Context, view: JobView, who: Subscriber | None = None) -> Response:

@@ -8,11 +8,9 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Request, Response
 
 from service.api import operation_docs as doc
-from service.api.access.caller import caller_of, subscriber_of
-from service.api.access.keys import allows
-from service.api.calling_back import deliveries_json
 from service.api.chosen_forms import choice_of
 from service.api.context import Context, ContextDep
+from service.api.ending import deliveries, end
 from service.api.following import follow
 from service.api.job_view import job_json, retry_after
 from service.api.negotiation import JSON, negotiate
@@ -22,7 +20,6 @@ from service.api.responses import answer_response
 from service.api.table_forms import json_bytes
 from worker.answers.kinds import Answer, is_batch, kind_of_job
 from worker.jobs.records import JobView
-from worker.jobs.subscriptions import Subscriber
 
 router = APIRouter(tags=["jobs"])
 
@@ -36,6 +33,13 @@ Subscription = Annotated[
 ]
 Force = Annotated[
     bool, Query(description="Cancels the job whoever wants it; needs a key with scope `admin`.")
+]
+Known = Annotated[
+    bool,
+    Query(
+        description="Begins with the slices that were known before the job started, as `slice` events "
+        "without ids; not after `Last-Event-ID`."
+    ),
 ]
 _JOB_ID = re.compile(r"[A-Za-z0-9_\-]{1,80}", re.ASCII)
 
@@ -62,15 +66,7 @@ async def cancel_job(
     address the newest one from the same network address that is not being waited for. A client that
     disconnects withdraws nothing. Computed slices are kept.
     """
-    caller = caller_of(request.scope)
-    if not force:
-        who = subscriber_of(caller, subscription)
-        return _job_response(context, await context.redis(_withdraw, context, job_id, who))
-    if caller is None or caller.is_anonymous or not allows(caller.scope, "admin"):
-        raise ProblemError(
-            ProblemType.FORBIDDEN, "Only a key with scope admin can end a job for all (force)."
-        )
-    return _job_response(context, await context.redis(_cancel, context, job_id))
+    return _job_response(context, await end(request, context, _job, job_id, subscription, force))
 
 
 @router.get(
@@ -113,14 +109,14 @@ def _result(context: Context, job_id: str) -> Answer:
 
 
 @router.get("/v1/jobs/{job_id}/events", summary="Follow a job", responses=doc.EVENTS_RESPONSES)
-async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Response:
+async def get_events(job_id: JobId, request: Request, context: ContextDep, known: Known = False) -> Response:
     """Server-sent events: `status` (the job), `slice` (a new slice, and progress) and `progress` (of a job
     that does not compute slices).
 
     The stream ends with the job. `Last-Event-ID` resumes it; 204 means that no events follow. Slices that
-    were known before the job started appear only in its result.
+    were known before the job started appear only in its result, unless `known` asks for them.
     """
-    return await follow(request, context, await context.redis(_job, context, job_id))
+    return await follow(request, context, await context.redis(_job, context, job_id), known)
 
 
 @router.get(
@@ -129,10 +125,7 @@ async def get_events(job_id: JobId, request: Request, context: ContextDep) -> Re
 async def get_deliveries(job_id: JobId, context: ContextDep) -> Response:
     """Returns the log of the deliveries to every `callback_url` of the job, with all attempts; kept for
     three days after the last one. Empty until the job has ended."""
-    view = await context.redis(_job, context, job_id)
-    deliveries = await context.redis(context.callbacks.of_job, view.id)
-    body = json_bytes(deliveries_json(deliveries))
-    return Response(body, headers={"Cache-Control": "no-store"}, media_type=JSON)
+    return await deliveries(context, _job, job_id)
 
 
 def _job(context: Context, job_id: str) -> JobView:
@@ -142,16 +135,6 @@ def _job(context: Context, job_id: str) -> JobView:
     if view is None:
         raise _not_found(job_id)
     return context.queue.placed(view)
-
-
-def _withdraw(context: Context, job_id: str, who: Subscriber) -> JobView:
-    _job(context, job_id)
-    return context.queue.withdraw(job_id, who) or _job(context, job_id)
-
-
-def _cancel(context: Context, job_id: str) -> JobView:
-    _job(context, job_id)
-    return context.queue.cancel(job_id) or _job(context, job_id)
 
 
 def _not_found(job_id: str) -> ProblemError:

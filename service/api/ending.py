@@ -1,0 +1,49 @@
+"""What jobs and batches have in common for their callers: their end, and the log of their webhooks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from fastapi import Request, Response
+
+from service.api.access.caller import caller_of, subscriber_of
+from service.api.access.keys import allows
+from service.api.calling_back import deliveries_json
+from service.api.context import Context
+from service.api.negotiation import JSON
+from service.api.problems import ProblemError, ProblemType
+from service.api.table_forms import json_bytes
+from worker.jobs.records import JobView
+
+Find = Callable[[Context, str], JobView]
+"""Returns the job or batch of an id, or raises 404."""
+
+
+async def end(
+    request: Request, context: Context, find: Find, job_id: str, subscription: str, force: bool
+) -> JobView:
+    """Withdraw the caller from a job or batch, or with `force` cancel it for all; returns its state.
+
+    Raises:
+        ProblemError: 404, or 403 if the caller may not cancel it for all.
+    """
+    caller, queue = caller_of(request.scope), context.queue
+    if force and (caller is None or caller.is_anonymous or not allows(caller.scope, "admin")):
+        raise ProblemError(
+            ProblemType.FORBIDDEN, "Only a key with scope admin can end what others have asked for (force)."
+        )
+
+    def act() -> JobView:
+        find(context, job_id)
+        ended = queue.cancel(job_id) if force else queue.withdraw(job_id, subscriber_of(caller, subscription))
+        return ended or find(context, job_id)
+
+    return await context.redis(act)
+
+
+async def deliveries(context: Context, find: Find, job_id: str) -> Response:
+    """Returns the log of the deliveries to every `callback_url` of a job or batch."""
+    body = json_bytes(
+        deliveries_json(await context.redis(lambda: context.callbacks.of_job(find(context, job_id).id)))
+    )
+    return Response(body, headers={"Cache-Control": "no-store"}, media_type=JSON)
