@@ -34,6 +34,7 @@ OPTIONS = (
 )
 AXE = (Path(__file__).parent / "axe" / "axe.min.js").read_text(encoding="utf-8")
 RULES = {"type": "tag", "values": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]}
+BRIEF = {"resultTypes": ["violations"]}
 
 
 @pytest.fixture(scope="package")
@@ -118,7 +119,9 @@ def inspect(pictures: Path) -> Callable[[Any, str], None]:
     def inspected(page: Any, name: str) -> None:
         page.screenshot(path=pictures / f"{name}.png", full_page=True)
         page.evaluate(AXE)
-        found = page.evaluate("rules => axe.run(document, {runOnly: rules})", RULES)
+        found = page.evaluate(
+            "rules => axe.run(document, {runOnly: rules, resultTypes: ['violations']})", RULES
+        )
         faults = [
             (rule["id"], rule["help"], [node["html"][:200] for node in rule["nodes"]])
             for rule in found["violations"]

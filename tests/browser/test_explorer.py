@@ -162,6 +162,47 @@ def test_a_cusp_by_mouse_by_keys_and_in_the_table(base_url: str, open_page: Open
     assert len(re.search(r"l2\t([\d.]+)", copied)[1]) == 31  # type: ignore[index]
 
 
+def test_a_loop_round_a_cusp_is_played(base_url: str, open_page: Open, inspect: Inspect) -> None:
+    page = open_page(base_url)
+    count_is(page, "L1 = 27: 8 cusps")
+    play, place = page.locator("#play"), page.locator("#scrubber")
+    page.get_by_label("Speed").select_option("2")
+    page.get_by_role("option", name=re.compile("^Cusp B")).click()
+    expect(play).to_have_text("Pause")  # by itself
+    expect(page.locator("#loop-text")).to_have_text(
+        "Round cusp B from pose 2 to pose 3 of L1 = 27, L2 = 15.5, L3 = 16.9 without a singularity: "
+        "J > 0, and |determinant| ≥ 0.114, proved all the way."
+    )
+    expect(play).to_have_text("Play")
+    expect(place).to_have_value("100")
+    expect(page.locator("#loop-now")).to_contain_text(
+        "L2 = 15.5, L3 = 16.9, at least 4.01° from a singularity"
+    )
+    play.click()
+    expect(place).to_have_value("0")  # and back
+    expect(play).to_have_text("Play")
+    inspect(page, "loop")
+
+    page.get_by_label("What to call").select_option("loop")
+    body = json.loads(re.search(r"-d '(.*)'$", page.locator("#code").inner_text(), re.DOTALL)[1])  # type: ignore[index]
+    answer = httpx.post(f"{base_url}/v1/paths", json=body, headers={"Prefer": "wait=10"}).json()
+    assert (answer["cusp"], answer["winding"]) == (2, 1)
+
+
+def test_nothing_moves_by_itself_for_those_who_want_that(base_url: str, open_page: Open) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=27&c=A&v=torus", reduced_motion="reduce")
+    count_is(page, "L1 = 27: 8 cusps")
+    page.get_by_role("button", name="Select cusp B").click()
+    expect(page.locator("#loop-text")).to_contain_text("Round cusp B")
+    expect(page.locator("#play")).to_have_text("Play")
+    expect(page.locator("#scrubber")).to_have_value("0")
+    page.locator("#scrubber").press("End")
+    spoken = re.compile("^100 %: L2 = 15.5, L3 = 16.9")
+    expect(page.locator("#scrubber")).to_have_attribute("aria-valuetext", spoken)
+    page.locator("#d1").fill("17")
+    expect(page.locator("#play")).to_be_disabled()
+
+
 def test_a_permanent_link(base_url: str, open_page: Open, inspect: Inspect) -> None:
     page = open_page(f"{base_url}/#g=30,11,27,13,9,4,ccw&l1=35&c=F&v=torus")
     count_is(page, "L1 = 35: 8 cusps")
@@ -192,7 +233,7 @@ def test_what_is_shown_is_a_call_of_other_programs(base_url: str, open_page: Ope
     assert len(done.stdout.splitlines()) == 8
 
     page.get_by_role("tab", name="MATLAB").click()
-    expect(page.locator("#code")).to_contain_text("webread(")
+    expect(page.locator("#code")).to_contain_text("webwrite(")
     csv = httpx.get(page.locator("#csv").evaluate("link => link.href"))
     assert csv.headers["content-type"].startswith("text/csv")
     assert len(csv.text.splitlines()) == 9

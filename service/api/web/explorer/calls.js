@@ -2,55 +2,86 @@
 
 import { address, key } from "./api.js";
 import { LENGTHS } from "./geometry.js";
+import { letterOf } from "./state.js";
 
-const DIGITS = 30;
+/** What can be called: the question's path, its members, and how the Python client asks it and prints the answer. */
+const QUESTIONS = {
+  cusps: {
+    path: "v1/cusp-tables",
+    members: ({ l1 }) => ({ l1, digits: 30 }),
+    python: ({ l1 }) => ({
+      ask: ["cusp_table", [JSON.stringify(l1), "digits=30"]],
+      print: 'for cusp in answer["slices"][0]["cusps"]:\n    print(cusp["l2"], cusp["l3"])',
+    }),
+  },
+  loop: {
+    path: "v1/paths",
+    members: ({ l1, cusp }) => ({ l1, cusp: letterOf(cusp), samples: 101 }),
+    python: ({ l1, cusp }) => ({
+      ask: ["cusp_loop", [JSON.stringify(l1), `"${letterOf(cusp)}"`]],
+      print: 'for sample in answer["samples"]:\n    print(sample["time"], sample["l2"], sample["l3"])',
+    }),
+  },
+  census: {
+    path: "v1/censuses",
+    members: () => ({ digits: 30 }),
+    python: () => ({
+      ask: ["census", ["digits=30"]],
+      print: 'for window in answer["intervals"]:\n    print(window["from"], window["to"], window["count"])',
+    }),
+  },
+};
 
-/** The call in every language: `{curl, python, matlab}`. */
-export function callsOf(geometry, l1) {
+/** The call of a question in every language: `{curl, python, matlab}`. */
+export function callsOf(name, state) {
   const base = address("").replace(/\/$/, "");
-  return { curl: curl(base, geometry, l1), python: python(base, geometry, l1), matlab: matlab(base, geometry, l1) };
+  const question = QUESTIONS[name];
+  return { curl: curl(base, question, state), python: python(base, question, state), matlab: matlab(base, question, state) };
 }
 
-function curl(base, geometry, l1) {
-  const body = `{
-    "geometry": ${JSON.stringify(geometry).replaceAll('":', '": ').replaceAll(',"', ', "')},
-    "l1": ${JSON.stringify(l1)}, "digits": ${DIGITS}}`;
+function curl(base, { path, members }, state) {
+  const spaced = (value) => JSON.stringify(value).replaceAll('":', '": ').replaceAll(',"', ', "');
+  const rest = spaced(members(state)).slice(1);
+  const body = `{\n    "geometry": ${spaced(state.geometry)},\n    ${rest}`;
   const header = key.get() ? ' -H "Authorization: Bearer $RPR_CUSPS_API_KEY"' : "";
-  return `curl ${base}/v1/cusp-tables -H 'Prefer: wait=10'${header} \\
+  return `curl ${base}/${path} -H 'Prefer: wait=10'${header} \\
   -H 'Content-Type: application/json' -d '${body.replaceAll("'", "'\\''")}'`;
 }
 
-function python(base, geometry, l1) {
-  const lengths = LENGTHS.map((name) => JSON.stringify(geometry[name])).join(", ");
+function python(base, question, state) {
+  const lengths = LENGTHS.map((name) => JSON.stringify(state.geometry[name])).join(", ");
+  const { ask: [name, parameters], print } = question.python(state);
   return `from rpr_solver import Manipulator
-from service.client import ServiceClient, cusp_table
+from service.client import ServiceClient, ${name}
 
-manipulator = Manipulator(${lengths}, "${geometry.orientation}")
+manipulator = Manipulator(${lengths}, "${state.geometry.orientation}")
 with ServiceClient("${base}") as client:
-    [slice_] = client.ask(cusp_table(manipulator, ${JSON.stringify(l1)}, digits=${DIGITS})).document["slices"]
-for cusp in slice_["cusps"]:
-    print(cusp["l2"], cusp["l3"])`;
+    answer = client.ask(${name}(${["manipulator", ...parameters].join(", ")})).document
+${print}`;
 }
 
-function matlab(base, geometry, l1) {
-  const text = (value) => `'${String(value).replaceAll("'", "''")}'`;
-  const query = [...LENGTHS, "orientation"].map((name) => `'${name}', ${text(geometry[name])}`);
-  const header = key.get() ? `, ...\n    'HeaderFields', {'Authorization', ['Bearer ' getenv('RPR_CUSPS_API_KEY')]}` : "";
-  return `options = weboptions('ContentType', 'table', 'Timeout', 15${header});
-cusps = webread('${base}/v1/cusp-tables', ...
-    ${query.slice(0, 3).join(", ")}, ...
-    ${query.slice(3).join(", ")}, ...
-    'l1', ${text(l1)}, 'digits', '15', 'format', 'csv', options)`;
+function matlab(base, { path, members }, state) {
+  const value = (x) => (typeof x === "number" ? x : `'${String(x).replaceAll("'", "''")}'`);
+  const struct = (object) => Object.entries(object).map(([name, x]) => `'${name}', ${value(x)}`).join(", ");
+  const fields = [["Prefer", "'wait=10'"]];
+  if (key.get()) fields.push(["Authorization", "['Bearer ' getenv('RPR_CUSPS_API_KEY')]"]);
+  const headers = fields.map(([name, x]) => `'${name}', ${x}`).join("; ");
+  return `geometry = struct(${struct(state.geometry)});
+question = struct('geometry', geometry, ${struct(members(state))});
+options = weboptions('MediaType', 'application/json', 'Timeout', 15, 'HeaderFields', {${headers}});
+answer = webwrite('${base}/${path}?numbers=float', question, options)`;
 }
 
 /** The tabs with the calls. */
 export class Calls {
   #tabs = [...document.querySelectorAll("#calls [role=tab]")];
   #code = document.getElementById("code");
-  #texts = {};
+  #question = document.getElementById("question");
+  #state = null;
   #language = "curl";
 
   constructor() {
+    this.#question.addEventListener("change", () => this.#write());
     this.#tabs.forEach((tab, k) => {
       tab.addEventListener("click", () => this.#open(k));
       tab.addEventListener("keydown", (event) => {
@@ -61,12 +92,16 @@ export class Calls {
   }
 
   get text() {
-    return this.#texts[this.#language];
+    return this.#code.textContent;
   }
 
-  show(geometry, l1) {
-    this.#texts = callsOf(geometry, l1);
-    this.#code.textContent = this.text;
+  show(state) {
+    this.#state = state;
+    this.#write();
+  }
+
+  #write() {
+    this.#code.textContent = callsOf(this.#question.value, this.#state)[this.#language];
   }
 
   #open(index, isFocused = false) {
@@ -77,6 +112,6 @@ export class Calls {
     this.#language = this.#tabs[index].dataset.language;
     document.getElementById("code-panel").setAttribute("aria-labelledby", this.#tabs[index].id);
     if (isFocused) this.#tabs[index].focus();
-    this.#code.textContent = this.text;
+    this.#write();
   }
 }

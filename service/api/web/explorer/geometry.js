@@ -31,7 +31,7 @@ export function platformPoints({ d1, d2, d3, sense }, [x, y], alpha) {
 
 /** The place of B1 and the direction of B1B2 at a pose with its angles in degrees. */
 export function placeOf({ l1, alpha, theta1 }) {
-  const leg = toNumber(l1);
+  const leg = toNumber(l1); // text, or a number on a path
   return { b1: [leg * Math.cos(theta1 * DEGREES), leg * Math.sin(theta1 * DEGREES)], alpha: alpha * DEGREES };
 }
 

@@ -1,6 +1,6 @@
 /** The slice: cusps in the (L2, L3) plane, or on the torus of its poses (θ1, α). */
 
-import { bindZoom, fit, makeBoard, makePoint, put } from "./board.js";
+import { bindZoom, fit, makeBoard, makeLine, makePoint, put } from "./board.js";
 import { shortened } from "./decimals.js";
 import { letterOf } from "./state.js";
 
@@ -9,11 +9,17 @@ const PLACES = {
   joint: (cusp) => [Number(cusp.l2), Number(cusp.l3)],
   torus: (cusp) => [Number(cusp.alpha_deg), Number(cusp.theta1_deg)],
 };
+const ON_LOOP = {
+  joint: ({ l2, l3 }) => [l2, l3],
+  torus: ({ alpha, theta1 }) => [inTurn(alpha), inTurn(theta1)],
+};
 
 export class JointSpace {
   #view = null;
   #board = null;
   #points = [];
+  #loop = null;
+  #here = null;
   #slice = null;
   #selected = 0;
   #active = 0; // the cusp that the Tab key reaches
@@ -48,6 +54,21 @@ export class JointSpace {
     if (hadFocus) this.#points[this.#active]?.rendNode.focus();
   }
 
+  /** Draws a loop, by its samples in floats; none if they are empty. */
+  drawLoop(samples) {
+    const places = samples.map(ON_LOOP[this.#view]);
+    this.#loop.set(this.#view === "torus" ? cutAtSeams(places) : places);
+    this.#here.setAttribute({ visible: false });
+    this.#board.update();
+  }
+
+  /** Marks the place on the loop where the manipulator is. */
+  mark(sample) {
+    put(this.#here, ON_LOOP[this.#view](sample));
+    this.#here.setAttribute({ visible: true });
+    this.#board.update();
+  }
+
   showAll() {
     const places = (this.#slice?.cusps ?? []).map(PLACES[this.#view]);
     const corners = this.#view === "torus" ? [[-180, -180], [180, 180]] : [];
@@ -61,6 +82,9 @@ export class JointSpace {
     this.#view = view;
     this.#board = makeBoard("slice-board", view === "joint" ? "Joint space of the slice" : "Torus of its poses", AXES[view]);
     this.#points = [];
+    this.#loop = makeLine(this.#board, "loop", 6);
+    this.#here = makePoint(this.#board, "", { cssClass: "here-point", size: 5, layer: 8 });
+    this.#here.rendNode.setAttribute("aria-hidden", "true");
     bindZoom(this.#board, document.getElementById("slice-zoom"), () => this.showAll());
     const group = this.#board.renderer.layer[9];
     group.setAttribute("role", "listbox");
@@ -105,6 +129,16 @@ export class JointSpace {
       rendNode.classList.toggle("selected", k === this.#selected);
     });
   }
+}
+
+const inTurn = (degrees) => degrees - 360 * Math.round(degrees / 360);
+
+/** A line on the torus with gaps where it leaves the square on one side. */
+function cutAtSeams(places) {
+  return places.flatMap((place, k) => {
+    const [before] = k ? [places[k - 1]] : [place];
+    return place.some((x, axis) => Math.abs(x - before[axis]) > 180) ? [null, place] : [place];
+  });
 }
 
 export function spoken(cusp, index) {

@@ -7,12 +7,14 @@ import { CensusStrip, counted } from "./census.js";
 import { Fields, firstExample } from "./form.js";
 import { JointSpace, spoken } from "./joint_space.js";
 import { Mechanism } from "./mechanism.js";
+import { Motion } from "./motion.js";
 import { Banner, Progress, say } from "./notices.js";
-import { geometryText, hashOf, stateOf } from "./state.js";
+import { geometryText, hashOf, letterOf, stateOf } from "./state.js";
 import { CuspTable, copy } from "./table.js";
 
 const REST = 300; // ms without a change after which the page asks for the rest
 const [WHILE_MOVING, AT_REST] = [15, 30]; // digits
+const SAMPLES = 101; // of a loop
 const byId = (id) => document.getElementById(id);
 
 class Explorer {
@@ -29,6 +31,7 @@ class Explorer {
   #strip = new CensusStrip({ onChange: (l1) => this.#change({ l1 }) });
   #joint = new JointSpace({ onSelect: (index) => this.#select(index), onVisit: (index) => this.#visit(index) });
   #table = new CuspTable({ onSelect: (index) => this.#select(index), say });
+  #motion = new Motion({ onMove: (sample) => this.#move(sample) });
   #calls = new Calls();
   #live = new Latest((state) => this.#askSlice(state, WHILE_MOVING));
 
@@ -54,6 +57,8 @@ class Explorer {
   /** Takes a change of geometry or L1: asks for the slice at once, and for the rest when it has come to rest. */
   #change(change, isWhole = false) {
     if (change.geometry) this.#progress.cancel("census");
+    this.#progress.cancel("loop");
+    this.#clearLoop();
     this.#state = { ...this.#state, ...change };
     this.#isFitted ||= isWhole;
     this.#show();
@@ -77,10 +82,12 @@ class Explorer {
     const state = this.#state;
     this.#live.drop();
     history.replaceState(null, "", hashOf(state));
-    this.#calls.show(state.geometry, state.l1);
+    this.#calls.show(state);
     this.#table.link(state.geometry, state.l1, AT_REST);
     const isDone = await this.#askSlice(state, AT_REST); // first the picture, before a worker is busy for longer
-    if (isDone && this.#isCurrent(state)) await this.#askCensus(state);
+    if (!isDone || !this.#isCurrent(state)) return;
+    await this.#askLoop();
+    if (this.#isCurrent(state)) await this.#askCensus(state);
   }
 
   /** Whether the page still asks what it asked in a state. */
@@ -104,13 +111,42 @@ class Explorer {
     if (slice.error) this.#fields.refuse([{ field: "l1", message: slice.error.detail }]);
     byId("count").textContent = `L1 = ${slice.l1}: ${slice.error ? "no answer" : counted(slice.count)}`;
     if (!this.#mechanism.isHeld) say(byId("count").textContent);
-    const cusp = Math.min(this.#state.cusp, Math.max((slice.cusps ?? []).length - 1, 0));
-    this.#joint.draw(slice, this.#state.view, cusp, this.#isFitted);
-    this.#table.draw(slice, cusp);
+    this.#joint.draw(slice, this.#state.view, this.#selected, this.#isFitted);
+    this.#table.draw(slice, this.#selected);
     this.#isFitted = false;
-    this.#visit(cusp);
+    this.#visit(this.#selected);
     this.#draw();
     document.body.dataset.pictures = Number(document.body.dataset.pictures ?? 0) + 1;
+  }
+
+  /** Asks for the loop round the selected cusp. */
+  async #askLoop() {
+    const state = this.#state;
+    this.#clearLoop();
+    if (!this.#cusp) return false;
+    const question = { geometry: state.geometry, l1: state.l1, cusp: letterOf(this.#selected), samples: SAMPLES, digits: WHILE_MOVING };
+    return this.#asking("loop", state, async (signal, onProgress) => {
+      const path = await ask("v1/paths", question, { signal, onProgress }).catch((error) => {
+        if (!(error instanceof ProblemError) || error.status !== 422) throw error;
+        this.#motion.show(null, error.message); // no loop is an answer, too
+      });
+      if (!path) return;
+      this.#motion.show(path);
+      this.#joint.drawLoop(this.#motion.samples);
+      this.#mechanism.drawGhosts([this.#motion.samples[0], this.#motion.samples.at(-1)]);
+    });
+  }
+
+  #clearLoop() {
+    this.#motion.show(null);
+    if (this.#slice) this.#joint.drawLoop([]);
+    this.#mechanism.drawGhosts([]);
+  }
+
+  /** Shows the manipulator on its way round the cusp. */
+  #move(sample) {
+    this.#mechanism.draw(this.#state.geometry, sample);
+    this.#joint.mark(sample);
   }
 
   async #askCensus(state) {
@@ -142,13 +178,25 @@ class Explorer {
     }
   }
 
-  #select(index) {
+  /** Selects a cusp, and plays the loop round it. */
+  async #select(index) {
     this.#state = { ...this.#state, cusp: index };
     history.replaceState(null, "", hashOf(this.#state));
+    this.#calls.show(this.#state);
     this.#joint.select(index);
     this.#table.select(index);
     this.#visit(index);
     this.#draw();
+    if (await this.#askLoop()) this.#motion.playUnlessCalm();
+  }
+
+  /** The number of the selected cusp: the last if there are fewer. */
+  get #selected() {
+    return Math.min(this.#state.cusp, Math.max((this.#slice?.cusps ?? []).length - 1, 0));
+  }
+
+  get #cusp() {
+    return this.#slice?.cusps?.[this.#selected];
   }
 
   /** Tells of a cusp that is looked at. */
@@ -160,14 +208,15 @@ class Explorer {
   #view(view) {
     this.#state = { ...this.#state, view };
     history.replaceState(null, "", hashOf(this.#state));
-    if (this.#slice) this.#joint.draw(this.#slice, view, this.#state.cusp, true);
+    if (!this.#slice) return;
+    this.#joint.draw(this.#slice, view, this.#selected, true);
+    this.#joint.drawLoop(this.#motion.samples);
   }
 
   /** Draws the manipulator at the selected cusp. */
   #draw() {
-    const { geometry, l1, cusp } = this.#state;
-    const cusps = this.#slice?.cusps ?? [];
-    const at = cusps[Math.min(cusp, cusps.length - 1)];
+    const { geometry, l1 } = this.#state;
+    const at = this.#cusp;
     const pose = at ? { alpha: Number(at.alpha_deg), theta1: Number(at.theta1_deg) } : { alpha: 0, theta1: 60 };
     this.#mechanism.draw(geometry, { ...pose, l1 });
   }

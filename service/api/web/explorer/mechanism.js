@@ -18,6 +18,7 @@ export class Mechanism {
   };
   #points = {};
   #shown = null; // {geometry, lengths, l1, b1, alpha}
+  #ghosts = []; // corners of other poses
   #held = null; // the point that is dragged
   #onDrag;
 
@@ -49,25 +50,31 @@ export class Mechanism {
     const place = this.#held && this.#shown ? this.#shown : placeOf(pose);
     this.#shown = { geometry, lengths, l1: pose.l1, b1: place.b1, alpha: place.alpha };
     this.#update();
-    if (!isFirst) return;
     this.#board.containerObj.classList.remove("empty");
-    this.showAll();
+    if (isFirst || !this.#isInView()) this.showAll();
   }
 
-  /** Draws other poses as outlines: pairs of B1 and the direction of B1B2. */
+  /** Whether the platform can be seen; while a point is dragged the view stays as it is. */
+  #isInView() {
+    const [left, top, right, bottom] = this.#board.getBoundingBox();
+    const { lengths, b1, alpha } = this.#shown;
+    const corners = platformPoints(lengths, b1, alpha);
+    return this.#held || corners.every(([x, y]) => left < x && x < right && bottom < y && y < top);
+  }
+
+  /** Draws other poses as outlines. */
   drawGhosts(poses) {
     const { lengths } = this.#shown ?? {};
-    const outlines = lengths ? poses.map(placeOf).map(({ b1, alpha }) => platformPoints(lengths, b1, alpha)) : [];
-    this.#lines.ghosts.set(outlines.flatMap((corners) => [...corners, corners[0], null]));
+    this.#ghosts = lengths ? poses.map(placeOf).map(({ b1, alpha }) => platformPoints(lengths, b1, alpha)) : [];
+    this.#lines.ghosts.set(this.#ghosts.flatMap((corners) => [...corners, corners[0], null]));
     this.#board.update();
   }
 
   showAll() {
     const { lengths, b1, alpha } = this.#shown ?? {};
     if (!lengths) return;
-    const radius = Math.hypot(...b1);
-    const round = [[-radius, -radius], [radius, radius]];
-    fit(this.#board, [...basePoints(lengths), ...platformPoints(lengths, b1, alpha), ...round], { keepAspect: true });
+    const corners = [...platformPoints(lengths, b1, alpha), ...this.#ghosts.flat()];
+    fit(this.#board, [...basePoints(lengths), ...corners, ...orbitOf(b1, 4)], { keepAspect: true });
   }
 
   #point(name) {
@@ -105,9 +112,7 @@ export class Mechanism {
     const { geometry, lengths, b1, alpha } = this.#shown;
     const base = basePoints(lengths);
     const corners = platformPoints(lengths, b1, alpha);
-    const radius = Math.hypot(...b1);
-    const turns = Array.from({ length: 97 }, (_, k) => (k * Math.PI) / 48);
-    this.#lines.orbit.set(turns.map((t) => [radius * Math.cos(t), radius * Math.sin(t)]));
+    this.#lines.orbit.set(orbitOf(b1, 96));
     this.#lines.base.set([...base, base[0]]);
     this.#lines.platform.set([...corners, corners[0]]);
     this.#lines.legs.set(base.flatMap((foot, k) => [foot, corners[k], null]));
@@ -115,6 +120,13 @@ export class Mechanism {
     for (const name of FREE) this.#points[name].rendNode.setAttribute("aria-label", spoken(name, geometry));
     this.#board.update();
   }
+}
+
+/** Points of the circle on which B1 moves in a slice. */
+function orbitOf(b1, count) {
+  const radius = Math.hypot(...b1);
+  const turns = Array.from({ length: count + 1 }, (_, k) => (2 * k * Math.PI) / count);
+  return turns.map((turn) => [radius * Math.cos(turn), radius * Math.sin(turn)]);
 }
 
 function directionAfter(lengths, name, corners, to) {

@@ -1,0 +1,116 @@
+/** The motion bar: a loop round the selected cusp, played by time or moved by hand. */
+
+import { shortened } from "./decimals.js";
+import { letterOf } from "./state.js";
+
+const SECONDS = 4; // that a loop takes at speed 1
+const byId = (id) => document.getElementById(id);
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
+
+export class Motion {
+  #path = null;
+  #samples = []; // in floats, with angles that do not jump
+  #time = 0; // 0 to 1
+  #way = 1; // forwards or backwards
+  #frame = null;
+  #last = null;
+  #onMove;
+
+  /** `onMove(sample)` is told where the manipulator is. */
+  constructor({ onMove }) {
+    this.#onMove = onMove;
+    byId("play").addEventListener("click", () => (this.#frame === null ? this.play() : this.pause()));
+    byId("scrubber").addEventListener("input", () => {
+      this.pause();
+      this.#go(Number(byId("scrubber").value) / 100);
+    });
+  }
+
+  get samples() {
+    return this.#samples;
+  }
+
+  /** Takes a path; null while there is none, with the reason if there can be none. */
+  show(path, reason = "") {
+    this.pause();
+    this.#path = path;
+    this.#samples = path ? unwound(path.samples) : [];
+    [this.#time, this.#way] = [0, 1];
+    byId("scrubber").value = 0;
+    byId("play").disabled = byId("scrubber").disabled = !path;
+    byId("loop-text").textContent = path ? described(path) : reason;
+    byId("loop-now").textContent = "";
+    byId("scrubber").removeAttribute("aria-valuetext");
+  }
+
+  /** Plays once through; from the end it goes back. */
+  play() {
+    if (!this.#path) return;
+    if (this.#time >= 1) this.#way = -1;
+    if (this.#time <= 0) this.#way = 1;
+    this.#last = null;
+    this.#label("Pause");
+    this.#frame = requestAnimationFrame((now) => this.#tick(now));
+  }
+
+  /** Plays unless the user's system asks for little motion. */
+  playUnlessCalm() {
+    if (!calm.matches) this.play();
+  }
+
+  pause() {
+    if (this.#frame !== null) cancelAnimationFrame(this.#frame);
+    this.#frame = null;
+    this.#label("Play");
+  }
+
+  #label(text) {
+    byId("play").textContent = text;
+  }
+
+  #tick(now) {
+    const seconds = this.#last === null ? 0 : (now - this.#last) / 1000;
+    this.#last = now;
+    const time = this.#time + (this.#way * seconds * Number(byId("speed").value)) / SECONDS;
+    this.#go(Math.min(Math.max(time, 0), 1));
+    byId("scrubber").value = Math.round(this.#time * 100);
+    if (this.#time > 0 && this.#time < 1) this.#frame = requestAnimationFrame((later) => this.#tick(later));
+    else if (seconds > 0) this.pause();
+    else this.#frame = requestAnimationFrame((later) => this.#tick(later));
+  }
+
+  #go(time) {
+    this.#time = time;
+    const at = time * (this.#samples.length - 1);
+    const [k, part] = [Math.min(Math.floor(at), this.#samples.length - 2), at % 1];
+    const [from, to] = [this.#samples[k], this.#samples[k + 1]];
+    const share = at > k + 1 - 1e-9 ? 1 : part;
+    const sample = Object.fromEntries(Object.keys(from).map((name) => [name, from[name] + share * (to[name] - from[name])]));
+    const nearest = this.#path.samples[Math.round(at)];
+    const text = `L2 = ${shortened(sample.l2, 5)}, L3 = ${shortened(sample.l3, 5)}, at least ${shortened(nearest.clearance_deg, 3)}° from a singularity`;
+    byId("loop-now").textContent = text;
+    byId("scrubber").setAttribute("aria-valuetext", `${Math.round(time * 100)} %: ${text}`);
+    this.#onMove(sample);
+  }
+}
+
+function described({ cusp, l1, l2, l3, from, to, sign, certificate }) {
+  const joints = `L1 = ${l1}, L2 = ${l2}, L3 = ${l3}`;
+  return (
+    `Round cusp ${letterOf(cusp - 1)} from pose ${from.pose} to pose ${to.pose} of ${joints} without a singularity: ` +
+    `J ${sign > 0 ? ">" : "<"} 0, and |determinant| ≥ ${shortened(certificate.least_determinant, 3)}, proved all the way.`
+  );
+}
+
+/** The samples as numbers; each angle within half a turn of the one before. */
+function unwound(samples) {
+  const rows = samples.map(({ l1, l2, l3, alpha_deg: alpha, theta1_deg: theta1 }) => ({
+    l1: Number(l1), l2: Number(l2), l3: Number(l3), alpha: Number(alpha), theta1: Number(theta1),
+  }));
+  for (const name of ["alpha", "theta1"]) {
+    for (let k = 1; k < rows.length; k += 1) {
+      rows[k][name] -= 360 * Math.round((rows[k][name] - rows[k - 1][name]) / 360);
+    }
+  }
+  return rows;
+}
