@@ -1,6 +1,6 @@
 """What openapi.yaml promises, as lines; the contract only grows, so no line of an earlier one may go.
 
-`python -m tests.support.contract` adds the lines of new calls and members to the file.
+`python -m tests.support.contract` adds the lines of new calls and members to the file, with a release.
 """
 
 from __future__ import annotations
