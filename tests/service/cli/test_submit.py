@@ -18,7 +18,7 @@ from tests.support.processes import PATIENCE, started
 from worker.jobs.queue import JobQueue
 
 ZEIN = EXAMPLES["zein-flat"].to_json()
-TABLE = {"geometry": ZEIN, "l1": ["1", "10"], "digits": 15}
+TABLE = {"geometry": ZEIN, "l1": ["1.2345", "10.2345"], "digits": 15}
 
 
 def lines(*items: object) -> str:
@@ -36,7 +36,7 @@ def test_answers_are_those_of_the_single_commands(run_here: Run, base_url: str) 
     assert (done.returncode, done.stderr) == (0, "")
     first, second = map(json.loads, done.stdout.splitlines())
     args = ("--digits", "15", "--format", "json")
-    table = run_here("solve", "zein-flat", "--l1", "1", "--l1", "10", *args)
+    table = run_here("solve", "zein-flat", "--l1", "1.2345", "--l1", "10.2345", *args)
     table_of_poses = run_here("poses", "zein-flat", "--l1", "15", "--l2", "61/2", "--l3", "40", *args)
     assert [first["result"], second["result"]] == [json.loads(x.stdout) for x in (table, table_of_poses)]
     assert (first["index"], first["kind"], second["id"]) == (0, "cusp-table", "ü")
