@@ -30,6 +30,7 @@ from rpr_solver.documents import (
     path_csv,
     restrict_census,
     shorten_slice,
+    singular_csv,
     table_csv,
 )
 from rpr_solver.errors import FieldProblem, InputError, SolverError, Unproved
@@ -135,6 +136,7 @@ __all__ = [
     "poses_of_squares",
     "restrict_census",
     "shorten_slice",
+    "singular_csv",
     "singular_curves",
     "slice_error_json",
     "slice_json",

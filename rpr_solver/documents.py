@@ -89,6 +89,33 @@ def curves_csv(document: Mapping[str, Any]) -> str:
     return _csv(["curve", f"l{leg}", "cusp", *coordinate_names(leg)], records)
 
 
+def singular_csv(document: Mapping[str, Any]) -> str:
+    """The document of singular curves as CSV: a line for each sample of each strand.
+
+    Special points have their ``kind``, and cusps their number; in these lines too the numbers are the floats
+    of the samples.
+
+    >>> from rpr_solver import EXAMPLES, singular_curves
+    >>> lines = singular_csv(singular_curves(EXAMPLES["zein-flat"], 34).to_json()).splitlines()
+    >>> lines[0]
+    'component,strand,alpha_deg,theta1_deg,l2,l3,kind,cusp'
+    >>> sum("cusp" in line for line in lines[1:])
+    6
+    """
+    names = coordinate_names(document["fixed_leg"])
+    rows: list[Mapping[str, object]] = []
+    for part, component in enumerate(document["components"], 1):
+        for number, strand in enumerate(component["strands"], 1):
+            special = {vertex["index"]: vertex for vertex in strand["vertices"]}
+            for index, values in enumerate(zip(*(strand[name] for name in names), strict=True)):
+                vertex = special.get(index, {})
+                kind = {"kind": vertex.get("kind"), "cusp": vertex.get("cusp")}
+                rows.append(
+                    {"component": part, "strand": number, **dict(zip(names, values, strict=True)), **kind}
+                )
+    return _csv(["component", "strand", *names, "kind", "cusp"], rows)
+
+
 def path_csv(document: Mapping[str, Any]) -> str:
     """The document of a path as CSV: a line for each sample.
 

@@ -12,6 +12,7 @@ from itertools import pairwise
 from math import degrees
 from typing import Any
 
+from rpr_solver.singular.floats import drawn
 from rpr_solver.singular.strands import UnionFind
 from rpr_solver.singular.sweep import Sweep
 from rpr_solver.singular.tracing import TURN, Sample
@@ -46,9 +47,9 @@ class Aspect:
         alpha, theta, *_ = coordinate_names(fixed_leg)
         return {
             "sign": self.sign,
-            "share": self.share,
+            "share": round(self.share, 6),
             "polygons": [
-                dict(zip((alpha, theta), map(list, zip(*polygon, strict=True)), strict=True))
+                dict(zip((alpha, theta), map(drawn, zip(*polygon, strict=True)), strict=True))
                 for polygon in self.polygons
             ],
         }

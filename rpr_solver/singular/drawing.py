@@ -12,6 +12,7 @@ from rpr_solver.errors import Unproved
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.singular.arrangement import Polyline
 from rpr_solver.singular.aspects import Aspect, drawn_aspects
+from rpr_solver.singular.floats import drawn
 from rpr_solver.singular.regions import Regions, regions_of
 from rpr_solver.singular.strands import Cell, Chain
 from rpr_solver.singular.sweep import Sweep
@@ -77,7 +78,7 @@ class Strand:
         return {
             "closed": self.closed,
             "turns": {"alpha": alpha, f"theta{fixed_leg}": theta},
-            **{name: list(column) for name, column in zip(names, columns, strict=True)},
+            **{name: drawn(column) for name, column in zip(names, columns, strict=True)},
             "vertices": [{"index": index, **vertex.to_json()} for index, vertex in self.vertices],
         }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from math import cos, hypot, isfinite, pi, sin, sqrt
@@ -129,3 +129,8 @@ def newton(function: Callable[[float], Vector], guess: float) -> float | None:
             return x
         last = step
     return x if abs(last) < _CLOSE**0.5 else None
+
+
+def drawn(column: Iterable[float]) -> list[float]:
+    """Numbers for a drawing, with the ten digits that a document keeps of them."""
+    return [float(f"{x:.10g}") for x in column]

@@ -23,6 +23,7 @@ from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.kinematics.fibre import fibre
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
+from rpr_solver.singular.floats import drawn
 from rpr_solver.slices.joint_points import coordinate_names
 
 _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
@@ -58,7 +59,7 @@ class Region:
             "bounded": self.bounded,
             "point": dict(zip(names, map(exact_str, self.point), strict=True)),
             "rings": [
-                dict(zip(names, map(list, zip(*ring, strict=True)), strict=True)) for ring in self.rings
+                dict(zip(names, map(drawn, zip(*ring, strict=True)), strict=True)) for ring in self.rings
             ],
         }
 

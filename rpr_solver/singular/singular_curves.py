@@ -44,6 +44,8 @@ DEFAULT_TOLERANCE = Fraction(1, 1000)
 """The default deviation of a drawn curve, relative to the picture."""
 FINEST = Fraction(1, 10**6)
 """The least tolerance of a request."""
+COARSEST = Fraction(1, 10)
+"""The greatest tolerance of a request."""
 
 
 @dataclass(frozen=True)
@@ -235,6 +237,6 @@ def check_tolerance(tolerance: Exact) -> Fraction:
         InputError: naming ``tolerance``: not an exact number, or out of range.
     """
     exact = parse_exact(tolerance, "tolerance")
-    if not FINEST <= exact <= Fraction(1, 10):
+    if not FINEST <= exact <= COARSEST:
         raise InputError.of("tolerance", f"is {exact_str(exact)}; give 0.000001 to 0.1")
     return exact

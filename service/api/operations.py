@@ -20,6 +20,7 @@ from service.schemas.paths import Path as PathDocument
 from service.schemas.paths import PathRequest
 from service.schemas.poses import PosesRequest, PoseTable
 from service.schemas.questions import Question
+from service.schemas.singular import SingularCurves, SingularCurvesRequest
 from service.schemas.tables import CuspTable, CuspTableRequest
 from worker.answers.kinds import kind_of_job
 
@@ -179,7 +180,30 @@ response waits for it, up to 10 seconds unless `Prefer` says otherwise; after th
     implied_wait=10,
 )
 
-OPERATIONS = (CUSP_TABLES, CENSUSES, CUSP_CURVES, CHECKS, POSES, PATHS)
+SINGULAR_CURVES = Operation(
+    path="/v1/singular-curves",
+    name="post_singular_curves",
+    tag=("singular curves", "The curves J = 0 of a slice, its assembly modes and aspects."),
+    summary="The singular curves of a slice, the number of poses in each region, and the aspects",
+    description="""\
+All components of the curve J = 0, in the plane of α and the fixed leg's angle and in that of the free legs.
+How they run between their special points (cusps, turning points, nodes, …) is proved, and these have proved
+digits. Samples between them are for drawing; they are as near to the true curve as `tolerance` says.
+
+`regions` are the faces into which the curves cut the plane of the free legs, each with its number of poses,
+proved at a point of it; `aspects` are the connected regions of poses in which J has one sign.
+
+A worker draws a slice in a fraction of a second, so the response waits for it, up to 10 seconds unless
+`Prefer` says otherwise; after that it is 202 with a job.
+""",
+    question=SingularCurvesRequest,
+    answer=SingularCurves,
+    known="The curves.",
+    forms={JSON: JSON_FORM, CSV: _csv(rpr_solver.singular_csv, "sample")},
+    implied_wait=10,
+)
+
+OPERATIONS = (CUSP_TABLES, CENSUSES, CUSP_CURVES, CHECKS, POSES, PATHS, SINGULAR_CURVES)
 
 _BY_KIND: Mapping[str, Operation] = {
     kind.name: operation for operation in OPERATIONS for kind in operation.question.kinds

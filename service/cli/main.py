@@ -29,6 +29,7 @@ COMMANDS = {
     "check": "prove or refute a requirement on the number of cusps",
     "poses": "compute all poses for given leg lengths",
     "paths": "find a loop round a cusp without a singularity",
+    "singular": "draw the singular curves of a slice, its regions and aspects",
     "submit": "send a batch of questions to a service and print their answers",
     "status": "print the state of a job or a batch of a service",
     "fetch": "wait for a job or a batch of a service and print its result",

@@ -7,8 +7,8 @@
         answer = client.ask(census(EXAMPLES["innocenti"], digits=30))
     print(answer.typed.transitions[0].kind, len(answer.content))
 
-The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses` and `cusp_loop` take what those of
-`rpr_solver` take.
+The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses`, `cusp_loop` and `singular_curves` take
+what those of `rpr_solver` take.
 `answer.content` is the document as the service sent it, byte for byte the compact JSON of the library's
 answer; `answer.document` is it as a dictionary, and `answer.typed` as a model. `client.slices` yields the
 slices of a table as they are computed; `client.ask_all` asks many questions in one batch and yields an
@@ -16,7 +16,17 @@ slices of a table as they are computed; `client.ask_all` asks many questions in 
 """
 
 from service.client.asynchronous import AsyncServiceClient
-from service.client.questions import Answer, Asked, census, check, cusp_curves, cusp_loop, cusp_table, poses
+from service.client.questions import (
+    Answer,
+    Asked,
+    census,
+    check,
+    cusp_curves,
+    cusp_loop,
+    cusp_table,
+    poses,
+    singular_curves,
+)
 from service.client.results import ItemResult
 from service.client.settings import ClientSettings
 from service.client.sync import ServiceClient
@@ -38,4 +48,5 @@ __all__ = [
     "cusp_loop",
     "cusp_table",
     "poses",
+    "singular_curves",
 ]

@@ -11,7 +11,9 @@ from typing import Any, Generic, TypeVar
 from pydantic import BaseModel
 
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement, exact_str
+from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.paths.path import DEFAULT_SAMPLES, PATH_DIGITS
+from rpr_solver.singular.singular_curves import DEFAULT_TOLERANCE
 from service.schemas.census import Census, CensusRequest
 from service.schemas.checks import CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
@@ -20,6 +22,7 @@ from service.schemas.limits import Limits
 from service.schemas.paths import Path, PathRequest
 from service.schemas.poses import PosesRequest, PoseTable
 from service.schemas.questions import Question
+from service.schemas.singular import SingularCurves, SingularCurvesRequest
 from service.schemas.tables import CuspTable, CuspTableRequest
 
 M = TypeVar("M", bound=BaseModel)
@@ -31,6 +34,7 @@ PATHS: Mapping[type[Question], tuple[str, type[BaseModel]]] = {
     CheckRequest: ("/v1/checks", CheckReport),
     PosesRequest: ("/v1/poses", PoseTable),
     PathRequest: ("/v1/paths", Path),
+    SingularCurvesRequest: ("/v1/singular-curves", SingularCurves),
 }
 """Question → where it is posted, and the model of its answer."""
 
@@ -194,6 +198,20 @@ def cusp_loop(
         "others": others,
     }
     return _asked(PathRequest, Path, manipulator, digits, deadline, members)
+
+
+def singular_curves(
+    manipulator: Manipulator,
+    length: Exact,
+    *,
+    fixed_leg: int = 1,
+    tolerance: Exact = DEFAULT_TOLERANCE,
+    digits: int = MIN_DIGITS,
+    deadline: float | None = None,
+) -> Asked[SingularCurves]:
+    """The singular curves of a slice, the number of poses in each region, and the aspects."""
+    members = {f"l{fixed_leg}": _text(length), "fixed_leg": fixed_leg, "tolerance": _text(tolerance)}
+    return _asked(SingularCurvesRequest, SingularCurves, manipulator, digits, deadline, members)
 
 
 def _asked(

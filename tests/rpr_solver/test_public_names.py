@@ -36,6 +36,7 @@ FUNCTIONS = {
     "poses_of_squares",
     "restrict_census",
     "shorten_slice",
+    "singular_csv",
     "singular_curves",
     "slice_error_json",
     "slice_json",

@@ -26,6 +26,7 @@ from service.client import (
     cusp_loop,
     cusp_table,
     poses,
+    singular_curves,
 )
 from service.client.questions import PATHS
 from service.errors import ServiceError
@@ -58,6 +59,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "poses": (
         poses(ZEIN, 15, "61/2", 40, digits=15),
         lambda: rpr_solver.poses(ZEIN, 15, "61/2", 40, digits=15).to_json(),
+    ),
+    "singular curves": (
+        singular_curves(ZEIN, "69/2", fixed_leg=2, tolerance="0.01"),
+        lambda: rpr_solver.singular_curves(ZEIN, "69/2", fixed_leg=2, tolerance="0.01").to_json(),
     ),
     "path": (
         cusp_loop(ZEIN, 10, "B", samples=3, duration="2.5"),

@@ -12,7 +12,7 @@ from fractions import Fraction
 from math import gcd, lcm
 from typing import Any
 
-from worker.answers import article, censuses, checks, curves, paths, poses, tables
+from worker.answers import article, censuses, checks, curves, paths, poses, singular, tables
 from worker.answers.requests import JobRequest, Kind
 
 _INTERVALS = 20  # between two transitions, of a typical manipulator
@@ -152,6 +152,11 @@ def _path(size: Sizes) -> float:
     return 0.05 + _elimination(size) + _slice(size) + sample * size.count
 
 
+def _singular(size: Sizes) -> float:
+    """The slice, the sweep, a sextic for each region, and the drawing."""
+    return 0.08 + _elimination(size) + 2 * _slice(size) + 1e-3 * (size.geometry + size.lengths)
+
+
 _COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {
     tables.KIND: lambda size: Cost(_elimination(size), _slice(size)),
     article.KIND: lambda size: Cost(0.0, _article(size)),
@@ -159,5 +164,6 @@ _COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {
     censuses.KIND: lambda size: Cost(0.0, _events(size)),
     checks.KIND: lambda size: Cost(0.0, _events(size)),
     paths.KIND: lambda size: Cost(0.0, _path(size)),
+    singular.KIND: lambda size: Cost(0.0, _singular(size)),
     curves.KIND: lambda size: Cost(0.0, 2.5 + _events(size) + _slice(size) * size.count),
 }

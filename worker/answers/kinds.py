@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.contract import Progress
-from worker.answers import article, batches, censuses, checks, curves, paths, poses, tables
+from worker.answers import article, batches, censuses, checks, curves, paths, poses, singular, tables
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable, stored_table
@@ -40,6 +40,7 @@ COMPUTATIONS: Mapping[Kind, Computation] = {
     checks.KIND: Computation(checks.compute),
     curves.KIND: Computation(curves.compute, curves.derive),
     paths.KIND: Computation(paths.compute),
+    singular.KIND: Computation(singular.compute),
 }
 KINDS = (tables.KIND, *COMPUTATIONS)
 """The kinds of documents."""

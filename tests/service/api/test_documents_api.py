@@ -56,6 +56,29 @@ def test_poses_are_answered_without_being_asked_to_wait(api: httpx.Client) -> No
     assert is_whole("PoseTable", answer.json())
 
 
+def test_singular_curves_are_answered_without_being_asked_to_wait(api: httpx.Client) -> None:
+    body = {"geometry": GEOMETRY, "fixed_leg": 3, "l3": "28.1", "tolerance": 0.01}
+    answer = api.post("/v1/singular-curves", json=body)
+    assert answer.status_code == 200
+    curves = rpr_solver.singular_curves(
+        EXAMPLES["innocenti"], "28.1", fixed_leg=3, tolerance="0.01"
+    ).to_json()
+    assert answer.json() == curves
+    assert is_whole("SingularCurves", curves)
+    table = api.post("/v1/singular-curves", json=body, headers={"Accept": "text/csv"})
+    assert table.text == rpr_solver.singular_csv(curves)
+
+
+def test_wrong_tolerances_are_named(idle: httpx.Client) -> None:
+    for tolerance, message in ((1, "is 1; give 0.000001 to 0.1"), ("x", "is not a finite number")):
+        body = {"geometry": GEOMETRY, "l1": 2, "tolerance": tolerance}
+        answer = idle.post("/v1/singular-curves", json=body)
+        assert answer.status_code == 422
+        [error] = answer.json()["errors"]
+        assert error["field"] == "tolerance"
+        assert message in error["message"]
+
+
 def test_a_loop_is_answered_without_being_asked_to_wait(api: httpx.Client) -> None:
     body = {"geometry": GEOMETRY, "l1": 27, "cusp": "d", "samples": 4}
     answer = api.post("/v1/paths", json=body)

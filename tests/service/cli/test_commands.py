@@ -17,6 +17,8 @@ from rpr_solver import (
     path_csv,
     poses,
     restrict_census,
+    singular_csv,
+    singular_curves,
     table_csv,
 )
 from rpr_solver.article.audit import article_document
@@ -33,6 +35,17 @@ def test_poses_as_json_and_as_text(run_here: Run) -> None:
     lines = run_here("poses", "innocenti", *LEGS, "--digits", "20").stdout.splitlines()
     assert lines[2] == "L1 = 14.98, L2 = 15, L3 = 30: 2 poses"
     assert lines[4].split()[:2] == [expected["poses"][0]["alpha_deg"], expected["poses"][0]["theta1_deg"]]  # type: ignore[index]
+
+
+def test_singular_curves_in_every_form(run_here: Run) -> None:
+    args = ("singular", "innocenti", "--l1", "27", "--tolerance", "0.01")
+    expected = singular_curves(EXAMPLES["innocenti"], 27, tolerance="0.01").to_json()
+    assert json.loads(run_here(*args, "--format", "json").stdout) == expected
+    assert run_here(*args, "--format", "csv").stdout == singular_csv(expected)
+    lines = run_here(*args).stdout.splitlines()
+    assert lines[2] == "L1 = 27: 3 components"
+    assert any(line.startswith("Joint space: ") for line in lines)
+    assert "Poses: 3 aspects" in lines
 
 
 def test_a_loop_round_a_cusp_in_every_form(run_here: Run) -> None:
@@ -119,6 +132,11 @@ def test_cusp_curves_of_another_leg() -> None:
     [
         (("poses", "innocenti", "--l1", "1"), "--l2, --l3"),
         (("paths", "innocenti"), "--l1: is missing; give a number"),
+        (("singular", "innocenti"), "--l1: is missing; give a number"),
+        (
+            ("singular", "innocenti", "--l1", "27", "--tolerance", "0"),
+            "--tolerance: is 0; give 0.000001 to 0.1",
+        ),
         (("paths", "innocenti", "--l1", "27", "--cusp", "Z"), "--cusp: is 'Z'; give its number, 1 to 24"),
         (("paths", "innocenti", "--l1", "27", "--cusp", "9"), "cusp: is 9; give 1 to 8, or A to H"),
         (("paths", "innocenti", "--l1", "27", "--l2", "1"), "--l2"),

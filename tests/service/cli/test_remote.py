@@ -32,6 +32,7 @@ ZEIN = EXAMPLES["zein-flat"]
         ("curves", "zein-flat", "--l1-range", "3:3.2:0.1", "--format", "json"),
         ("poses", "zein-flat", "--l1", "15", "--l2", "61/2", "--l3", "40", "--format", "json"),
         ("paths", "zein-flat", "--l1", "10", "--cusp", "b", "--samples", "40"),
+        ("singular", "zein-flat", "--l2", "10", "--tolerance", "0.02"),
         ("check", "zein-flat", "--l1-range", "1:10", "--max-cusps", "3", "--format", "json"),
         ("check", "zein-flat", "--l1", "1", "--l1", "69/2", "--expect-cusps", "8", "--format", "json"),
     ],
@@ -60,13 +61,14 @@ def test_checks_end_at_once_if_there_is_no_service(run_here: Run) -> None:
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (3, "", 1)
 
 
-@pytest.mark.parametrize("name", ["solve", "census", "curves", "check", "poses", "paths"])
+@pytest.mark.parametrize("name", ["solve", "census", "curves", "check", "poses", "paths", "singular"])
 def test_a_deadline_needs_a_service(run_here: Run, name: str) -> None:
     options = {
         "check": ("--l1", "1", "--expect-cusps", "1"),
         "poses": ("--l1", "1", "--l2", "1", "--l3", "1"),
         "solve": ("--l1", "1"),
         "paths": ("--l1", "1"),
+        "singular": ("--l1", "1"),
     }
     done = run_here(name, "innocenti", *options.get(name, ()), "--deadline", "5")
     assert (done.returncode, done.stdout) == (2, "")

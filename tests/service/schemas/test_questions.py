@@ -23,6 +23,7 @@ from service.schemas.limits import LimitError, Limits
 from service.schemas.paths import PathRequest
 from service.schemas.poses import PosesRequest
 from service.schemas.questions import Geometry, Question
+from service.schemas.singular import SingularCurvesRequest
 from service.schemas.tables import CuspTableRequest
 from tests.support.service_server import GEOMETRY
 from worker.answers.kinds import KINDS
@@ -103,7 +104,8 @@ def test_only_on_the_command_line_is_text_a_whole_number() -> None:
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_faults_are_told_as_they_are_documented(question: type[Question]) -> None:
     schema = question.model_json_schema()
-    required = set(schema["required"]) | ({"l1"} if question in (CuspTableRequest, PathRequest) else set())
+    of_slices = CuspTableRequest, PathRequest, SingularCurvesRequest
+    required = set(schema["required"]) | ({"l1"} if question in of_slices else set())
     sent = json.dumps({**dict.fromkeys(schema["properties"]), "other": 1})
     unknown = [field for field, message in problems(question, sent) if message.startswith("unknown field")]
     assert set(unknown) - {"l2", "l3"} == {"other"}
@@ -119,7 +121,7 @@ def test_the_digits_are_those_of_the_limits(question: type[Question]) -> None:
     assert isinstance(body, dict)
     del body["digits"]
     digits = read(question, body, Source(Limits(default_digits=50))).job_request().digits
-    assert digits == {CheckRequest: 30, PathRequest: 15}.get(question, 50)
+    assert digits == {CheckRequest: 30, PathRequest: 15, SingularCurvesRequest: 15}.get(question, 50)
 
 
 def test_every_kind_of_document_has_one_question() -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, Requirement
-from worker.answers import article, censuses, checks, curves, paths, poses, tables
+from worker.answers import article, censuses, checks, curves, paths, poses, singular, tables
 from worker.answers.cost import Sizes, cost, seconds, seconds_after, sizes
 from worker.answers.kinds import KINDS
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
@@ -35,6 +35,7 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
     checks.KIND: {"requirement": Requirement(1, 20, 25, 8, limits={2: (5, 20)}).to_json()},
     curves.KIND: {**WHOLE, "lengths": [], "samples": None},
     paths.KIND: {"length": "27", "cusp": 1, "samples": 101},
+    singular.KIND: {"length": "27", "tolerance": "0.001"},
 }
 
 

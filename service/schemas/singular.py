@@ -1,0 +1,174 @@
+"""Singular curves: the question, and the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInfo
+
+from rpr_solver import MIN_DIGITS, exact_str
+from rpr_solver.errors import InputError
+from rpr_solver.singular.singular_curves import COARSEST, DEFAULT_TOLERANCE, FINEST
+from service.schemas.lengths import NEEDED, SlicesOfOneLeg
+from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, exact_number
+from service.schemas.points import DocumentHead, FixedLength, Point, optional
+from service.schemas.questions import Examples, Question
+from worker.answers import singular
+from worker.answers.requests import Kind
+
+
+def _tolerance(value: object, info: ValidationInfo) -> Fraction:
+    tolerance = exact_number(value, info)
+    if not FINEST <= tolerance <= COARSEST:
+        expected = f"{exact_str(FINEST)} to {exact_str(COARSEST)}"
+        raise InputError.of("", f"is {exact_str(tolerance)}; give {expected}")
+    return tolerance
+
+
+class SingularCurvesRequest(SlicesOfOneLeg, Question):
+    """A manipulator and a slice.
+
+    The slice is the length of the fixed leg: give `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg`
+    3, and neither of the other two.
+    """
+
+    model_config = ConfigDict(json_schema_extra=NEEDED)
+
+    expected: ClassVar[str] = "send an object with geometry and l1"
+    kinds: ClassVar[Sequence[Kind]] = (singular.KIND,)
+    needs_slices: ClassVar[bool] = True
+    hint_of_slices: ClassVar[str] = "give a number"
+    examples: ClassVar[Examples] = {
+        "slice": ("The article's first manipulator at L1 = 14.98", {"l1": 14.98}),
+        "fine": ("The same, drawn ten times as finely", {"l1": 14.98, "tolerance": "0.0001"}),
+    }
+
+    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length is fixed in a slice.")
+    l1: Length | None = Field(
+        default=None, description="The length of leg 1. With `fixed_leg` 2 or 3 use `l2` or `l3`."
+    )
+    l2: Length | None = Field(default=None, description="The length, with `fixed_leg` 2.")
+    l3: Length | None = Field(default=None, description="The length, with `fixed_leg` 3.")
+    tolerance: Annotated[Fraction, PlainValidator(_tolerance, json_schema_input_type=Length)] = Field(
+        default=DEFAULT_TOLERANCE,
+        description="How far a drawn curve may be from the true one, relative to the size of the picture, in "
+        "the plane of the angles and in that of the free legs; 0.000001 to 0.1.",
+    )
+    digits: Digits = digits_field(MIN_DIGITS)
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question."""
+        return {
+            "geometry": self.geometry.to_json(),
+            "fixed_leg": self.fixed_leg,
+            "length": exact_str(self.length),
+            "tolerance": exact_str(self.tolerance),
+            "digits": self.digits,
+        }
+
+    @property
+    def length(self) -> Fraction:
+        """The length of the fixed leg."""
+        length: Fraction = getattr(self, f"l{self.fixed_leg}")
+        return length
+
+    def _asked(self) -> dict[str, Any]:
+        content = self.content()
+        return {f"l{self.fixed_leg}": content.pop("length"), **content}
+
+
+class Samples(BaseModel):
+    """Points in columns: numbers in double precision, for drawing."""
+
+    alpha_deg: list[float] | None = optional("The orientation of the platform.")
+    theta1_deg: list[float] | None = optional("The angle of leg 1, with `fixed_leg` 1.")
+    theta2_deg: list[float] | None = optional("The angle of leg 2, with `fixed_leg` 2.")
+    theta3_deg: list[float] | None = optional("The angle of leg 3, with `fixed_leg` 3.")
+    l1: list[float] | None = optional("The length of leg 1, if it is free.")
+    l2: list[float] | None = optional("The length of leg 2, if it is free.")
+    l3: list[float] | None = optional("The length of leg 3, if it is free.")
+
+
+class Turns(BaseModel):
+    """The full turns of the angles along a closed strand."""
+
+    alpha: int
+    theta1: int | None = optional("With `fixed_leg` 1.")
+    theta2: int | None = optional("With `fixed_leg` 2.")
+    theta3: int | None = optional("With `fixed_leg` 3.")
+
+
+class Vertex(Point):
+    """A special point of the singular curves, with proved digits."""
+
+    index: int = Field(description="The number of its sample in the strand, from 0.")
+    kind: str = Field(
+        description="`cusp`; `turning`, an extremum of the fixed leg's angle along the curve; `closed-leg`, "
+        "a free leg of length 0; or the kind of a degenerate pose, such as `node` or `isolated-point`."
+    )
+    cusp: int | None = optional("The number of a cusp, from 1, in the cusp table of the slice.")
+
+
+class Strand(Samples):
+    """A closed curve, or a piece of one from node to node. J > 0 lies on its left in the plane of α and θ.
+
+    Its angles are continuous, beyond ±180 degrees. The last sample of a closed strand is the first one again,
+    ahead by `turns`.
+    """
+
+    closed: bool
+    turns: Turns
+    vertices: list[Vertex]
+
+
+class SingularComponent(BaseModel):
+    """A connected component of the singular curves: one closed strand, or several that meet in nodes."""
+
+    strands: list[Strand]
+
+
+class RegionPoint(BaseModel):
+    """A joint vector: the exact lengths of the free legs, decimals or quotients p/q."""
+
+    l1: str | None = optional("Length of leg 1, if it is free.")
+    l2: str | None = optional("Length of leg 2, if it is free.")
+    l3: str | None = optional("Length of leg 3, if it is free.")
+
+
+class Region(BaseModel):
+    """A region of the plane of the free legs, in which the number of poses is constant."""
+
+    poses: int = Field(description="The number of real poses at each of its points, half of them with J > 0.")
+    bounded: bool
+    point: RegionPoint = Field(description="A point of the region, at which the number is proved.")
+    rings: list[Samples] = Field(
+        description="Closed polylines of the free legs' lengths: its outer boundary first, then its holes; "
+        "the unbounded region has only holes."
+    )
+
+
+class Aspect(BaseModel):
+    """A connected region of the torus of α and θ on which J has one sign."""
+
+    sign: int
+    share: float = Field(description="The part of the torus that it covers, about.")
+    polygons: list[Samples] = Field(
+        description="Polygons of α and θ in degrees, from −180 to 180, that together cover the aspect."
+    )
+
+
+class SingularCurves(DocumentHead, FixedLength):
+    """The singular curves of a slice: components, regions and aspects."""
+
+    tolerance: str = Field(description="Exact, as asked.")
+    components: list[SingularComponent]
+    regions: list[Region] = Field(description="By falling number of poses, then by falling area.")
+    thin_regions: int = Field(
+        description="The number of faces of the drawing that are too thin, for the tolerance, to be regions "
+        "by proof."
+    )
+    aspects: list[Aspect] = Field(
+        description="Those with J > 0 first, then by falling size. Their number is proved."
+    )
