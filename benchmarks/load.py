@@ -14,6 +14,7 @@ import argparse
 import asyncio
 import itertools
 import json
+import os
 import random
 import re
 import resource
@@ -195,15 +196,17 @@ async def held(port: int, args: argparse.Namespace) -> None:
         writer.close()
 
 
-def memory(root: int) -> str:
-    """Returns the memory of a process and its descendants, where /proc tells it."""
+def use(root: int) -> str:
+    """Returns the memory and processor time of a process and its descendants, where /proc tells them."""
     parents: dict[int, int] = {}
-    sizes: dict[int, tuple[str, float]] = {}
+    sizes: dict[int, tuple[str, float, float]] = {}
+    ticks = os.sysconf("SC_CLK_TCK")
     for path in Path("/proc").glob("[0-9]*"):
         try:
             status = dict(
                 line.split(":", 1) for line in (path / "status").read_text().splitlines() if ":" in line
             )
+            times = (path / "stat").read_text().rpartition(")")[2].split()[11:13]
             command = (path / "cmdline").read_bytes().replace(b"\0", b" ").decode()
         except OSError:
             continue
@@ -212,12 +215,14 @@ def memory(root: int) -> str:
         sizes[int(path.name)] = (
             what[0] if what else status["Name"].strip(),
             int(status.get("VmRSS", "0").split()[0]) / 1024,
+            sum(map(int, times)) / ticks,
         )
     family = {root}
     while more := {pid for pid, parent in parents.items() if parent in family} - family:
         family |= more
     return ", ".join(
-        f"{name} {size:.0f} MiB" for name, size in sorted(sizes[p] for p in family if p in sizes)
+        f"{name} {size:.1f} MiB {seconds:.1f} s"
+        for name, size, seconds in sorted(sizes[p] for p in family if p in sizes)
     )
 
 
@@ -244,9 +249,9 @@ def main() -> None:
         return
     with serving() as stack:
         asyncio.run(known(stack.port))
-        print("before:", memory(stack.pid))
+        print("before:", use(stack.pid))
         asyncio.run(load(stack.port, args))
-        print("after:", memory(stack.pid))
+        print("after:", use(stack.pid))
 
 
 async def known(port: int) -> None:

@@ -41,7 +41,7 @@ MAY_IMPORT = {
     "worker": "",
     # service: faces people and programs
     "service.errors": "",
-    "service.schemas": "rpr_solver worker.answers",
+    "service.schemas": "rpr_solver worker.settings worker.answers",
     "service.webhooks": "rpr_solver worker service",
     "service.api": "rpr_solver worker service service.schemas service.webhooks",
     "service.openapi_yaml": "service.api service.schemas",

@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from worker.logs import LogFormat
+
+Deadline = Annotated[
+    PositiveFloat,
+    Field(description="maximum `deadline_s` of a request, and run time of a chunk, in seconds"),
+]
+"""A setting of the workers, and a limit of requests."""
+
+DEADLINE = 600.0
+"""Its value if nothing else is said."""
 
 
 class ConnectionSettings(BaseSettings):
@@ -51,9 +61,7 @@ class WorkerSettings(BaseSettings):
         default=300.0,
         description="estimated work of one lane of the queue, in seconds per worker, beyond which it is full",
     )
-    deadline: PositiveFloat = Field(
-        default=600.0, description="maximum run time of a chunk, and maximum `deadline_s`, in seconds"
-    )
+    deadline: Deadline = DEADLINE
     memory_limit_mb: int | None = Field(
         default=4096, ge=64, description="maximum address space of a work horse, in MiB"
     )

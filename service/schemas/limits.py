@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated
 
-from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt
+from pydantic import Field, NonNegativeInt, PositiveInt
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from rpr_solver.errors import FieldProblem, InputError
+from worker.settings import DEADLINE, Deadline
 
 MIN_DIGITS = 15
 MAX_DIGITS = 1000
@@ -46,9 +47,7 @@ class Limits(BaseSettings):
     max_cost_seconds: PositiveInt = Field(
         default=120, description="maximum estimated work for one request, in seconds of one core"
     )
-    deadline: PositiveFloat = Field(
-        default=600.0, description="maximum `deadline_s` of a request, and run time of a chunk, in seconds"
-    )
+    deadline: Deadline = DEADLINE
     max_body_bytes: PositiveInt = Field(
         default=1 << 20, description="maximum size of a request body or of one item of a batch, in bytes"
     )
