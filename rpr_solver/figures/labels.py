@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from math import cos, hypot, pi, sin
 
-from rpr_solver.figures.plane import Box, Line, Point
+from rpr_solver.figures.plane import Box, Line, Point, is_inside
 from rpr_solver.figures.scene import Text
 from rpr_solver.figures.wording import box_of
 
@@ -72,6 +72,25 @@ class Room:
         places = sorted(self._corners(width, height, step), key=lambda p: _off(p, width, height, target))
         boxes = (Box(x, y, x + width, y + height) for x, y in places)
         return next(filter(self.is_free, boxes), None)
+
+    def inside(self, rings: Sequence[Line], least: float, step: float = 10) -> Point | None:
+        """The point inside rings with most free room around it; None if that is less than ``least``."""
+        box = Box.around([point for ring in rings for point in ring])
+        best: tuple[float, Point] | None = None
+        for i in range(int(box.width / step) + 1):
+            for k in range(int(box.height / step) + 1):
+                point = box.x0 + (i + 0.5) * step, box.y0 + (k + 0.5) * step
+                reach = self._reach(point)
+                if reach > (best[0] if best else least / 2) and is_inside(point, rings):
+                    best = reach, point
+        return best[1] if best else None
+
+    def _reach(self, point: Point) -> float:
+        """How far a box around a point may reach and be free, at most 40."""
+        reach = 0.0
+        while reach < 40 and self.is_free(Box.around([point]).grown(reach + 5)):
+            reach += 5
+        return reach
 
     def _corners(self, width: float, height: float, step: float) -> Iterator[Point]:
         across, down = (self.box.width - width) / step, (self.box.height - height) / step

@@ -72,6 +72,35 @@ def between(a: Point, b: Point, share: float) -> Point:
     return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
 
 
+def off_segment(point: Point, a: Point, b: Point) -> float:
+    """The distance of a point from a segment.
+
+    >>> off_segment((0, 1), (-1, 0), (1, 0)), off_segment((4, 4), (0, 0), (1, 0))
+    (1.0, 5.0)
+    """
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    square = dx * dx + dy * dy
+    share = ((point[0] - a[0]) * dx + (point[1] - a[1]) * dy) / square if square else 0.0
+    return distance(point, between(a, b, min(max(share, 0.0), 1.0)))
+
+
+def is_inside(point: Point, rings: Iterable[Line]) -> bool:
+    """Whether an odd number of rings goes round a point: inside a ring, and not in one of its holes.
+
+    >>> square, hole = Box(0, 0, 9, 9).corners, Box(3, 3, 6, 6).corners
+    >>> is_inside((1, 1), [square, hole]), is_inside((4, 4), [square, hole])
+    (True, False)
+    """
+    x, y = point
+    odd = False
+    for ring in rings:
+        for k in range(len(ring)):
+            (ax, ay), (bx, by) = ring[k - 1], ring[k]
+            if (ay > y) != (by > y) and x < ax + (y - ay) * (bx - ax) / (by - ay):
+                odd = not odd
+    return odd
+
+
 def simplified(line: Line, tolerance: float) -> list[Point]:
     """The polyline without points that are not needed within a tolerance (Douglas and Peucker).
 

@@ -1,0 +1,250 @@
+"""A slice in joint space: singular curves, regions by their number of poses, cusps circled and lettered."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from rpr_solver.figures.axes import Frame
+from rpr_solver.figures.figure import Figure
+from rpr_solver.figures.insets import Spot, Window, windows
+from rpr_solver.figures.labels import Room
+from rpr_solver.figures.plane import Box, Point, clipped, distance, simplified
+from rpr_solver.figures.scene import Disc, Group, Paint, Path, Shape, Text
+from rpr_solver.figures.sheet import WIDTH, listed, sheet
+from rpr_solver.figures.slice_floats import Angles, SliceFloats
+from rpr_solver.figures.strands import cusps_of, drawn, strands_of
+from rpr_solver.figures.wording import box_of, letters, number, short, width
+
+HEIGHT = 656.0
+_PLOT = Box(72, 46, WIDTH - 24, HEIGHT - 108)
+_INSET, _COLUMN = 168.0, 200.0
+_CIRCLE = 6.5
+_CURVE = Paint(stroke="curve", width=1.7)
+_RING = Paint(stroke="cusp", width=2)
+_LEVELS = (0, 2, 4, 6)
+
+
+def joint_figure(document: Mapping[str, Any]) -> Figure:
+    """Draws the singular curves of a slice in the plane of the free legs.
+
+    Args:
+        document: as :meth:`SingularCurves.to_json` gives it.
+    """
+    return _JointPlane(document).figure()
+
+
+class _JointPlane:
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        self._document = document
+        leg = document["fixed_leg"]
+        self._leg, self._length = leg, document[f"l{leg}"]
+        self._names = [f"l{k}" for k in (1, 2, 3) if k != leg]
+        self._strands = strands_of(document)
+        self._floats = SliceFloats.of(document["geometry"], leg, self._length)
+        self._cusps = cusps_of(self._strands)
+        values = _range([point for strand in self._strands for point in strand.points])
+        self._frame = Frame.of(_PLOT, values)
+        self._lines = [self._frame.line(strand.points) for strand in self._strands]
+        self._places = [self._frame.place(self._point(cusp)) for cusp in self._cusps]
+
+    def figure(self) -> Figure:
+        """The picture."""
+        curves = [line for strand in self._strands for line in drawn(strand, self._floats, self._pose)]
+        room = Room(_PLOT.grown(-4))
+        for line in curves:
+            room.add_line(line)
+        for x, y in self._places:
+            room.add_box(Box(x - 8, y - 8, x + 8, y + 8))
+        parted = windows(self._lines, self._spots(), self._corners(), _INSET)
+        labels = list(self._letters(room, parted))
+        insets, wide = self._placed(parted, room)
+        regions = list(self._regions())
+        counts = list(_counts(regions, room))
+        names = [title.upper() for title in self._names]
+        shapes = [
+            Group(tuple(shape for _, shape in regions), clip=_PLOT),
+            *self._frame.shapes(names[0], names[1]),
+            Group((_smooth(curves),), "singular curves", _PLOT),
+            *counts,
+            *(Group((Disc(p, _CIRCLE, _RING),), f"cusp {letters(k)}") for k, p in enumerate(self._places, 1)),
+            *labels,
+            *(shape for inset in insets for shape in inset),
+            *_legend({count for count, _ in regions}),
+        ]
+        count = len(self._cusps)
+        cusps = "no cusp" if count == 0 else "1 cusp" if count == 1 else f"{count} cusps"
+        title = f"Singular curves at L{self._leg} = {short(self._length, 8)}: {cusps}"
+        return sheet(title, self._document["geometry"], self._facts(names), shapes, HEIGHT, wide)
+
+    def _pose(self, pose: Angles) -> Point:
+        """The place of a pose in the picture."""
+        return self._frame.place(self._floats.lengths(pose))
+
+    def _point(self, vertex: Mapping[str, str]) -> Point:
+        x, y = (number(vertex[name]) for name in self._names)
+        return x, y
+
+    def _spots(self) -> list[Spot]:
+        found = {
+            vertex["cusp"]: Spot(k, vertex["index"])
+            for k, strand in enumerate(self._strands)
+            for vertex in strand.vertices
+            if vertex["kind"] == "cusp"
+        }
+        return [found[number] for number in sorted(found)]
+
+    def _corners(self) -> list[Point]:
+        return [
+            self._frame.place(self._point(vertex))
+            for strand in self._strands
+            for vertex in strand.vertices
+            if vertex["kind"] not in ("cusp", "turning")
+        ]
+
+    def _letters(self, room: Room, parted: Sequence[Window]) -> Iterator[Shape]:
+        """The letters of the cusps; those that share a window are named together, at its box."""
+        groups: list[list[int]] = []
+        for window in parted:
+            joined = [group for group in groups if set(group) & set(window.members)]
+            groups = [group for group in groups if group not in joined]
+            groups.append(sorted({*window.members, *(k for group in joined for k in group)}))
+        single = [[k] for k in range(len(self._cusps)) if not any(k in group for group in groups)]
+        for group in (*single, *groups):
+            box = Box.around([self._places[k] for k in group])
+            words = ", ".join(letters(k + 1) for k in group)
+            yield room.near(box.centre, words, 15, 16 + max(box.width, box.height) / 2, "cusp")
+
+    def _placed(self, parted: Sequence[Window], room: Room) -> tuple[list[list[Shape]], float]:
+        """The insets, in the plot where they hide nothing, else beside it; and the picture's width."""
+        insets, column = [], 0
+        for window in parted:
+            room.add_box(_marked(window))
+        for window in parted:
+            target = window.box.centre
+            free = [room.free_box(share * _INSET, share * _INSET, target) for share in (1, 0.85, 0.7)]
+            box = min(filter(None, free), key=lambda box: _far(box, target), default=None)
+            if box is None:
+                top = _PLOT.y0 + column * (_INSET + 16)
+                box = Box(WIDTH, top, WIDTH + _INSET, top + _INSET)
+                column += 1
+            room.add_box(box.grown(4))
+            insets.append(list(self._inset(window, box)))
+        return insets, WIDTH + (_COLUMN if column else 0)
+
+    def _inset(self, window: Window, box: Box) -> Iterator[Shape]:
+        """Yields an inset: its frame, what is in it, and lines to the part that it magnifies."""
+        zoom = box.width / window.box.width
+        x0, y0 = window.box.x0, window.box.y0
+
+        def zoomed(place: Point) -> Point:
+            return box.x0 + (place[0] - x0) * zoom, box.y0 + (place[1] - y0) * zoom
+
+        marked = _marked(window)
+        yield Path(tuple(_leaders(marked, box)), Paint(stroke="ghost", width=0.9, dash=(4, 3)))
+        yield Path((marked.corners,), Paint(stroke="soft", width=1.2), closed=True)
+        yield Path((box.corners,), Paint("paper"), closed=True)
+        curves = [
+            piece
+            for strand in self._strands
+            for line in drawn(strand, self._floats, lambda pose: zoomed(self._pose(pose)), box)
+            for piece in clipped(line, box)
+        ]
+        inside = Room(box.grown(-3))
+        for line in curves:
+            inside.add_line(line)
+        spots = [(k, zoomed(place)) for k, place in enumerate(self._places)]
+        spots = [(k, spot) for k, spot in spots if spot in box.grown(-_CIRCLE)]
+        for _, (x, y) in spots:
+            inside.add_box(Box(x - 8, y - 8, x + 8, y + 8))
+        crowd = {k for k, a in spots for i, b in spots if i != k and distance(a, b) < _CIRCLE}
+        yield _smooth(curves)
+        yield Path((box.corners,), Paint(stroke="soft", width=1.4), closed=True)
+        for k, spot in spots:
+            yield Group((Disc(spot, _CIRCLE, _RING),), f"cusp {letters(k + 1)}")
+            if k not in crowd or k in window.members:
+                yield inside.near(spot, letters(k + 1), 14, 14, "cusp")
+        scale = Text((box.x0 + 6, box.y1 - 10), f"× {short(zoom, 2)}", 11.5, "soft", halo="paper")
+        corner = inside.near((box.x1 - 26, box.y1 - 10), scale.words, 11.5, 0, "soft")
+        yield Text(corner.at, scale.words, 11.5, "soft", "middle", halo="paper")
+
+    def _regions(self) -> Iterator[tuple[int, Path]]:
+        """Yields the regions with their numbers of poses, their holes cut out."""
+        for region in self._document.get("regions", ()):
+            rings = tuple(
+                tuple(self._frame.line(zip(ring[self._names[0]], ring[self._names[1]], strict=True)))  # type: ignore[arg-type]
+                for ring in region["rings"]
+            )
+            level = max(n for n in _LEVELS if n <= region["poses"])
+            yield region["poses"], Path(rings, Paint(f"poses{level}"), closed=True)
+
+    def _facts(self, names: Sequence[str]) -> str:
+        cusps = [
+            f"{letters(k)} at {names[0]} = {short(cusp[self._names[0]], 6)}, {names[1]} = "
+            f"{short(cusp[self._names[1]], 6)}"
+            for k, cusp in enumerate(self._cusps, 1)
+        ]
+        listing = f" Cusps: {'; '.join(cusps)}." if cusps else ""
+        return f"Singular curves in the plane of {listed(names)}.{listing}"
+
+
+def _smooth(lines: Sequence[Sequence[Point]]) -> Path:
+    return Path(tuple(simplified(line, 0.06) for line in lines), _CURVE)
+
+
+def _range(points: Sequence[Point]) -> Box:
+    """The values that the frame shows: all points with a margin, from 0 if that is near."""
+    box = Box.around(points)
+    sides = []
+    for low, high in ((box.x0, box.x1), (box.y0, box.y1)):
+        wide = (high - low) or high or 1.0
+        sides.append((0.0 if low < 0.45 * wide else low - 0.06 * wide, high + 0.05 * wide))
+    (x0, x1), (y0, y1) = sides
+    return Box(x0, y0, x1, y1)
+
+
+def _far(box: Box, target: Point) -> float:
+    """How little a box suits as an inset: its distance, and what it lacks in size."""
+    return distance(box.centre, target) + 2 * (_INSET - box.width)
+
+
+def _marked(window: Window) -> Box:
+    """The box in the picture that stands for a window, which may be too small to be seen."""
+    (x, y), half = window.box.centre, max(window.box.width / 2, 11)
+    return Box(x - half, y - half, x + half, y + half)
+
+
+def _leaders(source: Box, target: Box) -> Iterator[list[Point]]:
+    """Yields two lines from a box to the box that magnifies it: those that cross neither."""
+    pairs = list(zip(source.corners, target.corners, strict=True))
+    free = [pair for pair in pairs if not any(_crosses(*pair, box.grown(-0.5)) for box in (source, target))]
+    yield from ([a, b] for a, b in free[:2])
+
+
+def _crosses(a: Point, b: Point, box: Box) -> bool:
+    return any(True for _ in clipped([a, b], box))
+
+
+def _counts(regions: Sequence[tuple[int, Path]], room: Room) -> Iterator[Shape]:
+    """The numbers of poses, written in the regions that have room for them."""
+    for count, path in regions:
+        spot = room.inside(path.lines, 22)
+        if spot is not None:
+            text = Text(spot, str(count), 14, "ink", "middle")
+            room.add_box(box_of(text))
+            yield text
+
+
+def _legend(counts: set[int]) -> Iterator[Shape]:
+    """What the shades say, below the plot."""
+    if not counts:
+        return
+    names = [(n, f"{n} poses" if n else "no pose") for n in sorted(counts)]
+    x = _PLOT.centre[0] - sum(34 + width(words, 12.5) for _, words in names) / 2
+    for n, words in names:
+        level = max(k for k in _LEVELS if k <= n)
+        y = HEIGHT - 44
+        ring = Box(x, y - 7, x + 16, y + 7).corners
+        yield Path((ring,), Paint(f"poses{level}", "soft", 0.8), closed=True)
+        yield Text((x + 21, y), words, 12.5, "soft")
+        x += 34 + width(words, 12.5)
