@@ -24,8 +24,11 @@ from functools import cached_property
 from typing import Any
 
 from rpr_solver.contract import MIN_DIGITS, check_digits, check_leg, check_type, document_head
-from rpr_solver.errors import InputError
+from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
+from rpr_solver.figures.figure import Figure
+from rpr_solver.figures.joint_plane import joint_figure
+from rpr_solver.figures.torus import torus_figure
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, shortened
 from rpr_solver.singular.aspects import Aspect
@@ -42,6 +45,7 @@ from rpr_solver.slices.slice_table import SliceTable
 
 DEFAULT_TOLERANCE = Fraction(1, 1000)
 """The default deviation of a drawn curve, relative to the picture."""
+_VIEWS = {"joints": joint_figure, "torus": torus_figure}
 FINEST = Fraction(1, 10**6)
 """The least tolerance of a request."""
 COARSEST = Fraction(1, 10)
@@ -133,6 +137,23 @@ class SingularCurves:
     @cached_property
     def _regions(self) -> Regions:
         return self._drawing.regions(self.length, list(zip(self._chains, self.strands, strict=True)))
+
+    def figure(self, view: str = "joints") -> Figure:
+        """A picture of the slice.
+
+        Args:
+            view: ``"joints"``: the plane of the free legs, with insets where cusps are too close to see;
+                ``"torus"``: the angles α and θ, with the areas of J > 0 and J < 0.
+
+        Raises:
+            InputError: naming ``view``, or the lengths are too large to be drawn.
+        """
+        if view not in _VIEWS:
+            raise InputError.of("view", f"is {shown(view)}; give {' or '.join(_VIEWS)}")
+        return _VIEWS[view](self.to_json())
+
+    def _repr_svg_(self) -> str:
+        return self.figure().svg()
 
     def to_json(self) -> dict[str, Any]:
         """The document described at the top of this module."""

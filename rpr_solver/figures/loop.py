@@ -1,0 +1,200 @@
+"""A loop round a cusp, in motion: the point in joint space, and the mechanism beside it.
+
+The motion runs to the end, rests, runs back and rests. Without motion the picture shows the loop, the pose at
+its start, and the pose at its end behind it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import atan2, ceil, cos, degrees, radians, sin
+from typing import Any
+
+from rpr_solver.figures.axes import Frame
+from rpr_solver.figures.figure import Figure
+from rpr_solver.figures.labels import Room
+from rpr_solver.figures.mechanism import View, base_shapes, joint, platform_shape
+from rpr_solver.figures.plane import Box, Point, clipped, distance, simplified
+from rpr_solver.figures.scene import Disc, Group, Motion, Paint, Path, Shape
+from rpr_solver.figures.sheet import sheet
+from rpr_solver.figures.slice_floats import Angles, SliceFloats
+from rpr_solver.figures.strands import cusps_of, drawn, strands_of
+from rpr_solver.figures.triangles import Triangles, Triple
+from rpr_solver.figures.wording import letters, number, short
+
+WIDTH, HEIGHT = 980.0, 500.0
+_PLOT = Box(76, 50, 470, 410)
+_STAGE = Box(520, 60, 950, 430)
+_FRAMES, _REST = 36, 6
+_SECONDS = 9.0
+
+Place = tuple[float, float, float, float]
+
+
+def loop_figure(path: Mapping[str, Any], curves: Mapping[str, Any] | None = None) -> Figure:
+    """Draws a path that comes back to its leg lengths.
+
+    Args:
+        path: as :meth:`Path.to_json` gives it.
+        curves: the singular curves of the slice, as :meth:`SingularCurves.to_json` gives them; None leaves
+            them out.
+    """
+    course = _Course.of(path)
+    leg, cusp = path["fixed_leg"], path["cusp"]
+    slice_name = f"L{leg} = {short(path[f'l{leg}'], 8)}"
+    around = f"round cusp {letters(cusp)} at {slice_name}" if cusp else f"at {slice_name}"
+    start, stop = path["from"]["pose"], path["to"]["pose"]
+    shapes = [*_joint_plane(course, curves), *_mechanism(course, start, stop)]
+    text = (
+        f"Left: the path of the leg lengths in joint space, {around}. Right: the mechanism, which begins in "
+        f"pose {start} and ends in pose {stop} of the same leg lengths, and is nowhere singular between."
+    )
+    title = f"Loop {around}: from pose {start} to pose {stop}"
+    return sheet(title, path["geometry"], text, shapes, HEIGHT, WIDTH)
+
+
+@dataclass(frozen=True)
+class _Course:
+    """The samples of a path in floats.
+
+    Attributes:
+        fixed_leg: the leg that is held at both ends.
+        shape: the triangles, in their unit.
+        route: the lengths of the free legs at all samples.
+        joints: the same at the samples that are drawn in motion.
+        platforms: the points of the platform.
+        alphas: the orientation in degrees, continuous.
+    """
+
+    fixed_leg: int
+    shape: Triangles
+    route: tuple[Point, ...]
+    joints: tuple[Point, ...]
+    platforms: tuple[Triple, ...]
+    alphas: tuple[float, ...]
+
+    @classmethod
+    def of(cls, path: Mapping[str, Any]) -> _Course:
+        """The course of a document, with not too many samples."""
+        leg, shape, samples = path["fixed_leg"], Triangles.of(path["geometry"]), path["samples"]
+        first, second = (f"l{k}" for k in (1, 2, 3) if k != leg)
+        route = tuple((number(sample[first]), number(sample[second])) for sample in samples)
+        step = ceil((len(samples) - 1) / _FRAMES)
+        samples = [*samples[:-1:step], samples[-1]]
+        alphas = _continuous([number(sample["alpha_deg"]) for sample in samples])
+        platforms = []
+        for sample, alpha in zip(samples, alphas, strict=True):
+            theta, length = number(sample[f"theta{leg}_deg"]), shape.length(sample[f"l{leg}"])
+            platforms.append(shape.placed(alpha, shape.held(leg, length, alpha, theta)))
+        joints = (*route[:-1:step], route[-1])
+        return cls(leg, shape, route, joints, tuple(platforms), tuple(alphas))
+
+
+def _joint_plane(course: _Course, curves: Mapping[str, Any] | None) -> Iterator[Shape]:
+    names = [f"L{k}" for k in (1, 2, 3) if k != course.fixed_leg]
+    bounds = Box.around(course.route)
+    margin = 0.45 * max(bounds.width, bounds.height)
+    x0, y0 = max(bounds.x0 - margin, 0.0), max(bounds.y0 - margin, 0.0)
+    frame = Frame.of(_PLOT, Box(x0, y0, bounds.x1 + margin, bounds.y1 + margin))
+    loop = frame.line(course.route)
+    room = Room(_PLOT.grown(-4))
+    room.add_line(loop)
+    yield from frame.shapes(names[0], names[1])
+    if curves is not None:
+        yield from _curves(course, curves, frame, room)
+    yield Group((Path((loop,), Paint(stroke="mark", width=2.4)), *_arrow(loop)), "path of the leg lengths")
+    point = (Disc((0, 0), 6.5, Paint("mark", "paper", 1.5)),)
+    moves = [(x, y, 0.0, 1.0) for x, y in frame.line(course.joints)]
+    yield Group(point, "leg lengths", motion=_motion(moves))
+
+
+def _curves(course: _Course, document: Mapping[str, Any], frame: Frame, room: Room) -> Iterator[Shape]:
+    """Yields the singular curves in the frame, and the cusps there."""
+    leg = course.fixed_leg
+    floats = SliceFloats.of(document["geometry"], leg, document[f"l{leg}"])
+
+    def place(pose: Angles) -> Point:
+        return frame.place(floats.lengths(pose))
+
+    strands = strands_of(document)
+    lines = [
+        simplified(piece, 0.06)
+        for strand in strands
+        for line in drawn(strand, floats, place, _PLOT)
+        for piece in clipped(line, _PLOT)
+    ]
+    for line in lines:
+        room.add_line(line)
+    yield Group((Path(tuple(lines), Paint(stroke="curve", width=1.7)),), "singular curves")
+    for k, cusp in enumerate(cusps_of(strands), 1):
+        at = place((number(cusp["alpha_deg"]), number(cusp[f"theta{leg}_deg"])))
+        if at in _PLOT.grown(-8):
+            room.add_box(Box.around([at]).grown(8))
+            yield Group((Disc(at, 6.5, Paint(stroke="cusp", width=2)),), f"cusp {letters(k)}")
+            yield room.near(at, letters(k), 15, 16, "cusp")
+
+
+def _arrow(loop: Sequence[Point]) -> Iterator[Shape]:
+    """Yields the direction of a loop, at its fastest."""
+    k = max(range(1, len(loop)), key=lambda k: distance(loop[k - 1], loop[k]))
+    (x, y), (u, v) = loop[k - 1], loop[k]
+    turn = atan2(v - y, u - x)
+    tips = [(u + 11 * cos(turn + side), v + 11 * sin(turn + side)) for side in (radians(155), radians(-155))]
+    yield Path(([tips[0], (u, v), tips[1]],), Paint("mark"), closed=True)
+
+
+def _mechanism(course: _Course, start: int, stop: int) -> Iterator[Shape]:
+    points = [*course.shape.base, *(point for platform in course.platforms for point in platform)]
+    view = View(points, _STAGE)
+    base = view.line(course.shape.base)
+    rings = [view.line(platform) for platform in course.platforms]
+    room = Room(Box(500, 46, WIDTH - 8, HEIGHT - 30))
+    for ring in (base, rings[0], rings[-1]):
+        room.add_line([*ring, ring[0]])
+    for (x, y), head in zip(base, rings[0], strict=True):
+        room.add_box(Box(x - 12, y - 8, x + 12, y + 21))
+        room.add_line([(x, y), head])
+    yield Path((base,), Paint("tint", "soft", 1.4, (6, 4)), closed=True)
+    for ring, pose, role in ((rings[0], start, "line1"), (rings[-1], stop, "cusp")):
+        yield Group((Path((ring,), Paint(stroke=role, width=1.6, dash=(5, 4)), closed=True),), f"pose {pose}")
+    yield Group(tuple(base_shapes(base))[1:], "ground")
+    platform = [(view.scale * x, -view.scale * y) for x, y in course.shape.platform]
+    turns = [-alpha for alpha in course.alphas]
+    moves = [(*ring[0], turn, 1.0) for ring, turn in zip(rings, turns, strict=True)]
+    yield Group((platform_shape(platform),), "platform", motion=_motion(moves))
+    for k, foot in enumerate(base):
+        yield from _leg(foot, [ring[k] for ring in rings])
+    yield Group(tuple(joint(point) for point in platform), motion=_motion(moves))
+    yield from (joint(point) for point in base)
+    for k, point in enumerate(base, 1):
+        yield room.near(point, f"A{k}", 14, 15)
+    for ring, pose, role in ((rings[0], start, "line1"), (rings[-1], stop, "cusp")):
+        centre = sum(x for x, _ in ring) / 3, sum(y for _, y in ring) / 3
+        yield room.near(centre, f"pose {pose}", 13, 4, role)
+
+
+def _leg(foot: Point, heads: Sequence[Point]) -> Iterator[Shape]:
+    """Yields the rod of a leg, which is stretched as it moves, and its cylinder."""
+    lengths = [distance(foot, head) for head in heads]
+    turns = _continuous([degrees(atan2(y - foot[1], x - foot[0])) for x, y in heads])
+    rod = Path((Box(0, -1.5, 1, 1.5).corners,), Paint("ink"), closed=True)
+    stretched = [(*foot, turn, length) for turn, length in zip(turns, lengths, strict=True)]
+    yield Group((rod,), motion=_motion(stretched))
+    cylinder = Path((Box(0, -4.5, 0.6 * min(lengths), 4.5).corners,), Paint("tint", "ink", 1.4), closed=True)
+    yield Group((cylinder,), motion=_motion([(*foot, turn, 1.0) for turn in turns]))
+
+
+def _motion(places: Sequence[Place]) -> Motion:
+    """There, a rest, and back."""
+    rest = [places[-1]] * _REST
+    back = list(reversed(places))
+    return Motion((*places, *rest, *back, *([places[0]] * _REST)), _SECONDS)
+
+
+def _continuous(angles: Sequence[float]) -> list[float]:
+    """Each angle by whole turns as near as possible to the one before it."""
+    result = list(angles[:1])
+    for angle in angles[1:]:
+        result.append(angle - 360 * round((angle - result[-1]) / 360))
+    return result
