@@ -21,7 +21,7 @@ MAY_IMPORT = {
     "rpr_solver.kinematics": "errors contract notebook figures exact model",
     "rpr_solver.slices": "errors contract notebook exact model",
     "rpr_solver.transitions": "errors contract notebook figures exact model slices singular",
-    "rpr_solver.singular": "errors contract notebook exact model kinematics slices",
+    "rpr_solver.singular": "errors contract notebook figures exact model kinematics slices",
     "rpr_solver.documents": "errors contract exact model slices transitions",
     "rpr_solver.article": "errors contract notebook exact model slices",
     "rpr_solver.curves": "errors contract notebook figures exact model slices transitions",

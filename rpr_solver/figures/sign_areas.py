@@ -151,8 +151,8 @@ def _cells(
     outer = [low, *xs[1:-1], high] if len(xs) > 1 else [low, high]
     levels = levels if len(xs) > 1 else levels * 2
     for k in range(usual + 1):
-        middle = len(levels) // 2
-        at = xs[min(middle, len(xs) - 1)], (levels[middle][k] + levels[middle][k + 1]) / 2
+        widest = max(range(len(xs)), key=lambda i: levels[i][k + 1] - levels[i][k])
+        at = xs[widest], (levels[widest][k] + levels[widest][k + 1]) / 2
         lower, upper = (
             tuple((x, level[i]) for x, level in zip(outer, levels, strict=True)) for i in (k, k + 1)
         )

@@ -16,10 +16,11 @@ from worker.answers import article, checks, curves, tables
 GEOMETRY = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
 LEGS = ("l1", "l2", "l3")
 ENDS = ("from", "to", "step")
-_NUMBERS = ("fixed_leg", "digits", "samples")
+_NUMBERS = ("fixed_leg", "digits", "samples", "pose")
 _REQUIREMENT = ("max_cusps", "min_cusps")
 COLUMNS = (
     "id", "kind", *GEOMETRY, *LEGS, *(f"{leg}_{end}" for leg in LEGS for end in ENDS), *_NUMBERS, "method",
+    "plot", "theme", "cusp",
     *_REQUIREMENT,
 )  # fmt: skip
 """All columns that there are."""

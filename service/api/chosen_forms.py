@@ -11,12 +11,12 @@ from typing import Any
 
 from starlette.requests import Request
 
-from service.api.negotiation import CSV, JSON, NDJSON, Form, Forms
+from service.api.negotiation import CSV, JSON, NDJSON, SVG, Form, Forms
 from service.api.problems import ProblemError, ProblemType
 from service.api.table_forms import json_bytes
 from worker.answers.stored_tables import StoredTable
 
-FORMATS = {"json": JSON, "csv": CSV, "ndjson": NDJSON}
+FORMATS = {"json": JSON, "csv": CSV, "ndjson": NDJSON, "svg": SVG}
 NUMBERS = ("text", "float")
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?|[+-]?\d+/\d+", re.ASCII)

@@ -15,6 +15,7 @@ Document = Mapping[str, Any]
 JSON = "application/json"
 CSV = "text/csv"
 NDJSON = "application/x-ndjson"
+SVG = "image/svg+xml"
 
 
 def _no_pieces(_table: StoredTable) -> Iterator[bytes]:

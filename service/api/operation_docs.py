@@ -61,6 +61,8 @@ def document_in_all_forms(operation: Operation, description: str) -> dict[str, A
     for media_type, form in operation.forms.items():
         if media_type != JSON:
             response["content"][media_type] = {"schema": {"type": "string", "description": form.description}}
+    if JSON not in operation.forms:
+        del response["content"][JSON]
     return response
 
 

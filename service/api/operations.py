@@ -11,13 +11,14 @@ from typing import Any
 from pydantic import BaseModel
 
 import rpr_solver
-from service.api.negotiation import CSV, JSON, JSON_FORM, NDJSON, Form, Forms
+from service.api.negotiation import CSV, JSON, JSON_FORM, NDJSON, SVG, Form, Forms
 from service.api.table_forms import csv_pieces, ndjson_bytes, ndjson_pieces, ndjson_size
 from service.schemas.census import Census, CensusRequest
 from service.schemas.checks import CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
 from service.schemas.paths import Path as PathDocument
 from service.schemas.paths import PathRequest
+from service.schemas.plots import Plot, PlotRequest
 from service.schemas.poses import PosesRequest, PoseTable
 from service.schemas.questions import Question
 from service.schemas.singular import SingularCurves, SingularCurvesRequest
@@ -203,7 +204,28 @@ A worker draws a slice in a fraction of a second, so the response waits for it, 
     implied_wait=10,
 )
 
-OPERATIONS = (CUSP_TABLES, CENSUSES, CUSP_CURVES, CHECKS, POSES, PATHS, SINGULAR_CURVES)
+PLOTS = Operation(
+    path="/v1/plots",
+    name="post_plot",
+    tag=("plots", "Pictures."),
+    summary="A picture of a slice, a census, the curves of cusps, a loop, or the mechanism",
+    description="""\
+Draws what other calls compute. The answer is JSON with the picture as SVG text, its title and a description
+in words, or the SVG alone with `Accept: image/svg+xml`; `/v1/plot.svg` gives the same by an address.
+
+Equal questions give the same bytes. In the theme `auto` a picture follows its reader's setting, light or
+dark; a moving one stands still for readers who prefer less motion. A census or the curves of all cusps take a
+few seconds, anything else less than one; the response waits for it, up to 10 seconds unless `Prefer` says
+otherwise.
+""",
+    question=PlotRequest,
+    answer=Plot,
+    known="The picture.",
+    forms={JSON: JSON_FORM, SVG: Form(lambda document: document["svg"].encode(), "The picture.")},
+    implied_wait=10,
+)
+
+OPERATIONS = (CUSP_TABLES, CENSUSES, CUSP_CURVES, CHECKS, POSES, PATHS, SINGULAR_CURVES, PLOTS)
 
 _BY_KIND: Mapping[str, Operation] = {
     kind.name: operation for operation in OPERATIONS for kind in operation.question.kinds

@@ -11,7 +11,7 @@ from starlette.responses import Response
 
 from service.api.chosen_forms import Choice
 from service.api.context import Context
-from service.api.negotiation import CSV, Document, Form, is_known, media_type_of, negotiate
+from service.api.negotiation import CSV, SVG, Document, Form, is_known, media_type_of, negotiate
 from service.api.problems import ProblemError
 from service.api.sending import LARGE, LargeAnswer, at_hand, in_turn, slices_of
 from service.schemas.limits import LimitError, Limits
@@ -20,6 +20,8 @@ from worker.answers.stored_tables import ResultLostError, StoredTable
 
 IMMUTABLE = "public, max-age=31536000, immutable"
 REVALIDATE = "no-cache"
+
+_PICTURES = "default-src 'none'; style-src 'unsafe-inline'"
 
 _QUICK = 16 << 10  # bytes of a table at hand that are in their form before a thread would have begun
 _HELD_OF_A_TABLE = 4 * LARGE  # a batch as it is read, in its form, compressed, and being sent
@@ -41,7 +43,8 @@ class _Head:
         """Documents never change, except that a slice with an error may have an answer next time."""
         tag = f'"{digest[:32]}"'
         cache = REVALIDATE if has_errors else IMMUTABLE
-        fields = {"ETag": tag, "Cache-Control": cache, "Vary": "Accept", **(headers or {})}
+        policy = {"Content-Security-Policy": _PICTURES} if form == SVG else {}
+        fields = {"ETag": tag, "Cache-Control": cache, "Vary": "Accept", **policy, **(headers or {})}
         return cls(request, form, tag, fields)
 
     @property

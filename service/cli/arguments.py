@@ -103,7 +103,7 @@ def ask(model: type[Q], args: argparse.Namespace, members: Mapping[str, object],
     Raises:
         InputError: naming the faulty options and members of the geometry.
     """
-    members = {"geometry": geometry_of(args.geometry), "digits": args.digits, **members}
+    members = {"geometry": geometry_of(args.geometry), "digits": getattr(args, "digits", None), **members}
     return read(model, {name: value for name, value in members.items() if value is not None}, origin)
 
 

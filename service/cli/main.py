@@ -28,6 +28,7 @@ COMMANDS = {
     "curves": "follow each cusp from where it appears to where it vanishes",
     "check": "prove or refute a requirement on the number of cusps",
     "poses": "compute all poses for given leg lengths",
+    "plot": "draw slices, censuses, curves of cusps, loops and poses",
     "paths": "find a loop round a cusp without a singularity",
     "singular": "draw the singular curves of a slice, its regions and aspects",
     "submit": "send a batch of questions to a service and print their answers",

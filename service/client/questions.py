@@ -20,6 +20,7 @@ from service.schemas.curves import CuspCurves, CuspCurvesRequest
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
 from service.schemas.paths import Path, PathRequest
+from service.schemas.plots import Plot, PlotRequest
 from service.schemas.poses import PosesRequest, PoseTable
 from service.schemas.questions import Question
 from service.schemas.singular import SingularCurves, SingularCurvesRequest
@@ -35,6 +36,7 @@ PATHS: Mapping[type[Question], tuple[str, type[BaseModel]]] = {
     PosesRequest: ("/v1/poses", PoseTable),
     PathRequest: ("/v1/paths", Path),
     SingularCurvesRequest: ("/v1/singular-curves", SingularCurves),
+    PlotRequest: ("/v1/plots", Plot),
 }
 """Question → where it is posted, and the model of its answer."""
 
@@ -214,17 +216,49 @@ def singular_curves(
     return _asked(SingularCurvesRequest, SingularCurves, manipulator, digits, deadline, members)
 
 
+def plot(
+    manipulator: Manipulator,
+    plot: str = "slice",
+    *,
+    length: Exact | None = None,
+    fixed_leg: int = 1,
+    lengths: tuple[Exact, Exact, Exact] | None = None,
+    start: Exact | None = None,
+    stop: Exact | None = None,
+    cusp: int | str | None = None,
+    pose: int | None = None,
+    theme: str = "auto",
+    deadline: float | None = None,
+) -> Asked[Plot]:
+    """A picture: ``"slice"``, ``"torus"``, ``"census"``, ``"locus"``, ``"loop"`` or ``"mechanism"``.
+
+    A slice and a loop have the ``length`` of the fixed leg, a census and a locus a range, the mechanism all
+    three ``lengths``, or a length and a cusp.
+    """
+    members: dict[str, object] = {"plot": plot, "theme": theme, "fixed_leg": fixed_leg}
+    if length is not None:
+        members[f"l{fixed_leg}"] = _text(length)
+    if lengths is not None:
+        members |= {f"l{leg}": _text(x) for leg, x in enumerate(lengths, 1)}
+    if start is not None or stop is not None:
+        members["range"] = _range(start, stop)
+    members |= {name: str(x) for name, x in (("cusp", cusp), ("pose", pose)) if x is not None}
+    return _asked(PlotRequest, Plot, manipulator, None, deadline, members)
+
+
 def _asked(
     question: type[Question],
     model: type[M],
     manipulator: Manipulator,
-    digits: int,
+    digits: int | None,
     deadline: float | None,
     members: Mapping[str, object],
 ) -> Asked[M]:
     # the service has the limits that count
     limits = Limits(max_slices=_MANY, max_article_slices=_MANY, max_samples=_MANY)
-    own = {"geometry": manipulator, "digits": digits, **members}
+    own = {"geometry": manipulator, **members}
+    if digits is not None:
+        own["digits"] = digits
     if deadline is not None:
         own["deadline_s"] = str(deadline)
     return Asked(read(question, own, Source(limits, is_text=True)), PATHS[question][0], model)

@@ -106,7 +106,8 @@ def _whole(value: object, info: ValidationInfo, expected: str) -> int:
     return whole_number(value, expected, is_text=Source.of(info).is_text)
 
 
-def _length(value: object, info: ValidationInfo) -> Fraction:
+def positive_length(value: object, info: ValidationInfo) -> Fraction:
+    """Read the length of a leg."""
     length = exact_number(value, info)
     if length <= 0:
         raise InputError.of("", f"is {exact_str(length)}; a leg length must be > 0")
@@ -183,7 +184,7 @@ Positive = Annotated[
 
 Length = Annotated[
     Fraction,
-    PlainValidator(_length),
+    PlainValidator(positive_length),
     _AS_TEXT,
     WithJsonSchema(POSITIVE_NUMBER),
     Expected("give a number > 0"),

@@ -30,8 +30,15 @@ from worker.answers.requests import Kind
 
 _LAST = letter(MOST_CUSPS)
 
+cusp_schema = (
+    Annotated[int, Field(ge=1, le=MOST_CUSPS)]
+    | Annotated[str, Field(pattern=f"^[A-{_LAST}a-{_LAST.lower()}]$")]
+)
+"""How a cusp is named in JSON."""
 
-def _cusp(value: object, info: ValidationInfo) -> int:
+
+def cusp_number(value: object, info: ValidationInfo) -> int:
+    """Read a cusp by its number or its letter."""
     expected = f"its number, 1 to {MOST_CUSPS}, or its letter, A to {_LAST}"
     if isinstance(value, str) and (Source.of(info).is_text or not isinstance(value, JsonNumber)):
         number = value
@@ -94,11 +101,7 @@ class PathRequest(SlicesOfOneLeg, Question):
     l3: Length | None = Field(default=None, description="The length, with `fixed_leg` 3.")
     cusp: Annotated[
         int,
-        PlainValidator(
-            _cusp,
-            json_schema_input_type=Annotated[int, Field(ge=1, le=MOST_CUSPS)]
-            | Annotated[str, Field(pattern=f"^[A-{_LAST}a-{_LAST.lower()}]$")],
-        ),
+        PlainValidator(cusp_number, json_schema_input_type=cusp_schema),
     ] = Field(
         default=1,
         description="The cusp: its number, from 1, in the cusp table of the slice, or its letter.",

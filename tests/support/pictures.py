@@ -52,7 +52,10 @@ def check(figure: Figure, slack: float = 0.5) -> ElementTree.Element:
     _, _, width, height = map(float, root.attrib["viewBox"].split())
     frame = Box(0, 0, width, height).grown(slack)
     clipped = {
-        id(path) for group in root.iter(f"{SVG}g") if "clip-path" in group.attrib for path in group.iter()
+        id(path)
+        for group in root.iter(f"{SVG}g")
+        if {"clip-path", "transform"} & group.attrib.keys()
+        for path in group.iter()
     }
     for path in root.iter(f"{SVG}path"):
         if id(path) not in clipped:

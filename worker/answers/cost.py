@@ -12,12 +12,13 @@ from fractions import Fraction
 from math import gcd, lcm
 from typing import Any
 
-from worker.answers import article, censuses, checks, curves, paths, poses, singular, tables
+from worker.answers import article, censuses, checks, curves, paths, plots, poses, singular, tables
 from worker.answers.requests import JobRequest, Kind
 
 _INTERVALS = 20  # between two transitions, of a typical manipulator
 _BALLS_SPREAD = 1000  # bits; beyond, the balls of a slice with few digits do not decide it
 _KNOWN = 0.001  # seconds, to find that an answer is known
+_SLICES_OF_PLOTS = {"census": _INTERVALS, "locus": _INTERVALS * plots.SAMPLES}
 _SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
@@ -66,6 +67,8 @@ def sizes(request: JobRequest) -> Sizes:
     scales = [_scale(x) for x in (*sides, *legs) if x]
     per_interval = 1 if request.kind is paths.KIND else _INTERVALS
     points = len(content.get("lengths", ())) + per_interval * (content.get("samples") or 0)
+    if request.kind is plots.KIND:
+        points = _SLICES_OF_PLOTS.get(content["plot"], 1)
     return Sizes(
         geometry=(max(bits) + 2 * sum(bits) // len(sides)) // 3,
         lengths=max((max(x.numerator.bit_length(), x.denominator.bit_length()) for x in legs), default=1),
@@ -146,6 +149,12 @@ def _poses(size: Sizes) -> float:
     return 0.005 + 1e-5 * (size.geometry + size.lengths + size.digits) + 1e-7 * size.spread**2
 
 
+def _plot(size: Sizes) -> float:
+    """A slice that is traced, or all transitions, and curves sampled between them."""
+    drawing = 0.3 + _elimination(size) + 20 * _slice(size)
+    return drawing if size.count == 1 else 2.5 + _events(size) + _slice(size) * size.count
+
+
 def _path(size: Sizes) -> float:
     """The slice, the search of the path, and its samples."""
     sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits)
@@ -165,5 +174,6 @@ _COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {
     checks.KIND: lambda size: Cost(0.0, _events(size)),
     paths.KIND: lambda size: Cost(0.0, _path(size)),
     singular.KIND: lambda size: Cost(0.0, _singular(size)),
+    plots.KIND: lambda size: Cost(0.0, _plot(size)),
     curves.KIND: lambda size: Cost(0.0, 2.5 + _events(size) + _slice(size) * size.count),
 }

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.contract import Progress
-from worker.answers import article, batches, censuses, checks, curves, paths, poses, singular, tables
+from worker.answers import article, batches, censuses, checks, curves, paths, plots, poses, singular, tables
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable, stored_table
@@ -41,6 +41,7 @@ COMPUTATIONS: Mapping[Kind, Computation] = {
     curves.KIND: Computation(curves.compute, curves.derive),
     paths.KIND: Computation(paths.compute),
     singular.KIND: Computation(singular.compute),
+    plots.KIND: Computation(plots.compute),
 }
 KINDS = (tables.KIND, *COMPUTATIONS)
 """The kinds of documents."""

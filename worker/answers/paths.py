@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from rpr_solver.contract import Progress
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
-from rpr_solver.paths.path import SamplingPlan
+from rpr_solver.paths.path import DEFAULT_SAMPLES, SamplingPlan
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 from worker.answers.tables import eliminant_of
 
 KIND = Kind("path", "pa-")
+
+USUAL: Mapping[str, Any] = {"samples": DEFAULT_SAMPLES, "timing": "cosine", "duration": "1"}
+"""The sampling of a path of which nothing is said."""
 
 
 def compute(request: JobRequest, store: ResultStore, _progress: Progress) -> dict[str, Any]:

@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
 from rpr_solver.errors import InputError
+from rpr_solver.figures.palette import THEMES
 from service.api.answering import answer_asked
 from service.api.batch_csv import ENDS, GEOMETRY, LEGS, item_of
 from service.api.context import ContextDep
 from service.api.header_docs import RESULT_FORM, form_parameters
+from service.api.negotiation import SVG
 from service.api.operation_docs import question_responses
-from service.api.operations import CENSUSES, CUSP_TABLES, Operation
+from service.api.operations import CENSUSES, CUSP_TABLES, PLOTS, Operation
 from service.api.prefer import Preferences
 from service.api.problems import ProblemError, ProblemType
 from service.api.reading import asked_of
 from service.api.routes.plain import PlainRoute
 from service.schemas.limits import MAX_DIGITS, MIN_DIGITS
 from service.schemas.numbers import FIXED_LEGS, NUMBER_PATTERN, POSITIVE_PATTERN, list_pattern
+from service.schemas.plots import MOST_POSES
 from service.schemas.tables import METHODS
+from worker.answers import plots
 
 router = APIRouter(route_class=PlainRoute)
 
@@ -50,6 +55,16 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
         "Significant digits of every number in the answer.",
         {"type": "integer", "minimum": MIN_DIGITS, "maximum": MAX_DIGITS},
     ),
+    "plot": ("What is drawn; a slice if missing.", {"type": "string", "enum": list(plots.PLOTS)}),
+    "theme": ("`auto`, as the reader's setting, if missing.", {"type": "string", "enum": list(THEMES)}),
+    "cusp": (
+        "Of a loop, or of the mechanism: the number or the letter of a cusp.",
+        {"type": "string", "pattern": "^([A-Xa-x]|[1-9]|1[0-9]|2[0-4])$"},
+    ),
+    "pose": (
+        "Of the mechanism with three lengths: the number of the pose.",
+        {"type": "integer", "minimum": 1, "maximum": MOST_POSES},
+    ),
     "method": ("`article`: by the article's own algorithm.", {"type": "string", "enum": list(METHODS)}),
     "wait": (
         f"Seconds to wait for an answer that is not known yet; {_WAIT} if missing.",
@@ -59,10 +74,17 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
 """Name → description and schema."""
 
 
+PICTURES = replace(PLOTS, path="/v1/plot.svg", forms={SVG: PLOTS.forms[SVG]})
+"""Pictures as addresses, for pages that show them."""
+
+
 def _names(operation: Operation) -> tuple[str, ...]:
     if operation is CUSP_TABLES:
         return (*GEOMETRY, *LEGS, *_ENDS, "fixed_leg", "digits", "method")
-    return (*GEOMETRY, *(name for name in _ENDS if not name.endswith("_step")), "fixed_leg", "digits")
+    ranges = (name for name in _ENDS if not name.endswith("_step"))
+    if operation is PICTURES:
+        return (*GEOMETRY, "plot", "theme", *LEGS, *ranges, "fixed_leg", "cusp", "pose")
+    return (*GEOMETRY, *ranges, "fixed_leg", "digits")
 
 
 def _parameters(operation: Operation) -> list[dict[str, Any]]:
@@ -122,7 +144,7 @@ def _seconds(text: str) -> int:
     return int(text)
 
 
-for _operation, _name in ((CUSP_TABLES, "get_cusp_table"), (CENSUSES, "get_census")):
+for _operation, _name in ((CUSP_TABLES, "get_cusp_table"), (CENSUSES, "get_census"), (PICTURES, "get_plot")):
     _responses = question_responses(_operation)
     _responses[304] = {"description": "Not modified: the client has this representation (If-None-Match)."}
     router.add_api_route(

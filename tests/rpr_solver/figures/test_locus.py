@@ -48,6 +48,7 @@ def test_curves_without_points_or_ends() -> None:
     check(locus_figure(document(bare)))
 
 
+@pytest.mark.long
 def test_curves_of_a_manipulator() -> None:
     curves = cusp_curves(EXAMPLES["zein-flat"], digits=15)
     figure = curves.figure()

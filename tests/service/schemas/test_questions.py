@@ -21,6 +21,7 @@ from service.schemas.exact_json import JsonNumber, parse_json
 from service.schemas.lengths import OpenRange, split_ends
 from service.schemas.limits import LimitError, Limits
 from service.schemas.paths import PathRequest
+from service.schemas.plots import PlotRequest
 from service.schemas.poses import PosesRequest
 from service.schemas.questions import Geometry, Question
 from service.schemas.singular import SingularCurvesRequest
@@ -121,7 +122,8 @@ def test_the_digits_are_those_of_the_limits(question: type[Question]) -> None:
     assert isinstance(body, dict)
     del body["digits"]
     digits = read(question, body, Source(Limits(default_digits=50))).job_request().digits
-    assert digits == {CheckRequest: 30, PathRequest: 15, SingularCurvesRequest: 15}.get(question, 50)
+    expected = {CheckRequest: 30, PathRequest: 15, SingularCurvesRequest: 15, PlotRequest: 15}
+    assert digits == expected.get(question, 50)
 
 
 def test_every_kind_of_document_has_one_question() -> None:

@@ -1,0 +1,133 @@
+"""Draw a slice, a census, the curves of cusps, a loop round a cusp, or the mechanism. The suffix of the file
+says whether it is SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need the extra `plot`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import rpr_solver
+from rpr_solver import Figure
+from rpr_solver.errors import InputError
+from rpr_solver.figures.figure import suffix_of
+from rpr_solver.figures.palette import THEMES
+from service.cli import arguments, output, remote
+from service.cli.progress import progress_bar
+from service.schemas.document import named
+from service.schemas.plots import PlotRequest
+from worker.answers import plots
+
+DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
+EXAMPLES = """\
+examples:
+  rpr-cusps plot innocenti --l1 27 -o slice.svg
+  rpr-cusps plot innocenti --kind census -o census.pdf
+  rpr-cusps plot innocenti --kind loop --l1 27 --cusp B -o loop.svg
+  rpr-cusps plot robot.json --kind mechanism --l1 15 --l2 16 --l3 20 --theme dark -o pose.png
+"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    arguments.add_geometry(parser)
+    parser.add_argument(
+        "--kind",
+        dest="plot",
+        choices=plots.PLOTS,
+        default="slice",
+        help="what is drawn: a slice in the plane of the free legs (default), the same on the torus of the "
+        "angles, the census, the curves of cusps in joint space, a loop in motion, or the mechanism",
+    )
+    arguments.add_options(parser, "--l{}", "lengths", "X", "the length of a leg")
+    arguments.add_ranges(parser, "the range of lengths of a census or a locus (default: all)")
+    parser.add_argument(
+        "--cusp", metavar="CUSP", help="its number in the table of the slice, or its letter (default: A)"
+    )
+    parser.add_argument(
+        "--pose", metavar="N", help="the number of the pose with these three lengths (default: 1)"
+    )
+    parser.add_argument(
+        "--theme", choices=THEMES, default="auto", help="default: auto, as the reader's setting"
+    )
+    parser.add_argument("-o", "--output", metavar="FILE", help="a file that ends in .svg, .png or .pdf")
+    remote.add_url(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command; returns the exit status."""
+    suffix = _suffix(args)
+    question = _question(args)
+    with progress_bar(1, "steps") as progress:
+        if args.url is None:
+            content = _figure(question, progress).encoded(suffix)
+        else:
+            content = remote.document_of(args.url, question, progress)["svg"].encode()
+    if args.output is None:
+        output.write(content.decode())
+        return 0
+    try:
+        Path(args.output).write_bytes(content)
+    except OSError as error:
+        raise InputError.of("--output", f"{args.output!r} cannot be written: {error.strerror}") from None
+    return 0
+
+
+def _suffix(args: argparse.Namespace) -> str:
+    if args.output is None:
+        return ".svg"
+    with named("--output"):
+        try:
+            suffix = suffix_of(Path(args.output))
+        except InputError as error:
+            raise InputError.of("", error.problems[0].message) from None
+    if args.url is not None and suffix != ".svg":
+        raise InputError.of("--output", "a service draws SVG; leave out --url for PNG or PDF")
+    return suffix
+
+
+def _question(args: argparse.Namespace) -> PlotRequest:
+    if args.ranges:
+        leg, ends, option = arguments.leg_and_range(args)
+    else:
+        own = args.lengths if len(args.lengths) == 1 else ()
+        fixed = args.fixed_leg
+        leg, ends, option = arguments.leg_of(own, fixed, "lengths"), None, "range"
+    members = {
+        "plot": args.plot,
+        "theme": args.theme,
+        "fixed_leg": leg,
+        **{option[2:]: text for option, text in args.lengths},
+        "range": ends,
+        "cusp": args.cusp,
+        "pose": args.pose,
+        **remote.deadline_of(args),
+    }
+    names = {"range": option, **{name: f"--{name}" for name in ("l1", "l2", "l3", "cusp", "pose")}}
+    return arguments.ask(PlotRequest, args, members, arguments.source(names))
+
+
+def _figure(question: PlotRequest, progress: rpr_solver.Progress) -> Figure:
+    content = question.content()
+    m, leg, digits = question.geometry, content["fixed_leg"], plots.DIGITS
+
+    def census() -> dict[str, Any]:
+        start, stop = question.range.ends
+        return rpr_solver.census(
+            m, fixed_leg=leg, digits=digits, start=start, stop=stop, progress=progress
+        ).to_json()
+
+    def curves() -> dict[str, Any]:
+        whole = rpr_solver.cusp_curves(m, fixed_leg=leg, digits=digits, progress=progress)
+        return whole.part(*question.range.ends, samples=plots.SAMPLES, progress=progress).to_json()
+
+    def slices() -> dict[str, Any]:
+        return rpr_solver.singular_curves(m, content["length"], fixed_leg=leg, digits=digits).to_json()
+
+    def path() -> dict[str, Any]:
+        return rpr_solver.cusp_loop(m, content["length"], content["cusp"], fixed_leg=leg).to_json()
+
+    def poses() -> dict[str, Any]:
+        return rpr_solver.poses(m, content["l1"], content["l2"], content["l3"], digits=digits).to_json()
+
+    return plots.figure_of(content, plots.Sources(census, curves, slices, path, poses))

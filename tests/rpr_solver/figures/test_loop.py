@@ -1,0 +1,40 @@
+"""A loop in motion: it runs there and back, from pose to pose, and rests where motion is not wanted."""
+
+from itertools import pairwise
+
+import pytest
+
+from rpr_solver import EXAMPLES, cusp_loop, singular_curves
+from rpr_solver.figures.loop import loop_figure
+from rpr_solver.figures.scene import Group
+from tests.support.pictures import check, every, words
+
+INNOCENTI = EXAMPLES["innocenti"]
+LOOP = cusp_loop(INNOCENTI, 27, "B")
+CURVES = singular_curves(INNOCENTI, 27)
+
+
+def test_a_loop_with_the_curves_round_it() -> None:
+    figure = loop_figure(LOOP.to_json(), CURVES.to_json())
+    check(figure)
+    start, stop = LOOP.start.number, LOOP.stop.number
+    assert {"B", "A1", "A2", "A3", f"pose {start}", f"pose {stop}", "L2", "L3"} <= set(words(figure))
+    assert "prefers-reduced-motion" in figure.svg()
+
+
+def test_everything_moves_in_step_and_comes_back() -> None:
+    groups = [shape for shape in every(loop_figure(LOOP.to_json()).scene.shapes) if isinstance(shape, Group)]
+    motions = [group.motion for group in groups if group.motion is not None]
+    assert len(motions) == 9
+    assert len({(len(motion.places), motion.seconds) for motion in motions}) == 1
+    for motion in motions:
+        assert motion.places[0] == motion.places[-1]
+        turns = [place[2] for place in motion.places]
+        assert max(abs(a - b) for a, b in pairwise(turns)) < 90
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("leg", [2, 3])
+def test_loops_of_other_legs(leg: int) -> None:
+    loop = cusp_loop(INNOCENTI, 16, 1, fixed_leg=leg, samples=21)
+    check(loop_figure(loop.to_json(), singular_curves(INNOCENTI, 16, fixed_leg=leg).to_json()))

@@ -1,0 +1,28 @@
+"""A slice on the torus of its angles."""
+
+import pytest
+
+from rpr_solver import EXAMPLES, InputError, singular_curves
+from rpr_solver.figures.torus import torus_figure
+from tests.support.pictures import check, words
+
+CURVES = singular_curves(EXAMPLES["innocenti"], 27)
+
+
+def test_aspects_and_cusps() -> None:
+    figure = torus_figure(CURVES.to_json())
+    check(figure)
+    assert {"A", "H", "θ1", "α", "−180°", "180°", "J > 0", "J < 0"} <= set(words(figure))
+    assert "2 with J > 0 and 1 with J < 0" in figure.scene.description
+    assert CURVES.figure("torus") == figure
+
+
+def test_another_leg() -> None:
+    figure = singular_curves(EXAMPLES["zein-flat"], 20, fixed_leg=3).figure("torus")
+    check(figure)
+    assert "θ3" in words(figure)
+
+
+def test_a_view_that_there_is_not() -> None:
+    with pytest.raises(InputError, match=r"^view: 'sphere'; give joints or torus$|^view: is 'sphere'"):
+        CURVES.figure("sphere")
