@@ -9,7 +9,7 @@ from rpr_solver.figures.axes import Frame
 from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.insets import Spot, Window, windows
 from rpr_solver.figures.labels import Room
-from rpr_solver.figures.plane import Box, Point, clipped, distance, simplified
+from rpr_solver.figures.plane import Box, Point, area, clipped, distance, simplified
 from rpr_solver.figures.scene import Disc, Group, Paint, Path, Shape, Text
 from rpr_solver.figures.sheet import WIDTH, listed, sheet
 from rpr_solver.figures.slice_floats import Angles, SliceFloats
@@ -169,14 +169,17 @@ class _JointPlane:
         yield Text(corner.at, scale.words, 11.5, "soft", "middle", halo="paper")
 
     def _regions(self) -> Iterator[tuple[int, Path]]:
-        """Yields the regions with their numbers of poses, their holes cut out."""
+        """Yields the regions with their numbers of poses; rings of holes run the other way."""
         for region in self._document.get("regions", ()):
-            rings = tuple(
-                tuple(self._frame.line(zip(ring[self._names[0]], ring[self._names[1]], strict=True)))  # type: ignore[arg-type]
+            rings = [
+                self._frame.line(list(zip(*(ring[name] for name in self._names), strict=True)))
                 for ring in region["rings"]
-            )
+            ]
+            if not region["bounded"]:
+                rings.insert(0, list(_PLOT.corners))
+            rings = [ring if (area(ring) > 0) == (k == 0) else ring[::-1] for k, ring in enumerate(rings)]
             level = max(n for n in _LEVELS if n <= region["poses"])
-            yield region["poses"], Path(rings, Paint(f"poses{level}"), closed=True)
+            yield region["poses"], Path(tuple(rings), Paint(f"poses{level}"), closed=True)
 
     def _facts(self, names: Sequence[str]) -> str:
         cusps = [
@@ -228,7 +231,7 @@ def _crosses(a: Point, b: Point, box: Box) -> bool:
 def _counts(regions: Sequence[tuple[int, Path]], room: Room) -> Iterator[Shape]:
     """The numbers of poses, written in the regions that have room for them."""
     for count, path in regions:
-        spot = room.inside(path.lines, 22)
+        spot = room.inside(path.lines, 26)
         if spot is not None:
             text = Text(spot, str(count), 14, "ink", "middle")
             room.add_box(box_of(text))

@@ -71,7 +71,8 @@ def torus_figure(document: Mapping[str, Any]) -> Figure:
         *names,
         *_legend(aspects),
     ]
-    numbers = {word: sum(area.sign == sign for area in aspects) for word, sign in (("> 0", 1), ("< 0", -1))}
+    signs = [aspect["sign"] for aspect in document["aspects"]]
+    numbers = {word: signs.count(sign) for word, sign in (("> 0", 1), ("< 0", -1))}
     counted = " and ".join(f"{n} with J {word}" for word, n in numbers.items())
     title = f"Aspects at L{leg} = {short(length, 8)}: {counted}"
     text = (

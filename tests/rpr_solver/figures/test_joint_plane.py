@@ -6,7 +6,8 @@ import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, SingularCurves, singular_curves
 from rpr_solver.figures.joint_plane import joint_figure
-from rpr_solver.figures.scene import Group
+from rpr_solver.figures.plane import area
+from rpr_solver.figures.scene import Group, Path
 from rpr_solver.figures.wording import letters
 from tests.support.pictures import check, every, words
 
@@ -45,6 +46,18 @@ def test_letters_are_those_of_the_table() -> None:
     text = joint_figure(slices.to_json()).scene.description
     for k, cusp in enumerate(slices.table.cusps, 1):
         assert f"{letters(k)} at L2 = {float(cusp.l2):.6g}, L3 = {float(cusp.l3):.6g}" in text
+
+
+def test_regions_with_their_numbers_of_poses() -> None:
+    slices = curves("zein-flat", "3")
+    figure = joint_figure(slices.to_json())
+    shown = words(figure)
+    assert {"no pose", "2 poses", "4 poses"} <= set(shown)
+    assert shown.count("0") == 3  # outside, the hole, and the first tick
+    painted = [shape for shape in every(figure.scene.shapes[:1]) if isinstance(shape, Path)]
+    assert len(painted) == len(slices.regions)
+    for path in painted:
+        assert [area(ring) > 0 for ring in path.lines] == [k == 0 for k in range(len(path.lines))]
 
 
 @LONG

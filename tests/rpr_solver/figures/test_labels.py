@@ -33,6 +33,18 @@ def test_a_free_box_is_the_nearest_one() -> None:
     assert box is not None
     assert room.is_free(box)
     assert 100 < box.y0 < 124
+    assert abs(box.centre[0] - 150) < 12
     assert room.hidden(Box(0, 0, 20, 20)) > 0
     room.add_line([(0, 0), (300, 300)])
     assert room.free_box(290, 190, (150, 0)) is None
+
+
+def test_the_middle_of_a_ring_with_a_hole_is_beside_the_hole() -> None:
+    room = Room(Box(0, 0, 400, 300))
+    ring, hole = Box(100, 50, 300, 250).corners, Box(110, 60, 220, 240).corners
+    for line in (ring, hole):
+        room.add_line([*line, line[0]])
+    place = room.inside([ring, hole], 30)
+    assert place is not None
+    assert 250 < place[0] < 270
+    assert room.inside([Box(100, 50, 120, 60).corners], 30) is None
