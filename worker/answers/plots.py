@@ -8,6 +8,7 @@ from typing import Any
 
 from rpr_solver.contract import MIN_DIGITS, Progress, document_head
 from rpr_solver.errors import InputError
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.figures.census import census_figure
 from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.joint_plane import joint_figure
@@ -16,18 +17,20 @@ from rpr_solver.figures.loop import loop_figure
 from rpr_solver.figures.mechanism import point_figure, poses_figure
 from rpr_solver.figures.torus import torus_figure
 from rpr_solver.figures.wording import letters
-from rpr_solver.singular.singular_curves import trace_slice
-from worker.answers import censuses, curves, paths, poses
+from rpr_solver.singular.singular_curves import DEFAULT_TOLERANCE
+from worker.answers import censuses, curves, paths, poses, singular
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
-from worker.answers.tables import eliminant_of
 
 KIND = Kind("plot", "pl-")
 
 Document = dict[str, Any]
+Compute = Callable[[JobRequest, ResultStore, Progress], Document]
 
 DIGITS = MIN_DIGITS
 """The significant digits of the numbers from which pictures are drawn."""
+TOLERANCE = exact_str(DEFAULT_TOLERANCE)
+"""That of singular curves; pictures of any scale are refined from them."""
 SAMPLES = 14
 """The points of each cusp curve in every interval between transitions."""
 
@@ -70,26 +73,20 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
         SolverError: what the picture shows could not be computed.
     """
     content = request.content
+    of_slice = {"fixed_leg": request.fixed_leg, "length": content.get("length")}
+    of_range = {"fixed_leg": request.fixed_leg, "range": content.get("range")}
 
-    def asked(kind: Kind, **members: object) -> JobRequest:
-        base = {"geometry": content["geometry"], "digits": DIGITS}
-        return JobRequest(kind, {**base, **members})
-
-    def of_leg(kind: Kind, **members: object) -> JobRequest:
-        return asked(kind, fixed_leg=request.fixed_leg, **members)
+    def kept(kind: Kind, compute: Compute, **members: object) -> Document:
+        """A document that is known, or that is computed and kept."""
+        own = JobRequest(kind, {"geometry": content["geometry"], "digits": DIGITS, **members})
+        return store.document(own, lambda: compute(own, store, progress))
 
     sources = Sources(
-        census=lambda: censuses.compute(of_leg(censuses.KIND, range=content["range"]), store, progress),
-        curves=lambda: curves.compute(
-            of_leg(curves.KIND, range=content["range"], lengths=[], samples=SAMPLES), store, progress
-        ),
-        slices=lambda: trace_slice(eliminant_of(request, store), content["length"], digits=DIGITS).to_json(),
-        path=lambda: paths.compute(
-            of_leg(paths.KIND, length=content["length"], cusp=content["cusp"], **paths.USUAL), store, progress
-        ),
-        poses=lambda: poses.compute(
-            asked(poses.KIND, **{leg: content[leg] for leg in ("l1", "l2", "l3")}), store, progress
-        ),
+        census=lambda: kept(censuses.KIND, censuses.compute, **of_range),
+        curves=lambda: kept(curves.KIND, curves.compute, **of_range, lengths=[], samples=SAMPLES),
+        slices=lambda: kept(singular.KIND, singular.compute, **of_slice, tolerance=TOLERANCE),
+        path=lambda: kept(paths.KIND, paths.compute, **of_slice, cusp=content["cusp"], **paths.USUAL),
+        poses=lambda: kept(poses.KIND, poses.compute, **{leg: content[leg] for leg in ("l1", "l2", "l3")}),
     )
     return plot_json(request, figure_of(content, sources))
 
