@@ -67,6 +67,6 @@ def _fetch_batch(args: argparse.Namespace) -> int:
             "--format", f"json is one document; of a batch, give {' or '.join(batch_output.FORMS)}"
         )
     after = -1 if args.after is None else args.after
-    with remote.client_of(args.url) as client, progress_bar(1, "items") as progress:
+    with remote.client_of(args.url) as client, progress_bar(1, "items", is_streamed=True) as progress:
         results = client.results(args.job, progress, wait=not args.no_wait, after=after)
         return batch_output.print_results("fetch", results, form)

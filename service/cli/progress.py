@@ -35,12 +35,25 @@ class Stages:
 
 
 @contextmanager
-def progress_bar(total: int, what: str = "slices") -> Iterator[rpr_solver.Progress]:
-    """A progress bar; gives the callback that moves it."""
+def progress_bar(
+    total: int, what: str = "slices", *, is_streamed: bool = False
+) -> Iterator[rpr_solver.Progress]:
+    """A progress bar; gives the callback that moves it.
+
+    Results that are streamed to a terminal show the progress themselves, and a bar would cut their lines.
+    """
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     shown = sys.stderr is not None and sys.stderr.isatty()
+    shown = shown and not (is_streamed and sys.stdout is not None and sys.stdout.isatty())
     console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not shown) as progress:
+    bar = Progress(
+        *columns,
+        console=console,
+        transient=True,
+        redirect_stdout=False,  # it would go to stderr
+        disable=not shown,
+    )
+    with bar as progress:
         task = progress.add_task(what, total=total)
         stages = Stages()
 

@@ -62,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
     count = len(dict.fromkeys(question.slices))
     slices: Iterable[Mapping[str, Any]]
     with ExitStack() as stack:
-        progress = stack.enter_context(progress_bar(count))
+        progress = stack.enter_context(progress_bar(count, is_streamed=args.format in STREAMED))
         if args.url is None:
             head, slices = _solve(question, progress)
         elif args.format in STREAMED:

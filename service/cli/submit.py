@@ -60,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
         if sys.stderr is not None and sys.stderr.isatty():
             output.say(f"batch {batch.id}: {batch.total} items")
         try:
-            with progress_bar(batch.total, "items") as progress:
+            with progress_bar(batch.total, "items", is_streamed=True) as progress:
                 results = client.watch(batch, progress, as_done=args.as_done)
                 return batch_output.print_results("submit", results, args.format)
         except ServiceError as error:

@@ -103,6 +103,19 @@ def on_terminal(width: int, *args: str) -> list[str]:
     return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text).splitlines()
 
 
+def test_a_bar_on_the_terminal_leaves_stdout_alone() -> None:
+    main, side = pty.openpty()
+    line, pipe = command(*SLICE, "--format", "csv"), subprocess.PIPE
+    with started(line, stdout=pipe, stderr=side, env={**ENVIRONMENT, "TERM": "xterm"}) as process:
+        os.close(side)
+        shown = b"".join(chunks(main)).decode()
+        text = process.stdout.read().decode()
+        assert process.wait(PATIENCE) == 0
+    assert text == table_csv(table_document(EXAMPLES["innocenti"], "14.98", digits=15))
+    assert "slices" in shown
+    assert "l1,count" not in shown
+
+
 def chunks(terminal: int) -> Iterator[bytes]:
     try:
         while part := os.read(terminal, 65536):
