@@ -8,6 +8,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from datetime import datetime
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -61,7 +62,9 @@ def test_an_item_whose_horse_dies_each_time(redis: Redis, workers: Workers, task
 
 
 def test_an_item_that_never_ends(redis: Redis, workers: Workers) -> None:
-    """An item hangs in C code. Its work horse ends at the deadline, and it fails; the others are answered."""
+    """An item hangs in C code. Its work horse ends at the deadline, and once more after a deadline that the
+    item had for itself; then it fails, and the others are answered.
+    """
     queue = jobs(redis, "endless_at_13")
     workers.start(task=queue.settings.task, deadline=0.7, log_level="CRITICAL")
     view = ended(queue, submit_batch(queue, tables("1", "13", "2")).id)
@@ -69,6 +72,10 @@ def test_an_item_that_never_ends(redis: Redis, workers: Workers) -> None:
     failure = read_batch(queue, view)[1].outcome.failure
     assert failure is not None
     assert failure["type"] == "timeout"
+    assert view.started_at is not None
+    assert view.finished_at is not None
+    seconds = datetime.fromisoformat(view.finished_at) - datetime.fromisoformat(view.started_at)
+    assert seconds.total_seconds() > 1.3
 
 
 @pytest.mark.long

@@ -35,6 +35,12 @@ def give_up(records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, kind: str, d
     return False
 
 
+def place(records: JobRecords, ref: ChunkRef) -> int:
+    """Returns how many items of a chunk are done; 0 if it is none of a batch, or its record has moved on."""
+    current = records.current(ref) if is_batch(ref.job_id) else None
+    return 0 if current is None else current[0].offset
+
+
 def fail(records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, kind: str, detail: str) -> None:
     """End the job because of this chunk, and the work on the others."""
     entries = records.fail(ref, kind, detail) or []

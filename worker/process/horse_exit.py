@@ -46,13 +46,18 @@ UNANSWERED = RunAgain("horses", "worker-crashed", "The worker repeatedly ended w
 """The outcome of a work horse that ended normally, but left its chunk open."""
 
 
-def judge_exit(status: int | None, ended_for: str | None, settings: WorkerSettings) -> Outcome | None:
+def judge_exit(
+    status: int | None, ended_for: str | None, settings: WorkerSettings, *, has_advanced: bool = False
+) -> Outcome | None:
     """Returns the outcome for a wait status, or None if the horse ended normally and has recorded everything.
 
-    `ended_for` is the worker's reason for ending the horse, if it did.
+    `ended_for` is the worker's reason for ending the horse, if it did. `has_advanced`: items of a batch were
+    done in this attempt, so that the one at hand has not had the whole time for itself.
     """
     if status == 0:
         return None
+    if ended_for == "deadline" and has_advanced:
+        return RunAgain()
     if ended_for == "deadline":
         return Failed("timeout", f"The computation was stopped at the time limit of {settings.deadline:g} s.")
     if ended_for in ("shutdown", "silence"):

@@ -32,7 +32,7 @@ from worker.answers.kinds import is_batch
 from worker.connection import address
 from worker.jobs.attempts import ChunkRef
 from worker.jobs.chunks import ChunkQueue
-from worker.jobs.interruption import fail, give_up, run_again
+from worker.jobs.interruption import fail, give_up, place, run_again
 from worker.jobs.lanes import Duty, lanes_of
 from worker.jobs.records import JobRecords
 from worker.jobs.roster import Roster
@@ -88,6 +88,7 @@ class CuspWorker(Worker):
         self._orders = itertools.cycle(orders)
         self._parent_pid = parent_pid
         self._horse_pipe = -1
+        self._place = 0
         self._current: str | None = None
         self._hurry = False
         self._is_announced = False
@@ -215,6 +216,7 @@ class CuspWorker(Worker):
             self.set_state(WorkerStatus.BUSY)
             self._current = job.id
             self.records.beat(ref, self.name)
+            self._place = place(self.records, ref)
             self.fork_work_horse(job, queue)
         except StopRequested:
             self._settle(ref, RunAgain())
@@ -273,13 +275,19 @@ class CuspWorker(Worker):
         status = self._collect_horse()
         if self._stopped_job_id == job.id:
             self._stopped_job_id, ended_for = None, ended_for or "canceled"
-        outcome = judge_exit(status, ended_for, self.settings)
+        has_advanced = ended_for == "deadline" and self._has_advanced(ref)
+        outcome = judge_exit(status, ended_for, self.settings, has_advanced=has_advanced)
         if outcome is not None:  # else the horse has logged it
             how = f"stopped ({ended_for})" if ended_for else "lost its work horse"
             seconds = time.monotonic() - start
             with about(request_id=self._origin(ref).get("request_id", "")):
                 log.info("chunk %d: %s after %.2f s", ref.index, how, seconds)
         self._settle(ref, outcome)
+
+    def _has_advanced(self, ref: ChunkRef) -> bool:
+        with contextlib.suppress(RedisError):
+            return place(self.records, ref) > self._place
+        return False
 
     def _origin(self, ref: ChunkRef) -> dict[str, str]:
         with contextlib.suppress(RedisError):

@@ -49,3 +49,9 @@ def test_what_is_run_again() -> None:
     exited = judge_exit(1 << 8, None, SETTINGS)
     assert isinstance(exited, RunAgain)
     assert exited.lost == "horses"
+
+
+def test_the_time_that_other_items_took_is_not_held_against_the_one_at_hand() -> None:
+    killed = int(signal.SIGKILL)
+    assert judge_exit(killed, "deadline", SETTINGS, has_advanced=True) == RunAgain()
+    assert isinstance(judge_exit(killed, "deadline", SETTINGS), Failed)
