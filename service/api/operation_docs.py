@@ -216,7 +216,7 @@ EVENTS_RESPONSES: Docs = {
         "content": events_content("slice", {"l1": "14.98", "slice": {"count": 6}}),
     },
     204: {"description": "The job has ended, and no event follows Last-Event-ID."},
-    **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, UNAVAILABLE),
+    **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
 }
 DELIVERIES_RESPONSES: Docs = {
     200: json_response("The deliveries.", "Deliveries"),
