@@ -197,8 +197,9 @@ def singular_curves(
     >>> curves
     <SingularCurves L1=14.98: 1 component, 6 cusps>
     """
-    eliminant = eliminate(manipulator, check_leg(fixed_leg))
-    return trace_slice(eliminant, length, tolerance=tolerance, digits=digits)
+    leg = check_leg(fixed_leg)
+    exact, chord, digits = slice_length(length, leg), check_tolerance(tolerance), check_digits(digits)
+    return trace_slice(eliminate(manipulator, leg), exact, tolerance=chord, digits=digits)
 
 
 def trace_slice(

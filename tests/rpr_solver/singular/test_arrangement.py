@@ -61,7 +61,7 @@ def test_coinciding_curves_leave_only_slivers_between() -> None:
     assert sorted(wide) == [0, 2]
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(st.lists(st.tuples(*[st.floats(-1, 1)] * 2), min_size=3, max_size=14, unique=True))
 def test_winding_numbers_are_those_of_the_definition(points: list[Point]) -> None:
     found = faces([Polyline((*points, points[0]), "a", "a")])

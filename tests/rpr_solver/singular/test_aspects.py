@@ -38,7 +38,7 @@ def test_polygons_cover_the_torus_with_the_right_sign(name: str, leg: int, lengt
     for aspect in curves.aspects:
         for polygon in aspect.polygons:
             assert all(-180 <= x <= 180 for point in polygon for x in point)
-        for alpha, theta in [(a, b) for a in range(-175, 180, 23) for b in range(-171, 180, 29)]:
+        for alpha, theta in [(a, b) for a in range(-175, 180, 41) for b in range(-171, 180, 53)]:
             if any(_deep_inside(polygon, alpha, theta) for polygon in aspect.polygons):
                 value, _ = floats.on_line(radians(theta)).value_and_slope(radians(alpha))
                 assert (value > 0) == (aspect.sign > 0)

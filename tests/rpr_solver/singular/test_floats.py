@@ -7,7 +7,7 @@ from math import cos, sin
 
 import pytest
 from flint import arb
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator, SolverError
@@ -19,6 +19,7 @@ from rpr_solver.singular.floats import FloatSlice, newton
 ANGLES = st.floats(-3.1, 3.1)
 
 
+@settings(max_examples=20)
 @given(st.sampled_from(sorted(EXAMPLES)), st.sampled_from((1, 2, 3)), ANGLES, ANGLES)
 def test_j_and_the_legs_are_those_of_the_jets(name: str, leg: int, alpha: float, theta: float) -> None:
     slice_map = SliceMap.of(EXAMPLES[name], leg)
