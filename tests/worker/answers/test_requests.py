@@ -9,7 +9,7 @@ import pytest
 
 import rpr_solver
 from rpr_solver import EXAMPLES
-from worker.answers import article, censuses, checks, curves, poses, requests, tables
+from worker.answers import article, censuses, checks, curves, paths, plots, poses, requests, singular, tables
 from worker.answers.kinds import COMPUTATIONS, KINDS, kind_of_job, request_from_json
 from worker.answers.requests import JobRequest
 
@@ -52,6 +52,35 @@ OF_VERSION_2 = {
             "range": {"from": "0", "to": "29"},
             "lengths": ["27", "28"],
             "samples": 4,
+        },
+    ),
+    "pa-237c1220106db83b7372c68186d763b37342730f": JobRequest(
+        paths.KIND,
+        {
+            "geometry": GEOMETRY,
+            "fixed_leg": 1,
+            "length": "27",
+            "cusp": 2,
+            "samples": 101,
+            "timing": "cosine",
+            "duration": "1",
+            "others": False,
+            "digits": 15,
+        },
+    ),
+    "sc-40cd71f380ef9daf3dde9e521c5d369bf81c06ee": JobRequest(
+        singular.KIND,
+        {"geometry": GEOMETRY, "fixed_leg": 1, "length": "27", "tolerance": "0.001", "digits": 15},
+    ),
+    "pl-57a43c56985e0f1eda50dd035565f48f5493e5e2": JobRequest(
+        plots.KIND,
+        {
+            "geometry": GEOMETRY,
+            "plot": "slice",
+            "theme": "auto",
+            "fixed_leg": 1,
+            "digits": 15,
+            "length": "27",
         },
     ),
 }
