@@ -14,8 +14,13 @@ from worker.answers.tables import eliminant_of
 
 KIND = Kind("path", "pa-")
 
-USUAL: Mapping[str, Any] = {"samples": DEFAULT_SAMPLES, "timing": "cosine", "duration": "1"}
-"""The sampling of a path of which nothing is said."""
+USUAL: Mapping[str, Any] = {
+    "samples": DEFAULT_SAMPLES,
+    "timing": "cosine",
+    "duration": "1",
+    "others": False,
+}
+"""What a loop is of which nothing more is said."""
 
 
 def compute(request: JobRequest, store: ResultStore, _progress: Progress) -> dict[str, Any]:
