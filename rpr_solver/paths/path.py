@@ -27,6 +27,8 @@ from typing import Any, TypedDict
 from rpr_solver.contract import check_integer, document_head
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
+from rpr_solver.figures.figure import Figure
+from rpr_solver.figures.loop import loop_figure
 from rpr_solver.kinematics.pose_table import poses
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
@@ -35,6 +37,7 @@ from rpr_solver.paths.others import OtherPose, other_poses
 from rpr_solver.paths.route import Route
 from rpr_solver.paths.samples import PathSample, sampled
 from rpr_solver.paths.timing import TIMINGS
+from rpr_solver.singular.singular_curves import SingularCurves
 from rpr_solver.slices.eliminant import DEGREE_U
 
 PATH_DIGITS = 15
@@ -180,6 +183,20 @@ class Path:
             "samples": [sample.to_json(leg) for sample in self.samples],
             "certificate": dict(self.certificate),
         }
+
+    def figure(self, curves: SingularCurves | None = None) -> Figure:
+        """A picture of the path in motion: the leg lengths in joint space, and the mechanism beside it.
+
+        Args:
+            curves: the singular curves of the slice, to be drawn too.
+
+        Raises:
+            InputError: the lengths are too large to be drawn.
+        """
+        return loop_figure(self.to_json(), None if curves is None else curves.to_json())
+
+    def _repr_svg_(self) -> str:
+        return self.figure().svg()
 
     def rows(self) -> list[Row]:
         """A row for each sample, for ``pandas.DataFrame(path.rows())``.

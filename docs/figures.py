@@ -1,0 +1,75 @@
+"""Draws the pictures of the documentation, from the solver's answers.
+
+    python docs/figures.py [NAME …]            write these, or all, to docs/figures/
+    python docs/figures.py --check [NAME …]    write nothing; exit 1 if one of them differs
+
+The same answers give the same bytes. Figures 2 to 5 are those of the article.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from rpr_solver import EXAMPLES, Figure, census, cusp_curves, cusp_loop, cusp_table, poses, singular_curves
+from rpr_solver.figures.mechanism import point_figure
+
+FOLDER = Path(__file__).with_name("figures")
+FIRST, SECOND = EXAMPLES["innocenti"], EXAMPLES["zein-flat"]
+
+
+def _loop() -> Figure:
+    return cusp_loop(FIRST, 27, "B").figure(singular_curves(FIRST, 27))
+
+
+def _cusp() -> Figure:
+    [table] = cusp_table(FIRST, 27, digits=15)
+    return point_figure(
+        FIRST.to_json(), 1, "27", table.cusps[1].to_json(), "The mechanism at cusp B, L1 = 27"
+    )
+
+
+def _locus() -> Figure:
+    return cusp_curves(FIRST, digits=15).part(samples=14).figure()
+
+
+FIGURES: Mapping[str, Callable[[], Figure]] = {
+    "article-2": lambda: singular_curves(FIRST, "14.98").figure(),
+    "article-3": lambda: singular_curves(FIRST, 34).figure(),
+    "article-4": lambda: singular_curves(FIRST, 27).figure(),
+    "article-5": lambda: singular_curves(SECOND, 3).figure(),
+    "ten-cusps": lambda: singular_curves(FIRST, "28.1").figure(),
+    "aspects": lambda: singular_curves(FIRST, 27).figure("torus"),
+    "loop": _loop,
+    "cusp": _cusp,
+    "poses": lambda: poses(FIRST, "14.98", 16, 20, digits=15).figure(2),
+    "census": lambda: census(FIRST, digits=15).figure(),
+    "locus": _locus,
+}
+"""The files of the documentation, without their suffix."""
+
+
+def main(argv: list[str]) -> int:
+    """Writes or compares pictures; returns the exit status."""
+    is_check = "--check" in argv
+    names = [name for name in argv if name != "--check"] or list(FIGURES)
+    unknown = [name for name in names if name not in FIGURES]
+    if unknown:
+        print(f"no figure {', '.join(unknown)}; there are {', '.join(FIGURES)}", file=sys.stderr)
+        return 2
+    different = []
+    for name in names:
+        path, text = FOLDER / f"{name}.svg", FIGURES[name]().svg()
+        if not is_check:
+            FOLDER.mkdir(exist_ok=True)
+            path.write_text(text, encoding="utf-8", newline="\n")
+        elif not path.exists() or path.read_text(encoding="utf-8") != text:
+            different.append(path.name)
+    if different:
+        print(f"out of date: {', '.join(different)}; run `python docs/figures.py`", file=sys.stderr)
+    return 1 if different else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))
