@@ -52,6 +52,7 @@ from rpr_solver.paths.path import Path
 from rpr_solver.paths.samples import PathSample
 from rpr_solver.singular.aspects import Aspect
 from rpr_solver.singular.drawing import Strand
+from rpr_solver.singular.ranges import RangeAspect, range_aspects
 from rpr_solver.singular.regions import Region
 from rpr_solver.singular.singular_curves import (
     SingularComponent,
@@ -107,6 +108,7 @@ __all__ = [
     "PoseKind",
     "PoseTable",
     "Progress",
+    "RangeAspect",
     "Region",
     "Requirement",
     "SingularComponent",
@@ -134,6 +136,7 @@ __all__ = [
     "path_csv",
     "poses",
     "poses_of_squares",
+    "range_aspects",
     "restrict_census",
     "shorten_slice",
     "singular_csv",

@@ -54,7 +54,7 @@ class Turn:
         return [up**k * down ** (degree - k) for k in range(degree + 1)]
 
 
-_TURNS = [
+TURNS = [
     (Turn(*alpha), Turn(*theta))
     for alpha, theta in (
         ((1, 3), (1, 2)),
@@ -65,6 +65,7 @@ _TURNS = [
         ((8, 11), (9, 13)),
     )
 ]
+"""The turns of α and θ of the charts that are tried."""
 
 
 @dataclass(frozen=True)
@@ -121,10 +122,13 @@ class Chart:
         return QuadraticPoly(a, b, self.slice_map.radicand)
 
 
-def chart_of(slice_map: SliceMap, length: Fraction) -> tuple[Chart, bool]:
+def chart_of(
+    slice_map: SliceMap, length: Fraction, turns: Sequence[tuple[Turn, Turn]] = TURNS
+) -> tuple[Chart, bool]:
     """A good chart of the slice of one *scaled* length, and whether all its critical lines are simple.
 
-    On a simple critical line the form has one double root, at a smooth point of the curve.
+    On a simple critical line the form has one double root, at a smooth point of the curve. ``turns`` are the
+    charts that are tried.
 
     Raises:
         SolverError: the singular curve has a component that this version does not draw.
@@ -136,9 +140,9 @@ def chart_of(slice_map: SliceMap, length: Fraction) -> tuple[Chart, bool]:
     form = _without_repetition(whole)
     if form.degree_t == 0 and form.degree_u > 0:
         raise SolverError("the singular curve consists of whole lines theta = const; they are not drawn")
-    for alpha, theta in _TURNS:
-        rows = _turned(form.rows, form.degree_u, alpha, theta)
-        own = rows if whole is form else _turned(whole.rows, whole.degree_u, alpha, theta)
+    for alpha, theta in turns:
+        rows = turned_rows(form.rows, form.degree_u, alpha, theta)
+        own = rows if whole is form else turned_rows(whole.rows, whole.degree_u, alpha, theta)
         chart = Chart(slice_map, length, alpha, theta, rows, int(form.degree_u), own)
         if chart.discriminant.polynomial.is_zero:
             raise SolverError("the singular curve has a repeated component that is not rational")
@@ -158,7 +162,7 @@ def _good(chart: Chart) -> bool:
     )
 
 
-def _turned(rows: Rows, degree_u: int, alpha: Turn, theta: Turn) -> Rows:
+def turned_rows(rows: Rows, degree_u: int, alpha: Turn, theta: Turn) -> Rows:
     """The rows of a form, in terms of the half tangents of a chart."""
     zero, powers = fmpz_poly([]), theta.powers(degree_u)
 

@@ -27,7 +27,7 @@ from rpr_solver.exact.number_field import real_balls, squarefree_part, trimmed
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of, real_roots
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.charts import Chart, chart_of
+from rpr_solver.singular.charts import TURNS, Chart, Turn, chart_of
 
 _FIRST_BITS = 64
 _NARROWER = 8
@@ -103,14 +103,14 @@ class Sweep:
         return (slab + 1) % len(self.lines)
 
 
-def sweep(slice_map: SliceMap, length: Fraction) -> Sweep:
+def sweep(slice_map: SliceMap, length: Fraction, turns: Sequence[tuple[Turn, Turn]] = TURNS) -> Sweep:
     """The topology of the singular curves of the slice of one *scaled* length.
 
     Raises:
         SolverError: the curves have a component that is not supported.
         Unproved: lines or arcs could not be told apart.
     """
-    chart, simple = chart_of(slice_map, length)
+    chart, simple = chart_of(slice_map, length, turns)
     roots = _line_roots(chart, simple=simple)
     if not roots:
         at = Fraction(0)
@@ -127,19 +127,24 @@ def _line_roots(chart: Chart, *, simple: bool) -> list[tuple[RealRoot, ExactRoot
     if simple:
         return [(root, None) for root in real_roots(chart.lines)]
     simple_roots, others = simple_and_other_roots(chart.discriminant.polynomial)
-    found: list[tuple[RealRoot, ExactRoot | None]] = [
-        *((root, None) for root in (*simple_roots, *real_roots(chart.lead))),
-        *((root.root, root) for root in others),
-    ]
+    exact = {id(other.root): other for other in others}
+    found = [*simple_roots, *real_roots(chart.lead), *(other.root for other in others)]
+    return [(root, exact.get(id(root))) for root in in_order(found)]
 
-    def in_order(bits: int) -> list[tuple[RealRoot, ExactRoot | None]] | None:
-        balls = [(root.refined(bits), root, exact) for root, exact in found]
+
+def in_order(roots: Sequence[RealRoot]) -> list[RealRoot]:
+    """Different roots of several polynomials, ascending.
+
+    Raises:
+        Unproved: two of them could not be told apart.
+    """
+
+    def ascending(bits: int) -> list[RealRoot] | None:
+        balls = [(root.refined(bits), root) for root in roots]
         balls.sort(key=lambda x: x[0].mid())
-        if any(not x < y for (x, *_), (y, *_) in pairwise(balls)):
-            return None
-        return [(root, exact) for _, root, exact in balls]
+        return [root for _, root in balls] if all(x < y for (x, _), (y, _) in pairwise(balls)) else None
 
-    return decided(in_order, _FIRST_BITS, GREATEST_BITS, "two critical lines could not be told apart")
+    return decided(ascending, _FIRST_BITS, GREATEST_BITS, "two critical lines could not be told apart")
 
 
 def _intervals(roots: Sequence[RealRoot]) -> list[tuple[arb, arb]]:
@@ -232,7 +237,7 @@ def _line(
         interval = ball_of(around[0]).union(ball_of(around[1]))
     if not free_of_zeros(chart, interval, separators):
         return None
-    positions = [[_position(arc, separators) for arc in arcs] for arcs in sides]
+    positions = [[position(arc, separators) for arc in arcs] for arcs in sides]
     size = len(separators)
     left, right = positions
     meetings = [Meeting(_inside(left, cell, size), _inside(right, cell, size)) for cell in range(size)]
@@ -262,16 +267,16 @@ def _inside(positions: Sequence[int], cell: int, size: int) -> tuple[int, ...]:
     return (*beyond, *(i for i, at in enumerate(positions) if at == cell))
 
 
-def _position(arc: RealRoot, separators: Sequence[Fraction]) -> int:
+def position(arc: RealRoot, separators: Sequence[Fraction]) -> int:
     """How many separators are below a root."""
 
-    def position(bits: int) -> int | None:
+    def below(bits: int) -> int | None:
         ball = arc.ball if bits == _FIRST_BITS else arc.refined(bits)
         with ctx.workprec(bits + _FIRST_BITS):
             compared = [ball_of(x) - ball for x in separators]
         return None if any(x.contains(0) for x in compared) else sum(bool(x < 0) for x in compared)
 
-    return decided(position, _FIRST_BITS, GREATEST_BITS, "an arc could not be told from a separator")
+    return decided(below, _FIRST_BITS, GREATEST_BITS, "an arc could not be told from a separator")
 
 
 def free_of_zeros(chart: Chart, interval: arb, separators: Sequence[Fraction]) -> bool:
@@ -294,11 +299,11 @@ def _slab(chart: Chart, sample: Fraction, arcs: tuple[RealRoot, ...]) -> Slab:
         return Slab(
             arcs, tuple(last * (-1) ** (len(arcs) - 1 - k) for k in range(len(arcs))) or (last,), sample
         )
-    inner = [_between(x, y) for x, y in pairwise(arcs)]
+    inner = [between(x, y) for x, y in pairwise(arcs)]
     return Slab(arcs, tuple(_sign(chart, t, sample) for t in (*inner, None)), sample)
 
 
-def _between(first: RealRoot, second: RealRoot) -> Fraction:
+def between(first: RealRoot, second: RealRoot) -> Fraction:
     """A rational between two neighbouring roots."""
 
     def middle(bits: int) -> Fraction | None:

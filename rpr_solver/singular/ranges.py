@@ -1,0 +1,184 @@
+"""Aspects of a range of lengths: poses between which there is a motion without a singularity, the fixed leg
+being free to vary within the range.
+
+J is L (J0 + L J1), so for each (α, θ) the lengths in [a, b] with s J > 0 form an interval, which contains a
+or b if it is not empty; if both are in it, all between are. So the aspects of the range are the components
+of {s J(a) > 0} ∪ {s J(b) > 0} on the torus: the aspects of the two slices, those of one sign joined where
+they overlap. An overlap is open, and between neighbouring lines of both sweeps and of the resultant of J(a)
+and J(b) it is seen on any line θ = const.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+
+from flint import fmpz_poly
+
+from rpr_solver.contract import check_leg
+from rpr_solver.errors import InputError, SolverError
+from rpr_solver.exact.biform import RING, BiForm, Rows, without_common_factors
+from rpr_solver.exact.elimination import resultant
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.rationals import Exact, exact_str
+from rpr_solver.exact.real_roots import RealRoot, fraction_of, real_roots
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.singular.aspects import Cell, aspect_cells
+from rpr_solver.singular.charts import TURNS, turned_rows
+from rpr_solver.singular.strands import UnionFind
+from rpr_solver.singular.sweep import Sweep, between, in_order, position, sweep
+from rpr_solver.slices.lengths import slice_length
+
+_FIRST_BITS = 64
+
+
+@dataclass(frozen=True)
+class RangeAspect:
+    """An aspect of a range of lengths of the fixed leg.
+
+    Attributes:
+        sign: that of J.
+        at_start: how many aspects of the slice at the lower end it holds.
+        at_stop: how many aspects of the slice at the upper end.
+
+    >>> RangeAspect(1, 2, 1)
+    RangeAspect(sign=1, at_start=2, at_stop=1)
+    """
+
+    sign: int
+    at_start: int
+    at_stop: int
+
+
+def range_aspects(
+    manipulator: Manipulator, start: Exact, stop: Exact, *, fixed_leg: int = 1
+) -> tuple[RangeAspect, ...]:
+    """The aspects of a manipulator while the length of one leg varies within a range; their number is exact.
+
+    Args:
+        manipulator: the geometry.
+        start: the least length of the leg, exact, > 0, in the user's unit.
+        stop: its greatest length, larger than ``start``.
+        fixed_leg: the leg, 1, 2 or 3; the other two are free.
+
+    Returns:
+        The aspects with J > 0, then those with J < 0.
+
+    Raises:
+        InputError: naming ``manipulator``, ``fixed_leg``, or the leg of a length.
+        SolverError: the singular curves of both slices could not be compared.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> range_aspects(EXAMPLES["innocenti"], 27, 30)
+    (RangeAspect(sign=1, at_start=2, at_stop=1), RangeAspect(sign=-1, at_start=1, at_stop=1))
+    """
+    slice_map = SliceMap.of(manipulator, check_leg(fixed_leg))
+    low, high = (slice_length(x, fixed_leg) for x in (start, stop))
+    if low >= high:
+        message = f"the range ends at {exact_str(high)}, which is not above its start {exact_str(low)}"
+        raise InputError.of(f"l{fixed_leg}", message)
+    first, second = _sweeps(slice_map, low * slice_map.scale, high * slice_map.scale)
+    aspects = [aspect_cells(first), aspect_cells(second)]
+    joined = UnionFind((end, k) for end in (0, 1) for k in range(len(aspects[end])))
+    numbers: list[dict[Cell, int]] = [
+        {cell: k for k, (_, cells) in enumerate(own) for cell in cells} for own in aspects
+    ]
+    for cells in _overlaps(first, second):
+        one, other = (numbers[end][cell] for end, cell in enumerate(cells))
+        if aspects[0][one][0] == aspects[1][other][0]:
+            joined.join((0, one), (1, other))
+    found = []
+    for group in joined.classes():
+        end, k = group[0]
+        ends = [end for end, _ in group]
+        found.append(RangeAspect(aspects[end][k][0], ends.count(0), ends.count(1)))
+    return tuple(sorted(found, key=lambda x: -x.sign))
+
+
+def _sweeps(slice_map: SliceMap, low: Fraction, high: Fraction) -> tuple[Sweep, Sweep]:
+    """The sweeps of two slices in one chart."""
+    for turns in TURNS:
+        try:
+            return sweep(slice_map, low, [turns]), sweep(slice_map, high, [turns])
+        except SolverError:
+            continue
+    raise SolverError("no chart is good for both ends of the range")
+
+
+def _overlaps(first: Sweep, second: Sweep) -> Iterator[tuple[Cell, Cell]]:
+    """Pairs of cells of two sweeps that overlap; every overlap of aspects is among them."""
+    for u in _samples(_lines(first, second)):
+        forms = [part.chart.above(u) for part in (first, second)]
+        arcs = [real_roots(form) for form in forms]
+        product = forms[0] * forms[1].quotient(QuadraticPoly.rational(_shared(forms), forms[0].radicand))
+        slabs = [_slab_at(part, u) for part in (first, second)]
+        for t in (None, *(between(x, y) for x, y in pairwise(real_roots(product)))):
+            one, other = (
+                (slab, _gap(own, t) % part.slabs[slab].gaps)
+                for slab, own, part in zip(slabs, arcs, (first, second), strict=True)
+            )
+            yield one, other
+
+
+def _gap(arcs: Sequence[RealRoot], t: Fraction | None) -> int:
+    """The number of the gap that holds t, −1 for the last one; None is t = ∞."""
+    return -1 if t is None else sum(1 - position(arc, [t]) for arc in arcs) - 1
+
+
+def _shared(forms: Sequence[QuadraticPoly]) -> fmpz_poly:
+    """The common factor of two forms on one line: where a curve is singular for every length."""
+    common = fmpz_poly([])
+    for form in forms:
+        common = common.gcd(form.a).gcd(form.b)
+    return common
+
+
+def _slab_at(part: Sweep, u: Fraction) -> int:
+    return (sum(1 - position(line.root, [u]) for line in part.lines) - 1) % len(part.slabs)
+
+
+def _samples(roots: Sequence[RealRoot]) -> Iterator[Fraction]:
+    """Rationals between neighbouring roots, and beyond the first and the last."""
+    if not roots:
+        yield Fraction(0)
+        return
+    yield fraction_of(roots[0].refined(_FIRST_BITS).lower()) - 1
+    yield from (between(x, y) for x, y in pairwise(roots))
+    yield fraction_of(roots[-1].refined(_FIRST_BITS).upper()) + 1
+
+
+def _lines(first: Sweep, second: Sweep) -> list[RealRoot]:
+    """The real zeros u of the lines of both sweeps and of the resultant of J0 and J1, and maybe others."""
+    factors: list[fmpz_poly] = []
+    for polynomial in (first.chart.lines, second.chart.lines, _resultant(first)):
+        for factor, _ in polynomial.norm.factor_squarefree()[1]:
+            for other in factors:
+                factor = factor / factor.gcd(other)
+            factors.append(factor)
+    return in_order([root for factor in factors for root in real_roots(QuadraticPoly.rational(factor))])
+
+
+def _resultant(part: Sweep) -> QuadraticPoly:
+    """Res_t(J0, J1) in the chart of a sweep, without what J0 and J1 share."""
+    chart = part.chart
+    slice_map = chart.slice_map
+    sides = zip(*slice_map.singular.coefficients, strict=True)
+    j0, j1 = (
+        _form(turned_rows(rows, slice_map.singular.degree_u, chart.alpha, chart.theta)) for rows in sides
+    )
+    j0, j1, _ = without_common_factors(j0, j1)
+    found = resultant(j0, j1).polynomial
+    if found.is_zero:
+        raise SolverError("the slices of this range share a singular curve that is not rational")
+    return found
+
+
+def _form(rows: Rows) -> BiForm:
+    a, b = (
+        RING.from_dict({(i, k, 0, 0): p[k] for i, p in enumerate(part) for k in range(len(p)) if p[k]})
+        for part in ([row.a for row in rows], [row.b for row in rows])
+    )
+    return BiForm(a, b, rows[0].radicand, len(rows) - 1, 4)
