@@ -15,7 +15,8 @@ is undetermined. The factors other than Q are the poses of these two kinds, in c
 - b1: the leg lines meet in B1, legs 2 and 3 along its platform sides (k2 = k5 = 0);
 - b3±: the leg lines meet in B3, |A1B3| = |L1 ± d3| (k1 = k4 = 0).
 
-Hence every cusp is above a root of Q, which explains the article's conjecture.
+Hence every cusp is above a root of Q, which explains the article's conjecture
+(mathematics.md#the-articles-eliminant).
 
 For a flat platform (h = 0) the constraint Jacobian (5) is singular in every pose, (14) follows from
 (13), and their resultant is 0. It then matters that h is a symbol until step 5: the eliminant is a

@@ -1,7 +1,7 @@
 """The cusp of another slice to which a cusp leads: tubes, matched with complete tables.
 
 A table lists every cusp of its slice. So if the box of a tube is disjoint from all cusps of a table but one,
-it contains that one; nothing is decided by proximity.
+it contains that one (mathematics.md#tubes-of-cusps); nothing is decided by proximity.
 """
 
 from __future__ import annotations

@@ -3,7 +3,8 @@
 Tubes also lead through swallowtails, lips and beaks, where the curve turns back in L. All its other points
 are cusps: a zero is a cusp unless ∇f = 0, v·∇E = 0 or ∇J = 0, and poses with ∇f = 0 form separate curves,
 which would be a second curve in the tube. E can be taken along either leg; it is taken along the leg with
-the larger gradient, since a cusp may pass a pose at which the other gradient vanishes.
+the larger gradient, since a cusp may pass a pose at which the other gradient vanishes
+(mathematics.md#tubes-of-cusps).
 """
 
 from __future__ import annotations

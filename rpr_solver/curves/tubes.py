@@ -6,7 +6,7 @@ approximates the curve to second order, and if for all |r| ≤ h
 
     |G(p̂(r), q̂(r), r)| + |N′| ρ < ρ,        N′ = ∂N/∂(p, q) over the tube of radii ρ round the parabola,
 
-then for each r the tube contains exactly one zero of J = E = 0 (Krawczyk's test).
+then for each r the tube contains exactly one zero of J = E = 0 (Krawczyk's test, mathematics.md#tubes).
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 All degrees are formal, so that zeros at t = ∞ and u = ∞ count. The quotient is interpolated from as many
 points u as it has coefficients, and a spare point checks that the known factors divide. The product of the
-primes exceeds a proved bound on the coefficients.
+primes exceeds a proved bound on the coefficients (mathematics.md#the-bound-of-the-coefficients).
 """
 
 from __future__ import annotations

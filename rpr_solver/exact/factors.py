@@ -1,7 +1,8 @@
 """The irreducible factors over ℚ(ω) of a polynomial A + ω B, and its real roots in number fields.
 
 They serve where balls cannot decide, as at multiple roots: above an exact root, equality with zero is decided
-exactly. The factors are derived from those of the norm, which FLINT factors over ℚ.
+exactly. The factors are derived from those of the norm, which FLINT factors over ℚ
+(mathematics.md#factors-over-a-quadratic-field).
 """
 
 from __future__ import annotations

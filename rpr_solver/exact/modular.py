@@ -1,4 +1,7 @@
-"""Polynomials over ℤ[ω] modulo primes: values, interpolation, Chinese remainders, a proved bound."""
+"""Polynomials over ℤ[ω] modulo primes: values, interpolation, Chinese remainders.
+
+What their images prove is in mathematics.md#images-modulo-primes.
+"""
 
 from __future__ import annotations
 

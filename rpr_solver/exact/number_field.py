@@ -211,8 +211,7 @@ def poly_gcd(a: Polynomial, b: Polynomial) -> Polynomial:
 def _coprime_at_a_place(a: Polynomial, b: Polynomial) -> bool:
     """Proves that two polynomials have no common divisor, by their images over 𝔽ₚ; False gives no proof.
 
-    By Gauss's lemma a common divisor is one over the valuation ring too, up to a factor, if a leading
-    coefficient is a unit there; then its image has its degree.
+    A common divisor would have an image of its own degree (mathematics.md#coprime-at-one-place).
     """
     place = a[0].field.place
     if place is None:

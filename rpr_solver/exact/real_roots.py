@@ -1,7 +1,7 @@
 """Certified real roots of polynomials over ℤ[ω], to any accuracy.
 
 A root is proved real if its isolating disc, reflected in the real axis, meets the disc of no other root: then
-the root is its own conjugate. The precision doubles until every root is decided.
+the root is its own conjugate (mathematics.md#real-roots). The precision doubles until every root is decided.
 """
 
 from __future__ import annotations

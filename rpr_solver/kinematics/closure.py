@@ -5,7 +5,7 @@ With leg 1 fixed, X = B1 and v = R(α) m − a for each other leg, the squared l
     |X|² = s₁,    |X + v|² = s   ⟺   2 v·X = s − s₁ − |v|²,
 
 two equations linear in X. Their solution, substituted into |X|² = s₁, gives one form of degree 6 in
-t = tan(α/2). Only squares of the leg lengths occur.
+t = tan(α/2) (mathematics.md#the-fibre). Only squares of the leg lengths occur.
 """
 
 from __future__ import annotations

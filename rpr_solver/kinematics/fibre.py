@@ -3,7 +3,7 @@
 If the sixth-degree form has six simple finite roots, each real one is a single regular pose, and ball
 arithmetic decides everything. Otherwise the form is factored and its roots lie in number fields: the
 multiplicity of an α is the sum over the poses with this α of the intersection numbers of L2² = const and
-L3² = const.
+L3² = const (mathematics.md#the-fibre).
 """
 
 from __future__ import annotations
@@ -205,7 +205,8 @@ def _shared(closure: Closure, poses: Sequence[Pose[Algebraic]], order: int) -> t
 def _local_multiplicity(closure: Closure, pose: Pose[Algebraic]) -> int | None:
     """The intersection number of f = s₂ and g = s₃ on the slice; None where both gradients vanish.
 
-    Where ∇f ≠ 0 it is one more than the number of derivatives of g along f = s₂ that vanish.
+    Where ∇f ≠ 0 it is one more than the number of derivatives of g along f = s₂ that vanish
+    (mathematics.md#poses-that-coalesce).
     """
     local = LocalMap.at(closure.slice_map, pose, DEGREE + 1)
     for leg in (local.f, local.g):

@@ -1,4 +1,7 @@
-"""The kinds of poses, and the classification of a pose by exact arithmetic."""
+"""The kinds of poses, and the classification of a pose by exact arithmetic.
+
+What the kinds say about neighbouring slices is in mathematics.md#kinds-of-degenerate-poses.
+"""
 
 from __future__ import annotations
 
@@ -84,7 +87,7 @@ def classify(local: LocalMap[Algebraic]) -> PoseKind:
 
 
 def _hessians_independent(local: LocalMap[Algebraic]) -> bool:
-    """Whether the quadratic parts of f and g have no common zero: then exactly 4 poses coalesce."""
+    """Whether the quadratic parts of f and g have no common zero (mathematics.md#rank-0)."""
     f, g = (
         (leg.alpha.alpha.value, leg.alpha.theta.value * 2, leg.theta.theta.value)
         for leg in (local.f, local.g)

@@ -7,7 +7,7 @@ With leg i fixed at length L and its direction e(θ), the pose is X = L e(θ), p
 
 A pose is singular where J = f_α g_θ − f_θ g_α vanishes (the article's eq. 6), and three poses
 coalesce where E = v·∇J vanishes too, with v = (−f_θ, f_α) tangent to f = const (on J = 0 equivalent to the
-article's eq. 10).
+article's eq. 10; mathematics.md#poses-that-coalesce).
 
 Everything is scaled to integers: lengths are multiplied by ``scale``, and the height of the
 platform is a rational multiple of ω = √``radicand``, so all coefficients lie in ℤ[ω].

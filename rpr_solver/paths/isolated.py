@@ -45,7 +45,7 @@ class IsolatedPose:
 
     @classmethod
     def near(cls, slice_map: SliceMap, legs: Legs, start: Angles) -> IsolatedPose | None:
-        """The pose to which Newton's method leads, proved to exist; None if no proof was found."""
+        """The pose to which Newton's method leads; None without a proof (mathematics.md#isolated-poses)."""
         goal, angles = _goal(legs), start
         for _ in range(_STEPS):
             step = newton_step(slice_map, *goal, (angles[0].mid(), angles[1].mid()))

@@ -1,7 +1,8 @@
 """The proofs about a path: J keeps its sign along it, and its image goes round a point of the (L2, L3) plane.
 
 A path is cut into pieces until balls decide both questions on each. On a piece of half-width r about τ the
-values lie in F(τ) + F′(τ)[−r, r] + F″(piece)[0, r²]/2, which shrinks with the square of the width.
+values lie in F(τ) + F′(τ)[−r, r] + F″(piece)[0, r²]/2, which shrinks with the square of the width
+(mathematics.md#paths-without-a-singularity).
 """
 
 from __future__ import annotations

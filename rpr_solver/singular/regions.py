@@ -3,7 +3,8 @@
 The curve J = 0 bounds the part of the torus with J > 0, which lies on its left and is mapped to the plane
 with its orientation. So the winding number of the curve's image about a joint vector is the number of its
 poses with J > 0. As many have J < 0, since the map of a closed surface to the plane has degree 0. The number
-is confirmed by the sextic of direct kinematics at a rational point of each face.
+is confirmed by the sextic of direct kinematics at a rational point of each face
+(mathematics.md#poses-counted-by-windings).
 """
 
 from __future__ import annotations

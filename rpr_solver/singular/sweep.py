@@ -5,7 +5,7 @@ constant number of simple real roots t on each θ: the *arcs* of a *slab*, in co
 arcs are matched in *cells* of the circle of t: the separators of neighbouring cells are values of t at which
 J has no zero for any u of an interval that contains the line and lies in both slabs otherwise. So an arc
 that enters a cell stays in it, and the numbers of arcs that enter from both sides tell what happens there.
-The separators also tell which regions of J ≠ 0 continue through the line.
+The separators also tell which regions of J ≠ 0 continue through the line (mathematics.md#the-sweep).
 
 On a simple line exactly one cell has two arcs on one side and none on the other, which meet in a turning
 point. On a multiple one, the distinct roots are isolated over a number field, and each gets its own cell.

@@ -1,8 +1,8 @@
 """The cusp table of a slice: counted exactly, printed to proved digits, with its certificate.
 
 There are two methods. If Q(u) is squarefree and prime to the spurious factors, each real root is one
-transversal intersection of J = 0 and E = 0, and ball arithmetic decides everything. Otherwise Q is factored,
-and each special pose is classified over a number field (by_fields.py).
+transversal intersection of J = 0 and E = 0 (mathematics.md#simple-roots), and ball arithmetic decides
+everything. Otherwise Q is factored, and each special pose is classified over a number field (by_fields.py).
 """
 
 from __future__ import annotations
@@ -121,9 +121,8 @@ class _Slice:
     def _touching(self) -> fmpz_poly | None:
         """The common factor of both spurious factors (1 if they meet at u = ∞), or None if they do not meet.
 
-        A zero of one spurious factor at which Q ≠ 0 is an ordinary pose: J and E meet there with multiplicity
-        1, which ∇f = 0 already accounts for. Where both factors vanish (leg f closes while stretched along
-        its base line), this argument fails, and the poses are classified exactly.
+        A zero of one spurious factor at which Q ≠ 0 is an ordinary pose (mathematics.md#spurious-poses).
+        Where both vanish (leg f closes while stretched along its base line), poses are classified exactly.
         """
         common = self._collinear.gcd(self._closed)
         if common.degree() > 0 or max(self._collinear.degree(), self._closed.degree()) < 2:

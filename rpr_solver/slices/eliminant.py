@@ -11,9 +11,9 @@ With t = tan(α/2), u = tan(θ/2) and all degrees formal, eliminating t from J a
   (u²+1)⁹ for every geometry;
 - Q: degree 24 in u, 10 in L.
 
-The first three are factors for every geometry, since each of their zeros is a common zero of J
-and E identically in the parameters. So Q is determined by its values on a 25 × 11 grid, computed
-modulo primes; enough primes are taken to exceed a proved bound on its coefficients.
+The first three are factors for every geometry, and Q is integral (mathematics.md#the-eliminant). So Q is
+determined by its values on a 25 × 11 grid, computed modulo primes; enough primes are taken to exceed a proved
+bound on its coefficients.
 """
 
 from __future__ import annotations
@@ -173,7 +173,7 @@ class _Grid:
 
 
 def _coefficient_bound(slice_map: SliceMap) -> int:
-    """A bound on the coefficients of A and B.
+    """A bound on the coefficients of A and B (mathematics.md#the-bound-of-the-coefficients).
 
     The Mahler measure is multiplicative, at most the 1-norm, and at least 1 for the known
     factors; a coefficient is at most 2^(degrees) times it. |A| ≤ max |A ± ωB|, and B likewise

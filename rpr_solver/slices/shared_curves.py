@@ -1,7 +1,7 @@
 """Curves on which both J and E vanish in a slice, as for congruent triangles.
 
 A whole curve of poses is then degenerate, and the eliminant vanishes identically. J and E are divided by the
-curves, and the quotients have an eliminant without them.
+curves, on which there are no cusps (mathematics.md#shared-curves); the quotients have an eliminant.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 For similar, congruent and flat triangles Q(u, L) splits into factors of low degree over ℚ. Between lengths at
 which two of their real roots meet or one is infinite, the number of simple real roots, which are the cusps,
-is constant.
+is constant. mathematics.md#the-discriminant-in-place-of-events says what of this is proved, what checked.
 """
 
 from __future__ import annotations

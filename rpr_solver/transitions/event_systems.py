@@ -4,7 +4,8 @@ J is linear in L: J = J0 + L J1, so L = −J0/J1 on the singularity surface, and
 isolated point of the torus (α, θ):
 
 - ∇J = 0 (lips, beak-to-beak): M1 = M2 = 0, the Wronskians of J0 and J1 in α and in θ;
-- v·∇E = 0 (swallowtail): C = W = 0, where E = F_θ C / J1² and v·∇E = J0 F_θ² W / J1³ for this L.
+- v·∇E = 0 (swallowtail): C = W = 0, where E = F_θ C / J1² and v·∇E = J0 F_θ² W / J1³ for this L
+  (mathematics.md#the-surface-of-singular-poses).
 
 In half tangents (t, u) their bidegrees are (6, 6), (6, 6), (10, 8) and (8, 8). With all degrees formal,
 
@@ -13,7 +14,7 @@ In half tangents (t, u) their bidegrees are (6, 6), (6, 6), (10, 8) and (8, 8). 
 
 where the roots of Z = Res_t(J0, J1) / (u²+1)² are the poses that are singular for every L, those of
 A = Res_t(F_θ, G_θ) / (u²+1)² are the ones among them with three parallel legs, Y = Z / A, and P is the
-quotient. These are identities in the parameters; a spare point checks them modulo each prime.
+quotient. These are identities in the parameters (mathematics.md#the-eliminants-of-the-census).
 """
 
 from __future__ import annotations
@@ -130,7 +131,8 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     """The equations of a cusp with squared free leg ``square`` (scaled): C and (f − square) J1² at L =
     −J0/J1.
 
-    Eliminating t from them gives (u²+1)²⁰ · (Y Z)² · P, with P of degree 48. If C was divided by shared
+    Eliminating t from them gives (u²+1)²⁰ · (Y Z)² · P, with P of degree 48
+    (mathematics.md#the-eliminants-of-the-census, mathematics.md#joint-limits). If C was divided by shared
     angles, the factors before P are not removed.
 
     Raises:

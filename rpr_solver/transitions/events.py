@@ -4,11 +4,11 @@ An event is a real common zero of one of the systems of event_systems.py with L 
 that is singular for every L and degenerate for some L. Simple ones are decided by balls; the others, and
 poses that are always singular, exactly (exact_events.py).
 
-The events are complete by the implicit function theorem: if no pose of a slice is degenerate, every cusp is a
-transversal zero of (J, E) and continues to the neighbouring slices. A degenerate pose with ∇f ≠ 0 and
-J1 ≠ 0 satisfies M1 = M2 = 0 or C = W = 0. If J1 = 0, it is singular for every L (or L is infinite). If
-∇f = 0, it is singular for every L too, or leg f is closed: then the order of the fibre is even, so that the
-pose is degenerate only if leg f closes while stretched along its base line (:func:`stretched_closings`).
+The events are complete (mathematics.md#completeness-of-the-events). If all degenerate poses of a slice
+are cusps, they are transversal zeros of (J, E) and continue to the neighbouring slices. Another one with
+∇f ≠ 0 and J1 ≠ 0 satisfies M1 = M2 = 0 or C = W = 0. If J1 = 0, it is singular for every L (or L is
+infinite). If ∇f = 0, it is singular for every L too, or leg f is closed and two poses coalesce
+(mathematics.md#stationary-legs).
 
 If C and W share an angle α, its poses are degenerate at their L and never cusps; C divided by the angle still
 vanishes at all cusps, and a cusp can meet such a pose only where this quotient vanishes. If M1 and M2 share

@@ -1,7 +1,8 @@
 """Events in the order of L, grouped by exactly equal L.
 
 Events of a symmetric manipulator come in pairs of equal L. No precision shows that two numbers are equal:
-equality is proved by minimal polynomials, or by the mirror symmetry of the manipulator.
+equality is proved by minimal polynomials, or by the mirror symmetry of the manipulator
+(mathematics.md#equal-lengths).
 """
 
 from __future__ import annotations

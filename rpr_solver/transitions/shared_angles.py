@@ -1,7 +1,7 @@
 """Angles α = const at which two forms in (t, u) vanish for every u: their detection and removal.
 
 For some symmetric and right-angled manipulators all poses of one α (mostly 0 or 180 degrees) are degenerate
-at their L, or all of them have ∇J = 0 at the same L.
+at their L, or all of them have ∇J = 0 at the same L (mathematics.md#shared-angles).
 """
 
 from __future__ import annotations

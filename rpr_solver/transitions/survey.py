@@ -1,7 +1,7 @@
 """Intervals of L with a constant number of cusps: the events in order, and a slice in each interval.
 
 Between two neighbouring events no pose of a slice is degenerate, so the number of cusps of one exact slice is
-that of the whole interval (for the completeness of the events see events.py). If events are not isolated, as
+that of the whole interval (mathematics.md#completeness-of-the-events). If events are not isolated, as
 for similar or congruent triangles, the discriminant of Q(u, L) takes their place (discriminant.py).
 """
 
