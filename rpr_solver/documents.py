@@ -151,7 +151,7 @@ def restrict_census(
     >>> whole = census(EXAMPLES["zein-flat"], digits=20)
     >>> part = restrict_census(whole.to_json(), 35, 36, digits=15)
     >>> part["intervals"][1]
-    {'from': '35.2127837717642', 'to': '36', 'count': 6}
+    {'from': '35.2127837717642', 'to': '36', 'count': 6, 'aspects': 2}
     """
     have = int(document["digits"])
     kept_digits = have if digits is None else check_digits(digits)
@@ -172,8 +172,10 @@ def restrict_census(
             if text is None or events is None:
                 return None
             inside.append({**transition, leg: text, "events": events})
-    below = [interval["count"] for interval in document["intervals"] if Fraction(interval["from"]) <= low]
-    counts = [below[-1], *(t["count_after"] for t in inside)]
+    below = sum(Fraction(interval["from"]) <= low for interval in document["intervals"])
+    kept = document["intervals"][below - 1 : below + len(inside)]
+    counts = [interval["count"] for interval in kept]
+    aspects = [interval["aspects"] for interval in kept if "aspects" in interval]
     first, last = span.to_json().values()
     ends = [first, *(t[leg] for t in inside), last]
     return {
@@ -181,7 +183,7 @@ def restrict_census(
         "digits": kept_digits,
         "range": span.to_json(),
         "transitions": inside,
-        "intervals": intervals_json(ends, counts),
+        "intervals": intervals_json(ends, counts, aspects),
     }
 
 

@@ -21,6 +21,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
 from rpr_solver.slices.joint_points import JointPoint, joint_point, point_of_pose
+from rpr_solver.transitions.aspect_numbers import numbers_of_aspects
 from rpr_solver.transitions.event_types import BallPose, Event
 from rpr_solver.transitions.length_range import LengthRange, intervals_json
 from rpr_solver.transitions.survey import Survey, survey
@@ -116,6 +117,8 @@ class Census:
         counts: the number of cusps in each interval between, one entry more than ``transitions``.
         certificate: how the census is proved.
         range: the lengths of the fixed leg, in the user's unit.
+        aspects: the number of aspects of the slices in each interval; None where it is not proved to be the
+            same in all of them, as for similar or congruent triangles.
 
     >>> from rpr_solver import EXAMPLES, census
     >>> table = census(EXAMPLES["zein-flat"], start=30, stop=40, digits=15)
@@ -132,6 +135,7 @@ class Census:
     counts: tuple[int, ...]
     certificate: CensusCertificate
     range: LengthRange
+    aspects: tuple[int | None, ...] = ()
 
     def __repr__(self) -> str:
         low, high = min(self.counts), max(self.counts)
@@ -170,7 +174,7 @@ class Census:
     def _intervals(self) -> list[dict[str, Any]]:
         ends = [*self.range.to_json().values()]
         ends[1:1] = [t.length for t in self.transitions]
-        return intervals_json(ends, self.counts)
+        return intervals_json(ends, self.counts, self.aspects)
 
     def _records(self) -> list[dict[str, object]]:
         kinds = [*(t.kind.value for t in self.transitions), None]
@@ -246,6 +250,7 @@ def census(
         (result.slices[0].count, *(result.slices[k + 1].count for k in transitions)),
         certificate,
         span,
+        numbers_of_aspects(result, list(transitions)),
     )
 
 

@@ -55,9 +55,12 @@ class LengthRange:
         return {"from": exact_str(self.start), "to": exact_or_none(self.stop)}
 
 
-def intervals_json(ends: Sequence[str | None], counts: Sequence[int]) -> list[dict[str, Any]]:
-    """The contract's intervals: each number of cusps with the two ends between which it is constant."""
+def intervals_json(
+    ends: Sequence[str | None], counts: Sequence[int], aspects: Sequence[int | None] = ()
+) -> list[dict[str, Any]]:
+    """The contract's intervals: numbers of cusps, and of aspects, with the ends between which they hold."""
+    known = [{"aspects": number} for number in aspects] or [{}] * len(counts)
     return [
-        {"from": start, "to": stop, "count": count}
-        for start, stop, count in zip(ends, ends[1:], counts, strict=False)
+        {"from": start, "to": stop, "count": count, **more}
+        for start, stop, count, more in zip(ends, ends[1:], counts, known, strict=False)
     ]

@@ -96,7 +96,7 @@ CENSUSES = Operation(
     summary="Every length at which the number of cusps changes",
     description="""\
 The census of a manipulator: all transitions of its slices, proved complete rather than sampled, each with
-its kind and its degenerate poses, and the number of cusps in every interval between them.
+its kind and its degenerate poses, and the numbers of cusps and of aspects in every interval between.
 
 The whole census is computed once, by a job of a few seconds, and kept; ranges of it, or fewer digits, are
 then answered immediately. `Prefer: wait=N` waits for the job.

@@ -74,7 +74,8 @@ def _page(document: Mapping[str, Any]) -> Page:
     counts = [interval["count"] for interval in intervals]
     cusps = counted_range(min(counts), max(counts), "cusp")
     title = f"{leg.upper()} from {ends['from']}{below}: {cusps}, {counted(len(transitions), 'transition')}"
-    rows = [["from", "to", "cusps"], *([i["from"], i["to"] or "∞", str(i["count"])] for i in intervals)]
+    rows = [["from", "to", "cusps", "aspects"]]
+    rows += ([i["from"], i["to"] or "∞", str(i["count"]), str(i.get("aspects") or "")] for i in intervals)
     events = [
         {leg: t[leg], "cusps": f"{t['count_before']} → {t['count_after']}", **event}
         for t in transitions

@@ -46,10 +46,20 @@ class Transition(FixedLength):
     events: list[TransitionEvent]
 
 
+class CensusInterval(Interval):
+    """An interval without transitions, with the number of cusps and of aspects of its slices."""
+
+    aspects: int | None = Field(
+        default=None,
+        description="The number of aspects: connected regions of poses without a singularity, of one sign of "
+        "J. null: it is not proved to be the same in all slices of the interval.",
+    )
+
+
 class Census(DocumentHead):
     """All transitions in a range, ascending, and the proved numbers of cusps between them."""
 
     range: ClosedRange
     transitions: list[Transition]
-    intervals: list[Interval]
+    intervals: list[CensusInterval]
     certificate: dict[str, Any] = Field(description="The proof that the census is complete.")
