@@ -20,6 +20,7 @@ from rpr_solver.figures.wording import letters
 from rpr_solver.singular.singular_curves import DEFAULT_TOLERANCE
 from worker.answers import censuses, curves, paths, poses, singular
 from worker.answers.requests import JobRequest, Kind
+from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore
 
 KIND = Kind("plot", "pl-")
@@ -79,7 +80,14 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
     def kept(kind: Kind, compute: Compute, **members: object) -> Document:
         """A document that is known, or that is computed and kept."""
         own = JobRequest(kind, {"geometry": content["geometry"], "digits": DIGITS, **members})
-        return store.document(own, lambda: compute(own, store, progress))
+
+        def make() -> Document:
+            document = compute(own, store, progress)
+            store.put_document(own, document)
+            return document
+
+        # not the document's own lock, which the computation of a whole census or of whole curves takes
+        return single_flight(lambda: store.get_document(own), lambda: store.answer_lock(own), make)
 
     sources = Sources(
         census=lambda: kept(censuses.KIND, censuses.compute, **of_range),
