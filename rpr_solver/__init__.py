@@ -45,6 +45,7 @@ from rpr_solver.kinematics.pose_table import (
 )
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import EXAMPLES, Manipulator
+from rpr_solver.paths.between_poses import NoPath, Obstacle, joint_path
 from rpr_solver.paths.ends import PathPose
 from rpr_solver.paths.loops import cusp_loop
 from rpr_solver.paths.others import FoldPoint, OtherPose
@@ -100,6 +101,8 @@ __all__ = [
     "LengthKind",
     "LengthRange",
     "Manipulator",
+    "NoPath",
+    "Obstacle",
     "OtherPose",
     "Path",
     "PathPose",
@@ -132,6 +135,7 @@ __all__ = [
     "cusp_table",
     "eliminate",
     "exact_str",
+    "joint_path",
     "parse_exact",
     "path_csv",
     "poses",

@@ -25,7 +25,7 @@ MAY_IMPORT = {
     "rpr_solver.documents": "errors contract exact model slices transitions",
     "rpr_solver.article": "errors contract notebook exact model slices",
     "rpr_solver.curves": "errors contract notebook figures exact model slices transitions",
-    "rpr_solver.paths": "errors contract notebook figures exact model kinematics slices singular",
+    "rpr_solver.paths": "errors contract notebook figures exact model kinematics slices transitions singular",
     "rpr_solver": "errors contract figures exact model kinematics slices documents transitions article "
     "curves paths singular",
     # worker: jobs in Redis, and the processes that compute

@@ -7,10 +7,12 @@ The first alone would not do: two poses near a cusp can also be joined beside it
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from cmath import phase
+from collections.abc import Iterator, Sequence
 from decimal import Decimal
 from fractions import Fraction
-from math import floor, log10
+from itertools import pairwise
+from math import floor, log10, pi
 
 from flint import arb, ctx
 
@@ -21,6 +23,7 @@ from rpr_solver.exact.rationals import Exact
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.arcs import Arc, expanded
 from rpr_solver.paths.cusp_frame import CuspFrame
 from rpr_solver.paths.isolated import Image, IsolatedPose, local_map
 from rpr_solver.paths.path import DEFAULT_SAMPLES, PATH_DIGITS, Path, SamplingPlan, number_of
@@ -37,6 +40,7 @@ CUSP_DIGITS = 60
 """The digits of the cusps from which loops are searched."""
 _LARGEST, _RATIO, _SMALLEST = 1.0, 0.7, 1e-8
 _WIDTHS = (4, 3, 2)
+_PROBES = 24
 _LEG_ACCURACY, _ANGLE_ACCURACY = 0.1, 0.01
 
 
@@ -131,11 +135,29 @@ class _Search:
             self.length_ball = ball_of(self.length * self.slice_map.scale)
             self.frame = CuspFrame.at(self.slice_map, self.length_ball, (alpha * degree, theta * degree))
             self.centres = [self._image(point) for point in (self.point, *self.others)]
+            wanted = [1, *[0] * len(self.others)]
             for route in self._routes():
-                proof = prove(self.slice_map, route.at(PROOF_BITS - 64), self.frame.sign, self.centres)
-                if proof is not None and [abs(n) for n in proof.windings] == [1, *[0] * len(self.others)]:
-                    return route, proof
+                [arc] = route.at(PROOF_BITS - 64)
+                if self._promises(arc, wanted):
+                    proof = prove(self.slice_map, [arc], self.frame.sign, self.centres)
+                    if proof is not None and [abs(n) for n in proof.windings] == wanted:
+                        return route, proof
         raise Unproved(f"no loop round cusp {self.cusp} could be proved")
+
+    def _promises(self, arc: Arc, wanted: Sequence[int]) -> bool:
+        """Whether J has its sign at some points of a loop, and their images seem to turn as wanted."""
+        image = []
+        for k in range(_PROBES + 1):
+            at = expanded(self.slice_map, arc, arb(k) / _PROBES, 0)
+            if not at.singularity[0] * self.frame.sign > 0:
+                return False
+            image.append(complex(float(at.first[0].mid()), float(at.second[0].mid())))
+        for (x, y), turns in zip(self.centres, wanted, strict=True):
+            centre = complex(float(x.mid()), float(y.mid()))
+            away = [z - centre for z in image]
+            if not all(away) or abs(round(sum(phase(b / a) for a, b in pairwise(away)) / (2 * pi))) != turns:
+                return False
+        return True
 
     def _image(self, point: JointPoint) -> Image:
         scale = self.slice_map.scale_ball()

@@ -3,7 +3,8 @@
 The document of :meth:`Path.to_json`::
 
     {"geometry": {…}, "geometry_hash": "sha256:…", "fixed_leg": 1, "digits": 15, "solver_version": "…",
-     "l1": "27", "l2": "24.1", "l3": "16.8", "cusp": 1, "closed": true, "sign": -1, "winding": 1,
+     "l1": "27", "l2": "24.1", "l3": "16.8", "connected": true,
+     "cusp": 1, "closed": true, "sign": -1, "winding": 1,
      "from": {"pose": 2, "alpha_deg": "…", "theta1_deg": "…"}, "to": {"pose": 4, …},
      "others": [{"from": {"pose": 1, …}, "to": {"pose": 1, …}, "fold": null},
                 {"from": {"pose": 3, …}, "to": null, "fold": {"l1": "27", "l2": "…", "l3": "…", …}}],
@@ -167,10 +168,10 @@ class Path:
     def to_json(self) -> dict[str, Any]:
         """The document described at the top of this module."""
         leg = self.fixed_leg
-        lengths = {f"l{i}": exact_str(length) for i, length in enumerate(self.lengths, 1)}
         return {
             **document_head(self.manipulator, self.digits, leg),
-            **lengths,
+            **document_lengths(self.lengths),
+            "connected": True,
             "cusp": self.cusp,
             "closed": True,
             "sign": self.sign,
@@ -235,6 +236,11 @@ class SamplingPlan:
         first, last = ((end.alpha_deg, end.theta_deg) for end in ends)
         samples = sampled(route, (first, last), digits, self.count, self.timing, self.duration)
         return {"samples": samples, "timing": self.timing, "duration": self.duration}
+
+
+def document_lengths(lengths: tuple[Fraction, Fraction, Fraction]) -> dict[str, str]:
+    """The leg lengths by name, exact."""
+    return {f"l{leg}": exact_str(length) for leg, length in enumerate(lengths, 1)}
 
 
 def letter(cusp: int) -> str:

@@ -30,7 +30,7 @@ Post a manipulator and its slices L1 to `/v1/cusp-tables`. `/v1/censuses` finds 
 number of cusps changes, `/v1/cusp-curves` follows each cusp from one such length to another, `/v1/checks`
 proves or refutes a requirement on the number of cusps, `/v1/poses` computes all poses for three leg lengths,
 `/v1/singular-curves` draws the singular curves of a slice with the number of poses in each region, and
-`/v1/paths` leads round a cusp without a singularity. `/v1/batches` takes thousands of such questions at
+`/v1/paths` leads to another pose without a singularity. `/v1/batches` takes thousands of such questions at
 once. Known answers are returned immediately; all others are computed by a job. Every number in an answer is a
 decimal string with proved digits, and every number in a request is taken exactly as written.
 

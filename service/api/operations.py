@@ -163,12 +163,16 @@ PATHS = Operation(
     path="/v1/paths",
     name="post_path",
     tag=("paths", "Motions without a singularity."),
-    summary="A loop of the leg lengths round a cusp, which carries one pose to another without a singularity",
+    summary="A motion from one pose to another of the same leg lengths, without a singularity",
     description="""\
 A loop begins and ends at one joint vector, where the manipulator has two poses of one sign of J. The platform
 follows the legs continuously, is nowhere singular, and yet arrives at the other pose. Proved along the whole
 path, not only at the samples: J keeps its sign, and the loop turns once round the cusp, counter-clockwise,
 and round no other cusp of the slice.
+
+From pose to pose, the answer is a path in the slice or, with `between`, with the fixed leg free to move; or
+the reason why there is none: J has different signs at both poses, or they lie in different aspects of the
+slice. For the latter the answer names a range of the fixed leg within which they are joined.
 
 Samples are points of that path at equal intervals of time, with the legs, the pose, the determinant and a
 bound of the distance to the nearest singular pose. A worker finds a path in a fraction of a second, so the

@@ -29,7 +29,7 @@ COMMANDS = {
     "check": "prove or refute a requirement on the number of cusps",
     "poses": "compute all poses for given leg lengths",
     "plot": "draw slices, censuses, curves of cusps, loops and poses",
-    "paths": "find a loop round a cusp without a singularity",
+    "paths": "find a motion to another pose without a singularity",
     "singular": "draw the singular curves of a slice, its regions and aspects",
     "submit": "send a batch of questions to a service and print their answers",
     "status": "print the state of a job or a batch of a service",

@@ -1,5 +1,6 @@
-"""Find a loop of the leg lengths round a cusp that carries one pose to another without a singularity. It is
-proved along the whole path, not only at the samples."""
+"""Find a motion of the legs that meets no singularity and leads to another pose of the same leg lengths: a
+loop round a cusp, or a path between two given poses, or why there is none. It is proved along the whole path,
+not only at the samples."""
 
 from __future__ import annotations
 
@@ -8,18 +9,24 @@ from collections.abc import Mapping
 from typing import Any
 
 import rpr_solver
+from rpr_solver.paths.between_poses import Obstacle
 from rpr_solver.paths.path import DEFAULT_SAMPLES, PATH_DIGITS, letter
 from rpr_solver.paths.timing import TIMINGS
 from service.cli import arguments, remote
 from service.cli.pages import Page, Section, about, counted, rows_of, write_document
 from service.cli.progress import progress_bar
+from service.schemas.document import named
+from service.schemas.lengths import split_ends
 from service.schemas.paths import PathRequest
+from worker.answers import paths
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
 examples:
   rpr-cusps paths innocenti --l1 27 --cusp B
   rpr-cusps paths innocenti --l1 28.1 --cusp 7 --samples 501 --duration 10 --format csv
+  rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4
+  rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4 --between 27:30
 """
 
 _SHOWN_ROWS = 25
@@ -28,9 +35,14 @@ _SHOWN_ROWS = 25
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
-    arguments.add_options(parser, "--l{}", "lengths", "X", "the length of the fixed leg")
+    arguments.add_options(parser, "--l{}", "lengths", "X", "the length of the fixed leg, or all three")
     parser.add_argument(
         "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the length, or 1)"
+    )
+    parser.add_argument("--from", dest="start", metavar="POSE", help="its number in the table of poses")
+    parser.add_argument("--to", dest="stop", metavar="POSE", help="likewise")
+    parser.add_argument(
+        "--between", metavar="FROM:TO", help="lengths between which the fixed leg may move (default: held)"
     )
     parser.add_argument(
         "--cusp", metavar="CUSP", help="its number in the table of the slice, or its letter (default: A)"
@@ -50,7 +62,11 @@ def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
     if args.url is None:
-        document = _loop(question)
+        document = paths.document(
+            question.geometry,
+            question.content(),
+            lambda: rpr_solver.eliminate(question.geometry, question.fixed_leg),
+        )
     else:
         with progress_bar(1, "steps") as progress:
             document = remote.document_of(args.url, question, progress)
@@ -58,25 +74,18 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _loop(question: PathRequest) -> dict[str, Any]:
-    loop = rpr_solver.cusp_loop(
-        question.geometry,
-        question.length,
-        question.cusp,
-        fixed_leg=question.fixed_leg,
-        digits=question.digits,
-        samples=question.samples,
-        timing=question.timing,
-        duration=question.duration,
-    )
-    return (loop.with_others() if question.others else loop).to_json()
-
-
 def _question(args: argparse.Namespace) -> PathRequest:
-    leg = arguments.leg_of(args.lengths, args.fixed_leg, "lengths")
+    of_poses = args.start is not None or args.stop is not None
+    lengths = [] if of_poses else args.lengths
+    leg = arguments.leg_of(lengths, args.fixed_leg, "lengths")
+    with named("--between"):
+        between = None if args.between is None else split_ends(args.between)
     members = {
         "fixed_leg": leg,
         **{option[2:]: text for option, text in args.lengths},
+        "from": args.start,
+        "to": args.stop,
+        "between": between,
         "cusp": args.cusp,
         "samples": args.samples,
         "timing": args.timing,
@@ -84,20 +93,26 @@ def _question(args: argparse.Namespace) -> PathRequest:
         "others": args.others,
         **remote.deadline_of(args),
     }
-    names = {name: f"--{name}" for name in ("l1", "l2", "l3", "cusp", "timing", "duration")}
-    return arguments.ask(PathRequest, args, members, arguments.source(names))
+    own = ("l1", "l2", "l3", "from", "to", "between", "cusp", "timing", "duration")
+    return arguments.ask(PathRequest, args, members, arguments.source({name: f"--{name}" for name in own}))
 
 
 def _page(document: Mapping[str, Any]) -> Page:
     legs = ", ".join(f"L{i} = {document[f'l{i}']}" for i in arguments.LEGS)
-    sign = "J > 0" if document["sign"] > 0 else "J < 0"
     ends = f"from pose {document['from']['pose']} to pose {document['to']['pose']}"
-    title = f"Loop round cusp {letter(document['cusp'])}, {ends} of {legs}: {sign}"
+    if not document["connected"]:
+        title = f"No path {ends} of {legs}: {document['obstacle']}"
+        return Page(about(document), [Section(title, (), _advice(document))], document["digits"])
+    sign = "J > 0" if document["sign"] > 0 else "J < 0"
+    cusp = document["cusp"]
+    what = "Path" if cusp is None else f"Loop round cusp {letter(cusp)},"
+    title = f"{what} {ends} of {legs}: {sign}"
     samples = document["samples"]
     step = -(-(len(samples) - 1) // (_SHOWN_ROWS - 1))
     shown = [*samples[:-1:step], samples[-1]]
     least = document["certificate"]["least_determinant"]
-    notes = [f"Proved along the whole path: |determinant| ≥ {least}; once round the cusp, counter-clockwise."]
+    round_it = "" if cusp is None else "; once round the cusp, counter-clockwise"
+    notes = [f"Proved along the whole path: |determinant| ≥ {least}{round_it}."]
     if len(shown) < len(samples):
         notes.append(f"{counted(len(samples), 'sample')}, of which {len(shown)} are shown.")
     notes += [_fate(other) for other in document["others"] or ()]
@@ -114,3 +129,16 @@ def _fate(other: Mapping[str, Any]) -> str:
         return f"{pose}: not decided."
     legs = ", ".join(f"L{i} = {fold[f'l{i}']}" for i in arguments.LEGS)
     return f"{pose} ends on a fold at {legs}."
+
+
+def _advice(document: Mapping[str, Any]) -> list[str]:
+    """What is said of two poses without a path."""
+    leg, span = document["fixed_leg"], document["connecting_range"]
+    if document["obstacle"] == Obstacle.OPPOSITE_SIGNS:
+        return ["J has different signs at both poses, so every path between them meets a singularity."]
+    if document["obstacle"] == Obstacle.UNDECIDED:
+        return ["No path was found, and none is excluded."]
+    lines = [f"Every path with L{leg} held meets a singularity."]
+    if span is not None:
+        lines.append(f"With L{leg} between {span['from']} and {span['to']} there is one (--between).")
+    return lines

@@ -246,6 +246,39 @@ def plot(
     return _asked(PlotRequest, Plot, manipulator, None, deadline, members)
 
 
+def joint_path(
+    manipulator: Manipulator,
+    l1: Exact,
+    l2: Exact,
+    l3: Exact,
+    start: int,
+    stop: int,
+    *,
+    between: tuple[Exact, Exact] | None = None,
+    fixed_leg: int = 1,
+    digits: int = PATH_DIGITS,
+    samples: int = DEFAULT_SAMPLES,
+    timing: str = "cosine",
+    duration: Exact = 1,
+    others: bool = False,
+    deadline: float | None = None,
+) -> Asked[Path]:
+    """A path without a singularity from one pose of a joint vector to another, or why there is none."""
+    members: dict[str, object] = {
+        **{name: _text(x) for name, x in (("l1", l1), ("l2", l2), ("l3", l3))},
+        "fixed_leg": fixed_leg,
+        "from": str(start),
+        "to": str(stop),
+        "samples": str(samples),
+        "timing": timing,
+        "duration": _text(duration),
+        "others": others,
+    }
+    if between is not None:
+        members["between"] = _range(*between)
+    return _asked(PathRequest, Path, manipulator, digits, deadline, members)
+
+
 def _asked(
     question: type[Question],
     model: type[M],

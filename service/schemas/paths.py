@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInfo
 
 from rpr_solver import exact_str
-from rpr_solver.errors import InputError
+from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.kinematics.closure import DEGREE
 from rpr_solver.paths.path import (
     DEFAULT_SAMPLES,
     LEAST_SAMPLES,
@@ -19,11 +20,11 @@ from rpr_solver.paths.path import (
     letter,
     number_of,
 )
-from service.schemas.document import Source
+from service.schemas.document import Document, Source
 from service.schemas.exact_json import JsonNumber, json_kind
-from service.schemas.lengths import NEEDED, SlicesOfOneLeg
+from service.schemas.lengths import LEGS, NEEDED, SlicesOfOneLeg
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, exact_number, whole_number
-from service.schemas.points import Decimal, DocumentHead
+from service.schemas.points import ClosedRange, Decimal, DocumentHead, optional
 from service.schemas.questions import Examples, Question
 from worker.answers import paths
 from worker.answers.requests import Kind
@@ -73,14 +74,60 @@ def _yes_or_no(value: object) -> bool:
     return value
 
 
-class PathRequest(SlicesOfOneLeg, Question):
-    """A manipulator, a slice, and the cusp round which a loop is requested.
+def _pose(value: object, info: ValidationInfo) -> int:
+    expected = "the number of a pose, 1 to 6"
+    number = whole_number(value, expected, is_text=Source.of(info).is_text)
+    if not 1 <= number <= DEGREE:
+        raise InputError.of("", f"is {str(number)[:40]}; give {expected}")
+    return number
 
-    The slice is the length of the fixed leg: give `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg`
-    3, and neither of the other two.
+
+PoseNumber = Annotated[
+    int, PlainValidator(_pose, json_schema_input_type=Annotated[int, Field(ge=1, le=DEGREE)])
+]
+"""The number of a pose in the table of all poses of a joint vector."""
+
+
+def _without_default(schema: dict[str, Any]) -> None:
+    schema.pop("default", None)
+
+
+def _given(description: str, **more: Any) -> Any:
+    """A member that may be missing but is never null."""
+    return Field(
+        default=None,
+        description=description,
+        json_schema_extra=_without_default,
+        **more,
+    )
+
+
+class Between(Document):
+    """The lengths between which the fixed leg may move."""
+
+    expected: ClassVar[str] = 'give an object with "from" and "to"'
+
+    start: Length = Field(alias="from", description="The lower end.")
+    stop: Length = Field(alias="to", description="The upper end.")
+
+
+_POSES = ("from", "to")
+_LOOP_OR_POSES: dict[str, Any] = {
+    "if": {"anyOf": [{"required": [name]} for name in _POSES]},
+    "then": {"required": [*LEGS, *_POSES], "not": {"required": ["cusp"]}},
+    "else": {**NEEDED, "not": {"required": ["between"]}},
+}
+
+
+class PathRequest(SlicesOfOneLeg, Question):
+    """A manipulator, and the loop or the path that is requested.
+
+    For a loop round a cusp give the slice and the `cusp`. The slice is the length of the fixed leg: `l1`, or
+    `l2` with `fixed_leg` 2, or `l3` with `fixed_leg` 3, and neither of the other two. For a path from one
+    pose to another of the same joint vector give `l1`, `l2` and `l3`, and the poses as `from` and `to`.
     """
 
-    model_config = ConfigDict(json_schema_extra=NEEDED)
+    model_config = ConfigDict(json_schema_extra=_LOOP_OR_POSES)
 
     expected: ClassVar[str] = "send an object with geometry and l1"
     kinds: ClassVar[Sequence[Kind]] = (paths.KIND,)
@@ -91,14 +138,29 @@ class PathRequest(SlicesOfOneLeg, Question):
             "The article's first manipulator, round cusp B at L1 = 27",
             {"l1": 27, "cusp": "B", "samples": 5},
         ),
+        "poses": (
+            "From one pose to another, leg 1 being free between 27 and 30",
+            {
+                "l1": 27,
+                "l2": "25.7",
+                "l3": "9.2",
+                "from": 2,
+                "to": 4,
+                "between": {"from": 27, "to": 30},
+                "samples": 5,
+            },
+        ),
     }
 
     fixed_leg: FixedLeg = Field(default=1, description="The leg whose length is fixed in a slice.")
-    l1: Length | None = Field(
-        default=None, description="The length of leg 1. With `fixed_leg` 2 or 3 use `l2` or `l3`."
+    l1: Length = _given("The length of leg 1. For a loop with `fixed_leg` 2 or 3 use `l2` or `l3`.")
+    l2: Length = _given("The length of leg 2: for a loop, with `fixed_leg` 2.")
+    l3: Length = _given("The length of leg 3: for a loop, with `fixed_leg` 3.")
+    start: PoseNumber = _given(
+        "The number of the pose at the start, from 1, in the answer of /v1/poses.", alias="from"
     )
-    l2: Length | None = Field(default=None, description="The length, with `fixed_leg` 2.")
-    l3: Length | None = Field(default=None, description="The length, with `fixed_leg` 3.")
+    stop: PoseNumber = _given("The number of the pose at the end.", alias="to")
+    between: Between = _given("Lengths between which the fixed leg may move; without them it is held.")
     cusp: Annotated[
         int,
         PlainValidator(cusp_number, json_schema_input_type=cusp_schema),
@@ -126,13 +188,38 @@ class PathRequest(SlicesOfOneLeg, Question):
     )
     digits: Digits = digits_field(PATH_DIGITS)
 
+    @classmethod
+    def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
+        return cls._names() if _is_of_poses(value) else super()._members(value)
+
+    @classmethod
+    def _problems_of_members(cls, value: Mapping[str, Any], known: Sequence[str]) -> Iterator[FieldProblem]:
+        of_poses = _is_of_poses(value)
+        yield from super()._problems_of_members(value, known)
+        if of_poses:
+            missing = [name for name in (*LEGS, *_POSES) if name not in value]
+            yield from (FieldProblem(name, "is missing; give a number") for name in missing)
+            if "cusp" in value:
+                yield FieldProblem("cusp", "is for a loop; leave it out, or from and to")
+        elif "between" in value:
+            yield FieldProblem("between", "is for a path from pose to pose; give from and to as well")
+
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
+        own: dict[str, Any] = {"cusp": self.cusp}
+        if self.start is None:
+            own["length"] = exact_str(self.length)
+        else:
+            own = {
+                **{leg: exact_str(getattr(self, leg)) for leg in LEGS},
+                "from": self.start,
+                "to": self.stop,
+                "between": self.between and self.between.model_dump(by_alias=True),
+            }
         return {
             "geometry": self.geometry.to_json(),
             "fixed_leg": self.fixed_leg,
-            "length": exact_str(self.length),
-            "cusp": self.cusp,
+            **own,
             "samples": self.samples,
             "timing": self.timing,
             "duration": exact_str(self.duration),
@@ -148,7 +235,14 @@ class PathRequest(SlicesOfOneLeg, Question):
 
     def _asked(self) -> dict[str, Any]:
         content = self.content()
-        return {f"l{self.fixed_leg}": content.pop("length"), **content}
+        if "length" in content:
+            return {f"l{self.fixed_leg}": content.pop("length"), **content}
+        return {name: value for name, value in content.items() if value is not None}
+
+
+def _is_of_poses(value: Mapping[str, Any]) -> bool:
+    """Whether an object asks for a path from pose to pose."""
+    return any(name in value for name in _POSES)
 
 
 class PoseOnPath(BaseModel):
@@ -216,24 +310,37 @@ class PathCertificate(BaseModel):
 
 
 class Path(DocumentHead):
-    """A path without a singularity."""
+    """A path without a singularity; or, from pose to pose, the reason why there is none, without samples."""
 
     l1: str = Field(description="Length of leg 1 at both ends, exact.")
     l2: str
     l3: str
-    cusp: int | None = Field(description="The number of the cusp, from 1.")
-    closed: bool = Field(description="Whether the leg lengths at the end are those at the start.")
-    sign: int = Field(description="The sign of J along the path.")
+    connected: bool | None = Field(
+        description="Whether there is a path: proved; null if neither a path nor an obstacle is proved."
+    )
+    obstacle: str | None = optional(
+        "Why there is no path: `opposite-signs` of J at both poses, so that no path exists in any slices; "
+        "`other-aspect` of the slice; or `undecided`."
+    )
+    connecting_range: ClosedRange | None = Field(
+        default=None,
+        description="For another aspect: lengths of the fixed leg between which a path exists, found from "
+        "the census; null if none was found.",
+    )
+    cusp: int | None = Field(default=None, description="The number of the cusp, from 1.")
+    closed: bool | None = optional("Whether the leg lengths at the end are those at the start.")
+    sign: int | None = optional("The sign of J along the path.")
     winding: int | None = Field(
+        default=None,
         description="How often the path goes round the cusp in the plane of the other two legs, "
-        "counter-clockwise."
+        "counter-clockwise.",
     )
     start: PoseOnPath = Field(alias="from")
     stop: PoseOnPath = Field(alias="to")
     others: list[OtherPose] | None = Field(
-        description="What becomes of the other poses meanwhile; null unless asked for."
+        default=None, description="What becomes of the other poses meanwhile; null unless asked for."
     )
-    duration: str
-    timing: str
+    duration: str | None = optional("The time of the last sample.")
+    timing: str | None = optional("The law of time.")
     samples: list[PathSample]
-    certificate: PathCertificate
+    certificate: PathCertificate | None = optional("The proof of the path.")

@@ -25,6 +25,7 @@ from service.client import (
     cusp_curves,
     cusp_loop,
     cusp_table,
+    joint_path,
     poses,
     singular_curves,
 )
@@ -67,6 +68,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "path": (
         cusp_loop(ZEIN, 10, "B", samples=3, duration="2.5"),
         lambda: rpr_solver.cusp_loop(ZEIN, 10, "B", samples=3, duration="2.5").to_json(),
+    ),
+    "path from pose to pose": (
+        joint_path(ZEIN, 15, "61/2", 40, 1, 2, between=(14, 16), samples=3),
+        lambda: rpr_solver.joint_path(ZEIN, 15, "61/2", 40, 1, 2, between=(14, 16), samples=3).to_json(),
     ),
 }
 

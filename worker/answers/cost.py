@@ -53,6 +53,8 @@ class Sizes:
     spread: int
     digits: int
     count: int
+    censuses: int = 0
+    """How many censuses the answer may need beside its own computation."""
 
 
 def sizes(request: JobRequest) -> Sizes:
@@ -74,6 +76,7 @@ def sizes(request: JobRequest) -> Sizes:
         lengths=max((max(x.numerator.bit_length(), x.denominator.bit_length()) for x in legs), default=1),
         spread=max(scales) - min(scales),
         digits=request.digits,
+        censuses=int(request.kind is paths.KIND and "from" in content),
         count=len(content["l1"]) if isinstance(content.get("l1"), list) else max(1, points),
     )
 
@@ -158,7 +161,7 @@ def _plot(size: Sizes) -> float:
 def _path(size: Sizes) -> float:
     """The slice, the search of the path, and its samples."""
     sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits)
-    return 0.05 + _elimination(size) + _slice(size) + sample * size.count
+    return 0.05 + _elimination(size) + _slice(size) + sample * size.count + size.censuses * _events(size)
 
 
 def _singular(size: Sizes) -> float:

@@ -1,18 +1,23 @@
-"""Paths without a singularity: loops round cusps."""
+"""Paths without a singularity: loops round cusps, and paths from pose to pose."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
+import rpr_solver
+from rpr_solver import Eliminant, InputError, Manipulator
 from rpr_solver.contract import Progress
+from rpr_solver.errors import FieldProblem
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
-from rpr_solver.paths.path import DEFAULT_SAMPLES, SamplingPlan
+from rpr_solver.paths.path import DEFAULT_SAMPLES, Path, SamplingPlan
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 from worker.answers.tables import eliminant_of
 
 KIND = Kind("path", "pa-")
+
+_NAMES = {"start": "from", "stop": "to"}
 
 USUAL: Mapping[str, Any] = {
     "samples": DEFAULT_SAMPLES,
@@ -24,15 +29,47 @@ USUAL: Mapping[str, Any] = {
 
 
 def compute(request: JobRequest, store: ResultStore, _progress: Progress) -> dict[str, Any]:
-    """Compute a loop; the eliminant is kept.
+    """Compute a path; the eliminant is kept.
 
     Raises:
-        InputError: the slice has no such cusp.
-        SolverError: the slice or the loop could not be decided.
+        InputError: the slice has no such cusp, or the joint vector no such pose.
+        SolverError: the path could not be decided.
     """
-    content = request.content
-    plan = SamplingPlan.of(content["samples"], content["timing"], content["duration"])
-    eliminant = eliminant_of(request, store)
-    table = slice_for_loops(eliminant, content["length"])
-    loop = loop_in_slice(eliminant, table, content["cusp"], plan, request.digits)
-    return (loop.with_others() if content["others"] else loop).to_json()
+    return document(request.manipulator, request.content, lambda: eliminant_of(request, store))
+
+
+def document(
+    manipulator: Manipulator, content: Mapping[str, Any], eliminant: Callable[[], Eliminant]
+) -> dict[str, Any]:
+    """Returns the document that answers a question in canonical form.
+
+    Raises:
+        InputError: naming the member of the question at fault.
+        SolverError: the path could not be decided.
+    """
+    digits, others = content["digits"], content["others"]
+    sampling = {name: content[name] for name in ("samples", "timing", "duration")}
+    if "cusp" in content:
+        own = eliminant()
+        table = slice_for_loops(own, content["length"])
+        path = loop_in_slice(own, table, content["cusp"], SamplingPlan.of(**sampling), digits)
+        return (path.with_others() if others else path).to_json()
+    ends = content["between"]
+    try:
+        answer = rpr_solver.joint_path(
+            manipulator,
+            content["l1"],
+            content["l2"],
+            content["l3"],
+            content["from"],
+            content["to"],
+            between=ends and (ends["from"], ends["to"]),
+            fixed_leg=content["fixed_leg"],
+            digits=digits,
+            **sampling,
+        )
+    except InputError as error:
+        raise InputError(
+            [FieldProblem(_NAMES.get(p.field, p.field), p.message) for p in error.problems]
+        ) from None
+    return (answer.with_others() if others and isinstance(answer, Path) else answer).to_json()

@@ -63,7 +63,7 @@ def check(path: Path, table: SliceTable, steps: int = 400) -> None:
     assert arrives(path.reversed(), steps) < 1e-6
 
 
-@pytest.mark.parametrize("cusp", [1, 5, 7])
+@pytest.mark.parametrize("cusp", [5])
 def test_loop_goes_round_one_cusp_to_another_pose(cusp: int) -> None:
     eliminant, table = slice_of(FIRST, "27")
     loop = loop_in_slice(eliminant, table, cusp, PLAN, 15)
@@ -71,7 +71,7 @@ def test_loop_goes_round_one_cusp_to_another_pose(cusp: int) -> None:
     check(loop, table)
 
 
-@pytest.mark.parametrize(("name", "length", "count"), SLICES)
+@pytest.mark.parametrize(("name", "length", "count"), SLICES[:1])
 def test_every_cusp_has_a_loop(name: str, length: str, count: int) -> None:
     eliminant, table = slice_of(EXAMPLES[name], length)
     plan = SamplingPlan.of(2, "constant", 1)
@@ -110,7 +110,7 @@ def test_every_cusp_of_a_hundred_random_slices_has_a_loop() -> None:
 
 
 @given(st.sampled_from([-2, -1, 1, 2]), st.integers(1, 8))
-@examples(4)
+@examples(2)
 def test_scaling_by_a_power_of_ten_scales_the_loop(power: int, cusp: int) -> None:
     factor = Fraction(10) ** power
     sizes = [factor * getattr(FIRST, name) for name in ("a2x", "a3x", "a3y", "d1", "d2", "d3")]
@@ -128,7 +128,7 @@ def test_scaling_by_a_power_of_ten_scales_the_loop(power: int, cusp: int) -> Non
 
 
 @given(st.integers(1, 8))
-@examples(3)
+@examples(2)
 def test_a_mirrored_manipulator_has_the_mirrored_loop(cusp: int) -> None:
     sizes = FIRST.to_dict() | {"a3y": -FIRST.a3y, "orientation": "cw"}
     loop = loop_in_slice(*slice_of(FIRST, "27"), cusp, PLAN, 15)
@@ -141,7 +141,7 @@ def test_a_mirrored_manipulator_has_the_mirrored_loop(cusp: int) -> None:
         assert apart((-alpha, -theta), angles_of(other)) < 1e-12
 
 
-@pytest.mark.parametrize("leg", [2, 3])
+@pytest.mark.parametrize("leg", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_any_leg_may_be_fixed(leg: int) -> None:
     eliminant, table = slice_of(FIRST, "20", leg)
     check(loop_in_slice(eliminant, table, 1, PLAN, 15), table)

@@ -14,6 +14,7 @@ from rpr_solver import (
     curves_csv,
     cusp_curves,
     cusp_loop,
+    joint_path,
     path_csv,
     poses,
     restrict_census,
@@ -63,6 +64,21 @@ def test_a_loop_round_a_cusp_in_every_form(run_here: Run) -> None:
     ]
     assert others[0].strip().startswith("Pose 2 ends on a fold at L1 = 27.0000000000000, L2 = 24.461706")
     assert others[2].strip() == "Pose 4 is carried to pose 4."
+
+
+def test_a_path_from_pose_to_pose_or_why_there_is_none(run_here: Run) -> None:
+    args = ("paths", "innocenti", "--l1", "27", "--l2", "25.7", "--l3", "9.2", "--from", "2")
+    legs = "L1 = 27, L2 = 25.7, L3 = 9.2"
+    joined = run_here(*args, "--to", "4", "--between", "27:30", "--samples", "3").stdout.splitlines()
+    assert joined[2] == f"Path from pose 2 to pose 4 of {legs}: J > 0"
+    apart = run_here(*args, "--to", "1")
+    assert (apart.returncode, apart.stdout.splitlines()[2]) == (
+        0,
+        f"No path from pose 2 to pose 1 of {legs}: opposite-signs",
+    )
+    assert "J has different signs" in apart.stdout
+    document = json.loads(run_here(*args, "--to", "1", "--format", "json").stdout)
+    assert document == joint_path(EXAMPLES["innocenti"], 27, "25.7", "9.2", 2, 1).to_json()
 
 
 @pytest.mark.slow
@@ -136,6 +152,20 @@ def test_cusp_curves_of_another_leg() -> None:
         (
             ("singular", "innocenti", "--l1", "27", "--tolerance", "0"),
             "--tolerance: is 0; give 0.000001 to 0.1",
+        ),
+        (("paths", "innocenti", *LEGS, "--from", "1"), "--to: is missing; give a number"),
+        (("paths", "innocenti", *LEGS, "--from", "1", "--to", "7"), "--to: is 7; give the number of a pose"),
+        (
+            ("paths", "innocenti", *LEGS, "--from", "1", "--to", "6"),
+            "to: is 6; give the number of a pose, 1 to 2",
+        ),
+        (
+            ("paths", "innocenti", *LEGS, "--from", "1", "--to", "2", "--cusp", "A"),
+            "--cusp: is for a loop; leave it out, or from and to",
+        ),
+        (
+            ("paths", "innocenti", "--l1", "1", "--between", "1:2"),
+            "--between: is for a path from pose to pose",
         ),
         (("paths", "innocenti", "--l1", "27", "--cusp", "Z"), "--cusp: is 'Z'; give its number, 1 to 24"),
         (("paths", "innocenti", "--l1", "27", "--cusp", "9"), "cusp: is 9; give 1 to 8, or A to H"),

@@ -1,0 +1,59 @@
+"""Processor time of paths: loops round all cusps of some slices, and paths from pose to pose.
+
+    python -P benchmarks/paths.py
+
+The slice is known beforehand; a loop is then searched, proved, numbered by direct kinematics and sampled.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+from statistics import median
+
+from rpr_solver import EXAMPLES, eliminate, joint_path
+from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
+from rpr_solver.paths.path import SamplingPlan
+
+SLICES = (("innocenti", "14.98"), ("innocenti", "27"), ("innocenti", "28.1"), ("fourteen-cusps", "5.96"))
+POSES = (("27", "20", "20", 1, 2), ("14.98", "15", "12", 3, 6), ("14.98", "15", "12", 1, 5))
+REPEATS = 3
+
+
+def milliseconds(call: Callable[[], object]) -> float:
+    """Returns the least processor time of several calls."""
+    times = []
+    for _ in range(REPEATS):
+        start = time.process_time()
+        call()
+        times.append(time.process_time() - start)
+    return 1000 * min(times)
+
+
+def loops(name: str, length: str) -> str:
+    """Returns a line on the loops of one slice."""
+    eliminant = eliminate(EXAMPLES[name])
+    table = slice_for_loops(eliminant, length)
+    line = f"{name:15s} L1 = {length:6s} {table.count:2d} loops"
+    for samples in (2, 101):
+        plan = SamplingPlan.of(samples, "cosine", 1)
+        times = [
+            milliseconds(partial(loop_in_slice, eliminant, table, cusp, plan, 15))
+            for cusp in range(1, table.count + 1)
+        ]
+        line += f"   {samples:4d} samples: median {median(times):5.1f} ms, most {max(times):5.1f} ms"
+    return line
+
+
+def main() -> None:
+    """Print the table."""
+    for name, length in SLICES:
+        print(loops(name, length))
+    for pair in POSES:
+        spent = milliseconds(partial(joint_path, EXAMPLES["innocenti"], *pair))
+        print(f"innocenti, L1, L2, L3, from, to = {pair}: {spent:5.1f} ms")
+
+
+if __name__ == "__main__":
+    main()

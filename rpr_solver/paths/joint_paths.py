@@ -1,0 +1,229 @@
+"""Whether two poses of one joint vector are joined by a path without a singularity, and such a path.
+
+In a slice: they are, exactly if both lie in one aspect. With the fixed leg free between two lengths a and b:
+J / L is linear in L, so for each (α, θ) the lengths at which J has a sign form an interval that contains a or
+b if it is not empty. A path then consists of moves in the slices a and b and of moves of the fixed leg alone
+at poses where J has the sign in both.
+"""
+
+from __future__ import annotations
+
+import cmath
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import pi
+
+from flint import arb, ctx
+
+from rpr_solver.errors import Unproved
+from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.cells import Cell, Cells, Spot
+from rpr_solver.paths.isolated import Angles, IsolatedPose, local_map
+from rpr_solver.paths.proofs import PathProof
+from rpr_solver.paths.proved import PROOF_BITS
+from rpr_solver.paths.route import Route
+from rpr_solver.paths.straightened import Corner, Straightener
+
+_GRID = 72
+
+
+def sign_of(pose: IsolatedPose) -> int:
+    """The sign of J at a pose."""
+    return sign_at(pose.slice_map, pose.legs[0], pose.angles)
+
+
+def sign_at(slice_map: SliceMap, length: Fraction, angles: Angles) -> int:
+    """The sign of J at a place of the slice of a scaled length; 0 if the balls do not decide it."""
+    with ctx.workprec(PROOF_BITS):
+        j = local_map(slice_map, ball_of(length), angles, 1).singularity().value
+        return 1 if j > 0 else -1 if j < 0 else 0
+
+
+def in_slice(
+    cells: Cells, start: IsolatedPose, stop: IsolatedPose, sign: int
+) -> tuple[Route, PathProof] | None:
+    """A proved route in the slice; None if the poses are in different aspects.
+
+    Raises:
+        Unproved: they are in one aspect, but no route was found, or that could not be decided.
+    """
+    first, last = (cells.cell_of(pose.angles) for pose in (start, stop))
+    way = cells.way(_spot(start.angles), first, _spot(stop.angles), last)
+    if way is None:
+        return None
+    length = cells.length / cells.slice_map.scale
+    return straightened(cells.slice_map, sign, start, stop, [(a, t, length) for a, t in way])
+
+
+def straightened(
+    slice_map: SliceMap, sign: int, start: IsolatedPose, stop: IsolatedPose, corners: Sequence[Corner]
+) -> tuple[Route, PathProof]:
+    """The route along a polyline that ends at the stop, perhaps some turns further.
+
+    Raises:
+        Unproved: no route along it could be proved.
+    """
+    with ctx.workprec(PROOF_BITS):
+        turns = [
+            round((corner - float(angle)) / (2 * pi))
+            for corner, angle in zip(corners[-1][:2], stop.angles, strict=True)
+        ]
+        angles = [angle + 2 * arb.pi() * n for angle, n in zip(stop.angles, turns, strict=True)]
+    ending = replace(stop, angles=(angles[0], angles[1]))
+    found = Straightener(slice_map, sign).route(start, ending, corners)
+    if found is None:
+        raise Unproved("the two poses are in one aspect, but no path could be proved")
+    return found
+
+
+@dataclass(frozen=True)
+class Range:
+    """Two slices, and places where J has a sign in both: bridges between an aspect of each."""
+
+    ends: tuple[Cells, Cells]
+    sign: int
+    bridges: tuple[tuple[Cell, Cell, Spot], ...]
+
+    @classmethod
+    def of(cls, slice_map: SliceMap, lengths: tuple[Fraction, Fraction], sign: int) -> Range:
+        """The range between two scaled lengths.
+
+        Raises:
+            SolverError: the singular curves of an end are not supported or could not be decided.
+        """
+        ends = Cells.of(slice_map, lengths[0]), Cells.of(slice_map, lengths[1])
+        bridges = []
+        with ctx.workprec(PROOF_BITS):
+            for spot in _places_in_both(slice_map, lengths, sign):
+                angles = arb(spot[0]), arb(spot[1])
+                if all(sign_at(slice_map, length, angles) == sign for length in lengths):
+                    bridges.append((ends[0].cell_of(angles), ends[1].cell_of(angles), spot))
+        return cls(ends, sign, tuple(bridges))
+
+    def route(self, start: IsolatedPose, stop: IsolatedPose) -> tuple[Route, PathProof] | None:
+        """A proved route between two poses of a joint vector in the range; None if none was found.
+
+        Raises:
+            Unproved: no route could be proved along the way that was found.
+        """
+        slice_map = self.ends[0].slice_map
+        ports = [list(self._ports(pose)) for pose in (start, stop)]
+        goals = {(side, self.ends[side].aspects[cell]): cell for side, cell in ports[1]}
+        before: dict[tuple[int, int], tuple[tuple[int, int], Cell, Spot, Cell] | None] = {}
+        entries: dict[tuple[int, int], tuple[Cell, Spot]] = {}
+        queue: deque[tuple[int, int]] = deque()
+        for side, cell in ports[0]:
+            node = side, self.ends[side].aspects[cell]
+            if node not in before:
+                before[node], entries[node] = None, (cell, _spot(start.angles))
+                queue.append(node)
+        while queue:
+            node = queue.popleft()
+            if node in goals:
+                corners = self._corners(node, before, entries, goals[node], stop)
+                length = start.legs[0] / slice_map.scale
+                whole = [(*_spot(start.angles), length), *corners, (*corners[-1][:2], length)]
+                return straightened(slice_map, self.sign, start, stop, whole)
+            side = node[0]
+            for bridge in self.bridges:
+                here, there = bridge[:2] if side == 0 else bridge[1::-1]
+                other = 1 - side, self.ends[1 - side].aspects[there]
+                if self.ends[side].aspects[here] == node[1] and other not in before:
+                    before[other] = node, here, bridge[2], there
+                    entries[other] = there, bridge[2]
+                    queue.append(other)
+        return None
+
+    def _ports(self, pose: IsolatedPose) -> Iterator[tuple[int, Cell]]:
+        """The ends of the range to which the fixed leg can move at a pose, with the cells there."""
+        for side, cells in enumerate(self.ends):
+            if sign_at(cells.slice_map, cells.length, pose.angles) == self.sign:
+                yield side, cells.cell_of(pose.angles)
+
+    def _corners(
+        self,
+        node: tuple[int, int],
+        before: dict[tuple[int, int], tuple[tuple[int, int], Cell, Spot, Cell] | None],
+        entries: dict[tuple[int, int], tuple[Cell, Spot]],
+        goal: Cell,
+        stop: IsolatedPose,
+    ) -> list[Corner]:
+        chain = [node]
+        while (step := before[chain[-1]]) is not None:
+            chain.append(step[0])
+        chain.reverse()
+        corners: list[Corner] = []
+        spot = entries[chain[0]][1]
+        for k, here in enumerate(chain):
+            cells = self.ends[here[0]]
+            first = entries[here][0]
+            if k + 1 < len(chain):
+                following = before[chain[k + 1]]
+                assert following is not None, "only the first has nothing before it"
+                last, target = following[1], following[2]
+            else:
+                last, target = goal, _spot(stop.angles)
+            way = cells.way(spot, first, target, last)
+            if way is None:
+                raise Unproved("a way between two slices was lost")
+            length = cells.length / cells.slice_map.scale
+            corners += [(a, t, length) for a, t in way]
+            spot = way[-1]
+        return corners
+
+
+def _places_in_both(slice_map: SliceMap, lengths: tuple[Fraction, Fraction], sign: int) -> Iterator[Spot]:
+    """A place in each region, as far as a grid shows them, where J has a sign in two slices."""
+    values = [_grid(slice_map, length, sign) for length in lengths]
+    least = [[min(a, b) for a, b in zip(*rows, strict=True)] for rows in zip(*values, strict=True)]
+    seen: set[tuple[int, int]] = set()
+    for i in range(_GRID):
+        for k in range(_GRID):
+            if least[i][k] <= 0 or (i, k) in seen:
+                continue
+            region, queue = [(i, k)], deque([(i, k)])
+            seen.add((i, k))
+            while queue:
+                x, y = queue.popleft()
+                for other in (
+                    ((x + 1) % _GRID, y),
+                    ((x - 1) % _GRID, y),
+                    (x, (y + 1) % _GRID),
+                    (x, (y - 1) % _GRID),
+                ):
+                    if other not in seen and least[other[0]][other[1]] > 0:
+                        seen.add(other)
+                        region.append(other)
+                        queue.append(other)
+            best = max(region, key=lambda place: least[place[0]][place[1]])
+            yield _angle(best[0]), _angle(best[1])
+
+
+def _grid(slice_map: SliceMap, length: Fraction, sign: int) -> list[list[float]]:
+    """sign · J / L on a grid of places (α, θ) of the torus, in floats."""
+    omega, size = float(omega_ball(slice_map.radicand, 53)), float(length)
+    legs = [(complex(leg.m, leg.n * omega), complex(leg.ax, leg.ay)) for leg in (slice_map.f, slice_map.g)]
+    turns = [cmath.rect(1, _angle(k)) for k in range(_GRID)]
+
+    def value(alpha: complex, theta: complex) -> float:
+        slopes = []
+        for platform, base in legs:
+            arm = alpha * platform
+            vector = (size * theta + arm - base).conjugate()
+            slopes.append(((vector * 1j * arm).real, (vector * 1j * theta).real))
+        (fa, ft), (ga, gt) = slopes
+        return sign * (fa * gt - ft * ga)
+
+    return [[value(alpha, theta) for theta in turns] for alpha in turns]
+
+
+def _angle(k: int) -> float:
+    return 2 * pi * (k + 0.5) / _GRID - pi
+
+
+def _spot(angles: Angles) -> Spot:
+    return float(angles[0]), float(angles[1])

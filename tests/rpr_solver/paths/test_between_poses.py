@@ -1,0 +1,81 @@
+"""Paths from pose to pose, and the reasons why there is none."""
+
+from fractions import Fraction
+
+import pytest
+
+from rpr_solver import EXAMPLES, InputError, NoPath, Obstacle, Path, joint_path
+from tests.support.motions import Mover, angles_of, apart, arrives, legs_of
+
+FIRST = EXAMPLES["innocenti"]
+ISLAND = ("25.7", "9.2")
+"""L2 and L3 of a joint vector at L1 = 27 with a pose in each aspect with J > 0."""
+
+
+def test_two_poses_of_one_aspect_are_joined() -> None:
+    path = joint_path(FIRST, 27, 20, 20, 1, 2, samples=5)
+    assert isinstance(path, Path)
+    assert (path.start.number, path.stop.number, path.cusp, path.winding) == (1, 2, None, None)
+    assert {sample.lengths[0] for sample in path.samples} == {"27.0000000000000"}
+    least = float(path.certificate["least_determinant"])
+    assert all(float(s.determinant) * path.sign >= least > 0 for s in path.resampled(31).samples)
+    assert max(arrives(path, samples) for samples in (200, 400)) < 1e-6
+    assert path.to_json()["connected"] is True
+
+
+def test_opposite_signs_are_never_joined() -> None:
+    none = joint_path(FIRST, 27, 20, 20, 1, 3)
+    assert isinstance(none, NoPath)
+    assert none.obstacle is Obstacle.OPPOSITE_SIGNS
+    document = none.to_json()
+    assert (document["connected"], document["obstacle"]) == (False, "opposite-signs")
+    assert document["samples"] == []
+
+
+@pytest.mark.long
+def test_another_aspect_comes_with_a_range_that_connects_them() -> None:
+    none = joint_path(FIRST, 27, *ISLAND, 2, 4)
+    assert isinstance(none, NoPath)
+    assert none.obstacle is Obstacle.OTHER_ASPECT
+    assert none.connecting is not None
+    assert (none.connecting[0], none.to_json()["connecting_range"]["from"]) == (27, "27")
+    path = joint_path(FIRST, 27, *ISLAND, 2, 4, between=none.connecting, samples=2)
+    assert isinstance(path, Path)
+
+
+def test_an_island_is_left_through_another_slice() -> None:
+    path = joint_path(FIRST, 27, *ISLAND, 2, 4, between=(27, 30), samples=41)
+    assert isinstance(path, Path)
+    lengths = [Fraction(sample.lengths[0]) for sample in path.samples]
+    assert 27 <= min(lengths) < max(lengths) <= 30
+    assert (lengths[0], lengths[-1]) == (27, 27)
+    mover = Mover.of(FIRST)
+    for sample in path.samples[::5]:
+        legs, (alpha, theta) = legs_of(sample), angles_of(sample)
+        assert mover.legs(alpha, theta, legs[0]) == pytest.approx(legs)
+        assert mover.determinant(alpha, theta, legs[0]) * path.sign > 0
+    assert arrives(path, 600) < 1e-6
+    assert apart(angles_of(path.samples[-1]), angles_of(path.stop)) < 1e-12
+    narrow = joint_path(FIRST, 27, *ISLAND, 2, 4, between=(27, "27.01"))
+    assert isinstance(narrow, NoPath)
+    assert (narrow.obstacle, narrow.to_json()["connected"]) == (Obstacle.UNDECIDED, None)
+
+
+@pytest.mark.parametrize(
+    ("change", "field"),
+    [
+        ({"start": 5}, "start"),
+        ({"stop": 0}, "stop"),
+        ({"stop": 1}, "stop"),
+        ({"l2": 0}, "l2"),
+        ({"between": (28, 30)}, "between"),
+        ({"between": (0, 30)}, "between"),
+        ({"samples": 1}, "samples"),
+        ({"digits": 3}, "digits"),
+    ],
+)
+def test_each_argument_at_fault_is_named(change: dict[str, object], field: str) -> None:
+    asked: dict[str, object] = {"l1": 27, "l2": 20, "l3": 20, "start": 1, "stop": 2, **change}
+    with pytest.raises(InputError) as caught:
+        joint_path(FIRST, **asked)  # type: ignore[arg-type]
+    assert [problem.field for problem in caught.value.problems] == [field]

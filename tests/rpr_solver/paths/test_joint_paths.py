@@ -1,0 +1,117 @@
+"""Routes in a slice and in a range against a search on a dense grid."""
+
+import cmath
+from fractions import Fraction
+from math import pi
+from random import Random
+
+import pytest
+from flint import arb, ctx
+
+from rpr_solver import InputError, Manipulator, NoPath, Path, SolverError, joint_path, poses
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.isolated import local_map
+from rpr_solver.paths.joint_paths import sign_at
+from tests.support.motions import Mover, angles_of, arrives
+
+GRID = 400
+
+
+def joined_on_a_grid(ends: Path | NoPath, length: float) -> bool:
+    """Whether a flood on a grid of the slice leads from one pose to the other."""
+    mover = Mover.of(ends.manipulator, ends.fixed_leg)
+    fixed = ends.fixed_leg - 1
+    turns = [cmath.rect(1, (k + 0.5) * 2 * pi / GRID - pi) for k in range(GRID)]
+    legs = [(mover.platform[i] - mover.platform[fixed], mover.base[i] - mover.base[fixed]) for i in range(3)]
+    (first, second) = (leg for i, leg in enumerate(legs) if i != fixed)
+
+    def positive(i: int, k: int) -> bool:
+        slopes = []
+        for platform, base in (first, second):
+            arm, tip = turns[i] * platform, length * turns[k]
+            vector = (tip + arm - base).conjugate()
+            slopes.append(((vector * 1j * arm).real, (vector * 1j * tip).real))
+        (fa, ft), (ga, gt) = slopes
+        return fa * gt - ft * ga > 0
+
+    start, stop = (
+        tuple(int(((x + pi) % (2 * pi)) / (2 * pi) * GRID) % GRID for x in angles_of(end))
+        for end in (ends.start, ends.stop)
+    )
+    sign, seen, queue = positive(*start), {start}, [start]
+    while queue and stop not in seen:
+        x, y = queue.pop()
+        for other in (((x + 1) % GRID, y), ((x - 1) % GRID, y), (x, (y + 1) % GRID), (x, (y - 1) % GRID)):
+            if other not in seen:
+                seen.add(other)
+                if positive(*other) == sign:
+                    queue.append(other)
+    return stop in seen
+
+
+def a_pair(random: Random) -> tuple[Manipulator, tuple[Fraction, ...], int, int, int] | None:
+    """A random manipulator with a joint vector that has two poses with J of one sign."""
+    values = [Fraction(random.randint(-300, 300), 10) for _ in range(3)]
+    sides = [Fraction(random.randint(10, 400), 10) for _ in range(3)]
+    try:
+        manipulator = Manipulator(*values, *sides, orientation=random.choice(("ccw", "cw")))
+    except InputError:
+        return None
+    leg, length = random.choice((1, 2, 3)), Fraction(random.randint(10, 500), 10)
+    legs = Mover.of(manipulator, leg).legs(random.uniform(-3, 3), random.uniform(-3, 3), float(length))
+    lengths = [Fraction(round(x * 100), 100) for x in legs]
+    lengths[leg - 1] = length
+    if min(lengths) <= 0:
+        return None
+    try:
+        table = poses(manipulator, *lengths, digits=20).poses
+    except SolverError:
+        return None
+    mover = Mover.of(manipulator, leg)
+    signs = []
+    for pose in table:
+        at = [float(x) * pi / 180 for x in (pose.alpha_deg, pose.to_json()[f"theta{leg}_deg"])]
+        signs.append(mover.determinant(at[0], at[1], float(length)) > 0)
+    pairs = [(i, k) for i in range(len(signs)) for k in range(i) if signs[i] == signs[k]]
+    if not pairs:
+        return None
+    i, k = random.choice(pairs)
+    return manipulator, tuple(lengths), leg, i + 1, k + 1
+
+
+def agrees(random: Random) -> bool | None:
+    """Whether a random pair is joined, having compared it with the grid."""
+    pair = a_pair(random)
+    if pair is None:
+        return None
+    manipulator, (l1, l2, l3), leg, start, stop = pair
+    found = joint_path(manipulator, l1, l2, l3, start, stop, fixed_leg=leg, samples=2)
+    length = float((l1, l2, l3)[leg - 1])
+    assert joined_on_a_grid(found, length) == isinstance(found, Path)
+    if isinstance(found, Path):
+        # without proof, near a singularity, Newton's method needs small steps
+        assert any(arrives(found, samples) < 1e-5 for samples in (1000, 10_001))
+    return isinstance(found, Path)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(0)
+def test_a_hundred_random_pairs_agree_with_a_dense_grid() -> None:
+    random, outcomes = Random(3), []
+    while len(outcomes) < 100:
+        outcome = agrees(random)
+        if outcome is not None:
+            outcomes.append(outcome)
+    assert sum(outcomes) > 50
+    assert outcomes.count(False) > 1
+
+
+def test_the_sign_is_that_of_j() -> None:
+    manipulator = Manipulator(6, 3, 7, 8, 5, 5)
+    slice_map = SliceMap.of(manipulator)
+    with ctx.workprec(100):
+        for alpha, theta in ((0.4, 1.1), (2.0, -1.0), (-2.5, 0.3)):
+            angles = arb(alpha), arb(theta)
+            length = 5 * slice_map.scale
+            value = local_map(slice_map, arb(length.numerator) / length.denominator, angles, 1).singularity()
+            assert sign_at(slice_map, length, angles) == (1 if value.value > 0 else -1)
