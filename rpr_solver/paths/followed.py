@@ -9,7 +9,7 @@ directions across, at the middle, and
 
 then for each r there is exactly one point of the curve within ρ of the parabola (Krawczyk's test). The
 pose lives as long as J ≠ 0. Where the curve crosses J = 0 it turns back in τ: this is a fold, on which the
-pose meets another one, and both end.
+pose meets another one, and both end (mathematics.md#followed-poses).
 """
 
 from __future__ import annotations

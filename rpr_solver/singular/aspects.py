@@ -1,7 +1,8 @@
 """Aspects: the connected regions of the torus of poses on which J has one sign.
 
 Inside an aspect two poses are joined by a motion without a singular pose; between aspects there is none. They
-are classes of *cells*, the gaps between the arcs of each slab, joined where a gap continues through a line.
+are classes of *cells*, the gaps between the arcs of each slab, joined where a gap continues through a line
+(mathematics.md#the-sweep).
 """
 
 from __future__ import annotations

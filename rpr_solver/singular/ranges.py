@@ -5,7 +5,7 @@ J is L (J0 + L J1), so for each (α, θ) the lengths in [a, b] with s J > 0 form
 or b if it is not empty; if both are in it, all between are. So the aspects of the range are the components
 of {s J(a) > 0} ∪ {s J(b) > 0} on the torus: the aspects of the two slices, those of one sign joined where
 they overlap. An overlap is open, and between neighbouring lines of both sweeps and of the resultant of J(a)
-and J(b) it is seen on any line θ = const.
+and J(b) it is seen on any line θ = const (mathematics.md#aspects-of-a-range).
 """
 
 from __future__ import annotations
