@@ -209,6 +209,7 @@ def test_a_permanent_link(base_url: str, open_page: Open, inspect: Inspect) -> N
     expect(page.get_by_label("torus of poses")).to_be_checked()
     expect(page.get_by_label("Example")).to_have_value("30,11,27,13,9,4,ccw")
     expect(page.get_by_role("button", name="Select cusp F")).to_have_attribute("aria-pressed", "true")
+    expect(page.locator("#legend li")).to_have_text(["J > 0 (53 %)", "J < 0 (47 %)"])
     inspect(page, "torus")
     page.get_by_role("button", name="Copy link").click()
     expect(page.locator("#live")).to_have_text("The link is copied.")
@@ -305,13 +306,12 @@ def test_progress_and_cancel(idle_url: str, open_page: Open, inspect: Inspect) -
     page = open_page("about:blank")
     with page.expect_request("**/events"):
         page.goto(idle_url)
-    expect(page.locator("#progress-text")).to_have_text("Computing the slice")
+    expect(page.locator("#progress-text")).to_have_text("Computing the curves")
     expect(page.locator("#count")).to_have_text("")
     inspect(page, "computing")
     with page.expect_response(lambda response: response.request.method == "DELETE") as response:
         page.get_by_role("button", name="Cancel").click()
-    job = httpx.get(response.value.url).json()
-    assert (job["kind"], job["status"]) == ("cusp-table", "canceled")
+    assert httpx.get(response.value.url).json()["status"] == "canceled"
     expect(page.locator("#progress")).to_be_hidden()
     expect(page.get_by_role("alert")).to_contain_text("Cancelled.")
 
@@ -336,6 +336,63 @@ def test_a_service_that_asks_for_keys(valkey: EmbeddedValkey, open_page: Open, i
             page.get_by_role("link", name="CSV").click()
         assert len(download.value.path().read_text().splitlines()) == 9
         page.goto("about:blank")
+
+
+def test_while_something_moves_one_question_is_asked_at_a_time(base_url: str, open_page: Open) -> None:
+    page = open_page(base_url)
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#census")).not_to_have_class(re.compile("stale"))
+    asked: list[dict[str, Any]] = []
+    flying: list[Any] = []
+    most = 0
+
+    def begin(request: Any) -> None:
+        nonlocal most
+        if request.method == "POST":
+            asked.append({"path": request.url.removeprefix(base_url), **request.post_data_json})
+        if "tolerance" in (request.post_data or ""):
+            flying.append(request)
+            most = max(most, len(flying))
+
+    def end(request: Any) -> None:
+        if request in flying:
+            flying.remove(request)
+
+    page.on("request", begin)
+    page.on("requestfinished", end)
+    page.on("requestfailed", end)
+    x, y = middle(page.get_by_label(re.compile("^Base point A3")))
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 40):
+        page.mouse.move(x + step, y)
+    page.mouse.up()
+    expect(page.locator("#slice")).not_to_have_class(re.compile("stale"))
+    expect(page.locator("#census")).not_to_have_class(re.compile("stale"))
+    moving = [question for question in asked if "tolerance" in question]
+    assert {(question["path"], question["digits"]) for question in moving} == {("/v1/singular-curves", 15)}
+    assert (most, len(moving) < 39) == (1, True)
+    places = [float(question["geometry"]["a3x"]) for question in moving]
+    assert places == sorted(places)
+    resting = [question for question in asked if "tolerance" not in question][-4:]
+    paths = ["/v1/cusp-tables", "/v1/singular-curves", "/v1/paths", "/v1/censuses"]
+    assert [question["path"] for question in resting] == paths
+    assert {question["geometry"]["a3x"] for question in resting} == {page.locator("#a3x").input_value()}
+
+
+def test_a_slice_whose_curves_cannot_be_drawn(base_url: str, open_page: Open) -> None:
+    """The table is there at any rate."""
+    page = open_page("about:blank", expected="422")
+    problem = {"type": "/problems/job-solver-error", "status": 422, "detail": "Not this one."}
+    answer = {"status": 422, "content_type": "application/problem+json", "body": json.dumps(problem)}
+    for path in ("singular-curves", "paths"):
+        page.route(f"**/v1/{path}", lambda route: route.fulfill(**answer))
+    page.goto(base_url)
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#legend")).to_have_text("Not this one.")
+    expect(page.locator("#loop-text")).to_have_text("Not this one.")
+    expect(page.locator("#play")).to_be_disabled()
+    expect(page.locator("#banner")).to_be_hidden()
 
 
 @pytest.mark.parametrize(

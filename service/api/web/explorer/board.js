@@ -2,7 +2,9 @@
 
 import JXG from "../jsxgraph/jsxgraphcore.mjs";
 
-const PLAIN = { highlight: false, fixed: true, tabindex: null, transitionDuration: 0 };
+export const PLAIN = { highlight: false, fixed: true, tabindex: null, transitionDuration: 0, clip: false };
+const ROOM = { left: 26, right: 26, top: 22, bottom: 22 };
+export const ROOM_FOR_AXES = { left: 58, right: 24, top: 18, bottom: 40 };
 const KEY_STEP = 6; // pixels that an arrow key moves a point
 
 JXG.Options.text.display = "internal"; // SVG text: HTML over the drawing would need inline styles
@@ -87,6 +89,7 @@ export function makePoint(board, name, { cssClass, size = 4, draggable = false, 
     highlightStrokeColor: "none",
     showInfobox: false,
     transitionDuration: 0,
+    clip: false,
     tabindex: draggable ? 0 : null,
     withLabel: Boolean(name),
     label: { ...PLAIN, cssClass: "point-name", offset: label, fontSize: 13, autoPosition: false },
@@ -98,19 +101,20 @@ export function put(point, [x, y]) {
   point.setPositionDirectly(JXG.COORDS_BY_USER, [x, y]);
 }
 
-/** Shows the rectangle that holds all points, with a margin; what has no extent gets some. */
-export function fit(board, points, { margin = 0.1, keepAspect = false } = {}) {
+/** Shows the rectangle that holds all points, with room at its sides in pixels; what has no extent gets some. */
+export function fit(board, points, { room = ROOM, keepAspect = false } = {}) {
   const known = points.filter((point) => point && point.every(Number.isFinite));
   if (known.length === 0) return;
-  const [left, right] = extent(known.map(([x]) => x), margin);
-  const [low, high] = extent(known.map(([, y]) => y), margin);
+  const [left, right] = extent(known.map(([x]) => x), board.canvasWidth, room.left, room.right);
+  const [low, high] = extent(known.map(([, y]) => y), board.canvasHeight, room.bottom, room.top);
   board.setBoundingBox([left, high, right, low], keepAspect);
 }
 
-function extent(values, margin) {
-  const [low, high] = [Math.min(...values), Math.max(...values)];
-  const pad = (high - low || Math.abs(high) || 1) * margin;
-  return [low - pad, high + pad];
+function extent(values, pixels, before, after) {
+  let [low, high] = [Math.min(...values), Math.max(...values)];
+  if (low === high) [low, high] = [low - Math.abs(low || 1) / 10, high + Math.abs(high || 1) / 10];
+  const unit = (high - low) / Math.max(pixels - before - after, 1);
+  return [low - before * unit, high + after * unit];
 }
 
 /** Buttons that zoom, and show all again; `show` does the latter. */

@@ -14,6 +14,14 @@ const QUESTIONS = {
       print: 'for cusp in answer["slices"][0]["cusps"]:\n    print(cusp["l2"], cusp["l3"])',
     }),
   },
+  curves: {
+    path: "v1/singular-curves",
+    members: ({ l1 }) => ({ l1 }),
+    python: ({ l1 }) => ({
+      ask: ["singular_curves", [JSON.stringify(l1)]],
+      print: 'for region in answer["regions"]:\n    print(region["poses"], region["point"])',
+    }),
+  },
   loop: {
     path: "v1/paths",
     members: ({ l1, cusp }) => ({ l1, cusp: letterOf(cusp), samples: 101 }),

@@ -1,6 +1,7 @@
-/** The slice: cusps in the (L2, L3) plane, or on the torus of its poses (θ1, α). */
+/** The slice: its curves and cusps in the (L2, L3) plane, or on the torus of its poses (α, θ1). */
 
-import { bindZoom, fit, makeBoard, makeLine, makePoint, put } from "./board.js";
+import { ROOM_FOR_AXES, bindZoom, fit, makeBoard, makeLine, makePoint, put } from "./board.js";
+import { CurveLayer, wrapped } from "./curves.js";
 import { shortened } from "./decimals.js";
 import { letterOf } from "./state.js";
 
@@ -11,15 +12,20 @@ const PLACES = {
 };
 const ON_LOOP = {
   joint: ({ l2, l3 }) => [l2, l3],
-  torus: ({ alpha, theta1 }) => [inTurn(alpha), inTurn(theta1)],
+  torus: ({ alpha, theta1 }) => [alpha, theta1],
 };
 
 export class JointSpace {
   #view = null;
   #board = null;
+  #group = null; // of the cusps
   #points = [];
+  #layer = null;
+  #curves = null;
+  #others = null; // points that are no cusps
   #loop = null;
   #here = null;
+  #unfitted = 0;
   #slice = null;
   #selected = 0;
   #active = 0; // the cusp that the Tab key reaches
@@ -32,17 +38,44 @@ export class JointSpace {
     this.#onVisit = onVisit;
   }
 
-  /** Draws a slice in a view; `isFitted` shows all of it. */
-  draw(slice, view, selected, isFitted) {
-    const isNew = view !== this.#view;
-    if (isNew) this.#open(view);
+  /** Shows all of what is drawn next: cusps and curves. */
+  fitNext() {
+    this.#unfitted = 2;
+  }
+
+  /** Draws the cusps of a slice in a view. */
+  draw(slice, view, selected) {
+    this.#open(view);
     this.#slice = slice;
     const cusps = slice?.cusps ?? [];
     while (this.#points.length > cusps.length) this.#board.removeObject(this.#points.pop());
     while (this.#points.length < cusps.length) this.#points.push(this.#point(this.#points.length));
     cusps.forEach((cusp, k) => put(this.#points[k], PLACES[view](cusp)));
+    this.#others.set((slice?.degenerate_points ?? []).flatMap((point) => crossAt(this.#board, PLACES[view](point))));
+    this.#name(cusps.length > 0);
     this.select(selected);
-    if (isNew || isFitted) this.showAll();
+    this.#finish();
+  }
+
+  /** Draws a document of the singular curves under the cusps, or none. */
+  drawCurves(curves, view) {
+    this.#open(view);
+    this.#curves = curves;
+    this.#layer.set(curves);
+    this.#finish();
+  }
+
+  /** Names the group of cusps; an empty list would be none. */
+  #name(isList) {
+    for (const [attribute, value] of [["role", "listbox"], ["aria-label", "Cusps"]]) {
+      if (isList) this.#group.setAttribute(attribute, value);
+      else this.#group.removeAttribute(attribute);
+    }
+  }
+
+  #finish() {
+    if (this.#unfitted > 0) this.showAll();
+    this.#unfitted -= 1;
     this.#board.update();
   }
 
@@ -57,39 +90,45 @@ export class JointSpace {
   /** Draws a loop, by its samples in floats; none if they are empty. */
   drawLoop(samples) {
     const places = samples.map(ON_LOOP[this.#view]);
-    this.#loop.set(this.#view === "torus" ? cutAtSeams(places) : places);
+    this.#loop.set(this.#view === "torus" ? wrapped(places) : places);
     this.#here.setAttribute({ visible: false });
     this.#board.update();
   }
 
   /** Marks the place on the loop where the manipulator is. */
   mark(sample) {
-    put(this.#here, ON_LOOP[this.#view](sample));
+    const place = ON_LOOP[this.#view](sample);
+    put(this.#here, this.#view === "torus" ? wrapped([place])[0] : place);
     this.#here.setAttribute({ visible: true });
     this.#board.update();
   }
 
   showAll() {
     const places = (this.#slice?.cusps ?? []).map(PLACES[this.#view]);
-    const corners = this.#view === "torus" ? [[-180, -180], [180, 180]] : [];
-    fit(this.#board, [...places, ...corners], { margin: this.#view === "torus" ? 0.06 : 0.15 });
+    const isTorus = this.#view === "torus";
+    const others = isTorus ? [[-180, -180], [180, 180]] : CurveLayer.placesOf(this.#curves, this.#view);
+    fit(this.#board, [...places, ...others], { room: ROOM_FOR_AXES });
+    this.#layer.set(this.#curves); // its labels depend on the size
   }
 
   #open(view) {
+    if (view === this.#view) return;
+    this.fitNext();
     const container = document.getElementById("slice-board");
     const fresh = container.cloneNode(false); // a board leaves listeners behind on its element
     container.replaceWith(fresh);
     this.#view = view;
     this.#board = makeBoard("slice-board", view === "joint" ? "Joint space of the slice" : "Torus of its poses", AXES[view]);
     this.#points = [];
+    this.#layer = new CurveLayer(this.#board, view);
+    this.#layer.set(this.#curves);
+    this.#others = makeLine(this.#board, "degenerate", 8);
     this.#loop = makeLine(this.#board, "loop", 6);
     this.#here = makePoint(this.#board, "", { cssClass: "here-point", size: 5, layer: 8 });
     this.#here.rendNode.setAttribute("aria-hidden", "true");
     bindZoom(this.#board, document.getElementById("slice-zoom"), () => this.showAll());
-    const group = this.#board.renderer.layer[9];
-    group.setAttribute("role", "listbox");
-    group.setAttribute("aria-label", "Cusps");
-    group.addEventListener("keydown", (event) => this.#key(event), true);
+    this.#group = this.#board.renderer.layer[9];
+    this.#group.addEventListener("keydown", (event) => this.#key(event), true);
   }
 
   #point(index) {
@@ -131,14 +170,10 @@ export class JointSpace {
   }
 }
 
-const inTurn = (degrees) => degrees - 360 * Math.round(degrees / 360);
-
-/** A line on the torus with gaps where it leaves the square on one side. */
-function cutAtSeams(places) {
-  return places.flatMap((place, k) => {
-    const [before] = k ? [places[k - 1]] : [place];
-    return place.some((x, axis) => Math.abs(x - before[axis]) > 180) ? [null, place] : [place];
-  });
+/** The strokes of a small cross; none for a point that is not isolated. */
+function crossAt(board, [x, y]) {
+  const [dx, dy] = [6 / board.unitX, 6 / board.unitY];
+  return Number.isFinite(x + y) ? [[x - dx, y - dy], [x + dx, y + dy], null, [x - dx, y + dy], [x + dx, y - dy], null] : [];
 }
 
 export function spoken(cusp, index) {

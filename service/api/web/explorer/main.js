@@ -5,6 +5,7 @@ import { GoneError, Latest, ProblemError, ask } from "./api.js";
 import { Calls } from "./calls.js";
 import { CensusStrip, counted } from "./census.js";
 import { Fields, firstExample } from "./form.js";
+import { legendOf, sliceOf } from "./curves.js";
 import { JointSpace, spoken } from "./joint_space.js";
 import { Mechanism } from "./mechanism.js";
 import { Motion } from "./motion.js";
@@ -12,17 +13,19 @@ import { Banner, Progress, say } from "./notices.js";
 import { geometryText, hashOf, letterOf, stateOf } from "./state.js";
 import { CuspTable, copy } from "./table.js";
 
+const NO_ANSWER = "/problems/job-solver-error";
 const REST = 300; // ms without a change after which the page asks for the rest
 const [WHILE_MOVING, AT_REST] = [15, 30]; // digits
-const SAMPLES = 101; // of a loop
+const COARSE = "0.003"; // tolerance of the curves while something moves
+const SAMPLES = 201; // of a loop
 const byId = (id) => document.getElementById(id);
 
 class Explorer {
   #state;
+  #curves = null; // the singular curves that are drawn
   #slice = null; // the slice that is drawn, perhaps of a state that has passed
   #census = null; // the geometry whose census is drawn
   #timer = null;
-  #isFitted = false;
 
   #progress = new Progress();
   #banner = new Banner({ onRetry: () => this.#settle() });
@@ -33,7 +36,7 @@ class Explorer {
   #table = new CuspTable({ onSelect: (index) => this.#select(index), say });
   #motion = new Motion({ onMove: (sample) => this.#move(sample) });
   #calls = new Calls();
-  #live = new Latest((state) => this.#askSlice(state, WHILE_MOVING));
+  #live = new Latest((state) => this.#askPicture(state));
 
   open() {
     this.#state = stateOf(location.hash) ?? { ...firstExample(), view: "joint" };
@@ -60,7 +63,7 @@ class Explorer {
     this.#progress.cancel("loop");
     this.#clearLoop();
     this.#state = { ...this.#state, ...change };
-    this.#isFitted ||= isWhole;
+    if (isWhole) this.#joint.fitNext();
     this.#show();
     this.#live.push(this.#state);
     clearTimeout(this.#timer);
@@ -74,7 +77,7 @@ class Explorer {
     byId(`view-${view}`).checked = true;
     byId("slice").classList.add("stale");
     if (this.#census !== geometryText(geometry)) byId("census").classList.add("stale");
-    this.#draw();
+    if (!this.#mechanism.isHeld) this.#draw(); // else it has drawn itself
   }
 
   /** Asks for everything about the state in which the page has come to rest. */
@@ -84,8 +87,8 @@ class Explorer {
     history.replaceState(null, "", hashOf(state));
     this.#calls.show(state);
     this.#table.link(state.geometry, state.l1, AT_REST);
-    const isDone = await this.#askSlice(state, AT_REST); // first the picture, before a worker is busy for longer
-    if (!isDone || !this.#isCurrent(state)) return;
+    const [isDone] = await Promise.all([this.#askSlice(state), this.#askCurves(state)]);
+    if (!isDone || !this.#isCurrent(state)) return; // first the picture, before a worker is busy for longer
     await this.#askLoop();
     if (this.#isCurrent(state)) await this.#askCensus(state);
   }
@@ -95,12 +98,42 @@ class Explorer {
     return l1 === this.#state.l1 && geometryText(geometry) === geometryText(this.#state.geometry);
   }
 
-  #askSlice(state, digits) {
+  /** Asks for the whole picture in one question, as long as something moves. */
+  #askPicture(state) {
     const { geometry, l1 } = state;
     return this.#asking("slice", state, async (signal, onProgress) => {
-      const table = await ask("v1/cusp-tables", { geometry, l1, digits }, { signal, onProgress });
+      const question = { geometry, l1, digits: WHILE_MOVING, tolerance: COARSE };
+      const curves = await ask("v1/singular-curves", question, { signal, onProgress }).catch(orNoAnswer);
+      if (!curves) return this.#showCurves(null); // then the table alone tells, when all is at rest
+      this.#showCurves(curves);
+      return this.#showSlice(state, sliceOf(curves, l1));
+    });
+  }
+
+  #askSlice(state) {
+    const { geometry, l1 } = state;
+    return this.#asking("slice", state, async (signal, onProgress) => {
+      const table = await ask("v1/cusp-tables", { geometry, l1, digits: AT_REST }, { signal, onProgress });
       this.#showSlice(state, table.slices[0]);
     });
+  }
+
+  #askCurves(state) {
+    const { geometry, l1 } = state;
+    return this.#asking("curves", state, async (signal, onProgress) => {
+      let reason = "";
+      const curves = await ask("v1/singular-curves", { geometry, l1 }, { signal, onProgress }).catch((error) => {
+        reason = error.message;
+        return orNoAnswer(error);
+      });
+      if (this.#isCurrent(state)) this.#showCurves(curves, reason);
+    });
+  }
+
+  #showCurves(curves, reason = "") {
+    this.#curves = curves;
+    this.#joint.drawCurves(curves, this.#state.view);
+    showLegend(curves ? legendOf(curves, this.#state.view) : [{ text: reason }]);
   }
 
   #showSlice(state, slice) {
@@ -111,11 +144,10 @@ class Explorer {
     if (slice.error) this.#fields.refuse([{ field: "l1", message: slice.error.detail }]);
     byId("count").textContent = `L1 = ${slice.l1}: ${slice.error ? "no answer" : counted(slice.count)}`;
     if (!this.#mechanism.isHeld) say(byId("count").textContent);
-    this.#joint.draw(slice, this.#state.view, this.#selected, this.#isFitted);
+    this.#joint.draw(slice, this.#state.view, this.#selected);
     this.#table.draw(slice, this.#selected);
-    this.#isFitted = false;
     this.#visit(this.#selected);
-    this.#draw();
+    if (!this.#mechanism.isHeld) this.#draw();
     document.body.dataset.pictures = Number(document.body.dataset.pictures ?? 0) + 1;
   }
 
@@ -127,8 +159,8 @@ class Explorer {
     const question = { geometry: state.geometry, l1: state.l1, cusp: letterOf(this.#selected), samples: SAMPLES, digits: WHILE_MOVING };
     return this.#asking("loop", state, async (signal, onProgress) => {
       const path = await ask("v1/paths", question, { signal, onProgress }).catch((error) => {
-        if (!(error instanceof ProblemError) || error.status !== 422) throw error;
-        this.#motion.show(null, error.message); // no loop is an answer, too
+        this.#motion.show(null, error.message);
+        return orNoAnswer(error);
       });
       if (!path) return;
       this.#motion.show(path);
@@ -138,9 +170,10 @@ class Explorer {
   }
 
   #clearLoop() {
+    if (this.#motion.samples.length === 0) return this.#motion.show(null);
     this.#motion.show(null);
-    if (this.#slice) this.#joint.drawLoop([]);
-    this.#mechanism.drawGhosts([]);
+    this.#joint.drawLoop([]);
+    return this.#mechanism.drawGhosts([]);
   }
 
   /** Shows the manipulator on its way round the cusp. */
@@ -209,8 +242,9 @@ class Explorer {
     this.#state = { ...this.#state, view };
     history.replaceState(null, "", hashOf(this.#state));
     if (!this.#slice) return;
-    this.#joint.draw(this.#slice, view, this.#selected, true);
+    this.#joint.draw(this.#slice, view, this.#selected);
     this.#joint.drawLoop(this.#motion.samples);
+    showLegend(legendOf(this.#curves, view));
   }
 
   /** Draws the manipulator at the selected cusp. */
@@ -220,6 +254,28 @@ class Explorer {
     const pose = at ? { alpha: Number(at.alpha_deg), theta1: Number(at.theta1_deg) } : { alpha: 0, theta1: 60 };
     this.#mechanism.draw(geometry, { ...pose, l1 });
   }
+}
+
+/** That there is no answer is one, too, and is shown in its place; other errors go on. */
+function orNoAnswer(error) {
+  if (error instanceof ProblemError && error.problem.type === NO_ANSWER) return null;
+  throw error;
+}
+
+function showLegend(entries) {
+  const items = entries.map(({ name, text }) => {
+    const item = document.createElement("li");
+    item.textContent = text;
+    if (!name) return item;
+    const swatch = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    const area = document.createElementNS("http://www.w3.org/2000/svg", "rect");
+    for (const [key, value] of [["width", "100%"], ["height", "100%"], ["class", name]]) area.setAttribute(key, value);
+    swatch.setAttribute("aria-hidden", "true");
+    swatch.append(area);
+    item.prepend(swatch);
+    return item;
+  });
+  byId("legend").replaceChildren(...items);
 }
 
 new Explorer().open();

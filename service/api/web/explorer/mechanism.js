@@ -58,7 +58,7 @@ export class Mechanism {
   #isInView() {
     const [left, top, right, bottom] = this.#board.getBoundingBox();
     const { lengths, b1, alpha } = this.#shown;
-    const corners = platformPoints(lengths, b1, alpha);
+    const corners = [...platformPoints(lengths, b1, alpha), ...this.#ghosts.flat()];
     return this.#held || corners.every(([x, y]) => left < x && x < right && bottom < y && y < top);
   }
 
@@ -68,6 +68,7 @@ export class Mechanism {
     this.#ghosts = lengths ? poses.map(placeOf).map(({ b1, alpha }) => platformPoints(lengths, b1, alpha)) : [];
     this.#lines.ghosts.set(this.#ghosts.flatMap((corners) => [...corners, corners[0], null]));
     this.#board.update();
+    if (lengths && !this.#isInView()) this.showAll();
   }
 
   showAll() {

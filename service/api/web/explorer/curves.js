@@ -1,0 +1,148 @@
+/** The singular curves of a slice, over the assembly modes or the aspects that they bound. */
+
+import { PLAIN, makeLine, put } from "./board.js";
+import { toNumber } from "./decimals.js";
+
+const MODES = [2, 4, 6];
+const SHADES = 3; // that aspects of one sign have before they begin again
+const COLUMNS = { joint: ["l2", "l3"], torus: ["alpha_deg", "theta1_deg"] };
+
+/** The curves on a board, in one of its views. */
+export class CurveLayer {
+  #view;
+  #areas; // [{name, line}]
+  #curve;
+  #labels;
+  #board;
+  #regions = [];
+
+  constructor(board, view) {
+    this.#board = board;
+    this.#view = view;
+    const names = view === "joint" ? MODES.map((count) => `modes-${count}`) : aspectNames();
+    this.#areas = names.map((name) => ({ name, line: makeLine(board, `area ${name}`, 1) }));
+    this.#curve = makeLine(board, "singular", 4);
+    this.#labels = [];
+  }
+
+  /** Draws a document of the singular curves, or nothing. */
+  set(document) {
+    const strands = (document?.components ?? []).flatMap(({ strands: parts }) => parts);
+    const lines = strands.map((strand) => placesOf(strand, COLUMNS[this.#view]));
+    this.#curve.set(lines.flatMap((line) => [...(this.#view === "torus" ? wrapped(line) : line), null]));
+    for (const { name, line } of this.#areas) line.set(this.#outlines(document, name));
+    this.#regions = this.#view === "joint" ? (document?.regions ?? []).filter(({ bounded }) => bounded) : [];
+    this.#write();
+  }
+
+  /** All places of the curves, for the extent of the picture. */
+  static placesOf(document, view) {
+    const strands = (document?.components ?? []).flatMap(({ strands: parts }) => parts);
+    return strands.flatMap((strand) => placesOf(strand, COLUMNS[view]));
+  }
+
+  #outlines(document, name) {
+    if (!document) return [];
+    const rings =
+      this.#view === "joint"
+        ? document.regions.filter(({ poses, bounded }) => bounded && `modes-${poses}` === name).flatMap((region) => region.rings)
+        : namedAspects(document).filter((aspect) => aspect.name === name).flatMap((aspect) => aspect.polygons);
+    return rings.flatMap((ring) => [...placesOf(ring, COLUMNS[this.#view]), null]);
+  }
+
+  /** Writes the number of poses into each region that is large enough on the screen. */
+  #write() {
+    const { unitX, unitY } = this.#board;
+    const shown = this.#regions.filter(({ rings }) => areaOf(placesOf(rings[0], COLUMNS.joint)) * unitX * unitY > 500);
+    while (this.#labels.length > shown.length) this.#board.removeObject(this.#labels.pop());
+    while (this.#labels.length < shown.length) {
+      this.#labels.push(
+        this.#board.create("text", [0, 0, ""], {
+          ...PLAIN, cssClass: "modes", anchorX: "middle", anchorY: "middle", fontSize: 13, layer: 7,
+        }),
+      );
+      this.#labels.at(-1).rendNode.setAttribute("aria-hidden", "true");
+    }
+    shown.forEach(({ poses, point }, k) => {
+      this.#labels[k].setText(String(poses));
+      put(this.#labels[k], [toNumber(point.l2), toNumber(point.l3)]);
+    });
+  }
+}
+
+/** What the shades stand for, in words: `[{name, text}]`. */
+export function legendOf(document, view) {
+  if (!document) return [];
+  if (view === "torus") {
+    return namedAspects(document).map(({ name, sign, share }) => ({
+      name,
+      text: `J ${sign > 0 ? ">" : "<"} 0 (${(100 * share).toPrecision(2)} %)`,
+    }));
+  }
+  const counts = MODES.map((poses) => [poses, document.regions.filter((region) => region.bounded && region.poses === poses).length]);
+  return counts
+    .filter(([, regions]) => regions > 0)
+    .map(([poses, regions]) => ({ name: `modes-${poses}`, text: `${poses} poses in ${regions} region${regions > 1 ? "s" : ""}` }));
+}
+
+/** The cusps and the other special points, as a cusp table has them. */
+export function sliceOf(document, l1) {
+  const strands = document.components.flatMap(({ strands: parts }) => parts);
+  const vertices = strands.flatMap((strand) => strand.vertices);
+  const cusps = vertices.filter(({ kind }) => kind === "cusp").sort((one, other) => one.cusp - other.cusp);
+  return { l1, count: cusps.length, cusps, degenerate_points: [] };
+}
+
+/** A line in continuous angles, cut where it leaves the square from −180 to 180 degrees. */
+export function wrapped(places) {
+  const out = [];
+  places.forEach((place, k) => {
+    if (k > 0) out.push(...crossings(places[k - 1], place));
+    out.push(place.map(inTurn));
+  });
+  return out;
+}
+
+function crossings(from, to) {
+  const shares = [0, 1].flatMap((axis) => {
+    const [low, high] = [Math.min(from[axis], to[axis]), Math.max(from[axis], to[axis])];
+    const seams = [];
+    for (let seam = Math.ceil((low - 180) / 360) * 360 + 180; seam < high; seam += 360) {
+      if (seam > low) seams.push((seam - from[axis]) / (to[axis] - from[axis]));
+    }
+    return seams;
+  });
+  return shares.sort((a, b) => a - b).flatMap((share) => {
+    const at = (s) => from.map((x, axis) => x + s * (to[axis] - x));
+    const cell = (s) => at(s).map((x) => 360 * Math.round(x / 360));
+    const [before, after] = [cell(share - 1e-9), cell(share + 1e-9)];
+    return [at(share).map((x, axis) => x - before[axis]), null, at(share).map((x, axis) => x - after[axis])];
+  });
+}
+
+const inTurn = (degrees) => degrees - 360 * Math.round(degrees / 360);
+
+function placesOf(samples, [x, y]) {
+  return samples[x].map((value, k) => [value, samples[y][k]]);
+}
+
+function areaOf(places) {
+  const twice = places.reduce((sum, [x, y], k) => {
+    const [u, v] = places[(k + 1) % places.length];
+    return sum + x * v - u * y;
+  }, 0);
+  return Math.abs(twice) / 2;
+}
+
+function aspectNames() {
+  return [1, -1].flatMap((sign) => Array.from({ length: SHADES }, (_, k) => aspectName(sign, k)));
+}
+
+function aspectName(sign, k) {
+  return `${sign > 0 ? "plus" : "minus"}-${(k % SHADES) + 1}`;
+}
+
+function namedAspects({ aspects }) {
+  const seen = { 1: 0, "-1": 0 };
+  return aspects.map((aspect) => ({ ...aspect, name: aspectName(aspect.sign, seen[aspect.sign]++) }));
+}
