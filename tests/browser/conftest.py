@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -75,31 +76,46 @@ def idle_url(valkey: EmbeddedValkey, browser: Any) -> Iterator[str]:  # noqa: AR
         yield url
 
 
+@pytest.fixture(scope="package")
+def profile(browser: Any) -> Iterator[Any]:
+    """A profile of the browser that tests share, with its cache."""
+    with _profile(browser) as context:
+        yield context
+
+
+@contextmanager
+def _profile(browser: Any, **options: Any) -> Iterator[Any]:
+    context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **options})
+    context.set_default_timeout(1000 * PATIENCE)
+    context.grant_permissions(["clipboard-read", "clipboard-write"])
+    yield context
+    context.close()
+
+
 @pytest.fixture
-def open_page(browser: Any) -> Iterator[Callable[..., Any]]:
-    """Opens a page; whatever it complains of fails the test, unless it contains what is `expected`."""
-    contexts: list[Any] = []
+def open_page(browser: Any, profile: Any) -> Iterator[Callable[..., Any]]:
+    """Opens a page, in a profile of its own if it has options.
+
+    Whatever it complains of fails the test, unless it contains what is `expected`.
+    """
     complaints: list[str] = []
+    with ExitStack() as opened:
 
-    def open_it(url: str, *, expected: str = "", **options: Any) -> Any:
-        context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **options})
-        contexts.append(context)
-        context.set_default_timeout(1000 * PATIENCE)
-        context.grant_permissions(["clipboard-read", "clipboard-write"])
-        page = context.new_page()
+        def open_it(url: str, *, expected: str = "", **options: Any) -> Any:
+            context = opened.enter_context(_profile(browser, **options)) if options else profile
+            page = context.new_page()
+            opened.callback(page.close)
 
-        def complain(text: str) -> None:
-            if not expected or expected not in text:
-                complaints.append(text)
+            def complain(text: str) -> None:
+                if not expected or expected not in text:
+                    complaints.append(text)
 
-        page.on("console", lambda message: message.type == "error" and complain(message.text))
-        page.on("pageerror", lambda error: complain(str(error)))
-        page.goto(url)
-        return page
+            page.on("console", lambda message: message.type == "error" and complain(message.text))
+            page.on("pageerror", lambda error: complain(str(error)))
+            page.goto(url)
+            return page
 
-    yield open_it
-    for context in contexts:
-        context.close()
+        yield open_it
     assert complaints == []
 
 

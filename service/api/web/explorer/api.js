@@ -66,7 +66,7 @@ export async function ask(path, question, { signal, onProgress = () => {}, wait 
 }
 
 async function result(job, signal, onProgress) {
-  const withdraw = () => call(job.links.cancel ?? job.links.self, { method: "DELETE" }).catch(() => {});
+  const withdraw = () => call(job.links.cancel ?? job.links.self, { method: "DELETE", keepalive: true }).catch(() => {});
   signal?.addEventListener("abort", withdraw, { once: true });
   try {
     onProgress(job.progress);

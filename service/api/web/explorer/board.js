@@ -2,9 +2,10 @@
 
 import JXG from "../jsxgraph/jsxgraphcore.mjs";
 
-export const PLAIN = { highlight: false, fixed: true, tabindex: null, transitionDuration: 0, clip: false };
+export const PLAIN = { highlight: false, fixed: true, tabindex: null, transitionDuration: 0 };
 const ROOM = { left: 26, right: 26, top: 22, bottom: 22 };
 export const ROOM_FOR_AXES = { left: 58, right: 24, top: 18, bottom: 40 };
+const ZOOM = 1.6;
 const KEY_STEP = 6; // pixels that an arrow key moves a point
 
 JXG.Options.text.display = "internal"; // SVG text: HTML over the drawing would need inline styles
@@ -64,7 +65,7 @@ function makeAxis(board, name, k) {
 
 /** A line through points, or the area within; `set` moves it, and gaps are points that are null. */
 export function makeLine(board, cssClass, layer = 5) {
-  const curve = board.create("curve", [[], []], { ...PLAIN, cssClass, layer, fillColor: "none" });
+  const curve = board.create("curve", [[], []], { ...PLAIN, cssClass, layer, fillColor: "none", clip: false });
   curve.rendNode.setAttribute("aria-hidden", "true");
   return {
     node: curve.rendNode,
@@ -117,10 +118,17 @@ function extent(values, pixels, before, after) {
   return [low - before * unit, high + after * unit];
 }
 
-/** Buttons that zoom, and show all again; `show` does the latter. */
-export function bindZoom(board, toolbar, show) {
-  const actions = { in: () => board.zoomIn(), out: () => board.zoomOut(), all: show };
+/** Buttons that zoom about a place, or show all again. */
+export function bindZoom(toolbar, { zoom, showAll }) {
+  const actions = { in: () => zoom(ZOOM), out: () => zoom(1 / ZOOM), all: showAll };
   for (const button of toolbar.querySelectorAll("button[data-zoom]")) {
     button.addEventListener("click", actions[button.dataset.zoom]);
   }
+}
+
+/** Magnifies a board; what is at the place comes to the middle. */
+export function zoomAbout(board, [x, y], factor) {
+  const [left, high, right, low] = board.getBoundingBox();
+  const [wide, tall] = [(right - left) / factor / 2, (high - low) / factor / 2];
+  board.setBoundingBox([x - wide, y + tall, x + wide, y - tall]);
 }

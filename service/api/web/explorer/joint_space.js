@@ -1,10 +1,11 @@
 /** The slice: its curves and cusps in the (L2, L3) plane, or on the torus of its poses (α, θ1). */
 
-import { ROOM_FOR_AXES, bindZoom, fit, makeBoard, makeLine, makePoint, put } from "./board.js";
+import { ROOM_FOR_AXES, bindZoom, fit, makeBoard, makeLine, makePoint, put, zoomAbout } from "./board.js";
 import { CurveLayer, wrapped } from "./curves.js";
 import { shortened } from "./decimals.js";
 import { letterOf } from "./state.js";
 
+const REST = 300; // ms
 const AXES = { joint: ["L2", "L3"], torus: ["α [deg]", "θ1 [deg]"] };
 const PLACES = {
   joint: (cusp) => [Number(cusp.l2), Number(cusp.l3)],
@@ -31,11 +32,20 @@ export class JointSpace {
   #active = 0; // the cusp that the Tab key reaches
   #onSelect;
   #onVisit;
+  #onZoom;
+  #timer = null;
+  #whole = 1; // what is seen of the first axis if all is shown
 
-  /** `onSelect(index)` is told which cusp was chosen, `onVisit(index)` which one is looked at. */
-  constructor({ onSelect, onVisit }) {
+  /**
+   * `onSelect(index)` is told which cusp was chosen, `onVisit(index)` which one is looked at, and
+   * `onZoom(factor)` how much the picture is magnified.
+   */
+  constructor({ onSelect, onVisit, onZoom }) {
+    this.#onZoom = onZoom;
     this.#onSelect = onSelect;
     this.#onVisit = onVisit;
+    const zoom = (factor) => this.#zoom(factor);
+    bindZoom(document.getElementById("slice-zoom"), { zoom, showAll: () => this.showAll() });
   }
 
   /** Shows all of what is drawn next: cusps and curves. */
@@ -104,11 +114,29 @@ export class JointSpace {
   }
 
   showAll() {
+    if (!this.#board) return;
     const places = (this.#slice?.cusps ?? []).map(PLACES[this.#view]);
     const isTorus = this.#view === "torus";
     const others = isTorus ? [[-180, -180], [180, 180]] : CurveLayer.placesOf(this.#curves, this.#view);
     fit(this.#board, [...places, ...others], { room: ROOM_FOR_AXES });
-    this.#layer.set(this.#curves); // its labels depend on the size
+    this.#whole = this.#board.canvasWidth / this.#board.unitX;
+    this.#layer.set(this.#curves);
+  }
+
+  /** Magnifies about the selected cusp. */
+  #zoom(factor) {
+    const point = this.#points[this.#selected];
+    if (point) zoomAbout(this.#board, [point.X(), point.Y()], factor);
+  }
+
+  /** Tells how much the picture is magnified, once it has come to rest. */
+  #magnified() {
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => {
+      this.#layer.set(this.#curves); // its labels depend on the size
+      this.#board.update();
+      this.#onZoom((this.#whole * this.#board.unitX) / this.#board.canvasWidth);
+    }, REST);
   }
 
   #open(view) {
@@ -120,13 +148,13 @@ export class JointSpace {
     this.#view = view;
     this.#board = makeBoard("slice-board", view === "joint" ? "Joint space of the slice" : "Torus of its poses", AXES[view]);
     this.#points = [];
+    this.#board.on("boundingbox", () => this.#magnified());
     this.#layer = new CurveLayer(this.#board, view);
     this.#layer.set(this.#curves);
     this.#others = makeLine(this.#board, "degenerate", 8);
     this.#loop = makeLine(this.#board, "loop", 6);
     this.#here = makePoint(this.#board, "", { cssClass: "here-point", size: 5, layer: 8 });
     this.#here.rendNode.setAttribute("aria-hidden", "true");
-    bindZoom(this.#board, document.getElementById("slice-zoom"), () => this.showAll());
     this.#group = this.#board.renderer.layer[9];
     this.#group.addEventListener("keydown", (event) => this.#key(event), true);
   }

@@ -17,6 +17,7 @@ const NO_ANSWER = "/problems/job-solver-error";
 const REST = 300; // ms without a change after which the page asks for the rest
 const [WHILE_MOVING, AT_REST] = [15, 30]; // digits
 const COARSE = "0.003"; // tolerance of the curves while something moves
+const TOLERANCES = [[0, "0.001"], [4, "0.0001"], [40, "0.00001"], [400, "0.000001"]]; // by magnification
 const SAMPLES = 201; // of a loop
 const byId = (id) => document.getElementById(id);
 
@@ -25,6 +26,7 @@ class Explorer {
   #curves = null; // the singular curves that are drawn
   #slice = null; // the slice that is drawn, perhaps of a state that has passed
   #census = null; // the geometry whose census is drawn
+  #tolerance = TOLERANCES[0][1];
   #timer = null;
 
   #progress = new Progress();
@@ -32,7 +34,11 @@ class Explorer {
   #fields = new Fields({ onChange: (change, isExample) => this.#change(change, isExample) });
   #mechanism = new Mechanism({ onDrag: (geometry) => this.#change({ geometry }), onRest: () => this.#draw() });
   #strip = new CensusStrip({ onChange: (l1) => this.#change({ l1 }) });
-  #joint = new JointSpace({ onSelect: (index) => this.#select(index), onVisit: (index) => this.#visit(index) });
+  #joint = new JointSpace({
+    onSelect: (index) => this.#select(index),
+    onVisit: (index) => this.#visit(index),
+    onZoom: (factor) => this.#refine(factor),
+  });
   #table = new CuspTable({ onSelect: (index) => this.#select(index), say });
   #motion = new Motion({ onMove: (sample) => this.#move(sample) });
   #calls = new Calls();
@@ -51,6 +57,7 @@ class Explorer {
     }
     byId("copy-link").addEventListener("click", () => copy(location.href, "The link is copied.", say));
     byId("copy-code").addEventListener("click", () => copy(this.#calls.text, "The call is copied.", say));
+    window.addEventListener("pagehide", () => this.#progress.cancelAll());
     byId("cancel").addEventListener("click", () => {
       this.#progress.cancelAll();
       this.#banner.show(new Error("Cancelled."));
@@ -122,12 +129,21 @@ class Explorer {
     const { geometry, l1 } = state;
     return this.#asking("curves", state, async (signal, onProgress) => {
       let reason = "";
-      const curves = await ask("v1/singular-curves", { geometry, l1 }, { signal, onProgress }).catch((error) => {
+      const question = { geometry, l1, tolerance: this.#tolerance };
+      const curves = await ask("v1/singular-curves", question, { signal, onProgress }).catch((error) => {
         reason = error.message;
         return orNoAnswer(error);
       });
       if (this.#isCurrent(state)) this.#showCurves(curves, reason);
     });
+  }
+
+  /** Asks for finer curves if the picture is magnified, so that they stay smooth. */
+  #refine(factor) {
+    const tolerance = TOLERANCES.findLast(([least]) => factor >= least)?.[1] ?? TOLERANCES[0][1];
+    if (tolerance === this.#tolerance) return;
+    this.#tolerance = tolerance;
+    this.#askCurves(this.#state);
   }
 
   #showCurves(curves, reason = "") {

@@ -1,10 +1,11 @@
 /** The mechanism: base, legs and platform; A2, A3, B2 and B3 can be dragged. */
 
-import { bindZoom, fit, makeBoard, makeLine, makePoint, put } from "./board.js";
+import { bindZoom, fit, makeBoard, makeLine, makePoint, put, zoomAbout } from "./board.js";
 import { basePoints, dragged, heldDirection, measured, placeOf, placesOf, platformPoints } from "./geometry.js";
 
 const NAMES = ["A1", "A2", "A3", "B1", "B2", "B3"];
 const FREE = ["A2", "A3", "B2", "B3"];
+const EDGE = 8; // pixels
 const OFFSETS = { A1: [8, -12], A2: [8, -12], A3: [8, 10], B1: [-22, 10], B2: [8, 10], B3: [8, 10] };
 
 export class Mechanism {
@@ -35,7 +36,8 @@ export class Mechanism {
       });
       point.rendNode.addEventListener("blur", () => (this.#held = null));
     }
-    bindZoom(this.#board, document.getElementById("mechanism"), () => this.showAll());
+    const zoom = (factor) => zoomAbout(this.#board, this.#middle(), factor);
+    bindZoom(document.getElementById("mechanism"), { zoom, showAll: () => this.showAll() });
   }
 
   get isHeld() {
@@ -59,7 +61,9 @@ export class Mechanism {
     const [left, top, right, bottom] = this.#board.getBoundingBox();
     const { lengths, b1, alpha } = this.#shown;
     const corners = [...platformPoints(lengths, b1, alpha), ...this.#ghosts.flat()];
-    return this.#held || corners.every(([x, y]) => left < x && x < right && bottom < y && y < top);
+    const edge = EDGE / this.#board.unitX;
+    const isInside = ([x, y]) => left + edge < x && x < right - edge && bottom + edge < y && y < top - edge;
+    return this.#held || corners.every(isInside);
   }
 
   /** Draws other poses as outlines. */
@@ -76,6 +80,11 @@ export class Mechanism {
     if (!lengths) return;
     const corners = [...platformPoints(lengths, b1, alpha), ...this.#ghosts.flat()];
     fit(this.#board, [...basePoints(lengths), ...corners, ...orbitOf(b1, 4)], { keepAspect: true });
+  }
+
+  #middle() {
+    const [left, top, right, bottom] = this.#board.getBoundingBox();
+    return [(left + right) / 2, (top + bottom) / 2];
   }
 
   #point(name) {
