@@ -135,11 +135,15 @@ class Drawing:
         if isinstance(place, Place):
             self._mark(vertex, place)
             return
-        here = [
-            (place, cell)
-            for cell, pose in poses_on_line(self._sweep, place)
-            if pose.kind is PoseKind.CUSP and point_of_pose(pose, digits).point == cusp
-        ]
+        here = (
+            []
+            if place is None
+            else [
+                (place, cell)
+                for cell, pose in poses_on_line(self._sweep, place)
+                if pose.kind is PoseKind.CUSP and point_of_pose(pose, digits).point == cusp
+            ]
+        )
         if len(here) != 1:
             raise Unproved(f"cusp {number} could not be placed on the singular curve")
         self._at_cells[here[0]] = vertex
@@ -169,8 +173,8 @@ class Drawing:
             for index, vertex in strand.vertices
             if vertex.kind is PoseKind.CUSP
         ]
-        tolerance = self._tracer.tolerance * self.extent
-        return regions_of(self._sweep.chart.slice_map, length, curves, cusps, tolerance)
+        slice_map, tolerance = self._sweep.chart.slice_map, self._tracer.tolerance
+        return regions_of(slice_map, length, curves, cusps, self.extent, tolerance)
 
     def _separates(self, chain: Chain) -> bool:
         """Whether J has different signs on both sides, unlike along a repeated component."""

@@ -25,6 +25,7 @@ from rpr_solver.kinematics.fibre import fibre
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
 from rpr_solver.singular.floats import drawn
+from rpr_solver.singular.tracing import FINEST
 from rpr_solver.slices.joint_points import coordinate_names
 
 _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
@@ -84,6 +85,7 @@ def regions_of(
     length: Fraction,
     curves: Sequence[Polyline],
     cusps: Sequence[Point],
+    extent: float,
     tolerance: float,
 ) -> Regions:
     """The regions between directed curves with J > 0 on their left, in the user's unit.
@@ -93,14 +95,15 @@ def regions_of(
         length: of the fixed leg, in the user's unit.
         curves: images of the strands, with their ends by name.
         cusps: the cusps among their points.
-        tolerance: the deviation of the curves in the user's unit.
+        extent: the size of the picture, in the user's unit.
+        tolerance: the deviation of the curves, relative to it.
 
     Raises:
         SolverError: a number of poses contradicts the winding number.
     """
     found, thin = [], 0
-    for face in faces(list(_drawable(curves))):
-        region = _region(slice_map, length, face, cusps, tolerance)
+    for face in faces(list(_drawable(curves, FINEST * extent))):
+        region = _region(slice_map, length, face, cusps, (FINEST * extent, tolerance * extent))
         if region is None:
             thin += 1
         else:
@@ -118,11 +121,12 @@ def number_of_poses(slice_map: SliceMap, squares: Sequence[Fraction]) -> int:
 
 
 def _region(
-    slice_map: SliceMap, length: Fraction, face: Face, cusps: Sequence[Point], tolerance: float
+    slice_map: SliceMap, length: Fraction, face: Face, cusps: Sequence[Point], limits: tuple[float, float]
 ) -> Region | None:
     """The region of a face; None if it is thin, except at cusps, near which curves are drawn finer."""
     point, clearance = _inner_point(face)
-    if clearance < tolerance and not (clearance and _touches(face, cusps)):
+    finest, tolerance = limits
+    if clearance < finest or (clearance < tolerance and not _touches(face, cusps)):
         return None
     poses = number_of_poses(slice_map, (length**2, point[0] ** 2, point[1] ** 2))
     if poses == 2 * face.winding:
@@ -137,9 +141,8 @@ def _touches(face: Face, cusps: Sequence[Point]) -> bool:
     return any(hypot(x - p, y - q) < near for p, q in cusps for x, y in face.rings[0])
 
 
-def _drawable(curves: Sequence[Polyline]) -> Iterator[Polyline]:
+def _drawable(curves: Sequence[Polyline], finest: float) -> Iterator[Polyline]:
     """The curves without repeated points; a curve whose image is a point joins its ends."""
-    size = max((abs(x) for curve in curves for point in curve.points for x in point), default=1.0)
     alias: dict[Hashable, Hashable] = {}
 
     def name(end: Hashable) -> Hashable:
@@ -151,7 +154,7 @@ def _drawable(curves: Sequence[Polyline]) -> Iterator[Polyline]:
     for curve in curves:
         points = [curve.points[0]]
         for point in curve.points[1:]:
-            if hypot(point[0] - points[-1][0], point[1] - points[-1][1]) > 1e-9 * size:
+            if hypot(point[0] - points[-1][0], point[1] - points[-1][1]) > finest:
                 points.append(point)
         if len(points) > 2 or (len(points) == 2 and curve.start != curve.end):
             kept.append((points, curve.start, curve.end))

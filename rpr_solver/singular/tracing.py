@@ -24,6 +24,8 @@ TURN = 2 * pi
 _FIRST = (0.25, 0.5, 0.75)
 _DEEPEST = 24
 _PART = 1 / 30
+FINEST = 1e-8
+"""Finer than this part of the picture, floats do not tell curves apart."""
 
 
 @dataclass(frozen=True)
@@ -161,7 +163,7 @@ class Tracer:
         allowed = self.tolerance * self.extent
         for first, second, nearest in self._cusps:
             allowed = min(allowed, _PART * max(hypot(x.first - first, x.second - second), nearest))
-        return allowed
+        return max(allowed, FINEST * self.extent)
 
     def _ends(self, slab: int, arc: int) -> list[tuple[float, Sample]]:
         if not self._lines:

@@ -14,6 +14,8 @@ from typing import Any
 
 from flint import arb, ctx, fmpz_poly
 
+from rpr_solver.contract import MIN_DIGITS
+from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
@@ -210,6 +212,8 @@ def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, Place]]:
                 exact = ExactPose(PoseKind.ORDINARY, LocalMap.at(slice_map, pose, 0))
                 point = point_of_pose(exact, digits).point
                 place = placed(sweep, u.ball, _half_of(chart.alpha, pose.cos_alpha, pose.sin_alpha))
+                if place is None:
+                    raise Unproved("a pose with a leg of length 0 could not be placed on its arc")
                 if isinstance(place, Place):
                     yield Vertex(VertexKind.CLOSED_LEG, point), place
 
@@ -237,11 +241,10 @@ def _half_of(turn: Turn, cos: Algebraic, sin: Algebraic) -> Ball:
     return ball
 
 
-def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> Place | int:
-    """The place of a point of the curve that is given by balls, or the line on which it may lie.
+def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> Place | int | None:
+    """The place of a point of the curve that is given by balls to so many bits.
 
-    Raises:
-        Unproved: the arc could not be decided.
+    If these do not decide it, the number of the line on which it may lie, or None where the arc is open.
     """
     line = 0
 
@@ -278,17 +281,18 @@ def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> Place | in
             sure = len(near) == 1 and ball_of(low) < arcs[near[0]] < ball_of(high)
         return Place(slab, near[0], float(middle), float(across.mid())) if sure else None
 
-    return decided(attempt, _FIRST_BITS, most, "a special point could not be placed on its arc")
+    return decided_or_none(attempt, _FIRST_BITS, most)
 
 
-def cusp_place(sweep: Sweep, cusp: JointPoint) -> Place | int:
-    """The place of a cusp, or the line on which it may lie, from its printed coordinates."""
+def cusp_place(sweep: Sweep, cusp: JointPoint) -> Place | int | None:
+    """The place of a cusp from its printed coordinates, as :func:`placed` gives it."""
     chart = sweep.chart
     alpha, theta = (
         _half_of_degrees(text, turn)
         for text, turn in zip(cusp.coordinates, (chart.alpha, chart.theta), strict=False)
     )
-    digits = max(len(Decimal(text).as_tuple().digits) for text in cusp.coordinates[:2])
+    # an angle of exactly 0 has one digit, and no error
+    digits = max(MIN_DIGITS, *(len(Decimal(text).as_tuple().digits) for text in cusp.coordinates))
     return placed(sweep, theta, alpha, digit_bits(digits))
 
 

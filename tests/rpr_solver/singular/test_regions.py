@@ -52,3 +52,10 @@ def test_regions_of_any_slice_at_any_point(name: str, leg: int, tenths: int, dat
 def test_poses_are_counted_where_two_coalesce() -> None:
     slice_map = SliceMap.of(manipulator("congruent"))
     assert number_of_poses(slice_map, [Fraction(4), Fraction(9), Fraction(16)]) in (0, 1, 2, 3, 4)
+
+
+@pytest.mark.parametrize("length", ["28.09489447887742122", "30.94691403425117"])
+def test_right_beside_a_transition_there_are_no_spurious_regions(length: str) -> None:
+    curves = trace_slice(eliminant_of(EXAMPLES["innocenti"]), length)
+    assert {vertex.cusp for vertex in curves.vertices if vertex.cusp} == set(range(1, curves.table.count + 1))
+    assert len(curves.regions) <= 6

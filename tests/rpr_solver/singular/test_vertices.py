@@ -8,7 +8,7 @@ from math import cos, radians, sin
 import pytest
 from flint import arb
 
-from rpr_solver import PoseKind, VertexKind
+from rpr_solver import Manipulator, PoseKind, VertexKind, singular_curves
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.jets import LocalMap, Pose
@@ -48,6 +48,12 @@ def test_vertices_stand_at_their_samples(name: str, leg: int, length: str) -> No
             assert (strand.alpha_deg[index] - alpha + 180) % 360 == pytest.approx(180, abs=1e-5)
             assert (strand.theta_deg[index] - theta + 180) % 360 == pytest.approx(180, abs=1e-5)
             assert (strand.first[index], strand.second[index]) == pytest.approx((first, second), abs=1e-4)
+
+
+def test_a_cusp_at_angles_of_exactly_0_has_its_place() -> None:
+    curves = singular_curves(Manipulator(1, 3, 0, 1, 1, 1), 5)
+    assert curves.table.cusps[0].coordinates[:2] == ("0", "0")
+    assert {vertex.cusp for vertex in curves.vertices if vertex.cusp} == {1, 2, 3, 4}
 
 
 @EACH
