@@ -1,8 +1,9 @@
 """docs/mathematics.md: its theorems, the code that cites them, its identities in indeterminate parameters.
 
-The polynomials have z = exp(iα), w = exp(iθ), L, and the geometry as variables; by turning the frames and
-choosing the unit, m = 1 and a is real. Derivatives are z∂/∂z and w∂/∂w, so factors of i are left out. A
-Laurent polynomial is kept as a polynomial; ``shift`` is the power of z w by which it was multiplied.
+The polynomials have z = exp(iα), w = exp(iθ) (e on the page), L, and the geometry as variables; by
+turning the frames and choosing the unit, m = 1 and a is real. Derivatives are z∂/∂z and w∂/∂w, so
+factors of i are left out. A Laurent polynomial is kept as a polynomial; ``shift`` is the power of z w by
+which it was multiplied.
 """
 
 import re
