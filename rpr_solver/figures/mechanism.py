@@ -152,7 +152,7 @@ def _drawing(
 def _labels(a: Sequence[Point], b: Sequence[Point], lengths: Sequence[str]) -> Iterator[Shape]:
     room = Room(Box(8, 44, WIDTH - 8, HEIGHT - 28))
     legs = list(zip(a, b, strict=True))
-    for line in (*legs, (*a, a[0]), (*b, b[0])):
+    for line in (*(bar(*leg, _CYLINDER + 4) for leg in legs), (*a, a[0]), (*b, b[0])):
         room.add_line(line)
     for x, y in a:
         room.add_box(Box(x - 14, y - 8, x + 14, y + 21))
