@@ -6,6 +6,7 @@ moves the point to x = y = 0, so it is never at infinity.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from flint import arb, arb_mat, arb_poly
@@ -115,11 +116,12 @@ class Frame:
         alpha, theta = (HalfTangent(c * w + s, c - s * w) for (s, c), w in ((self.alpha, x), (self.theta, y)))
         return Place(alpha, theta)
 
-    def expanded(self, form: Expansion) -> Expansion:
-        """A form by powers of z, those of x down and of y across."""
+    def expanded(self, *forms: Expansion) -> Iterator[Expansion]:
+        """Forms by powers of z, those of x down and of y across."""
         left, right = _moved(self.alpha).transpose(), _moved(self.theta)
-        c0, c1, c2 = [c * self.length**k for k, c in enumerate((*form, form[0] * 0)[:3])]
-        return [left * c * right for c in (c0 + c1 + c2, c1 + c2 * 2, c2)]
+        for form in forms:
+            c0, c1, c2 = [c * self.length**k for k, c in enumerate((*form, form[0] * 0)[:3])]
+            yield [left * c * right for c in (c0 + c1 + c2, c1 + c2 * 2, c2)]
 
 
 def _moved(origin: Two) -> arb_mat:
@@ -148,7 +150,8 @@ class Neighbourhood:
         frame = Frame.about(place, length)
         singular, coalescence = forms.at(bits)
         e = coalescence[forms.steeper(place, length, bits)]
-        return cls(frame, (frame.expanded(singular), frame.expanded(e)), frame.inside(place, length), bits)
+        first, second = frame.expanded(singular, e)
+        return cls(frame, (first, second), frame.inside(place, length), bits)
 
     def heading(self, axis: int, forwards: bool) -> tuple[int, bool, bool | None] | None:
         """The best parameter, and whether it and L increase along the curve in a given direction.
@@ -171,7 +174,7 @@ class Neighbourhood:
 
     def _gradient(self, form: Expansion) -> Three:
         x, y, z = self.box
-        table = values(at_parameter(form, z), x, y)
+        [table] = values([at_parameter(form, z)], x, y)
         slope = value(form[1] + form[2] * (2 * z), x, y)
         return table[1, 0], table[0, 1], slope
 
@@ -191,9 +194,10 @@ def value(form: arb_mat, p: arb, q: arb) -> arb:
     return product[0, 0]
 
 
-def values(form: arb_mat, p: arb, q: arb) -> arb_mat:
-    """[[value, ∂/∂q], [∂/∂p, ∂²/∂p∂q]] at (p, q)."""
-    return _table(p, form.nrows()) * form * _table(q, form.ncols()).transpose()
+def values(forms: Sequence[arb_mat], p: arb, q: arb) -> list[arb_mat]:
+    """[[value, ∂/∂q], [∂/∂p, ∂²/∂p∂q]] at (p, q) of forms of one size."""
+    left, right = _table(p, forms[0].nrows()), _table(q, forms[0].ncols()).transpose()
+    return [left * form * right for form in forms]
 
 
 def _table(x: arb, size: int) -> arb_mat:

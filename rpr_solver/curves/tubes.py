@@ -202,7 +202,7 @@ class _Bounds:
             least.append((residue + beside).abs_upper())
         wide = [2 * x for x in least]
         for _ in range(_TRIALS):
-            first, second = (values(size, p + wide[0], q + wide[1]) for size in sizes)
+            first, second = values(sizes, p + wide[0], q + wide[1])
             a, b, c, d = first[1, 0], first[0, 1], second[1, 0], second[0, 1]
             if (
                 least[0] + a * wide[0] + b * wide[1] < wide[0]
@@ -236,7 +236,7 @@ def _contracted(nonlinear: tuple[Expansion, Expansion], r: arb, box: Two) -> Two
         p, q = box
         mid_p, mid_q = p.mid(), q.mid()
         first, second = (value(form, mid_p, mid_q) for form in forms)
-        a, b = (values(form, p, q) for form in forms)
+        a, b = values(forms, p, q)
         jacobian = arb_mat([[1 + a[1, 0], a[0, 1]], [b[1, 0], 1 + b[0, 1]]])
         try:
             move = jacobian.solve(arb_mat([[mid_p + first], [mid_q + second]]))

@@ -122,7 +122,7 @@ class TestOnCuspCurves:
                 p, q = (r * (s + r * b) for s, b in zip(tube.slopes, tube.bends, strict=True))
                 forms = [at_parameter(n, r) for n in tube.nonlinear]
                 residues = [abs(value(form, p, q) + w) for form, w in zip(forms, (p, q), strict=True)]
-                tables = [values(form, arb(p, widths[0]), arb(q, widths[1])) for form in forms]
+                tables = values(forms, arb(p, widths[0]), arb(q, widths[1]))
                 for residue, table, width in zip(residues, tables, widths, strict=True):
                     assert residue + abs(table[1, 0]) * widths[0] + abs(table[0, 1]) * widths[1] < width
 
