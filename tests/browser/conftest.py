@@ -31,6 +31,9 @@ OPTIONS = (
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
+    "--disable-extensions",
+    "--disable-site-isolation-trials",  # fewer processes
+    "--renderer-process-limit=1",
     "--no-first-run",
 )
 AXE = (Path(__file__).parent / "axe" / "axe.min.js").read_text(encoding="utf-8")
@@ -129,11 +132,18 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def inspect(pictures: Path) -> Callable[[Any, str], None]:
+def photograph(pictures: Path) -> Callable[[Any, str], None]:
+    """Keeps a screenshot of a page, the whole of it if they are asked for."""
+    is_whole = "SCREENSHOTS" in os.environ
+    return lambda page, name: page.screenshot(path=pictures / f"{name}.png", full_page=is_whole)
+
+
+@pytest.fixture
+def inspect(photograph: Callable[[Any, str], None]) -> Callable[[Any, str], None]:
     """Keeps a screenshot of a page, and asserts that axe finds no fault with it."""
 
     def inspected(page: Any, name: str) -> None:
-        page.screenshot(path=pictures / f"{name}.png", full_page=True)
+        photograph(page, name)
         page.evaluate(AXE)
         found = page.evaluate(
             "rules => axe.run(document, {runOnly: rules, resultTypes: ['violations']})", RULES

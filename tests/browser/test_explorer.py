@@ -7,7 +7,6 @@ import re
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import httpx
@@ -55,17 +54,17 @@ def test_the_first_visit_shows_a_picture(base_url: str, open_page: Open, inspect
     inspect(page, "first-visit")
 
 
-def test_each_example(base_url: str, open_page: Open, pictures: Path) -> None:
+def test_each_example(base_url: str, open_page: Open, photograph: Inspect) -> None:
     assert FIRST_SLICES.keys() == EXAMPLES.keys()
     page = open_page(base_url)
     for name, count in {"zein-flat": 8, "twelve-cusps": 12, "fourteen-cusps": 14, "innocenti": 8}.items():
         page.get_by_label("Example").select_option(name)
         count_is(page, f"L1 = {FIRST_SLICES[name]}: {count} cusps")
         expect(page.locator("#play")).to_be_enabled()
-        page.screenshot(path=pictures / f"{name}.png", full_page=True)
+        photograph(page, name)
 
 
-def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open, inspect: Inspect) -> None:
+def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{INNOCENTI}&l1=14.98")
     count_is(page, "L1 = 14.98: 6 cusps")
     x, y = middle(page.get_by_label(re.compile("^Base point A3")))
@@ -88,10 +87,10 @@ def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open,
     expect(page).to_have_url(
         re.compile(re.escape(f"#g={a2x},{a3[0]},{a3[1]},17.04,16.54,20.84,ccw&l1=14.98"))
     )
-    inspect(page, "dragged")
     page.goto("about:blank")  # which withdraws what is being computed
 
 
+@pytest.mark.long
 def test_a_corner_of_the_platform_takes_its_sides_and_its_sense_along(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{INNOCENTI}&l1=27")
     count_is(page, "L1 = 27: 8 cusps")
@@ -164,6 +163,7 @@ def test_a_cusp_by_mouse_by_keys_and_in_the_table(base_url: str, open_page: Open
     assert len(re.search(r"l2\t([\d.]+)", copied)[1]) == 31  # type: ignore[index]
 
 
+@pytest.mark.long
 def test_curves_become_finer_under_the_glass(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{INNOCENTI}&l1=28.1&c=H")
     count_is(page, "L1 = 28.1: 10 cusps")
@@ -240,6 +240,7 @@ def test_a_permanent_link(base_url: str, open_page: Open, inspect: Inspect) -> N
     count_is(page, "L1 = 27: 8 cusps")
 
 
+@pytest.mark.long
 def test_what_is_shown_is_a_call_of_other_programs(base_url: str, open_page: Open) -> None:
     page = open_page(base_url)
     expect(page.locator("#code")).to_contain_text("curl")
@@ -339,6 +340,7 @@ def test_progress_and_cancel(idle_url: str, open_page: Open, inspect: Inspect) -
 
 
 @pytest.mark.usefixtures("base_url")
+@pytest.mark.long
 def test_a_service_that_asks_for_keys(valkey: EmbeddedValkey, open_page: Open, inspect: Inspect) -> None:
     with connect(valkey.url) as client:
         key, token = make_key("browser", "submit", time.time(), None)
@@ -360,6 +362,7 @@ def test_a_service_that_asks_for_keys(valkey: EmbeddedValkey, open_page: Open, i
         page.goto("about:blank")
 
 
+@pytest.mark.long
 def test_while_something_moves_one_question_is_asked_at_a_time(base_url: str, open_page: Open) -> None:
     page = open_page(base_url)
     count_is(page, "L1 = 27: 8 cusps")
@@ -403,6 +406,7 @@ def test_while_something_moves_one_question_is_asked_at_a_time(base_url: str, op
     assert len({question["geometry"]["a3x"] for question in resting}) == 1
 
 
+@pytest.mark.long
 def test_a_slice_whose_curves_cannot_be_drawn(base_url: str, open_page: Open) -> None:
     """The table is there at any rate."""
     page = open_page("about:blank", expected="422")
