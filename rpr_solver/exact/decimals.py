@@ -11,6 +11,7 @@ from typing import TypeVar
 from flint import arb, fmpz
 
 from rpr_solver.errors import Unproved
+from rpr_solver.exact.real_roots import fraction_of
 
 T = TypeVar("T")
 
@@ -68,21 +69,11 @@ def round_down(x: arb, digits: int) -> str:
     >>> round_down(arb(2.9999), 3), round_down(arb(0), 3)
     ('2.99', '0')
     """
-    exact = exact_fraction(x)
+    exact = fraction_of(x)
     if exact == 0:
         return "0"
     quotient = _rounding(digits, ROUND_DOWN).divide(Decimal(exact.numerator), Decimal(exact.denominator))
     return _text(quotient, digits)
-
-
-def exact_fraction(x: arb) -> Fraction:
-    """An exact ball as a rational number.
-
-    >>> exact_fraction(arb(0.375))
-    Fraction(3, 8)
-    """
-    mantissa, exponent = (int(part) for part in x.man_exp())
-    return Fraction(mantissa * 2 ** max(exponent, 0), 2 ** max(-exponent, 0))
 
 
 def round_all(numbers: Iterable[arb | Fraction], digits: int) -> list[str] | None:

@@ -18,9 +18,8 @@ from flint import arb, ctx
 
 from rpr_solver.contract import check_digits, check_leg, check_type
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.decimals import exact_fraction
 from rpr_solver.exact.rationals import Exact
-from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.arcs import Arc, expanded
@@ -200,7 +199,7 @@ class _Search:
 def decimal_near(x: arb, accuracy: float) -> Fraction:
     """A short decimal that differs from a number by less than this."""
     step = Fraction(10) ** floor(log10(accuracy))
-    return round(exact_fraction(x.mid()) / step) * step
+    return round(fraction_of(x) / step) * step
 
 
 def _ball(text: str, digits: int) -> arb:
