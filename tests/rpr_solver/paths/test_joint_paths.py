@@ -2,6 +2,7 @@
 
 import cmath
 from fractions import Fraction
+from itertools import pairwise
 from math import pi
 from random import Random
 
@@ -12,7 +13,7 @@ from rpr_solver import InputError, Manipulator, NoPath, Path, SolverError, joint
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.isolated import local_map
 from rpr_solver.paths.joint_paths import sign_at
-from tests.support.motions import Mover, angles_of, arrives
+from tests.support.motions import Mover, angles_of, apart, legs_of
 
 GRID = 400
 
@@ -89,8 +90,12 @@ def agrees(random: Random) -> bool | None:
     length = float((l1, l2, l3)[leg - 1])
     assert joined_on_a_grid(found, length) == isinstance(found, Path)
     if isinstance(found, Path):
-        # without proof, near a singularity, Newton's method needs small steps
-        assert any(arrives(found, samples) < 1e-5 for samples in (1000, 10_001))
+        mover, samples = Mover.of(manipulator, leg), found.resampled(2001).samples
+        for sample in samples:
+            place = *angles_of(sample), legs_of(sample)[leg - 1]
+            assert mover.legs(*place) == pytest.approx(legs_of(sample), rel=1e-9)
+            assert mover.determinant(*place) * found.sign > 0
+        assert max(apart(angles_of(x), angles_of(y)) for x, y in pairwise(samples)) < 0.5
     return isinstance(found, Path)
 
 
