@@ -113,9 +113,9 @@ class Between(Document):
 
 _POSES = ("from", "to")
 _LOOP_OR_POSES: dict[str, Any] = {
-    "if": {"anyOf": [{"required": [name]} for name in _POSES]},
-    "then": {"required": [*LEGS, *_POSES], "not": {"required": ["cusp"]}},
-    "else": {**NEEDED, "not": {"required": ["between"]}},
+    "if": {"anyOf": [{"type": "object", "required": [name]} for name in _POSES]},
+    "then": {"required": [*LEGS, *_POSES], "properties": {"cusp": False}},
+    "else": {**NEEDED, "properties": {"between": False}},
 }
 
 
