@@ -101,4 +101,4 @@ def _in_processes(
             child.kill()
         raise
     finally:
-        executor.shutdown(wait=False, cancel_futures=True)
+        executor.shutdown(cancel_futures=True)  # waits: a pool left to the exit may write to a closed pipe

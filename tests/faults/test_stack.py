@@ -140,6 +140,7 @@ def test_the_socket_is_removed(tmp_path: Path) -> None:
         )
 
 
+@pytest.mark.long
 def test_the_end_of_the_data_is_damaged_while_it_runs(tmp_path: Path) -> None:
     """Valkey is killed and leaves a damaged end of its append-only file. The supervisor repairs it and
     goes on."""
@@ -230,7 +231,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 
 ENDS = [
     signal.SIGTERM,
-    signal.SIGKILL,
+    pytest.param(signal.SIGKILL, marks=pytest.mark.long),
     pytest.param(signal.SIGINT, marks=pytest.mark.long),
     pytest.param(signal.SIGHUP, marks=pytest.mark.long),
     pytest.param(signal.SIGQUIT, marks=pytest.mark.long),
@@ -290,7 +291,7 @@ def test_queued_jobs_are_resumed(tmp_path: Path) -> None:
             assert ended(JobQueue(redis), request.job_id).status == "succeeded"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_second_signal_hurries(tmp_path: Path) -> None:
     """`serve` receives a second signal while it stops. It ends at once, with exit status 0."""
     settings = {"task": ENDLESS, "shutdown_grace": 60}

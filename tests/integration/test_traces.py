@@ -120,6 +120,7 @@ def test_one_trace_from_the_request_to_the_slices(tmp_path: Path) -> None:
         assert collector.services() == {"rpr-cusps-api", "rpr-cusps-worker"}
 
 
+@pytest.mark.long
 def test_a_collector_that_is_gone_costs_no_answer(tmp_path: Path) -> None:
     pytest.importorskip("opentelemetry.sdk", reason="needs rpr-cusps[otel]")
     with served(tmp_path, OTEL_EXPORTER_OTLP_ENDPOINT="http://127.0.0.1:1") as (client, _):

@@ -104,7 +104,7 @@ def test_every_family_agrees_with_its_census(name: str, fixed_leg: int) -> None:
     agrees_with(curves, census_of(family(name), fixed_leg))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_cusp_that_passes_a_degenerate_pose_begins_a_new_curve() -> None:
     """With leg 2 fixed the right-angled manipulator has six cusps near L2 = 16, and five and a node at it."""
     curves = curves_of(family("right angles"), 2)
@@ -117,7 +117,7 @@ def test_a_cusp_that_passes_a_degenerate_pose_begins_a_new_curve() -> None:
     assert not any(c.points for c in at.curves if c in (*ended, *begun))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_unproved_continuations_are_called_so() -> None:
     curves = curves_of(family("flat base"), 1)
     undecided = [c for c in curves.curves if "undecided" in (c.start.kind, c.stop.kind)]

@@ -166,7 +166,7 @@ def test_counts_agree_with_slices() -> None:
     answers = Counter[str]()
 
     @given(manipulators(size=20, denominators=(1, 2)), st.sampled_from([1, 2, 3]), st.data())
-    @examples(5)
+    @examples(3)
     def agree(m: Manipulator, fixed_leg: int, data: st.DataObject) -> None:
         document = unless_refused(lambda: census(m, fixed_leg=fixed_leg, digits=15), answers)
         eliminant = eliminate(m, fixed_leg)

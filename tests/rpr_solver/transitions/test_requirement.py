@@ -24,6 +24,7 @@ from tests.support.strategies import examples, manipulators, unless_refused
 
 INNOCENTI = EXAMPLES["innocenti"]
 slow = partial(pytest.param, marks=pytest.mark.slow)
+long = partial(pytest.param, marks=pytest.mark.long)
 SIMILAR = Manipulator.from_json({"a2x": 30, "a3x": 0, "a3y": 40, "d1": 15, "d2": 25, "d3": 20})
 
 
@@ -60,7 +61,7 @@ def test_at_most_eight_cusps_holds_only_below_28() -> None:
     assert Fraction(violation.start) < violation.example < Fraction(violation.stop or 0)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_at_least_one_cusp() -> None:
     assert check(INNOCENTI, Requirement(start=Fraction(1), min_cusps=1)).passed
     report = check(INNOCENTI, Requirement(start=Fraction(1, 10), min_cusps=1))
@@ -99,7 +100,7 @@ def test_a_range_that_begins_right_beside_a_transition() -> None:
     [
         slow(1, {2: (Fraction(5), Fraction(40)), 3: (Fraction(5), Fraction(40))}),
         (2, {3: (None, Fraction(30))}),
-        slow(3, {1: (Fraction(25), None), 2: (Fraction(0), Fraction(33))}),
+        long(3, {1: (Fraction(25), None), 2: (Fraction(0), Fraction(33))}),
     ],
 )
 def test_joint_limits(fixed_leg: int, limits: dict[int, tuple[Fraction | None, Fraction | None]]) -> None:

@@ -133,7 +133,7 @@ def test_cusp_curves_in_every_form() -> None:
     assert sum(line.startswith("C3 ") for line in lines) == 1 + len(lengths)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_cusp_curves_of_another_leg() -> None:
     done = run("curves", "zein-flat", "--l2-range", "10:20", "--samples", "2", "--digits", "15")
     assert done.returncode == 0

@@ -222,7 +222,7 @@ def test_the_demonstration_shows_the_table_and_leaves_nothing_behind(tmp_path: P
     assert [path for path in tmp_path.rglob("*") if not path.name.startswith("rpr-cusps-")] == []
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_demonstration_stops_everything_on_ctrl_c(tmp_path: Path) -> None:
     with started(
         command("demo", "--keep"),
