@@ -14,6 +14,12 @@ from worker.process.os_limits import usable_cores
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
+DEAR = {
+    *("curves", "transitions", "article", "paths", "cli", "api"),
+    *("test_properties", "test_golden", "test_docs", "test_examples", "test_client"),
+}
+"""Directories and files that the quick run leaves out as a whole, besides all tests with real processes."""
+
 SLOW = [HealthCheck.too_slow]
 settings.register_profile("ci", deadline=None, derandomize=True, suppress_health_check=SLOW)
 settings.register_profile(
@@ -44,6 +50,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.skip(reason="long: runs with --long"))
         if uses_processes(item):
             item.add_marker(pytest.mark.flaky(reruns=1))
+            item.add_marker(pytest.mark.slow)
+        if not DEAR.isdisjoint({*item.path.parts, item.path.stem}):
+            item.add_marker(pytest.mark.slow)
 
 
 def uses_processes(item: pytest.Item) -> bool:
