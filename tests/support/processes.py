@@ -26,7 +26,7 @@ PATIENCE = 60.0
 @contextmanager
 def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[Any]]:
     """A child process with the options of `Popen`, in a new session that ends with the block."""
-    with _sigint_not_ignored():
+    with _signals_not_ignored():
         process = subprocess.Popen(command, start_new_session=True, **{"cwd": ROOT, **options})
     try:
         yield process
@@ -50,13 +50,15 @@ def completed(
 
 
 @contextmanager
-def _sigint_not_ignored() -> Iterator[None]:
-    """Children inherit an ignored signal (`nohup … &` and some CI runners ignore SIGINT), but no handler."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+def _signals_not_ignored() -> Iterator[None]:
+    """Children inherit ignored signals (SIGINT and SIGHUP by `nohup … &`), but no handlers."""
+    interrupt = signal.signal(signal.SIGINT, signal.default_int_handler)
+    hang_up = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, interrupt)
+        signal.signal(signal.SIGHUP, hang_up)
 
 
 @dataclass
