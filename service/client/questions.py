@@ -169,8 +169,7 @@ def poses(
     deadline: float | None = None,
 ) -> Asked[PoseTable]:
     """All poses with given lengths of the legs."""
-    members = {name: _text(x) for name, x in (("l1", l1), ("l2", l2), ("l3", l3))}
-    return _asked(PosesRequest, PoseTable, manipulator, digits, deadline, members)
+    return _asked(PosesRequest, PoseTable, manipulator, digits, deadline, _legs(l1, l2, l3))
 
 
 def cusp_loop(
@@ -194,9 +193,7 @@ def cusp_loop(
         f"l{fixed_leg}": _text(length),
         "fixed_leg": fixed_leg,
         "cusp": str(cusp),
-        "samples": str(samples),
-        "timing": timing,
-        "duration": _text(duration),
+        **_sampling(samples, timing, duration),
         "others": others,
     }
     return _asked(PathRequest, Path, manipulator, digits, deadline, members)
@@ -239,7 +236,7 @@ def plot(
     if length is not None:
         members[f"l{fixed_leg}"] = _text(length)
     if lengths is not None:
-        members |= {f"l{leg}": _text(x) for leg, x in enumerate(lengths, 1)}
+        members |= _legs(*lengths)
     if start is not None or stop is not None:
         members["range"] = _range(start, stop)
     members |= {name: str(x) for name, x in (("cusp", cusp), ("pose", pose)) if x is not None}
@@ -265,13 +262,11 @@ def joint_path(
 ) -> Asked[Path]:
     """A path without a singularity from one pose of a joint vector to another, or why there is none."""
     members: dict[str, object] = {
-        **{name: _text(x) for name, x in (("l1", l1), ("l2", l2), ("l3", l3))},
+        **_legs(l1, l2, l3),
         "fixed_leg": fixed_leg,
         "from": str(start),
         "to": str(stop),
-        "samples": str(samples),
-        "timing": timing,
-        "duration": _text(duration),
+        **_sampling(samples, timing, duration),
         "others": others,
     }
     if between is not None:
@@ -295,6 +290,14 @@ def _asked(
     if deadline is not None:
         own["deadline_s"] = str(deadline)
     return Asked(read(question, own, Source(limits, is_text=True)), PATHS[question][0], model)
+
+
+def _legs(*lengths: Exact) -> dict[str, str]:
+    return {f"l{leg}": _text(x) for leg, x in enumerate(lengths, 1)}
+
+
+def _sampling(samples: int, timing: str, duration: Exact) -> dict[str, str]:
+    return {"samples": str(samples), "timing": timing, "duration": _text(duration)}
 
 
 def _lengths(lengths: _Length) -> list[str]:

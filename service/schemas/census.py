@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from pydantic import Field
 
 from service.schemas.lengths import Range, range_field
-from service.schemas.numbers import Digits, FixedLeg, digits_field
+from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
 from service.schemas.points import ClosedRange, DocumentHead, FixedLength, Interval, TransitionEvent
 from service.schemas.questions import Examples, Question
 from worker.answers import censuses
@@ -28,7 +28,7 @@ class CensusRequest(Question):
         ),
     }
 
-    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length is fixed in a slice.")
+    fixed_leg: FixedLeg = fixed_leg_field()
     digits: Digits = digits_field()
     range: Range = range_field()
 

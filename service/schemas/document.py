@@ -18,6 +18,7 @@ from typing import Any, ClassVar, Self, TypeVar, get_args
 from pydantic import (
     BaseModel,
     ConfigDict,
+    Field,
     ModelWrapValidatorHandler,
     ValidationError,
     ValidationInfo,
@@ -132,6 +133,15 @@ class Document(BaseModel):
         value = fault["input"]
         shown = repr(value[:40]) if type(value) is str else json_kind(value)
         return f"is {shown}; it must be one of {', '.join(get_args(info.annotation))}"
+
+
+def given(description: str, **more: Any) -> Any:
+    """Returns a field that may be missing but is never null."""
+    return Field(default=None, description=description, json_schema_extra=_without_default, **more)
+
+
+def _without_default(schema: dict[str, Any]) -> None:
+    schema.pop("default", None)
 
 
 M = TypeVar("M", bound=Document)

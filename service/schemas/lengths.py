@@ -22,6 +22,7 @@ from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.document import Document, Source, part, unnamed
 from service.schemas.limits import LimitError, Limits
 from service.schemas.numbers import FIXED_LEGS, Exact, Positive, exact_number
+from service.schemas.questions import Question
 
 LEGS = ("l1", "l2", "l3")
 
@@ -246,6 +247,27 @@ class SlicesOfOneLeg(Document):
             return super()._hint(name, known)
         [own] = [leg for leg in LEGS if leg in known]
         return f"with fixed_leg {own[1]} the slices are {own}"
+
+
+class OneSlice(Question):
+    """Base of questions about the slice of one length of the fixed leg, which is l1, l2 or l3.
+
+    Its canonical form has the length under the name "length".
+    """
+
+    if TYPE_CHECKING:  # each question has it among its own fields
+        fixed_leg: int
+
+    @property
+    def length(self) -> Fraction:
+        """The length of the fixed leg."""
+        length: Fraction = getattr(self, f"l{self.fixed_leg}")
+        return length
+
+    def _asked(self) -> dict[str, Any]:
+        content = self.content()
+        length = {f"l{self.fixed_leg}": content.pop("length")} if "length" in content else {}
+        return {**length, **content}
 
 
 def _leg_of(value: Mapping[str, Any]) -> int | None:

@@ -10,6 +10,7 @@ from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, Wit
 
 from rpr_solver import DEFAULT_DIGITS, exact_str, parse_exact
 from rpr_solver.errors import InputError
+from rpr_solver.kinematics.closure import DEGREE
 from service.schemas.document import Expected, Source
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.schemas.limits import LimitError
@@ -106,8 +107,20 @@ def _whole(value: object, info: ValidationInfo, expected: str) -> int:
     return whole_number(value, expected, is_text=Source.of(info).is_text)
 
 
-def positive_length(value: object, info: ValidationInfo) -> Fraction:
-    """Read the length of a leg."""
+def whole_from(least: int, most: int, what: str = "") -> PlainValidator:
+    """Returns the validator of a whole number in a range, with its schema; messages may say what it is."""
+    expected = f"{what}{least} to {most}"
+
+    def validate(value: object, info: ValidationInfo) -> int:
+        number = _whole(value, info, expected)
+        if not least <= number <= most:
+            raise InputError.of("", f"is {str(number)[:40]}; give {expected}")
+        return number
+
+    return PlainValidator(validate, json_schema_input_type=Annotated[int, Field(ge=least, le=most)])
+
+
+def _length(value: object, info: ValidationInfo) -> Fraction:
     length = exact_number(value, info)
     if length <= 0:
         raise InputError.of("", f"is {exact_str(length)}; a leg length must be > 0")
@@ -184,7 +197,7 @@ Positive = Annotated[
 
 Length = Annotated[
     Fraction,
-    PlainValidator(positive_length),
+    PlainValidator(_length),
     _AS_TEXT,
     WithJsonSchema(POSITIVE_NUMBER),
     Expected("give a number > 0"),
@@ -193,6 +206,9 @@ Length = Annotated[
 
 FixedLeg = Annotated[int, PlainValidator(_fixed_leg, json_schema_input_type=Literal[FIXED_LEGS])]
 """The leg whose length is fixed in a slice."""
+
+PoseNumber = Annotated[int, whole_from(1, DEGREE, "the number of a pose, ")]
+"""The number of a pose in the table of all poses of a joint vector."""
 
 Digits = Annotated[int, PlainValidator(_digits, json_schema_input_type=Annotated[int, Field(ge=15, le=1000)])]
 """The requested number of significant digits."""
@@ -212,6 +228,11 @@ Count = Annotated[
     int | None, PlainValidator(_count, json_schema_input_type=Annotated[int, Field(ge=0)] | None)
 ]
 """A number of cusps, or None."""
+
+
+def fixed_leg_field() -> Any:
+    """Returns the field of the fixed leg."""
+    return Field(default=1, description="The leg whose length is fixed in a slice.")
 
 
 def digits_field(default: int | None = None) -> Any:

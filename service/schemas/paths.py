@@ -10,9 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInf
 
 from rpr_solver import exact_str
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.kinematics.closure import DEGREE
 from rpr_solver.paths.path import (
-    DEFAULT_SAMPLES,
     LEAST_SAMPLES,
     MOST_CUSPS,
     MOST_SAMPLES,
@@ -20,22 +18,31 @@ from rpr_solver.paths.path import (
     letter,
     number_of,
 )
-from service.schemas.document import Document, Source
+from service.schemas.document import Document, Source, given
 from service.schemas.exact_json import JsonNumber, json_kind
-from service.schemas.lengths import LEGS, NEEDED, SlicesOfOneLeg
-from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, exact_number, whole_number
+from service.schemas.lengths import LEGS, NEEDED, OneSlice, SlicesOfOneLeg
+from service.schemas.numbers import (
+    Digits,
+    FixedLeg,
+    Length,
+    PoseNumber,
+    digits_field,
+    exact_number,
+    fixed_leg_field,
+    whole_from,
+    whole_number,
+)
 from service.schemas.points import ClosedRange, Decimal, DocumentHead, optional
-from service.schemas.questions import Examples, Question
+from service.schemas.questions import Examples
 from worker.answers import paths
 from worker.answers.requests import Kind
 
 _LAST = letter(MOST_CUSPS)
 
-cusp_schema = (
+_CUSP_SCHEMA = (
     Annotated[int, Field(ge=1, le=MOST_CUSPS)]
     | Annotated[str, Field(pattern=f"^[A-{_LAST}a-{_LAST.lower()}]$")]
 )
-"""How a cusp is named in JSON."""
 
 
 def cusp_number(value: object, info: ValidationInfo) -> int:
@@ -53,12 +60,16 @@ def cusp_number(value: object, info: ValidationInfo) -> int:
         raise InputError.of("", f"is {number[:40]!r}; give {expected}") from None
 
 
-def _samples(value: object, info: ValidationInfo) -> int:
-    expected = f"{LEAST_SAMPLES} to {MOST_SAMPLES}"
-    samples = whole_number(value, expected, is_text=Source.of(info).is_text)
-    if not LEAST_SAMPLES <= samples <= MOST_SAMPLES:
-        raise InputError.of("", f"is {str(samples)[:40]}; give {expected}")
-    return samples
+CuspNumber = Annotated[int, PlainValidator(cusp_number, json_schema_input_type=_CUSP_SCHEMA)]
+"""A cusp by its number in the table of the slice."""
+
+
+def cusp_field() -> Any:
+    """Returns the field of a cusp."""
+    return Field(
+        default=1,
+        description="The cusp: its number, from 1, in the cusp table of the slice, or its letter.",
+    )
 
 
 def _duration(value: object, info: ValidationInfo) -> Fraction:
@@ -72,34 +83,6 @@ def _yes_or_no(value: object) -> bool:
     if not isinstance(value, bool):
         raise InputError.of("", f"is {json_kind(value)}; give true or false")
     return value
-
-
-def _pose(value: object, info: ValidationInfo) -> int:
-    expected = "the number of a pose, 1 to 6"
-    number = whole_number(value, expected, is_text=Source.of(info).is_text)
-    if not 1 <= number <= DEGREE:
-        raise InputError.of("", f"is {str(number)[:40]}; give {expected}")
-    return number
-
-
-PoseNumber = Annotated[
-    int, PlainValidator(_pose, json_schema_input_type=Annotated[int, Field(ge=1, le=DEGREE)])
-]
-"""The number of a pose in the table of all poses of a joint vector."""
-
-
-def _without_default(schema: dict[str, Any]) -> None:
-    schema.pop("default", None)
-
-
-def _given(description: str, **more: Any) -> Any:
-    """A member that may be missing but is never null."""
-    return Field(
-        default=None,
-        description=description,
-        json_schema_extra=_without_default,
-        **more,
-    )
 
 
 class Between(Document):
@@ -119,7 +102,7 @@ _LOOP_OR_POSES: dict[str, Any] = {
 }
 
 
-class PathRequest(SlicesOfOneLeg, Question):
+class PathRequest(SlicesOfOneLeg, OneSlice):
     """A manipulator, and the loop or the path that is requested.
 
     For a loop round a cusp give the slice and the `cusp`. The slice is the length of the fixed leg: `l1`, or
@@ -152,39 +135,30 @@ class PathRequest(SlicesOfOneLeg, Question):
         ),
     }
 
-    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length is fixed in a slice.")
-    l1: Length = _given("The length of leg 1. For a loop with `fixed_leg` 2 or 3 use `l2` or `l3`.")
-    l2: Length = _given("The length of leg 2: for a loop, with `fixed_leg` 2.")
-    l3: Length = _given("The length of leg 3: for a loop, with `fixed_leg` 3.")
-    start: PoseNumber = _given(
+    fixed_leg: FixedLeg = fixed_leg_field()
+    l1: Length = given("The length of leg 1. For a loop with `fixed_leg` 2 or 3 use `l2` or `l3`.")
+    l2: Length = given("The length of leg 2: for a loop, with `fixed_leg` 2.")
+    l3: Length = given("The length of leg 3: for a loop, with `fixed_leg` 3.")
+    start: PoseNumber = given(
         "The number of the pose at the start, from 1, in the answer of /v1/poses.", alias="from"
     )
-    stop: PoseNumber = _given("The number of the pose at the end.", alias="to")
-    between: Between = _given("Lengths between which the fixed leg may move; without them it is held.")
-    cusp: Annotated[
-        int,
-        PlainValidator(cusp_number, json_schema_input_type=cusp_schema),
-    ] = Field(
-        default=1,
-        description="The cusp: its number, from 1, in the cusp table of the slice, or its letter.",
+    stop: PoseNumber = given("The number of the pose at the end.", alias="to")
+    between: Between = given("Lengths between which the fixed leg may move; without them it is held.")
+    cusp: CuspNumber = cusp_field()
+    samples: Annotated[int, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = Field(
+        default=paths.USUAL["samples"], description="The number of samples, the ends included."
     )
-    samples: Annotated[
-        int,
-        PlainValidator(
-            _samples, json_schema_input_type=Annotated[int, Field(ge=LEAST_SAMPLES, le=MOST_SAMPLES)]
-        ),
-    ] = Field(default=DEFAULT_SAMPLES, description="The number of samples, the ends included.")
     timing: Literal["cosine", "trapezoid", "constant"] = Field(
-        default="cosine",
+        default=paths.USUAL["timing"],
         description="The law of time over the arc length in joint space: the speed rises and falls as half a "
         "sine wave, or rises for a third of the time, stays, and falls for a third, or is constant.",
     )
     others: Annotated[bool, PlainValidator(_yes_or_no, json_schema_input_type=bool)] = Field(
-        default=False,
+        default=paths.USUAL["others"],
         description="Whether the other poses of the joint vector are followed too, as far as they live.",
     )
     duration: Annotated[Fraction, PlainValidator(_duration, json_schema_input_type=Length)] = Field(
-        default=Fraction(1), description="The time of the last sample; > 0."
+        default=Fraction(paths.USUAL["duration"]), description="The time of the last sample; > 0."
     )
     digits: Digits = digits_field(PATH_DIGITS)
 
@@ -227,17 +201,8 @@ class PathRequest(SlicesOfOneLeg, Question):
             "digits": self.digits,
         }
 
-    @property
-    def length(self) -> Fraction:
-        """The length of the fixed leg."""
-        length: Fraction = getattr(self, f"l{self.fixed_leg}")
-        return length
-
     def _asked(self) -> dict[str, Any]:
-        content = self.content()
-        if "length" in content:
-            return {f"l{self.fixed_leg}": content.pop("length"), **content}
-        return {name: value for name, value in content.items() if value is not None}
+        return {name: value for name, value in super()._asked().items() if value is not None}
 
 
 def _is_of_poses(value: Mapping[str, Any]) -> bool:
@@ -245,27 +210,37 @@ def _is_of_poses(value: Mapping[str, Any]) -> bool:
     return any(name in value for name in _POSES)
 
 
-class PoseOnPath(BaseModel):
-    """A pose at an end of the path."""
-
-    pose: int = Field(description="The number of the pose, from 1, in the answer of /v1/poses.")
+class _Angles(BaseModel):
     alpha_deg: Decimal
     theta1_deg: Decimal | None = None
     theta2_deg: Decimal | None = None
     theta3_deg: Decimal | None = None
 
 
-class PathSample(BaseModel):
-    """A point of the path at its time."""
-
-    time: str = Field(description="Exact, from 0 to the duration.")
+class _Legs(BaseModel):
     l1: Decimal
     l2: Decimal
     l3: Decimal
-    alpha_deg: Decimal
-    theta1_deg: Decimal | None = None
-    theta2_deg: Decimal | None = None
-    theta3_deg: Decimal | None = None
+
+
+class _Numbered(BaseModel):
+    pose: int = Field(description="The number of the pose, from 1, in the answer of /v1/poses.")
+
+
+class _Timed(BaseModel):
+    time: str = Field(description="Exact, from 0 to the duration.")
+
+
+# the members of the last base come first
+
+
+class PoseOnPath(_Angles, _Numbered):
+    """A pose at an end of the path."""
+
+
+class PathSample(_Angles, _Legs, _Timed):
+    """A point of the path at its time."""
+
     determinant: Decimal = Field(
         description="J / (L1 L2 L3), in the unit of the geometry: up to its sign the determinant of the "
         "partial derivatives of L1, L2, L3 by a translation of the platform and its rotation in radians."
@@ -276,16 +251,8 @@ class PathSample(BaseModel):
     )
 
 
-class FoldPoint(BaseModel):
+class FoldPoint(_Angles, _Legs):
     """Where a pose meets another one, and both end: a point of a singular curve."""
-
-    l1: Decimal
-    l2: Decimal
-    l3: Decimal
-    alpha_deg: Decimal
-    theta1_deg: Decimal | None = None
-    theta2_deg: Decimal | None = None
-    theta3_deg: Decimal | None = None
 
 
 class OtherPose(BaseModel):

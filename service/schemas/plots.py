@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from fractions import Fraction
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
-from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from rpr_solver import exact_str
 from rpr_solver.errors import FieldProblem, InputError
-from service.schemas.document import Source
-from service.schemas.lengths import LEGS, NEEDED, Range, range_field
-from service.schemas.numbers import FixedLeg, Length, positive_length, whole_number
-from service.schemas.paths import cusp_number, cusp_schema
+from service.schemas.document import given
+from service.schemas.lengths import LEGS, NEEDED, OneSlice, Range, range_field
+from service.schemas.numbers import FixedLeg, Length, PoseNumber, fixed_leg_field
+from service.schemas.paths import CuspNumber, cusp_field
 from service.schemas.points import DocumentHead
-from service.schemas.questions import Examples, Question
+from service.schemas.questions import Examples
 from worker.answers import plots
 from worker.answers.requests import Kind
-
-MOST_POSES = 6
 
 _ONE_SLICE = ("slice", "torus", "loop")
 _ALL_SLICES = ("census", "locus")
@@ -46,18 +43,7 @@ _SCHEMA: dict[str, Any] = {
 }
 
 
-def _pose(value: object, info: ValidationInfo) -> int:
-    expected = f"1 to {MOST_POSES}"
-    pose = whole_number(value, expected, is_text=Source.of(info).is_text)
-    if not 1 <= pose <= MOST_POSES:
-        raise InputError.of("", f"is {str(pose)[:40]}; give {expected}")
-    return pose
-
-
-OneLength = Annotated[Fraction | None, PlainValidator(positive_length, json_schema_input_type=Length)]
-
-
-class PlotRequest(Question):
+class PlotRequest(OneSlice):
     """A manipulator, and what is to be drawn of it.
 
     `slice` and `torus` take the length of the fixed leg, `loop` also a `cusp`; `census` and `locus` take a
@@ -87,18 +73,15 @@ class PlotRequest(Question):
     theme: Literal["auto", "light", "dark"] = Field(
         "auto", description="`auto` follows the reader's setting, light or dark."
     )
-    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length is fixed in a slice.")
-    l1: OneLength = Field(default=None, description="The length of leg 1.")
-    l2: OneLength = Field(default=None, description="The length of leg 2.")
-    l3: OneLength = Field(default=None, description="The length of leg 3.")
+    fixed_leg: FixedLeg = fixed_leg_field()
+    l1: Length = given("The length of leg 1.")
+    l2: Length = given("The length of leg 2.")
+    l3: Length = given("The length of leg 3.")
     range: Range = range_field()
-    cusp: Annotated[int, PlainValidator(cusp_number, json_schema_input_type=cusp_schema)] = Field(
-        default=1,
-        description="The cusp: its number, from 1, in the cusp table of the slice, or its letter.",
+    cusp: CuspNumber = cusp_field()
+    pose: PoseNumber = Field(
+        default=1, description="The number of the pose, from 1, in the answer of /v1/poses."
     )
-    pose: Annotated[
-        int, PlainValidator(_pose, json_schema_input_type=Annotated[int, Field(ge=1, le=MOST_POSES)])
-    ] = Field(default=1, description="The number of the pose, from 1, in the answer of /v1/poses.")
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -145,13 +128,10 @@ class PlotRequest(Question):
             lengths = {leg: exact_str(getattr(self, leg)) for leg in LEGS}
             return {**head, **lengths, "pose": self.pose}
         cusp = {"cusp": self.cusp} if self.plot in _WITH_CUSP else {}
-        return {**head, "length": exact_str(getattr(self, f"l{self.fixed_leg}")), **cusp}
+        return {**head, "length": exact_str(self.length), **cusp}
 
     def _asked(self) -> dict[str, Any]:
-        content = self.content()
-        del content["digits"]
-        length = {f"l{self.fixed_leg}": content.pop("length")} if "length" in content else {}
-        return {**length, **content}
+        return {name: value for name, value in super()._asked().items() if name != "digits"}
 
 
 class Plot(DocumentHead):

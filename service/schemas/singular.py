@@ -11,10 +11,11 @@ from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInf
 from rpr_solver import MIN_DIGITS, exact_str
 from rpr_solver.errors import InputError
 from rpr_solver.singular.singular_curves import COARSEST, DEFAULT_TOLERANCE, FINEST
-from service.schemas.lengths import NEEDED, SlicesOfOneLeg
-from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, exact_number
+from service.schemas.document import given
+from service.schemas.lengths import NEEDED, OneSlice, SlicesOfOneLeg
+from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, exact_number, fixed_leg_field
 from service.schemas.points import DocumentHead, FixedLength, Point, optional
-from service.schemas.questions import Examples, Question
+from service.schemas.questions import Examples
 from worker.answers import singular
 from worker.answers.requests import Kind
 
@@ -27,7 +28,7 @@ def _tolerance(value: object, info: ValidationInfo) -> Fraction:
     return tolerance
 
 
-class SingularCurvesRequest(SlicesOfOneLeg, Question):
+class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     """A manipulator and a slice.
 
     The slice is the length of the fixed leg: give `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg`
@@ -45,12 +46,10 @@ class SingularCurvesRequest(SlicesOfOneLeg, Question):
         "fine": ("The same, drawn ten times as finely", {"l1": 14.98, "tolerance": "0.0001"}),
     }
 
-    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length is fixed in a slice.")
-    l1: Length | None = Field(
-        default=None, description="The length of leg 1. With `fixed_leg` 2 or 3 use `l2` or `l3`."
-    )
-    l2: Length | None = Field(default=None, description="The length, with `fixed_leg` 2.")
-    l3: Length | None = Field(default=None, description="The length, with `fixed_leg` 3.")
+    fixed_leg: FixedLeg = fixed_leg_field()
+    l1: Length = given("The length of leg 1. With `fixed_leg` 2 or 3 use `l2` or `l3`.")
+    l2: Length = given("The length, with `fixed_leg` 2.")
+    l3: Length = given("The length, with `fixed_leg` 3.")
     tolerance: Annotated[Fraction, PlainValidator(_tolerance, json_schema_input_type=Length)] = Field(
         default=DEFAULT_TOLERANCE,
         description="How far a drawn curve may be from the true one, relative to the size of the picture, in "
@@ -67,16 +66,6 @@ class SingularCurvesRequest(SlicesOfOneLeg, Question):
             "tolerance": exact_str(self.tolerance),
             "digits": self.digits,
         }
-
-    @property
-    def length(self) -> Fraction:
-        """The length of the fixed leg."""
-        length: Fraction = getattr(self, f"l{self.fixed_leg}")
-        return length
-
-    def _asked(self) -> dict[str, Any]:
-        content = self.content()
-        return {f"l{self.fixed_leg}": content.pop("length"), **content}
 
 
 class Samples(BaseModel):

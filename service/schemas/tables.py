@@ -13,7 +13,7 @@ from service.schemas.article_audit import Audit
 from service.schemas.document import Source
 from service.schemas.lengths import NEEDED, Slices, SlicesOfOneLeg, slices_field
 from service.schemas.limits import LimitError
-from service.schemas.numbers import Digits, FixedLeg, digits_field
+from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
 from service.schemas.points import Cusp, DocumentHead, FixedLength, Point, optional
 from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
 from worker.answers import article, tables
@@ -56,7 +56,7 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     l2: Slices = slices_field("The slices, with `fixed_leg` 2.")
     l3: Slices = slices_field("The slices, with `fixed_leg` 3.")
     digits: Digits = digits_field()
-    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length is fixed in a slice.")
+    fixed_leg: FixedLeg = fixed_leg_field()
     method: Literal["fast", "article"] = Field(
         default="fast",
         description="`article` uses and audits the article's own algorithm, with its eliminant of degree 96; "

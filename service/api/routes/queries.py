@@ -10,6 +10,7 @@ from fastapi import APIRouter, Request, Response
 
 from rpr_solver.errors import InputError
 from rpr_solver.figures.palette import THEMES
+from rpr_solver.kinematics.closure import DEGREE
 from service.api.answering import answer_asked
 from service.api.batch_csv import ENDS, GEOMETRY, LEGS, item_of
 from service.api.context import ContextDep
@@ -23,7 +24,6 @@ from service.api.reading import asked_of
 from service.api.routes.plain import PlainRoute
 from service.schemas.limits import MAX_DIGITS, MIN_DIGITS
 from service.schemas.numbers import FIXED_LEGS, NUMBER_PATTERN, POSITIVE_PATTERN, list_pattern
-from service.schemas.plots import MOST_POSES
 from service.schemas.tables import METHODS
 from worker.answers import plots
 
@@ -63,7 +63,7 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "pose": (
         "Of the mechanism with three lengths: the number of the pose.",
-        {"type": "integer", "minimum": 1, "maximum": MOST_POSES},
+        {"type": "integer", "minimum": 1, "maximum": DEGREE},
     ),
     "method": ("`article`: by the article's own algorithm.", {"type": "string", "enum": list(METHODS)}),
     "wait": (

@@ -115,6 +115,12 @@ def test_faults_are_told_as_they_are_documented(question: type[Question]) -> Non
     assert problems(question, "[]") == [("body", f"is a list; {question.expected}")]
 
 
+@pytest.mark.parametrize("question", [PathRequest, SingularCurvesRequest, PlotRequest])
+def test_the_length_of_one_slice_is_never_null(question: type[Question]) -> None:
+    body = json.dumps({"geometry": GEOMETRY, "l1": None})
+    assert problems(question, body) == [("l1", 'is null; give a number such as 17.04, "17.04" or "426/25"')]
+
+
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_the_digits_are_those_of_the_limits(question: type[Question]) -> None:
     _, example = next(iter(question.examples.values()))
