@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import faulthandler
 import itertools
 import logging
 import os
@@ -38,15 +37,14 @@ from worker.jobs.records import JobRecords
 from worker.jobs.roster import Roster
 from worker.jobs.sweeper import Sweeper
 from worker.logs import about
-from worker.process.horse import BeatAlarm, perform
+from worker.process.horse import BeatAlarm, forked, kill_with_children, perform
 from worker.process.horse_exit import UNANSWERED, GivenUp, Outcome, RunAgain, judge_exit
-from worker.process.os_limits import STOP_SIGNALS, die_with_parent, limit_memory, on_stop_signals
+from worker.process.os_limits import on_stop_signals, stop_signals_held
 from worker.process.outage import Outage
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 
-_WATCHDOG_MARGIN = 15.0
 _REGISTER_TTL = 15
 _QUEUE_PATIENCE = 1  # seconds to block on empty queues; heartbeats and the sweep need short rounds
 _GOODBYE_PATIENCE = 2.0
@@ -225,48 +223,16 @@ class CuspWorker(Worker):
         self._current = None
 
     def fork_work_horse(self, job: Job, _queue: Queue) -> None:
-        """Fork; the horse holds one end of a pipe, so that the worker notices its exit at once."""
-        reader, writer = os.pipe()
-        parent = os.getpid()
-        signal.pthread_sigmask(signal.SIG_BLOCK, STOP_SIGNALS)
-        try:
-            pid = os.fork()
-        except OSError:
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
-            for end in (reader, writer):
-                os.close(end)
-            raise
-        if pid == 0:
-            with contextlib.suppress(BaseException):
-                die_with_parent(parent)
-                os.setpgid(0, 0)
-                on_stop_signals(signal.SIG_DFL)
-                self.setup_work_horse_signals()  # type: ignore[no-untyped-call]
-                signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
-                os.close(reader)
-                limit_memory(self.settings.memory_limit_mb)
-                os.nice(self.settings.niceness)  # the API answers known questions meanwhile
-                # without a parent-death signal, this ends an orphan soon after the deadline
-                quiet = os.open(os.devnull, os.O_WRONLY)
-                faulthandler.dump_traceback_later(
-                    self.settings.deadline + _WATCHDOG_MARGIN, exit=True, file=quiet
-                )
-                os._exit(perform(job))
-            os._exit(1)
-        with contextlib.suppress(OSError):
-            os.setpgid(pid, pid)
-        os.close(writer)
-        self._horse_pid, self._horse_pipe = pid, reader
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
+        """Fork a work horse for a chunk."""
+        with stop_signals_held():  # until its pid is known here, so that a stop finds it
+            self._horse_pid, self._horse_pipe = forked(
+                lambda: perform(job), self.setup_work_horse_signals, self.settings
+            )
 
     def kill_horse(self, sig: signal.Signals = signal.SIGKILL) -> None:
         """Kill the work horse and its children; RQ's method may hit the worker's own process group."""
-        pid = self._horse_pid
-        if pid <= 0:
-            return
-        for kill in (os.killpg, os.kill):
-            with contextlib.suppress(ProcessLookupError, PermissionError):
-                kill(pid, sig)
+        if self._horse_pid > 0:
+            kill_with_children(self._horse_pid, sig)
 
     def monitor_work_horse(self, job: Job, _queue: Queue) -> None:
         """Wait for the exit of the work horse, and enforce it at the deadline, a stop or a cancel."""
