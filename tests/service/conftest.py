@@ -83,6 +83,14 @@ def redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
         yield client
 
 
+@pytest.fixture
+def idle_redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
+    """A client of a database that no worker serves, empty at the start of each test."""
+    with connect(f"{valkey.url}?db=2") as client:
+        client.flushdb()
+        yield client
+
+
 _slices = itertools.count(20_000)
 
 

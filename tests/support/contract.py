@@ -38,6 +38,15 @@ def _calls(contract: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
         yield from ((f"{method.upper()} {path}", operation) for method, operation in methods.items())
 
 
+def parts(schema: Any) -> Iterator[dict[str, Any]]:
+    """A schema and all schemas in it."""
+    if isinstance(schema, dict):
+        yield schema
+    for item in schema.values() if isinstance(schema, dict) else schema:
+        if isinstance(item, dict | list):
+            yield from parts(item)
+
+
 def _of_calls(contract: dict[str, Any]) -> Iterator[str]:
     for call, operation in _calls(contract):
         yield call

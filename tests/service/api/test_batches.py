@@ -49,15 +49,7 @@ def client(valkey: EmbeddedValkey, worker: None) -> Iterator[httpx.Client]:  # n
 
 
 @pytest.fixture
-def redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
-    """A database of its own, without workers."""
-    with connect(f"{valkey.url}?db=2") as client:
-        client.flushdb()
-        yield client
-
-
-@pytest.fixture
-def idle(valkey: EmbeddedValkey, redis: Redis) -> Iterator[httpx.Client]:  # noqa: ARG001
+def idle(valkey: EmbeddedValkey, idle_redis: Redis) -> Iterator[httpx.Client]:  # noqa: ARG001
     """A service without workers, with small limits."""
     limits = Limits(max_batch_items=5, max_batch_bytes=4000, max_body_bytes=1500)
     settings = Settings(redis_url=f"{valkey.url}?db=2", limits=limits)
@@ -229,13 +221,13 @@ def test_rows_of_every_kind(client: httpx.Client) -> None:
     ],
 )
 def test_what_is_refused_as_a_whole(
-    idle: httpx.Client, redis: Redis, body: str | bytes, headers: dict[str, str], slug: str
+    idle: httpx.Client, idle_redis: Redis, body: str | bytes, headers: dict[str, str], slug: str
 ) -> None:
     headers = {"Content-Type": "application/json"} | headers
     answer = idle.post("/v1/batches", content=body, headers=headers)
     assert answer.json()["type"] == f"/problems/{slug}", answer.text
     assert 400 <= answer.status_code < 500
-    assert redis.keys("cusps:job:*") == redis.keys("cusps:submission:*") == []
+    assert idle_redis.keys("cusps:job:*") == idle_redis.keys("cusps:submission:*") == []
 
 
 def test_a_body_in_small_pieces(client: httpx.Client) -> None:
@@ -272,11 +264,11 @@ class Worker:
             self.batches.put_item(ref, chunk, offset, outcome)
 
 
-def test_results_while_it_runs_and_after_its_end_for_some(idle: httpx.Client, redis: Redis) -> None:
+def test_results_while_it_runs_and_after_its_end_for_some(idle: httpx.Client, idle_redis: Redis) -> None:
     batch = submitted(idle, [poses(x) for x in (15, 16, 17)])
     assert (batch["status"], batch["done"], batch["expires_at"]) == ("queued", 0, None)
     assert results(idle, batch, "") == []
-    worker = Worker(redis, batch)
+    worker = Worker(idle_redis, batch)
     worker.answer(1)
     state = idle.get(batch["links"]["self"])
     assert state.headers["retry-after"]
@@ -319,9 +311,9 @@ def test_results_that_expired(client: httpx.Client, valkey: EmbeddedValkey) -> N
     assert second["problem"]["type"] == "/problems/result-expired"
 
 
-def test_lines_come_as_they_are_done(idle: httpx.Client, redis: Redis) -> None:
+def test_lines_come_as_they_are_done(idle: httpx.Client, idle_redis: Redis) -> None:
     batch = submitted(idle, [poses(x) for x in (15, 16, 17)])
-    worker = Worker(redis, batch)
+    worker = Worker(idle_redis, batch)
     with idle.stream("GET", batch["links"]["results"], headers={"Prefer": "wait=60"}) as answer:
         got = answer.iter_lines()
         worker.answer(0)
@@ -344,23 +336,25 @@ def test_events(client: httpx.Client) -> None:
     assert client.get(batch["links"]["events"], headers=last).status_code == 204
 
 
-def test_the_same_submission_is_one_batch(idle: httpx.Client, redis: Redis) -> None:
+def test_the_same_submission_is_one_batch(idle: httpx.Client, idle_redis: Redis) -> None:
     key = {**NDJSON, "Idempotency-Key": "7f9c2ba4"}
     first = submitted(idle, lines(poses(15)), key)
     assert submitted(idle, lines(poses(15)), key)["id"] == first["id"]
     assert submitted(idle, lines(poses(15)), {**NDJSON, "Idempotency-Key": "other"})["id"] != first["id"]
     again = idle.post("/v1/batches", content=lines(poses(16)), headers=key)
     assert problem(again, 422, "idempotency-key-reused")["errors"][0]["field"] == "Idempotency-Key"
-    [name] = [x for x in redis.keys("cusps:submission:*") if redis.hget(x, "job") == first["id"].encode()]
-    assert redis.ttl(name) > 86000
+    [name] = [
+        x for x in idle_redis.keys("cusps:submission:*") if idle_redis.hget(x, "job") == first["id"].encode()
+    ]
+    assert idle_redis.ttl(name) > 86000
 
 
-def test_a_submission_that_is_still_received(idle: httpx.Client, redis: Redis) -> None:
+def test_a_submission_that_is_still_received(idle: httpx.Client, idle_redis: Redis) -> None:
     key = {**NDJSON, "Idempotency-Key": "slow"}
 
     def body() -> Iterator[bytes]:
         yield lines(poses(15)).encode()
-        until(lambda: redis.keys("cusps:submission:*"))
+        until(lambda: idle_redis.keys("cusps:submission:*"))
         answer = idle.post("/v1/batches", content=lines(poses(15)), headers=key)
         problem(answer, 409, "submission-in-progress")
         assert int(answer.headers["retry-after"]) >= 1
@@ -378,38 +372,38 @@ def test_a_repeated_submission_can_be_withdrawn(idle: httpx.Client) -> None:
     assert idle.delete(again["links"]["cancel"]).json()["status"] == "canceled"
 
 
-def test_a_client_that_leaves_while_it_submits(idle: httpx.Client, redis: Redis) -> None:
+def test_a_client_that_leaves_while_it_submits(idle: httpx.Client, idle_redis: Redis) -> None:
     def body() -> Iterator[bytes]:
         yield lines(poses(15)).encode()
-        until(lambda: redis.keys("cusps:submission:*"))
+        until(lambda: idle_redis.keys("cusps:submission:*"))
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         idle.post("/v1/batches", content=body(), headers={**NDJSON, "Idempotency-Key": "gone"})
-    until(lambda: not redis.keys("cusps:submission:*"))
-    assert redis.keys("cusps:job:*") == []
+    until(lambda: not idle_redis.keys("cusps:submission:*"))
+    assert idle_redis.keys("cusps:job:*") == []
 
 
-def test_another_process_serves_the_batch(valkey: EmbeddedValkey, redis: Redis) -> None:
+def test_another_process_serves_the_batch(valkey: EmbeddedValkey, idle_redis: Redis) -> None:
     settings = Settings(redis_url=f"{valkey.url}?db=2")
     key = {**NDJSON, "Idempotency-Key": "before-and-after"}
     with serving(settings) as base, httpx.Client(base_url=base) as client:
         batch = submitted(client, lines(poses(15)), key)
-    Worker(redis, batch).answer(0)
+    Worker(idle_redis, batch).answer(0)
     with serving(settings) as base, httpx.Client(base_url=base) as client:
         assert submitted(client, lines(poses(15)), key)["status"] == "succeeded"
         assert [line["status"] for line in results(client, batch)] == ["succeeded"]
 
 
-def test_a_full_queue(valkey: EmbeddedValkey, redis: Redis, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_queue(valkey: EmbeddedValkey, idle_redis: Redis, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG", "0.001")
     with serving(Settings(redis_url=f"{valkey.url}?db=2")) as base, httpx.Client(base_url=base) as client:
         submitted(client, [poses(15)])
-        before = set(redis.keys("*"))
+        before = set(idle_redis.keys("*"))
         answer = client.post("/v1/batches", json=[poses(16)], headers={"Idempotency-Key": "full"})
         problem(answer, 503, "queue-full")
         assert int(answer.headers["retry-after"]) >= 1
-        assert set(redis.keys("*")) <= before
+        assert set(idle_redis.keys("*")) <= before
         alone = client.post("/v1/poses", json=poses(16)["request"], headers={"Prefer": "wait=0"})
         assert alone.status_code == 202  # its lane is not that of batches
 

@@ -15,19 +15,11 @@ import pytest
 
 from service.api.app import create_app
 from service.openapi_yaml import FILE
+from tests.support.contract import parts
 from tests.support.processes import ROOT, completed, environment
 from tests.support.service_server import GEOMETRY
 
 NAMES = {"post_cusp_table", "post_census", "post_cusp_curves", "post_check", "post_poses", "get_job"}
-
-
-def parts(schema: Any) -> Iterator[dict[str, Any]]:
-    """A schema and all schemas in it."""
-    if isinstance(schema, dict):
-        yield schema
-    for item in schema.values() if isinstance(schema, dict) else schema:
-        if isinstance(item, dict | list):
-            yield from parts(item)
 
 
 def test_every_alternative_in_a_schema_has_a_type() -> None:

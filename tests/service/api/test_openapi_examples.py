@@ -15,6 +15,7 @@ from service.api.app import create_app
 from service.api.batch_docs import POST_BODY
 from service.api.negotiation import JSON, NDJSON
 from service.api.operations import OPERATIONS
+from tests.support.contract import parts
 from tests.support.processes import until
 
 DEAR = {
@@ -93,14 +94,6 @@ def shown() -> Iterator[tuple[str, str, dict[str, Any], Any]]:
 
 def in_schemas() -> Iterator[tuple[dict[str, Any], Any]]:
     """The examples of schemas, with their schemas."""
-
-    def parts(schema: Any) -> Iterator[dict[str, Any]]:
-        if isinstance(schema, dict):
-            yield schema
-        for item in schema.values() if isinstance(schema, dict) else schema:
-            if isinstance(item, dict | list):
-                yield from parts(item)
-
     for part in parts(contract()["components"]["schemas"]):
         if isinstance(part.get("examples"), list):
             yield from ((part, example) for example in part["examples"])

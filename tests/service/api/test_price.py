@@ -15,7 +15,6 @@ from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE
 from tests.support.service_server import GEOMETRY, serving
-from worker.connection import connect
 from worker.settings import WorkerSettings
 
 Fresh = Callable[[], str]
@@ -26,15 +25,11 @@ LONG["a3y"] = "10." + "3" * 390
 
 
 @pytest.fixture
-def redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
-    """A database of its own, for a service without a worker."""
-    with connect(f"{valkey.url}?db=2") as client:
-        client.flushdb()
-        yield client
-
-
-@pytest.fixture
-def alone(valkey: EmbeddedValkey, redis: Redis, monkeypatch: pytest.MonkeyPatch) -> Iterator[httpx.Client]:  # noqa: ARG001
+def alone(
+    valkey: EmbeddedValkey,
+    idle_redis: Redis,  # noqa: ARG001
+    monkeypatch: pytest.MonkeyPatch,
+) -> Iterator[httpx.Client]:
     """A client of a service without a worker, with room for a little work."""
     monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG", "0.7")
     settings = Settings(redis_url=f"{valkey.url}?db=2", limits=Limits(deadline=50))
@@ -111,7 +106,7 @@ def test_a_queued_job_shows_its_place(alone: httpx.Client) -> None:
     assert alone.get(second["links"]["result"]).headers["retry-after"] == shown.headers["retry-after"]
 
 
-def test_the_wait_follows_the_estimate(valkey: EmbeddedValkey, redis: Redis) -> None:  # noqa: ARG001
+def test_the_wait_follows_the_estimate(valkey: EmbeddedValkey, idle_redis: Redis) -> None:  # noqa: ARG001
     settings = Settings(redis_url=f"{valkey.url}?db=2", longest_poll_seconds=7)
     with serving(settings) as url, httpx.Client(base_url=url, timeout=PATIENCE) as client:
         bodies = [{"geometry": GEOMETRY, "digits": digits} for digits in (30, 31, 32, 33)]

@@ -37,7 +37,6 @@ from tests.support.receivers import Receiver, receiving
 from tests.support.service_server import GEOMETRY, serving
 from tests.support.stack import running
 from tests.support.tls import Certificates
-from worker.connection import connect
 from worker.jobs.callbacks import MANY, Attempt, Callbacks
 from worker.settings import WorkerSettings
 
@@ -63,13 +62,6 @@ def webhooks(tmp_path: Path) -> Callable[..., WebhookSettings]:
         return WebhookSettings(**{**usual, **changes})
 
     return make
-
-
-@pytest.fixture
-def idle_redis(valkey: EmbeddedValkey) -> Iterator[Redis]:
-    with connect(f"{valkey.url}?db=2") as client:
-        client.flushdb()
-        yield client
 
 
 @contextmanager
