@@ -25,8 +25,6 @@ Exception
 └── WorkerError             (the worker's) worker.process.start: the worker cannot start
 """
 
-from importlib.metadata import version
-
-__version__ = version("rpr-cusps")
+from rpr_solver import __version__
 
 __all__ = ["__version__"]

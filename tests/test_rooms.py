@@ -50,7 +50,7 @@ MAY_IMPORT = {
     "service.cli": "rpr_solver worker service service.errors service.schemas service.client service.stack "
     "service.api service.webhooks",
     "service.__main__": "service.cli",
-    "service": "",
+    "service": "rpr_solver",
 }
 """Room → the rooms it may import; inside ``rpr_solver`` without the prefix."""
 

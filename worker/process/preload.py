@@ -1,0 +1,11 @@
+"""The solver, loaded before the fork: otherwise each work horse would load it anew."""
+
+from __future__ import annotations
+
+import rpr_solver
+
+
+def load_solver() -> None:
+    """Import all of the solver; its package loads a room only when a name in it is first used."""
+    for name in rpr_solver.__all__:
+        getattr(rpr_solver, name)
