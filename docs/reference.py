@@ -101,7 +101,7 @@ def options() -> Iterator[str]:
 def names() -> Iterator[str]:
     """Yields every public name of the solver."""
     rows = []
-    for name in rpr_solver.__all__:
+    for name in sorted(rpr_solver.__all__, key=lambda name: (not name.isupper(), name)):
         value = getattr(rpr_solver, name)
         if inspect.isclass(value) or inspect.isfunction(value):
             summary = " ".join((inspect.getdoc(value) or "").partition("\n\n")[0].split())

@@ -7,5 +7,5 @@ import rpr_solver
 
 def load_solver() -> None:
     """Import all of the solver; its package loads a room only when a name in it is first used."""
-    for name in rpr_solver.__all__:
+    for name in dir(rpr_solver):
         getattr(rpr_solver, name)

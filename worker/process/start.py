@@ -12,6 +12,7 @@ from worker.connection import UnreachableError, check, connect, eviction_warning
 from worker.jobs.lanes import Duty
 from worker.logs import set_up
 from worker.process.os_limits import die_with_parent
+from worker.process.preload import load_solver
 from worker.process.tasks import Context, set_context
 from worker.process.worker import CuspWorker
 from worker.settings import WorkerSettings
@@ -57,6 +58,7 @@ def run_worker(
     if warning is not None:
         log.warning("%s", warning)
     set_context(Context(redis, settings))
+    load_solver()
     gc.collect()
     gc.freeze()  # the horses share this memory, and a collection would copy it
     worker.run()

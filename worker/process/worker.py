@@ -15,7 +15,6 @@ import time
 from types import FrameType
 from typing import cast
 
-import flint  # noqa: F401  # loaded before the fork, for all work horses
 from redis import Redis
 from redis.client import Pipeline, PubSub, PubSubWorkerThread
 from redis.exceptions import RedisError
@@ -26,7 +25,6 @@ from rq.serializers import JSONSerializer
 from rq.utils import now
 from rq.worker import WorkerStatus
 
-import rpr_solver  # noqa: F401
 from worker.answers.kinds import is_batch
 from worker.connection import address
 from worker.jobs.attempts import ChunkRef
