@@ -11,10 +11,10 @@ from rpr_solver.errors import InputError
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.batches import KIND_NAMES
 from service.schemas.exact_json import JsonNumber
+from service.schemas.lengths import LEGS
 from worker.answers import article, checks, curves, tables
 
 GEOMETRY = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
-LEGS = ("l1", "l2", "l3")
 ENDS = ("from", "to", "step")
 _NUMBERS = ("fixed_leg", "digits", "samples", "pose")
 _REQUIREMENT = ("max_cusps", "min_cusps")

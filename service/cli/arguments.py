@@ -19,7 +19,7 @@ from service.schemas.document import Source, named, part, read
 from service.schemas.exact_json import JsonError, parse_json
 from service.schemas.lengths import SliceRange, split_ends, split_range
 from service.schemas.limits import Limits
-from service.schemas.numbers import FixedLeg
+from service.schemas.numbers import FIXED_LEGS, FixedLeg
 from service.schemas.questions import GeometryField, Question
 
 Q = TypeVar("Q", bound=Question)
@@ -28,7 +28,6 @@ _FIXED_LEG: TypeAdapter[int] = TypeAdapter(FixedLeg)
 _MANIPULATOR: TypeAdapter[Manipulator] = TypeAdapter(GeometryField)
 
 MAX_LOCAL_SLICES = 1_000_000
-LEGS = (1, 2, 3)
 
 STANDARD_INPUT = "-"
 
@@ -60,13 +59,21 @@ class Options(argparse.Action):
 
 def add_options(parser: argparse.ArgumentParser, form: str, dest: str, metavar: str, text: str) -> None:
     """Add an option for each leg, such as `--l{}-range`; their values are collected in order."""
-    names = (form.format(leg) for leg in LEGS)
+    names = (form.format(leg) for leg in FIXED_LEGS)
     parser.add_argument(*names, dest=dest, action=Options, default=[], metavar=metavar, help=text)
 
 
 def add_geometry(parser: argparse.ArgumentParser) -> None:
     """Add the single manipulator."""
     parser.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
+
+
+def add_slice(parser: argparse.ArgumentParser, text: str) -> None:
+    """Add a length for each leg, and `--fixed-leg`."""
+    add_options(parser, "--l{}", "lengths", "X", text)
+    parser.add_argument(
+        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the length, or 1)"
+    )
 
 
 def add_digits(parser: argparse.ArgumentParser, default: int) -> None:

@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from service.cli import layout, output
+from service.schemas.lengths import LEGS
 
 _HEADINGS = {
     "alpha_deg": "α [deg]",
@@ -97,6 +98,11 @@ def write_document(document: Any, page: Page, form: str, csv: Callable[[Any], st
         output.write(captured.get())
     else:
         output.write("".join(line + "\n" for line in _text_lines(page)))
+
+
+def all_legs(part: Mapping[str, Any]) -> str:
+    """Returns the three leg lengths in a document or a part of it, in a line."""
+    return ", ".join(f"{name.upper()} = {part[name]}" for name in LEGS)
 
 
 def rows_of(points: Sequence[Mapping[str, Any]], keys: Sequence[str] | None = None) -> list[list[str]]:
@@ -245,5 +251,5 @@ def _print_rows(rows: Sequence[Sequence[str]], console: Console, more: str) -> b
 
 
 def _where(part: dict[str, Any]) -> str:
-    key = next(name for name in ("l1", "l2", "l3") if name in part)
+    key = next(name for name in LEGS if name in part)
     return f"{key.upper()} = {part[key]}"

@@ -13,10 +13,9 @@ from rpr_solver.paths.between_poses import Obstacle
 from rpr_solver.paths.path import DEFAULT_SAMPLES, PATH_DIGITS, letter
 from rpr_solver.paths.timing import TIMINGS
 from service.cli import arguments, remote
-from service.cli.pages import Page, Section, about, counted, rows_of, write_document
-from service.cli.progress import progress_bar
+from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document
 from service.schemas.document import named
-from service.schemas.lengths import split_ends
+from service.schemas.lengths import LEGS, split_ends
 from service.schemas.paths import PathRequest
 from worker.answers import paths
 
@@ -35,10 +34,7 @@ _SHOWN_ROWS = 25
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
-    arguments.add_options(parser, "--l{}", "lengths", "X", "the length of the fixed leg, or all three")
-    parser.add_argument(
-        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the length, or 1)"
-    )
+    arguments.add_slice(parser, "the length of the fixed leg, or all three")
     parser.add_argument("--from", dest="start", metavar="POSE", help="its number in the table of poses")
     parser.add_argument("--to", dest="stop", metavar="POSE", help="likewise")
     parser.add_argument(
@@ -61,17 +57,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
-    if args.url is None:
-        document = paths.document(
-            question.geometry,
-            question.content(),
-            lambda: rpr_solver.eliminate(question.geometry, question.fixed_leg),
-        )
-    else:
-        with progress_bar(1, "steps") as progress:
-            document = remote.document_of(args.url, question, progress)
+    document = remote.here_or_there(args.url, question, lambda: _path(question))
     write_document(document, _page(document), args.format, csv=rpr_solver.path_csv)
     return 0
+
+
+def _path(question: PathRequest) -> dict[str, Any]:
+    m, leg = question.geometry, question.fixed_leg
+    return paths.document(m, question.content(), lambda: rpr_solver.eliminate(m, leg))
 
 
 def _question(args: argparse.Namespace) -> PathRequest:
@@ -93,20 +86,19 @@ def _question(args: argparse.Namespace) -> PathRequest:
         "others": args.others,
         **remote.deadline_of(args),
     }
-    own = ("l1", "l2", "l3", "from", "to", "between", "cusp", "timing", "duration")
+    own = (*LEGS, "from", "to", "between", "cusp", "timing", "duration")
     return arguments.ask(PathRequest, args, members, arguments.source({name: f"--{name}" for name in own}))
 
 
 def _page(document: Mapping[str, Any]) -> Page:
-    legs = ", ".join(f"L{i} = {document[f'l{i}']}" for i in arguments.LEGS)
     ends = f"from pose {document['from']['pose']} to pose {document['to']['pose']}"
     if not document["connected"]:
-        title = f"No path {ends} of {legs}: {document['obstacle']}"
+        title = f"No path {ends} of {all_legs(document)}: {document['obstacle']}"
         return Page(about(document), [Section(title, (), _advice(document))], document["digits"])
     sign = "J > 0" if document["sign"] > 0 else "J < 0"
     cusp = document["cusp"]
     what = "Path" if cusp is None else f"Loop round cusp {letter(cusp)},"
-    title = f"{what} {ends} of {legs}: {sign}"
+    title = f"{what} {ends} of {all_legs(document)}: {sign}"
     samples = document["samples"]
     step = -(-(len(samples) - 1) // (_SHOWN_ROWS - 1))
     shown = [*samples[:-1:step], samples[-1]]
@@ -127,8 +119,7 @@ def _fate(other: Mapping[str, Any]) -> str:
     fold = other["fold"]
     if fold is None:
         return f"{pose}: not decided."
-    legs = ", ".join(f"L{i} = {fold[f'l{i}']}" for i in arguments.LEGS)
-    return f"{pose} ends on a fold at {legs}."
+    return f"{pose} ends on a fold at {all_legs(fold)}."
 
 
 def _advice(document: Mapping[str, Any]) -> list[str]:

@@ -15,6 +15,7 @@ from rpr_solver.figures.palette import THEMES
 from service.cli import arguments, output, remote
 from service.cli.progress import progress_bar
 from service.schemas.document import named
+from service.schemas.lengths import LEGS
 from service.schemas.plots import PlotRequest
 from worker.answers import plots
 
@@ -103,7 +104,7 @@ def _question(args: argparse.Namespace) -> PlotRequest:
         "pose": args.pose,
         **remote.deadline_of(args),
     }
-    names = {"range": option, **{name: f"--{name}" for name in ("l1", "l2", "l3", "cusp", "pose")}}
+    names = {"range": option, **{name: f"--{name}" for name in (*LEGS, "cusp", "pose")}}
     return arguments.ask(PlotRequest, args, members, arguments.source(names))
 
 

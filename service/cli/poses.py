@@ -9,8 +9,9 @@ from typing import Any
 
 import rpr_solver
 from service.cli import arguments, remote
-from service.cli.pages import Page, Section, about, counted, rows_of, write_document
-from service.cli.progress import progress_bar
+from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document
+from service.schemas.lengths import LEGS
+from service.schemas.numbers import FIXED_LEGS
 from service.schemas.poses import PosesRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -26,7 +27,7 @@ _KEYS = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg", "b1_x", "b1_y", 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
-    for leg in arguments.LEGS:
+    for leg in FIXED_LEGS:
         parser.add_argument(f"--l{leg}", required=True, metavar="X", help=f"length of leg {leg}")
     arguments.add_digits(parser, 90)
     arguments.add_format(parser)
@@ -35,23 +36,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    names = {f"l{leg}": f"--l{leg}" for leg in arguments.LEGS}
+    names = {name: f"--{name}" for name in LEGS}
     lengths = {name: getattr(args, name) for name in names}
     members = {**lengths, **remote.deadline_of(args)}
     question = arguments.ask(PosesRequest, args, members, arguments.source(names))
-    if args.url is None:
-        legs = question.l1, question.l2, question.l3
-        table = rpr_solver.poses(question.geometry, *legs, digits=question.digits).to_json()
-    else:
-        with progress_bar(1, "steps") as progress:
-            table = remote.document_of(args.url, question, progress)
+    table = remote.here_or_there(args.url, question, lambda: _table(question))
     write_document(table, _page(table), args.format)
     return 0
 
 
+def _table(question: PosesRequest) -> dict[str, Any]:
+    legs = question.l1, question.l2, question.l3
+    return rpr_solver.poses(question.geometry, *legs, digits=question.digits).to_json()
+
+
 def _page(table: Mapping[str, Any]) -> Page:
-    legs = ", ".join(f"L{i} = {table[f'l{i}']}" for i in arguments.LEGS)
-    title = f"{legs}: {counted(table['count'], 'pose')}"
+    title = f"{all_legs(table)}: {counted(table['count'], 'pose')}"
     if table["count"] != table["count_with_multiplicity"]:
         title += f", {table['count_with_multiplicity']} with multiplicity"
     notes = [f"α = {curve['alpha_deg']}: {curve['description']}" for curve in table["curves"]]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from rpr_solver import Progress
 from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError
 from service.cli.arguments import source
+from service.cli.progress import progress_bar
 from service.errors import ServiceError
 from service.schemas.document import named, part
 from service.schemas.numbers import DeadlineSeconds
@@ -93,6 +94,20 @@ def document_of(url: str, question: Question, progress: Progress) -> dict[str, A
 
     with client_of(url) as client:
         return client.ask(Asked.of(question), progress).document
+
+
+def here_or_there(
+    url: str | None, question: Question, compute: Callable[[], dict[str, Any]]
+) -> dict[str, Any]:
+    """Returns the answer, which is computed here, or by the service at `--url`.
+
+    Raises:
+        ServiceError: the service refused, failed, or cannot be reached.
+    """
+    if url is None:
+        return compute()
+    with progress_bar(1, "steps") as progress:
+        return document_of(url, question, progress)
 
 
 def slices_of(

@@ -10,7 +10,7 @@ from typing import Any
 import rpr_solver
 from service.cli import arguments, remote
 from service.cli.pages import Page, Section, about, counted, rows_of, write_document
-from service.cli.progress import progress_bar
+from service.schemas.lengths import LEGS
 from service.schemas.singular import SingularCurvesRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -24,10 +24,7 @@ examples:
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
-    arguments.add_options(parser, "--l{}", "lengths", "X", "the length of the fixed leg")
-    parser.add_argument(
-        "--fixed-leg", metavar="LEG", help="the fixed leg (default: the leg of the length, or 1)"
-    )
+    arguments.add_slice(parser, "the length of the fixed leg")
     parser.add_argument(
         "--tolerance", metavar="X", help="deviation of the curves, relative to the picture (default: 0.001)"
     )
@@ -39,11 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
-    if args.url is None:
-        document = _curves(question)
-    else:
-        with progress_bar(1, "steps") as progress:
-            document = remote.document_of(args.url, question, progress)
+    document = remote.here_or_there(args.url, question, lambda: _curves(question))
     write_document(document, _page(document), args.format, csv=rpr_solver.singular_csv)
     return 0
 
@@ -66,7 +59,7 @@ def _question(args: argparse.Namespace) -> SingularCurvesRequest:
         "tolerance": args.tolerance,
         **remote.deadline_of(args),
     }
-    names = {name: f"--{name}" for name in ("l1", "l2", "l3", "tolerance")}
+    names = {name: f"--{name}" for name in (*LEGS, "tolerance")}
     return arguments.ask(SingularCurvesRequest, args, members, arguments.source(names))
 
 

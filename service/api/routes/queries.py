@@ -12,7 +12,7 @@ from rpr_solver.errors import InputError
 from rpr_solver.figures.palette import THEMES
 from rpr_solver.kinematics.closure import DEGREE
 from service.api.answering import answer_asked
-from service.api.batch_csv import ENDS, GEOMETRY, LEGS, item_of
+from service.api.batch_csv import ENDS, GEOMETRY, item_of
 from service.api.context import ContextDep
 from service.api.header_docs import RESULT_FORM, form_parameters
 from service.api.negotiation import SVG
@@ -22,6 +22,7 @@ from service.api.prefer import Preferences
 from service.api.problems import ProblemError, ProblemType
 from service.api.reading import asked_of
 from service.api.routes.plain import PlainRoute
+from service.schemas.lengths import LEGS
 from service.schemas.limits import MAX_DIGITS, MIN_DIGITS
 from service.schemas.numbers import FIXED_LEGS, NUMBER_PATTERN, POSITIVE_PATTERN, list_pattern
 from service.schemas.tables import METHODS
