@@ -72,7 +72,7 @@ from .transitions.census import census as census
 from .transitions.check_report import CheckedInterval as CheckedInterval
 from .transitions.check_report import CheckReport as CheckReport
 from .transitions.check_report import check as check
-from .transitions.length_range import LengthRange as LengthRange
+from .slices.length_range import LengthRange as LengthRange
 from .transitions.requirement import Requirement as Requirement
 
 __version__: str

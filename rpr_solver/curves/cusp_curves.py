@@ -34,10 +34,10 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, html_table, with_floats
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.joint_points import JointPoint
+from rpr_solver.slices.length_range import LengthRange
 from rpr_solver.slices.lengths import slice_lengths
 from rpr_solver.transitions.census import LengthKind, length_text, transition_at
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS
-from rpr_solver.transitions.length_range import LengthRange
 from rpr_solver.transitions.survey import Survey, survey
 
 

@@ -64,6 +64,15 @@ class BiForm(Quadratic[fmpz_mpoly]):
         return self.a + OMEGA * self.b
 
     @property
+    def transposed(self) -> BiForm:
+        """The form with t and u exchanged."""
+        a, b = (
+            RING.from_dict({(k, i, *rest): c for (i, k, *rest), c in part.to_dict().items()})
+            for part in (self.a, self.b)
+        )
+        return BiForm(a, b, self.radicand, self.degree_u, self.degree_t)
+
+    @property
     def zeros_at_infinity(self) -> int:
         """The multiplicity of t = ∞."""
         return self.degree_t - int(self.joined.degrees()[0])
@@ -86,10 +95,10 @@ class BiForm(Quadratic[fmpz_mpoly]):
         """The coefficients of tⁱ of a form without L."""
         return tuple(row[0] for row in self.coefficients)
 
-    def at(self, length: Fraction) -> Rows:
-        """The coefficients of tⁱ at one L, made integral by the power of its denominator."""
+    def at(self, length: Fraction | None) -> Rows:
+        """The coefficients of tⁱ at one L, made integral by the power of its denominator; None is L = ∞."""
         top = len(self.coefficients[0]) - 1
-        n, d = fmpz(length.numerator), fmpz(length.denominator)
+        n, d = (fmpz(1), fmpz(0)) if length is None else map(fmpz, length.as_integer_ratio())
         weights = [n**k * d ** (top - k) for k in range(top + 1)]
 
         def combined(parts: list[fmpz_poly]) -> fmpz_poly:
@@ -100,8 +109,8 @@ class BiForm(Quadratic[fmpz_mpoly]):
             for row in self.coefficients
         )
 
-    def sliced(self, length: Fraction) -> BiForm:
-        """The form at one L, without L and integral."""
+    def sliced(self, length: Fraction | None) -> BiForm:
+        """The form at one L, without L and integral; None is L = ∞."""
         a, b = (
             RING.from_dict({(i, k, 0, 0): p[k] for i, p in enumerate(part) for k in range(len(p)) if p[k]})
             for part in zip(*((row.a, row.b) for row in self.at(length)), strict=True)

@@ -38,9 +38,10 @@ class Obstacle(Kind):
     OPPOSITE_SIGNS = "opposite-signs"
     """J has different signs at both poses: every path between them meets a singularity, in any slices."""
     OTHER_ASPECT = "other-aspect"
-    """The poses lie in different aspects of the slice: every path in it meets a singularity."""
+    """The poses lie in different aspects of the slice, or of the range in which the fixed leg may move:
+    every path in it meets a singularity."""
     UNDECIDED = "undecided"
-    """No path was found, and none is excluded."""
+    """No path was found, and none is excluded: the singular curves of the range are not supported."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,7 @@ class NoPath:
         start: the first pose.
         stop: the second pose.
         obstacle: the reason; all but ``UNDECIDED`` are proved.
+        between: the lengths between which the fixed leg was free; None if it was held.
         connecting: for another aspect, the ends of a range of the fixed leg within which a path exists, one
             of them being the length of the slice; None if none was found.
 
@@ -70,6 +72,7 @@ class NoPath:
     start: PathPose
     stop: PathPose
     obstacle: Obstacle
+    between: tuple[Fraction, Fraction] | None = None
     connecting: tuple[Fraction, Fraction] | None = None
 
     def __repr__(self) -> str:
@@ -77,13 +80,14 @@ class NoPath:
 
     def to_json(self) -> dict[str, Any]:
         """The document: that of a :class:`Path` without a path, and with its ``obstacle``."""
-        leg, ends = self.fixed_leg, self.connecting
+        leg = self.fixed_leg
         return {
             **document_head(self.manipulator, self.digits, leg),
             **document_lengths(self.lengths),
             "connected": None if self.obstacle is Obstacle.UNDECIDED else False,
             "obstacle": self.obstacle.value,
-            "connecting_range": ends and {"from": exact_str(ends[0]), "to": exact_str(ends[1])},
+            "between": _span_json(self.between),
+            "connecting_range": _span_json(self.connecting),
             "from": self.start.to_json(leg),
             "to": self.stop.to_json(leg),
             "samples": [],
@@ -145,20 +149,25 @@ def joint_path(
     joint = lengths["l1"], lengths["l2"], lengths["l3"]
 
     def none(obstacle: Obstacle, connecting: tuple[Fraction, Fraction] | None = None) -> NoPath:
-        return NoPath(manipulator, leg, digits, joint, *named, obstacle, connecting)
+        return NoPath(manipulator, leg, digits, joint, *named, obstacle, span, connecting)
 
     sign = sign_of(first)
     if sign != sign_of(last):
         return none(Obstacle.OPPOSITE_SIGNS)
     found = in_slice(Cells.of(slice_map, first.legs[0]), first, last, sign)
     if found is None and span is not None:
-        low, high = (end * slice_map.scale for end in span)
-        found = Range.of(slice_map, (low, high), sign).route(first, last)
-        if found is None:
+        try:
+            whole = Range.of(slice_map, (span[0] * slice_map.scale, span[1] * slice_map.scale), sign)
+        except SolverError:
             return none(Obstacle.UNDECIDED)
+        found = whole.route(first, last)
     if found is None:
         return none(Obstacle.OTHER_ASPECT, _connecting(manipulator, first, last, sign))
     return path_of(manipulator, *found, plan, digits)
+
+
+def _span_json(ends: tuple[Fraction, Fraction] | None) -> dict[str, str] | None:
+    return ends and {"from": exact_str(ends[0]), "to": exact_str(ends[1])}
 
 
 def checked_range(between: tuple[Exact, Exact], length: Fraction, leg: int) -> tuple[Fraction, Fraction]:

@@ -8,7 +8,6 @@ at poses where J has the sign in both.
 
 from __future__ import annotations
 
-import cmath
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +17,6 @@ from math import pi
 from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cell, Cells, Spot
@@ -27,8 +25,8 @@ from rpr_solver.paths.proofs import PathProof
 from rpr_solver.paths.proved import PROOF_BITS
 from rpr_solver.paths.route import Route
 from rpr_solver.paths.straightened import Corner, Straightener
-
-_GRID = 72
+from rpr_solver.singular.floats import FloatSlice
+from rpr_solver.singular.ranges import RangeTopology
 
 
 def sign_of(pose: IsolatedPose) -> int:
@@ -82,7 +80,7 @@ def straightened(
 
 @dataclass(frozen=True)
 class Range:
-    """Two slices, and places where J has a sign in both: bridges between an aspect of each."""
+    """Two slices, and places where J has a sign in both: a bridge between any two aspects that overlap."""
 
     ends: tuple[Cells, Cells]
     sign: int
@@ -93,25 +91,32 @@ class Range:
         """The range between two scaled lengths.
 
         Raises:
-            SolverError: the singular curves of an end are not supported or could not be decided.
+            SolverError: the singular curves of the ends are not supported, or could not be compared.
         """
-        ends = Cells.of(slice_map, lengths[0]), Cells.of(slice_map, lengths[1])
-        bridges = []
-        with ctx.workprec(PROOF_BITS):
-            for spot in _places_in_both(slice_map, lengths, sign):
-                angles = arb(spot[0]), arb(spot[1])
-                if all(sign_at(slice_map, length, angles) == sign for length in lengths):
-                    bridges.append((ends[0].cell_of(angles), ends[1].cell_of(angles), spot))
-        return cls(ends, sign, tuple(bridges))
+        topology = RangeTopology.of(slice_map, *lengths, transposable=False)
+        ends = [Cells(slice_map, length, own) for length, own in zip(lengths, topology.ends, strict=True)]
+        floats = [FloatSlice.of(slice_map, length) for length in lengths]
+        widest: dict[tuple[int, int], tuple[float, tuple[Cell, Cell, Spot]]] = {}
+        for overlap in topology.overlaps:
+            one, other = overlap.cells
+            if ends[0].sign(one) == sign:
+                spot = overlap.place(topology.first.chart)
+                room = min(abs(end.on_line(spot[1]).value_and_slope(spot[0])[0]) for end in floats)
+                pair = ends[0].aspects[one], ends[1].aspects[other]
+                widest[pair] = max(widest.get(pair, (-1.0, (one, other, spot))), (room, (one, other, spot)))
+        return cls((ends[0], ends[1]), sign, tuple(bridge for _, bridge in widest.values()))
 
     def route(self, start: IsolatedPose, stop: IsolatedPose) -> tuple[Route, PathProof] | None:
-        """A proved route between two poses of a joint vector in the range; None if none was found.
+        """A proved route between two poses of a joint vector in the range; None if they are in different
+        aspects of it.
 
         Raises:
-            Unproved: no route could be proved along the way that was found.
+            Unproved: no route could be proved along the way that was found, or J is too near 0 at a pose.
         """
         slice_map = self.ends[0].slice_map
         ports = [list(self._ports(pose)) for pose in (start, stop)]
+        if not all(ports):
+            raise Unproved("a pose is too near the singular curves of the range for its aspect to be decided")
         goals = {(side, self.ends[side].aspects[cell]): cell for side, cell in ports[1]}
         before: dict[tuple[int, int], tuple[tuple[int, int], Cell, Spot, Cell] | None] = {}
         entries: dict[tuple[int, int], tuple[Cell, Spot]] = {}
@@ -174,55 +179,6 @@ class Range:
             corners += [(a, t, length) for a, t in way]
             spot = way[-1]
         return corners
-
-
-def _places_in_both(slice_map: SliceMap, lengths: tuple[Fraction, Fraction], sign: int) -> Iterator[Spot]:
-    """A place in each region, as far as a grid shows them, where J has a sign in two slices."""
-    values = [_grid(slice_map, length, sign) for length in lengths]
-    least = [[min(a, b) for a, b in zip(*rows, strict=True)] for rows in zip(*values, strict=True)]
-    seen: set[tuple[int, int]] = set()
-    for i in range(_GRID):
-        for k in range(_GRID):
-            if least[i][k] <= 0 or (i, k) in seen:
-                continue
-            region, queue = [(i, k)], deque([(i, k)])
-            seen.add((i, k))
-            while queue:
-                x, y = queue.popleft()
-                for other in (
-                    ((x + 1) % _GRID, y),
-                    ((x - 1) % _GRID, y),
-                    (x, (y + 1) % _GRID),
-                    (x, (y - 1) % _GRID),
-                ):
-                    if other not in seen and least[other[0]][other[1]] > 0:
-                        seen.add(other)
-                        region.append(other)
-                        queue.append(other)
-            best = max(region, key=lambda place: least[place[0]][place[1]])
-            yield _angle(best[0]), _angle(best[1])
-
-
-def _grid(slice_map: SliceMap, length: Fraction, sign: int) -> list[list[float]]:
-    """sign · J / L on a grid of places (α, θ) of the torus, in floats."""
-    omega, size = float(omega_ball(slice_map.radicand, 53)), float(length)
-    legs = [(complex(leg.m, leg.n * omega), complex(leg.ax, leg.ay)) for leg in (slice_map.f, slice_map.g)]
-    turns = [cmath.rect(1, _angle(k)) for k in range(_GRID)]
-
-    def value(alpha: complex, theta: complex) -> float:
-        slopes = []
-        for platform, base in legs:
-            arm = alpha * platform
-            vector = (size * theta + arm - base).conjugate()
-            slopes.append(((vector * 1j * arm).real, (vector * 1j * theta).real))
-        (fa, ft), (ga, gt) = slopes
-        return sign * (fa * gt - ft * ga)
-
-    return [[value(alpha, theta) for theta in turns] for alpha in turns]
-
-
-def _angle(k: int) -> float:
-    return 2 * pi * (k + 0.5) / _GRID - pi
 
 
 def _spot(angles: Angles) -> Spot:

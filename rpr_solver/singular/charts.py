@@ -74,20 +74,28 @@ class Chart:
 
     Attributes:
         slice_map: the integer model.
-        length: of the fixed leg, *scaled*.
+        at: the length of the fixed leg, *scaled*; None for the limit of J / L² as it grows beyond all bounds.
         alpha, theta: the turns α₀ and θ₀.
         rows: the coefficients of t⁰, t¹, …, polynomials in u.
         degree_u: their formal degree.
         whole: the coefficients of J itself, which differ where a repeated component was taken once.
+        transposed: whether α and θ have changed places: t belongs to θ, and u to α.
     """
 
     slice_map: SliceMap
-    length: Fraction
+    at: Fraction | None
     alpha: Turn
     theta: Turn
     rows: Rows
     degree_u: int
     whole: Rows
+    transposed: bool = False
+
+    @property
+    def length(self) -> Fraction:
+        """The scaled length of a slice, not of a limit."""
+        assert self.at is not None, "limits are compared, not drawn"
+        return self.at
 
     @property
     def repeated(self) -> bool:
@@ -123,9 +131,15 @@ class Chart:
 
 
 def chart_of(
-    slice_map: SliceMap, length: Fraction, turns: Sequence[tuple[Turn, Turn]] = TURNS
+    slice_map: SliceMap,
+    length: Fraction | None,
+    turns: Sequence[tuple[Turn, Turn]] = TURNS,
+    *,
+    transposed: bool = False,
 ) -> tuple[Chart, bool]:
     """A good chart of the slice of one *scaled* length, and whether all its critical lines are simple.
+
+    Length 0 is the limit of J / L, None that of J / L² as L grows beyond all bounds.
 
     On a simple critical line the form has one double root, at a smooth point of the curve. ``turns`` are the
     charts that are tried.
@@ -134,6 +148,8 @@ def chart_of(
         SolverError: the singular curve has a component that this version does not draw.
     """
     form = slice_map.singular.sliced(length)
+    if transposed:
+        form = form.transposed
     if not form.joined:
         raise SolverError("every pose of this slice is singular, so it has no singular curve")
     whole = _without_circular_points(form)
@@ -143,7 +159,7 @@ def chart_of(
     for alpha, theta in turns:
         rows = turned_rows(form.rows, form.degree_u, alpha, theta)
         own = rows if whole is form else turned_rows(whole.rows, whole.degree_u, alpha, theta)
-        chart = Chart(slice_map, length, alpha, theta, rows, int(form.degree_u), own)
+        chart = Chart(slice_map, length, alpha, theta, rows, int(form.degree_u), own, transposed)
         if chart.discriminant.polynomial.is_zero:
             raise SolverError("the singular curve has a repeated component that is not rational")
         simple = simple_and_finite(chart.lines, chart.discriminant.degree + chart.degree_u)

@@ -6,6 +6,8 @@ or b if it is not empty; if both are in it, all between are. So the aspects of t
 of {s J(a) > 0} ∪ {s J(b) > 0} on the torus: the aspects of the two slices, those of one sign joined where
 they overlap. An overlap is open, and between neighbouring lines of both sweeps and of the resultant of J(a)
 and J(b) it is seen on any line θ = const (mathematics.md#aspects-of-a-range).
+
+At an open end the limits of J / L and of J / L² take the place of a slice: J0 for L → 0, J1 for L → ∞.
 """
 
 from __future__ import annotations
@@ -13,24 +15,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
+from functools import cached_property
+from itertools import pairwise, product
+from math import atan, pi
 
 from flint import fmpz_poly
 
 from rpr_solver.contract import check_leg
-from rpr_solver.errors import InputError, SolverError
+from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import RING, BiForm, Rows, without_common_factors
 from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.exact.rationals import Exact, exact_str
+from rpr_solver.exact.rationals import Exact
 from rpr_solver.exact.real_roots import RealRoot, fraction_of, real_roots
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.aspects import Cell, aspect_cells
-from rpr_solver.singular.charts import TURNS, turned_rows
+from rpr_solver.singular.charts import TURNS, Chart, turned_rows
 from rpr_solver.singular.strands import UnionFind
 from rpr_solver.singular.sweep import Sweep, between, in_order, position, sweep
-from rpr_solver.slices.lengths import slice_length
+from rpr_solver.slices.length_range import LengthRange
 
 _FIRST_BITS = 64
 
@@ -38,6 +42,8 @@ _FIRST_BITS = 64
 @dataclass(frozen=True)
 class RangeAspect:
     """An aspect of a range of lengths of the fixed leg.
+
+    At an open end, the limit of J / L or of J / L² counts as the slice.
 
     Attributes:
         sign: that of J.
@@ -54,73 +60,121 @@ class RangeAspect:
 
 
 def range_aspects(
-    manipulator: Manipulator, start: Exact, stop: Exact, *, fixed_leg: int = 1
+    manipulator: Manipulator, start: Exact | None = None, stop: Exact | None = None, *, fixed_leg: int = 1
 ) -> tuple[RangeAspect, ...]:
     """The aspects of a manipulator while the length of one leg varies within a range; their number is exact.
 
     Args:
         manipulator: the geometry.
-        start: the least length of the leg, exact, > 0, in the user's unit.
-        stop: its greatest length, larger than ``start``.
+        start: the least length of the leg, exact, in the user's unit; 0 or None is an open end.
+        stop: its greatest length, larger than ``start``; None is an open end.
         fixed_leg: the leg, 1, 2 or 3; the other two are free.
 
     Returns:
         The aspects with J > 0, then those with J < 0.
 
     Raises:
-        InputError: naming ``manipulator``, ``fixed_leg``, or the leg of a length.
+        InputError: naming ``manipulator``, ``fixed_leg``, ``start`` or ``stop``.
         SolverError: the singular curves of both slices could not be compared.
 
     >>> from rpr_solver import EXAMPLES
     >>> range_aspects(EXAMPLES["innocenti"], 27, 30)
     (RangeAspect(sign=1, at_start=2, at_stop=1), RangeAspect(sign=-1, at_start=1, at_stop=1))
+    >>> len(range_aspects(EXAMPLES["innocenti"]))
+    2
     """
     slice_map = SliceMap.of(manipulator, check_leg(fixed_leg))
-    low, high = (slice_length(x, fixed_leg) for x in (start, stop))
-    if low >= high:
-        message = f"the range ends at {exact_str(high)}, which is not above its start {exact_str(low)}"
-        raise InputError.of(f"l{fixed_leg}", message)
-    first, second = _sweeps(slice_map, low * slice_map.scale, high * slice_map.scale)
-    aspects = [aspect_cells(first), aspect_cells(second)]
-    joined = UnionFind((end, k) for end in (0, 1) for k in range(len(aspects[end])))
-    numbers: list[dict[Cell, int]] = [
-        {cell: k for k, (_, cells) in enumerate(own) for cell in cells} for own in aspects
-    ]
-    for cells in _overlaps(first, second):
-        one, other = (numbers[end][cell] for end, cell in enumerate(cells))
-        if aspects[0][one][0] == aspects[1][other][0]:
-            joined.join((0, one), (1, other))
+    span = LengthRange.of(start, stop)
+    low, high = span.start * slice_map.scale, None if span.stop is None else span.stop * slice_map.scale
+    topology = RangeTopology.of(slice_map, low, high)
     found = []
-    for group in joined.classes():
+    for group in topology.classes():
         end, k = group[0]
         ends = [end for end, _ in group]
-        found.append(RangeAspect(aspects[end][k][0], ends.count(0), ends.count(1)))
+        found.append(RangeAspect(topology.aspects[end][k][0], ends.count(0), ends.count(1)))
     return tuple(sorted(found, key=lambda x: -x.sign))
 
 
-def _sweeps(slice_map: SliceMap, low: Fraction, high: Fraction) -> tuple[Sweep, Sweep]:
-    """The sweeps of two slices in one chart."""
-    for turns in TURNS:
-        try:
-            return sweep(slice_map, low, [turns]), sweep(slice_map, high, [turns])
-        except SolverError:
-            continue
-    raise SolverError("no chart is good for both ends of the range")
+@dataclass(frozen=True)
+class Overlap:
+    """A cell of each slice, and a place in both: its half tangents in the chart, where t = None is ∞."""
+
+    cells: tuple[Cell, Cell]
+    t: Fraction | None
+    u: Fraction
+
+    def place(self, chart: Chart) -> tuple[float, float]:
+        """α and θ in radians, for a chart that is not transposed."""
+        alpha = pi if self.t is None else 2 * atan(self.t)
+        return alpha + chart.alpha.angle, 2 * atan(self.u) + chart.theta.angle
 
 
-def _overlaps(first: Sweep, second: Sweep) -> Iterator[tuple[Cell, Cell]]:
+@dataclass(frozen=True)
+class RangeTopology:
+    """The slices at both ends of a range, swept in one chart."""
+
+    first: Sweep
+    second: Sweep
+
+    @classmethod
+    def of(
+        cls, slice_map: SliceMap, low: Fraction, high: Fraction | None, *, transposable: bool = True
+    ) -> RangeTopology:
+        """The ends of a range of *scaled* lengths; 0 and None are open.
+
+        Raises:
+            SolverError: no chart is good for both; without ``transposable``, none that sweeps over θ.
+        """
+        for transposed, turns in product((False, True)[: 1 + transposable], TURNS):
+            try:
+                ends = (sweep(slice_map, end, [turns], transposed=transposed) for end in (low, high))
+                return cls(*ends)
+            except SolverError as error:
+                problem = error
+        raise SolverError(f"the ends of the range cannot be compared: {problem}")
+
+    @property
+    def ends(self) -> tuple[Sweep, Sweep]:
+        """Both sweeps."""
+        return self.first, self.second
+
+    @cached_property
+    def aspects(self) -> tuple[list[tuple[int, list[Cell]]], list[tuple[int, list[Cell]]]]:
+        """The sign and the cells of each aspect of both slices."""
+        return aspect_cells(self.first), aspect_cells(self.second)
+
+    @cached_property
+    def overlaps(self) -> tuple[Overlap, ...]:
+        """Overlaps of cells in which J has one sign; every overlap of two aspects is among them."""
+        return tuple(x for x in _overlaps(self.first, self.second) if self._sign(x, 0) == self._sign(x, 1))
+
+    def _sign(self, overlap: Overlap, end: int) -> int:
+        slab, gap = overlap.cells[end]
+        return self.ends[end].slabs[slab].signs[gap]
+
+    def classes(self) -> list[list[tuple[int, int]]]:
+        """The aspects of the range: classes of the ends' aspects, each by its end, 0 or 1, and its number."""
+        numbers = [{cell: k for k, (_, cells) in enumerate(own) for cell in cells} for own in self.aspects]
+        joined = UnionFind((end, k) for end in (0, 1) for k in range(len(self.aspects[end])))
+        for overlap in self.overlaps:
+            one, other = ((end, numbers[end][cell]) for end, cell in enumerate(overlap.cells))
+            joined.join(one, other)
+        return joined.classes()
+
+
+def _overlaps(first: Sweep, second: Sweep) -> Iterator[Overlap]:
     """Pairs of cells of two sweeps that overlap; every overlap of aspects is among them."""
     for u in _samples(_lines(first, second)):
         forms = [part.chart.above(u) for part in (first, second)]
         arcs = [real_roots(form) for form in forms]
-        product = forms[0] * forms[1].quotient(QuadraticPoly.rational(_shared(forms), forms[0].radicand))
+        both = forms[0] * forms[1].quotient(QuadraticPoly.rational(_shared(forms), forms[0].radicand))
         slabs = [_slab_at(part, u) for part in (first, second)]
-        for t in (None, *(between(x, y) for x, y in pairwise(real_roots(product)))):
+        for t in (None, *(between(x, y) for x, y in pairwise(real_roots(both)))):
             one, other = (
                 (slab, _gap(own, t) % part.slabs[slab].gaps)
                 for slab, own, part in zip(slabs, arcs, (first, second), strict=True)
             )
-            yield one, other
+            yield Overlap((one, other), t, u)
 
 
 def _gap(arcs: Sequence[RealRoot], t: Fraction | None) -> int:
@@ -164,11 +218,9 @@ def _lines(first: Sweep, second: Sweep) -> list[RealRoot]:
 def _resultant(part: Sweep) -> QuadraticPoly:
     """Res_t(J0, J1) in the chart of a sweep, without what J0 and J1 share."""
     chart = part.chart
-    slice_map = chart.slice_map
-    sides = zip(*slice_map.singular.coefficients, strict=True)
-    j0, j1 = (
-        _form(turned_rows(rows, slice_map.singular.degree_u, chart.alpha, chart.theta)) for rows in sides
-    )
+    limits = (chart.slice_map.singular.sliced(length) for length in (Fraction(0), None))
+    own = (form.transposed if chart.transposed else form for form in limits)
+    j0, j1 = (_form(turned_rows(form.rows, form.degree_u, chart.alpha, chart.theta)) for form in own)
     j0, j1, _ = without_common_factors(j0, j1)
     found = resultant(j0, j1).polynomial
     if found.is_zero:

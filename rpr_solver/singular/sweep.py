@@ -103,14 +103,23 @@ class Sweep:
         return (slab + 1) % len(self.lines)
 
 
-def sweep(slice_map: SliceMap, length: Fraction, turns: Sequence[tuple[Turn, Turn]] = TURNS) -> Sweep:
+def sweep(
+    slice_map: SliceMap,
+    length: Fraction | None,
+    turns: Sequence[tuple[Turn, Turn]] = TURNS,
+    *,
+    transposed: bool = False,
+) -> Sweep:
     """The topology of the singular curves of the slice of one *scaled* length.
+
+    Length 0 is the limit of J / L, None that of J / L² as L grows beyond all bounds. ``transposed`` sweeps
+    over the lines α = const instead.
 
     Raises:
         SolverError: the curves have a component that is not supported.
         Unproved: lines or arcs could not be told apart.
     """
-    chart, simple = chart_of(slice_map, length, turns)
+    chart, simple = chart_of(slice_map, length, turns, transposed=transposed)
     roots = _line_roots(chart, simple=simple)
     if not roots:
         at = Fraction(0)

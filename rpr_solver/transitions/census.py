@@ -21,9 +21,9 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
 from rpr_solver.slices.joint_points import JointPoint, joint_point, point_of_pose
+from rpr_solver.slices.length_range import LengthRange, intervals_json
 from rpr_solver.transitions.aspect_numbers import numbers_of_aspects
 from rpr_solver.transitions.event_types import BallPose, Event
-from rpr_solver.transitions.length_range import LengthRange, intervals_json
 from rpr_solver.transitions.survey import Survey, survey
 
 

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias, TypeVar
 from rpr_solver.contract import check_integer, check_leg
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_or_none, parse_all, parse_exact
-from rpr_solver.transitions.length_range import LengthRange
+from rpr_solver.slices.length_range import LengthRange
 
 Bounds: TypeAlias = tuple[Fraction | None, Fraction | None]
 ExactBounds: TypeAlias = tuple[Exact | None, Exact | None]

@@ -129,7 +129,9 @@ def _advice(document: Mapping[str, Any]) -> list[str]:
         return ["J has different signs at both poses, so every path between them meets a singularity."]
     if document["obstacle"] == Obstacle.UNDECIDED:
         return ["No path was found, and none is excluded."]
-    lines = [f"Every path with L{leg} held meets a singularity."]
+    free = document["between"]
+    where = "held" if free is None else f"between {free['from']} and {free['to']}"
+    lines = [f"Every path with L{leg} {where} meets a singularity."]
     if span is not None:
         lines.append(f"With L{leg} between {span['from']} and {span['to']} there is one (--between).")
     return lines

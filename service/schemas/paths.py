@@ -287,7 +287,11 @@ class Path(DocumentHead):
     )
     obstacle: str | None = optional(
         "Why there is no path: `opposite-signs` of J at both poses, so that no path exists in any slices; "
-        "`other-aspect` of the slice; or `undecided`."
+        "`other-aspect` of the slice, or of the range between the lengths of `between`; or `undecided`: the "
+        "singular curves at the ends of that range are not supported."
+    )
+    between: ClosedRange | None = Field(
+        default=None, description="The lengths between which the fixed leg was free, as asked."
     )
     connecting_range: ClosedRange | None = Field(
         default=None,

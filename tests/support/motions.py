@@ -6,7 +6,7 @@ import cmath
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import hypot, pi, radians
+from math import hypot, pi, radians, sqrt
 
 from rpr_solver import FoldPoint, Manipulator, Path, PathPose, PathSample
 
@@ -24,10 +24,11 @@ class Mover:
 
     @classmethod
     def of(cls, m: Manipulator, fixed_leg: int = 1) -> Mover:
-        a2x, a3x, a3y, d1, d2, d3 = map(float, (m.a2x, m.a3x, m.a3y, m.d1, m.d2, m.d3))
-        p = (d1 * d1 + d3 * d3 - d2 * d2) / (2 * d1)
-        h = max(d3 * d3 - p * p, 0.0) ** 0.5 * (1 if m.orientation == "ccw" else -1)
-        return cls((0j, complex(a2x), complex(a3x, a3y)), (0j, complex(d1), complex(p, h)), fixed_leg)
+        p = (m.d1**2 + m.d3**2 - m.d2**2) / (2 * m.d1)
+        # exact below the root: of a nearly flat platform half the digits would be lost
+        h = sqrt(m.d3**2 - p**2) * (1 if m.orientation == "ccw" else -1)
+        base = 0j, complex(m.a2x), complex(m.a3x, m.a3y)
+        return cls(base, (0j, complex(m.d1), complex(p, h)), fixed_leg)
 
     def legs(self, alpha: float, theta: float, length: float) -> tuple[float, float, float]:
         """L1, L2, L3 at angles in radians."""

@@ -1,10 +1,12 @@
 """Paths from pose to pose, and the reasons why there is none."""
 
 from fractions import Fraction
+from typing import NoReturn
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, NoPath, Obstacle, Path, joint_path
+from rpr_solver import EXAMPLES, InputError, NoPath, Obstacle, Path, SolverError, joint_path
+from rpr_solver.paths import between_poses
 from tests.support.motions import Mover, angles_of, apart, arrives, legs_of
 
 FIRST = EXAMPLES["innocenti"]
@@ -56,9 +58,25 @@ def test_an_island_is_left_through_another_slice() -> None:
         assert mover.determinant(alpha, theta, legs[0]) * path.sign > 0
     assert arrives(path, 600) < 1e-6
     assert apart(angles_of(path.samples[-1]), angles_of(path.stop)) < 1e-12
+
+
+def test_a_range_that_does_not_join_is_a_proved_no(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(between_poses, "_connecting", lambda *_: None)
     narrow = joint_path(FIRST, 27, *ISLAND, 2, 4, between=(27, "27.01"))
     assert isinstance(narrow, NoPath)
-    assert (narrow.obstacle, narrow.to_json()["connected"]) == (Obstacle.UNDECIDED, None)
+    document = narrow.to_json()
+    assert (narrow.obstacle, document["connected"]) == (Obstacle.OTHER_ASPECT, False)
+    assert document["between"] == {"from": "27", "to": "27.01"}
+
+
+def test_a_range_whose_ends_are_refused_is_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(*_: object) -> NoReturn:
+        raise SolverError("no chart")
+
+    monkeypatch.setattr(between_poses.Range, "of", refused)
+    none = joint_path(FIRST, 27, *ISLAND, 2, 4, between=(27, 30))
+    assert isinstance(none, NoPath)
+    assert (none.obstacle, none.to_json()["connected"]) == (Obstacle.UNDECIDED, None)
 
 
 @pytest.mark.parametrize(

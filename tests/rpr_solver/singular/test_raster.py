@@ -8,6 +8,7 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import pairwise
 from random import Random
+from typing import Any
 
 import contourpy
 import numpy as np
@@ -54,14 +55,17 @@ class Raster:
         self.length = float(length)
         # an odd offset, so that nothing special lies on the grid
         self.angles = -np.pi + 0.1234567 + np.arange(size + 1) * (2 * np.pi / size)
-        alpha, theta = np.meshgrid(self.angles, self.angles)
+        self.j = self.at(*np.meshgrid(self.angles, self.angles))
+
+    def at(self, alpha: Any, theta: Any) -> Any:
+        """J / L at angles or arrays of them."""
         along, across = [], []
         for x, a in self.legs:
             turned = x * np.exp(1j * alpha)
             end = self.length * np.exp(1j * theta) + turned - a
             along.append((np.conj(end) * 1j * turned).real)
             across.append((np.conj(end) * 1j * np.exp(1j * theta)).real)
-        self.j = along[0] * across[1] - along[1] * across[0]
+        return along[0] * across[1] - along[1] * across[0]
 
     def contours(self) -> list[Array]:
         """The lines J = 0 as arrays of (α, θ) in the square of the grid."""

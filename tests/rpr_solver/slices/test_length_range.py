@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver.errors import InputError
-from rpr_solver.transitions.length_range import LengthRange, intervals_json
+from rpr_solver.slices.length_range import LengthRange, intervals_json
 from tests.support.strategies import examples, rationals
 
 LENGTHS = rationals(0, 20, (1, 4, 3))
