@@ -63,6 +63,7 @@ from .slices.cusp_table import solve_slice as solve_slice
 from .slices.eliminant import Eliminant as Eliminant
 from .slices.eliminant import eliminate as eliminate
 from .slices.joint_points import JointPoint as JointPoint
+from .slices.length_range import LengthRange as LengthRange
 from .slices.slice_table import SliceTable as SliceTable
 from .transitions.census import Census as Census
 from .transitions.census import LengthKind as LengthKind
@@ -72,7 +73,6 @@ from .transitions.census import census as census
 from .transitions.check_report import CheckedInterval as CheckedInterval
 from .transitions.check_report import CheckReport as CheckReport
 from .transitions.check_report import check as check
-from .slices.length_range import LengthRange as LengthRange
 from .transitions.requirement import Requirement as Requirement
 
 __version__: str
