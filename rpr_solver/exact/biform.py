@@ -127,9 +127,9 @@ class BiForm(Quadratic[fmpz_mpoly]):
         """The image modulo p, with a value chosen for ω."""
         return ResidueForm(tuple(tuple(c.residue(p, omega) for c in row) for row in self.coefficients))
 
-    def norm1(self) -> int:
-        """A bound on the sum of the absolute values of all coefficients in t, u and L."""
-        return sum(c.norm1() for row in self.coefficients for c in row)
+    def norm1(self, length: int = 1) -> int:
+        """A bound on the sum of the absolute values of all coefficients in t, u and L / length."""
+        return sum(c.norm1() * length**k for row in self.coefficients for k, c in enumerate(row))
 
     def __mul__(self, other: BiForm) -> BiForm:
         degrees = self.degree_t + other.degree_t, self.degree_u + other.degree_u

@@ -1,29 +1,39 @@
-"""Res_t of two forms in (t, u) over ℤ[ω], divided by known factors, from its values modulo primes.
+"""Res_t of two forms in (t, u) over ℤ[ω], divided by known factors, from its values in balls.
 
-All degrees are formal, so that zeros at t = ∞ and u = ∞ count. The quotient is interpolated from as many
-points u as it has coefficients, and a spare point checks that the known factors divide. The product of the
-primes exceeds a proved bound on the coefficients (mathematics.md#the-bound-of-the-coefficients).
+All degrees are formal, so that zeros at t = ∞ and u = ∞ count. The quotient is evaluated on a circle
+(circle.py). It has coefficients in ℤ[ω], so balls that hold one integer each determine it
+(mathematics.md#integers-from-balls); if the known factors did not divide, some ball would hold none.
 """
 
 from __future__ import annotations
 
-from itertools import count, islice
+from collections.abc import Callable, Sequence
 
-from flint import fmpz_poly, nmod_poly
+from flint import arb, arb_mat, arb_poly, ctx, fmpz, fmpz_mat, fmpz_poly
 
-from rpr_solver.errors import SolverError
+from rpr_solver.errors import SolverError, Unproved
 from rpr_solver.exact.biform import BiForm
-from rpr_solver.exact.modular import interpolated, reconstruct, resultants
-from rpr_solver.exact.quadratic import Form, QuadraticPoly
+from rpr_solver.exact.circle import Circle
+from rpr_solver.exact.modular import sylvester
+from rpr_solver.exact.precision import decided
+from rpr_solver.exact.quadratic import Form, QuadraticPoly, omega_ball
+
+_SPARE_BITS = 32
+_MOST_TIMES = 16
+"""Times the precision that the bound asks for; more would be needed only at a pole of the quotient."""
 
 
-def resultant_bound(first: BiForm, second: BiForm) -> int:
+class _NoQuotient(Exception):  # noqa: N818 - a signal within this module
+    """The values are not those of a polynomial over ℤ[ω]."""
+
+
+def resultant_bound(first: BiForm, second: BiForm, length: int = 1) -> int:
     """A bound on the 1-norm of Res_t, which is at most ‖first‖ⁿ ‖second‖ᵐ for the degrees m and n in t.
 
-    Every term of Sylvester's determinant holds n coefficients of the first form and m of the second, and
-    1-norms are submultiplicative.
+    With ``length`` the norms are those of the polynomials in L / length. Every term of Sylvester's
+    determinant holds n coefficients of the first form and m of the second, and 1-norms are submultiplicative.
     """
-    return int(first.norm1() ** second.degree_t * second.norm1() ** first.degree_t)
+    return int(first.norm1(length) ** second.degree_t * second.norm1(length) ** first.degree_t)
 
 
 def resultant(first: BiForm, second: BiForm, known: Form | None = None) -> Form:
@@ -35,27 +45,118 @@ def resultant(first: BiForm, second: BiForm, known: Form | None = None) -> Form:
     Raises:
         SolverError: a known factor does not divide.
     """
-    one = QuadraticPoly.rational([1], first.radicand)
-    divisor, known_degree = (known.polynomial, known.degree) if known else (one, 0)
-    degree = first.degree_t * second.degree_u + second.degree_t * first.degree_u - known_degree
-    norm, conjugate = divisor.norm, divisor.conjugate if divisor.b else one
-    content = int(norm.content())
-    *us, spare = islice((u for u in count(2) if norm(u) != 0), degree + 2)
+    radicand = first.radicand
+    divisor = known or Form(QuadraticPoly.rational([1], radicand), 0)
+    degree = first.degree_t * second.degree_u + second.degree_t * first.degree_u - divisor.degree
+    content = divisor.polynomial.norm.content()
 
-    def image(p: int, omega: int, _first: bool) -> list[int] | None:
-        at = divisor.residue(p, omega)
-        divisors = [int(at(u)) for u in (*us, spare)]
-        if not all(divisors):
+    def coefficients(omega: arb) -> list[arb] | None:
+        circle = Circle(degree + 2, ctx.prec)
+        tables = (at_points(form.rows, form.degree_u, circle, omega) for form in (first, second))
+        [divisors] = zip(*at_points([divisor.polynomial], divisor.degree, circle, omega), strict=True)
+        values = [ball_resultant(j, e) * content / k for j, e, k in zip(*tables, divisors, strict=True)]
+        rows = circle.coefficients([values], degree)
+        return None if rows is None else rows[0]
+
+    a, b = recovered(radicand, coefficients, resultant_bound(first, second).bit_length() + degree)
+    return Form(QuadraticPoly(fmpz_poly(a), fmpz_poly(b), radicand), degree)
+
+
+def at_points(rows: Sequence[QuadraticPoly], degree: int, circle: Circle, omega: arb) -> list[list[arb]]:
+    """The values of forms of one degree in u, a row for each point of the circle."""
+    matrix = _matrix([row.a for row in rows], degree)
+    if any(row.b for row in rows):
+        matrix += _matrix([row.b for row in rows], degree) * omega
+    return (matrix * circle.monomials(degree)).transpose().tolist()
+
+
+def _matrix(polynomials: Sequence[fmpz_poly], degree: int) -> arb_mat:
+    return arb_mat(fmpz_mat([[p[k] for k in range(degree + 1)] for p in polynomials]))
+
+
+def recovered(
+    radicand: int, coefficients: Callable[[arb], list[arb] | None], bits: int
+) -> tuple[list[fmpz], list[fmpz]]:
+    """The coefficients of A and B, where those of A + ω B are enclosed for either sign of ω; primitive.
+
+    ``coefficients`` takes ω as a ball and computes at the working precision, which begins with ``bits``; it
+    returns None where it sees that there is no such polynomial.
+
+    Raises:
+        SolverError: there is no such polynomial over ℤ[ω].
+    """
+
+    def attempt(work: int) -> tuple[list[fmpz], list[fmpz]] | None:
+        with ctx.workprec(work):
+            omega = omega_ball(radicand, work)
+            plus = _enclosures(coefficients(omega))
+            if radicand == 1:
+                a = _integers(plus)
+                return None if a is None else (a, [fmpz(0)] * len(a))
+            minus = _enclosures(coefficients(-omega))
+            pairs = list(zip(plus, minus, strict=True))
+            a = _integers([(x + y) / 2 for x, y in pairs])
+            b = None if a is None else _integers([(x - y) / (2 * omega) for x, y in pairs])
+            return None if a is None or b is None else (a, b)
+
+    start = bits + _SPARE_BITS
+    try:
+        a, b = decided(attempt, start, _MOST_TIMES * start, "a resultant could not be evaluated")
+    except (_NoQuotient, Unproved):
+        raise SolverError("an eliminant lacks its known factors; please report this geometry") from None
+    if content := fmpz_poly([*a, *b]).content():
+        a, b = ([x // content for x in part] for part in (a, b))
+    return a, b
+
+
+def _enclosures(coefficients: list[arb] | None) -> list[arb]:
+    if coefficients is None:
+        raise _NoQuotient
+    return coefficients
+
+
+def _integers(balls: Sequence[arb]) -> list[fmpz] | None:
+    """The only integers in these balls; None if one of the balls holds several."""
+    integers = []
+    for ball in balls:
+        integer = ball.unique_fmpz()
+        if integer is None:
+            if ball.is_finite() and not ball.contains_integer():
+                raise _NoQuotient
             return None
-        whole = resultants(first.residue(p, omega).at(), second.residue(p, omega).at(), (*us, spare))
-        *values, expected = (x * content * pow(k, -1, p) % p for x, k in zip(whole, divisors, strict=True))
-        [coefficients] = interpolated([values], us, [0], p)
-        if int(nmod_poly(coefficients, p)(spare)) != expected:
-            raise SolverError("an eliminant lacks its known factors; please report this geometry")
-        return coefficients
+        integers.append(integer)
+    return integers
 
-    # a coefficient is at most 2^degree times the Mahler measure, which is multiplicative, at most the
-    # 1-norm, and at least 1 for a primitive factor
-    bound = resultant_bound(first, second) * conjugate.norm1() << degree
-    a, b = reconstruct(first.radicand, image, bound)
-    return Form(QuadraticPoly(fmpz_poly(a), fmpz_poly(b), first.radicand), degree)
+
+def ball_resultant(first: Sequence[arb], second: Sequence[arb]) -> arb:
+    """Res of two forms by ascending coefficients; a common zero at infinity counts."""
+    m, n = len(first) - 1, len(second) - 1
+    if first[m].is_zero():
+        # Sylvester's determinant has one entry left in its first column, if any
+        return ball_resultant(first[:m], second) * second[n] * (-1) ** n if m else arb(0) ** n
+    if second[n].is_zero():
+        return ball_resultant(first, second[:n]) * first[m] if n else arb(0) ** m
+    value = _by_remainders(arb_poly(list(first)), arb_poly(list(second)))
+    return arb_mat(sylvester(first, second, arb(0))).det() if value is None else value
+
+
+def _by_remainders(f: arb_poly, g: arb_poly) -> arb | None:
+    """Euclid's algorithm; None if a leading coefficient may be 0."""
+    m, n = f.degree(), g.degree()
+    value = arb(1)
+    if m < n:
+        f, g, m, n = g, f, n, m
+        value = arb(-1 if m * n % 2 else 1)
+    while n > 0:
+        lead = g[n]
+        if lead.contains(0):
+            return None
+        rest = f % g
+        # Res(f, g) = (−1)^(mn) lc(g)^(m − n + 1) Res(g, rest), with the formal degree n − 1 of the rest
+        value *= lead ** (m - n + 1)
+        if m * n % 2:
+            value = -value
+        f, g, m, n = g, rest, n, n - 1
+        if g.degree() != n:
+            return None
+    return value * g[0] ** m

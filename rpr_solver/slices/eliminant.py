@@ -12,8 +12,8 @@ With t = tan(α/2), u = tan(θ/2) and all degrees formal, eliminating t from J a
 - Q: degree 24 in u, 10 in L.
 
 The first three are factors for every geometry, and Q is integral (mathematics.md#the-eliminant). So Q is
-determined by its values on a 25 × 11 grid, computed modulo primes; enough primes are taken to exceed a proved
-bound on its coefficients.
+determined by balls round its coefficients that hold one integer each. They are computed from its values in
+26 directions, at 12 lengths, of which the negative ones come for nothing.
 """
 
 from __future__ import annotations
@@ -21,21 +21,28 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import count, islice
+from math import isqrt
 from typing import Any
 
-from flint import fmpz, fmpz_mat, fmpz_poly, nmod_poly
+from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.contract import SOLVER_VERSION
-from rpr_solver.errors import SolverError
-from rpr_solver.exact.elimination import resultant_bound
-from rpr_solver.exact.modular import interpolated, reconstruct, resultants
+from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.circle import Circle
+from rpr_solver.exact.elimination import at_points, ball_resultant, recovered, resultant_bound
 from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 
 DEGREE_U = 24
 DEGREE_L = 10
+_LENGTHS = 6
+_POINTS = DEGREE_U + 2
+"""One more than there are coefficients, as a check, and even, so that half a turn maps points to points."""
+_MULTIPLES = [sign * k for sign in (1, -1) for k in range(1, _LENGTHS + 1)]
+_FROM_LENGTHS = fmpq_mat([[k**power for power in range(2 * _LENGTHS)] for k in _MULTIPLES]).inv()
+"""From values at the lengths ±1, …, ±6 to coefficients; there is one more length than coefficients."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +110,7 @@ class Eliminant:
 
 
 def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
-    """Computes Q(u, L) of a manipulator and one fixed leg, to be shared by all slices (0.1 s).
+    """Computes Q(u, L) of a manipulator and one fixed leg, to be shared by all slices (10 to 40 ms).
 
     Args:
         manipulator: the geometry.
@@ -119,64 +126,76 @@ def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
     <SliceTable L3=10: 4 cusps, 15 digits>
     """
     slice_map = SliceMap.of(manipulator, fixed_leg)
-    grid = _Grid.of(slice_map)
-    parts = reconstruct(slice_map.radicand, grid.image, _coefficient_bound(slice_map))
+    sampling = _Sampling.of(slice_map)
+    parts = recovered(slice_map.radicand, sampling.coefficients, sampling.bits)
     a, b = (fmpz_mat(DEGREE_L + 1, DEGREE_U + 1, part).transpose() for part in parts)
     return Eliminant(manipulator, slice_map, a, b)
 
 
 @dataclass(frozen=True)
-class _Grid:
-    """The points (u, L) at which the resultant is evaluated; no known factor vanishes at any of them."""
+class _Sampling:
+    """Values of Q on a circle of directions of the fixed leg, at the lengths ±k · step, k = 1, …, 6.
+
+    A negative length in the opposite direction is the same leg, so Q(θ + π, −L) = Q(θ, L), and half a turn of
+    the circle gives the values at the negative lengths.
+    """
 
     slice_map: SliceMap
-    us: tuple[int, ...]
-    ls: tuple[int, ...]
-    known: tuple[tuple[int, ...], ...]
-    """The product of the known factors at each point, a row for each L."""
+    singular: BiForm
+    coalescence: BiForm
+    along: fmpz_poly
+    step: Fraction
 
     @classmethod
-    def of(cls, slice_map: SliceMap) -> _Grid:
+    def of(cls, slice_map: SliceMap) -> _Sampling:
+        singular, coalescence = slice_map.singular.primitive(), slice_map.coalescence.primitive()
         along = slice_map.f.collinear()
-        # one spare point in each direction checks the interpolation
-        us = tuple(islice((u for u in count(2) if along(u) != 0), DEGREE_U + 2))
+        size = isqrt(max(x for leg in (slice_map.f, slice_map.g) for x in (leg.base2, leg.platform2)))
+        return cls(
+            slice_map, singular, coalescence, along / along.content(), Fraction(1 << size.bit_length(), 4)
+        )
 
-        def known(length: int) -> tuple[int, ...]:
-            closed = slice_map.f.closed(Fraction(length))
-            return tuple(int(closed(u) * along(u) ** 2 * fmpz(u * u + 1) ** 9) for u in us)
+    @property
+    def bits(self) -> int:
+        """A precision that will do: that of the resultant's bound at a typical length."""
+        length = int(4 * self.step)
+        return resultant_bound(self.singular, self.coalescence, length).bit_length()
 
-        rows = ((length, row) for length in count(1) if all(row := known(length)))
-        ls, table = zip(*islice(rows, DEGREE_L + 2), strict=True)
-        return cls(slice_map, us, ls, table)
-
-    def image(self, p: int, omega: int, check: bool) -> list[int] | None:
-        """The coefficients of Q modulo p, powers of L first; None if p divides a known factor."""
-        if any(x % p == 0 for row in self.known for x in row):
+    def coefficients(self, omega: arb) -> list[arb] | None:
+        """The coefficients of Q, powers of L first; None if it is no polynomial of its degrees."""
+        circle = Circle(_POINTS, ctx.prec)
+        lengths = [self.step * k for k in range(1, _LENGTHS + 1)]
+        values = self._values(circle, lengths, omega)
+        half = _POINTS // 2
+        turned = [row[half:] + row[:half] for row in values]
+        by_length = arb_mat(_FROM_LENGTHS) * arb_mat(values + turned)
+        *rows, spare = by_length.tolist()
+        if not all(x.contains(0) for x in spare):
             return None
-        j, e = (form.residue(p, omega) for form in (self.slice_map.singular, self.slice_map.coalescence))
+        coefficients = circle.coefficients(rows, DEGREE_U)
+        if coefficients is None:
+            return None
+        scales = [ball_of(self.step**power) for power in range(DEGREE_L + 1)]
+        return [x / scale for row, scale in zip(coefficients, scales, strict=True) for x in row]
 
-        def values(length: int, row: Sequence[int], us: Sequence[int]) -> list[int]:
-            whole = resultants(j.at(length), e.at(length), us)
-            return [x * pow(k, -1, p) % p for x, k in zip(whole, row, strict=True)]
+    def _values(self, circle: Circle, lengths: Sequence[Fraction], omega: arb) -> list[list[arb]]:
+        """A row of values of Q for each length."""
+        j0, j1 = _by_length(self.singular, circle, omega)
+        e0, e1, e2 = _by_length(self.coalescence, circle, omega)
+        closed = [self.slice_map.f.closed(length) for length in lengths]
+        factors = [QuadraticPoly.rational(p) for p in (self.along, *closed)]
+        known = at_points(factors, 2, circle, omega)
 
-        *ls, spare_l = self.ls
-        *us, spare_u = self.us
-        samples = [values(length, row[:-1], us) for length, row in zip(ls, self.known[:-1], strict=True)]
-        rows = interpolated(samples, us, ls, p)
-        if check:
-            at_u = [int(nmod_poly(row, p)(spare_u)) for row in rows]
-            if [int(nmod_poly(at_u, p)(spare_l))] != values(spare_l, self.known[-1][-1:], [spare_u]):
-                raise SolverError(
-                    "the resultant does not have the known factors; please report this geometry"
-                )
-        return [x for row in rows for x in row]
+        def value(k: int, i: int) -> arb:
+            x, w, q = ball_of(lengths[i]), known[k][0], known[k][i + 1]
+            j = [a + x * b for a, b in zip(j0[k], j1[k], strict=True)]
+            e = [a + x * (b + x * c) for a, b, c in zip(e0[k], e1[k], e2[k], strict=True)]
+            return ball_resultant(j, e) * lengths[i].denominator ** 2 / (w * w * q)
+
+        return [[value(k, i) for k in range(_POINTS)] for i in range(len(lengths))]
 
 
-def _coefficient_bound(slice_map: SliceMap) -> int:
-    """A bound on the coefficients of A and B (mathematics.md#the-bound-of-the-coefficients).
-
-    The Mahler measure is multiplicative, at most the 1-norm, and at least 1 for the known
-    factors; a coefficient is at most 2^(degrees) times it. |A| ≤ max |A ± ωB|, and B likewise
-    since ω ≥ 1.
-    """
-    return resultant_bound(slice_map.singular, slice_map.coalescence) << (DEGREE_U + DEGREE_L)
+def _by_length(form: BiForm, circle: Circle, omega: arb) -> list[list[list[arb]]]:
+    """For each power of L the coefficients of tⁱ at every point."""
+    powers = zip(*form.coefficients, strict=True)
+    return [at_points(rows, form.degree_u, circle, omega) for rows in powers]

@@ -1,14 +1,16 @@
-"""Resultants from values modulo primes, against FLINT's resultants over ℤ[t, u, ω]."""
+"""Resultants from values in balls, against FLINT's resultants over ℤ[t, u, ω] and determinants."""
 
 from typing import Any
 
 import pytest
+from flint import arb, ctx, fmpz_mat
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import OMEGA, RING, BiForm, T, U
-from rpr_solver.exact.elimination import resultant, resultant_bound
+from rpr_solver.exact.elimination import ball_resultant, recovered, resultant, resultant_bound
+from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
 
 RADICANDS = (1, 2, 12)
@@ -90,3 +92,41 @@ def test_a_common_zero_at_infinity_counts() -> None:
     first, second = BiForm.of(T + U, 2, 2, 1), BiForm.of(T - U, 2, 2, 1)
     assert resultant(first, second).polynomial.is_zero
     assert not resultant(BiForm.of(T + U, 2, 1, 1), second).polynomial.is_zero
+
+
+FEW = st.lists(st.integers(-2, 3), min_size=1, max_size=6)
+
+
+@given(FEW, FEW)
+@settings(max_examples=200)
+def test_resultants_of_balls_are_sylvesters_determinants(f: list[int], g: list[int]) -> None:
+    """Whatever leading coefficients and remainders vanish."""
+    rows = sylvester(f, g, 0)
+    exact = fmpz_mat(rows).det() if rows else 1
+    with ctx.workprec(200):
+        ball = ball_resultant([arb(x) for x in f], [arb(x) for x in g])
+        assert ball.contains(exact)
+        assert ball.rad() < 0.25
+
+
+def test_balls_that_are_too_wide_are_computed_again() -> None:
+    """A + ωB with A = 2¹⁰⁰ and B = −3, and a doubt of about 2⁻²⁰ that shrinks with the precision."""
+    asked: list[int] = []
+
+    def coefficients(omega: arb) -> list[arb]:
+        asked.append(ctx.prec)
+        return [arb(2) ** 100 - 3 * omega + arb(0, arb(2) ** (300 - ctx.prec))]
+
+    assert recovered(7, coefficients, 100) == ([2**100], [-3])
+    assert asked == [132, 132, 264, 264, 528, 528] or asked == [132, 132, 264, 528, 528]
+
+
+@pytest.mark.parametrize("value", ["0.5", "1.2"])
+def test_balls_without_an_integer_are_refused(value: str) -> None:
+    with pytest.raises(SolverError, match="known factors"):
+        recovered(1, lambda _omega: [arb(3), arb(value)], 10)
+
+
+def test_balls_that_never_become_narrow_are_refused() -> None:
+    with pytest.raises(SolverError, match="known factors"):
+        recovered(1, lambda _omega: [arb(0, 2)], 10)

@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Eliminant, InputError, Manipulator, SolverError
 from rpr_solver.exact.biform import BiForm
-from rpr_solver.exact.modular import primes, sylvester
+from rpr_solver.exact.elimination import recovered
+from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.eliminant import _coefficient_bound, _Grid
+from rpr_solver.slices.eliminant import _Sampling
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples, manipulators
 
@@ -29,11 +30,6 @@ def manipulator(*values: int | str, orientation: str = "ccw") -> Manipulator:
 IRRATIONAL = manipulator(7, 3, 5, 4, 5, 6, orientation="cw")
 LARGE = manipulator(3 * 10**12 + 1, "-2.71828182845", 10**11 + 7, 10**12, 10**12 + 9, 17)
 """A sharp platform with numbers of 12 and more digits."""
-ZEROS_ON_THE_GRID = {
-    "w at u = 2": (manipulator(30, 3, -4, 13, 9, 5), 3),
-    "q at u = 2, L = 7": (manipulator(15, 4, 9, 20, 26, 26), 1),
-}
-"""Where a known factor vanishes at small integers."""
 
 
 def exact_resultant(slice_map: SliceMap, length: Fraction) -> tuple[fmpz_poly, fmpz_poly]:
@@ -131,28 +127,11 @@ def test_the_cofactor_is_one_integer_for_all_u_and_l(m: Manipulator, leg: int) -
     constant_everywhere(eliminant)
 
 
-@pytest.mark.parametrize(("m", "leg"), ZEROS_ON_THE_GRID.values(), ids=ZEROS_ON_THE_GRID)
-def test_points_at_which_a_known_factor_vanishes_are_passed_over(m: Manipulator, leg: int) -> None:
-    eliminant = eliminant_of(m, leg)
-    along, closed = eliminant.slice_map.f.collinear(), eliminant.slice_map.f.closed
-    assert along(2) == 0 or closed(Fraction(7))(2) == 0
-    constant_everywhere(eliminant)
-    grid = _Grid.of(eliminant.slice_map)
-    assert (len(grid.us), len(grid.ls)) == (26, 12)
-    assert [len(row) for row in grid.known] == [26] * 12
-    assert all(
-        value == along(u) ** 2 * (u * u + 1) ** 9 * closed(Fraction(length))(u) != 0
-        for length, row in zip(grid.ls, grid.known, strict=True)
-        for u, value in zip(grid.us, row, strict=True)
-    )
-
-
 @pytest.mark.parametrize("m", [EXAMPLES["zein-flat"], IRRATIONAL, LARGE], ids=["flat", "small", "large"])
-def test_the_bound_holds_for_the_coefficients_before_their_content_is_removed(m: Manipulator) -> None:
+def test_the_cofactor_is_one_integer_for_long_and_short_numbers(m: Manipulator) -> None:
     eliminant = eliminant_of(m)
-    content = abs(constant_everywhere(eliminant))
+    constant_everywhere(eliminant)
     largest = max(abs(x) for part in (eliminant.a, eliminant.b) for x in part.entries())
-    assert content * largest <= _coefficient_bound(eliminant.slice_map)
     assert largest > 10**200 or m is not LARGE
 
 
@@ -162,24 +141,33 @@ def test_no_common_content_is_left() -> None:
         assert gcd(*map(int, (*eliminant.a.entries(), *eliminant.b.entries()))) == 1
 
 
-def test_factors_that_do_not_divide_are_noticed() -> None:
-    """At the first prime, by the spare point in either direction."""
-    grid = _Grid.of(SliceMap.of(EXAMPLES["zein-flat"]))
-    p, omega = next(primes(1))
-    assert grid.image(p, omega, True) is not None
-    in_u = [tuple(x * (u + 7) for x, u in zip(row, grid.us, strict=True)) for row in grid.known]
-    in_l = [tuple(x * (length + 7) for x in row) for row, length in zip(grid.known, grid.ls, strict=True)]
-    for known in (in_u, in_l):
-        with pytest.raises(SolverError, match="known factors"):
-            replace(grid, known=tuple(known)).image(p, omega, True)
+@pytest.mark.parametrize("leg", [1, 2, 3])
+@pytest.mark.parametrize("m", [EXAMPLES["innocenti"], IRRATIONAL], ids=["innocenti", "small"])
+def test_a_negative_length_is_the_opposite_direction(m: Manipulator, leg: int) -> None:
+    """Q(-1/u, -L) u^24 = Q(u, L), on which the choice of points rests."""
+    eliminant = eliminant_of(m, leg)
+    for part in (eliminant.a, eliminant.b):
+        for k in range(25):
+            for i in range(11):
+                assert part[24 - k, i] == (-1) ** (k + i) * part[k, i]
 
 
-def test_a_prime_that_divides_a_known_factor_gives_no_image() -> None:
-    grid = _Grid.of(SliceMap.of(EXAMPLES["zein-flat"]))
-    p, omega = next(primes(1))
-    row = grid.known[3]
-    planted = (*grid.known[:3], (*row[:5], row[5] * p, *row[6:]), *grid.known[4:])
-    assert replace(grid, known=planted).image(p, omega, False) is None
+@given(SMALL_MANIPULATORS, st.sampled_from([1, 2, 3]))
+@examples(6)
+def test_the_first_precision_suffices(m: Manipulator, leg: int) -> None:
+    """Radii below 1/4 at the precision that the bound of the values asks for: nothing is computed twice."""
+    sampling = _Sampling.of(SliceMap.of(m, leg))
+    with ctx.workprec(sampling.bits + 32):
+        coefficients = sampling.coefficients(omega_ball(sampling.slice_map.radicand, ctx.prec))
+        assert coefficients is not None
+        assert all(x.rad() < arb(0.25) for x in coefficients)
+
+
+@pytest.mark.parametrize("along", [[7, 1, 5], [3, -2, 0]])
+def test_factors_that_do_not_divide_are_noticed(along: list[int]) -> None:
+    sampling = replace(_Sampling.of(SliceMap.of(EXAMPLES["zein-flat"])), along=fmpz_poly(along))
+    with pytest.raises(SolverError, match="known factors"):
+        recovered(1, sampling.coefficients, sampling.bits)
 
 
 # one slice
