@@ -46,11 +46,16 @@ class _JointPlane:
         values = _range([point for strand in self._strands for point in strand.points])
         self._frame = Frame.of(_PLOT, values)
         self._lines = [self._frame.line(strand.points) for strand in self._strands]
+        self._posed = [[self._pose(pose) for pose in strand.poses] for strand in self._strands]
         self._places = [self._frame.place(self._point(cusp)) for cusp in self._cusps]
 
     def figure(self) -> Figure:
         """The picture."""
-        curves = [line for strand in self._strands for line in drawn(strand, self._floats, self._pose)]
+        curves = [
+            line
+            for strand, places in zip(self._strands, self._posed, strict=True)
+            for line in drawn(strand, self._floats, self._pose, places=places)
+        ]
         room = Room(_PLOT.grown(-4))
         for line in curves:
             room.add_line(line)
@@ -146,8 +151,14 @@ class _JointPlane:
         yield Path((box.corners,), Paint("paper"), closed=True)
         curves = [
             piece
-            for strand in self._strands
-            for line in drawn(strand, self._floats, lambda pose: zoomed(self._pose(pose)), box)
+            for strand, places in zip(self._strands, self._posed, strict=True)
+            for line in drawn(
+                strand,
+                self._floats,
+                lambda pose: zoomed(self._pose(pose)),
+                box,
+                [zoomed(place) for place in places],
+            )
             for piece in clipped(line, box)
         ]
         inside = Room(box.grown(-3))

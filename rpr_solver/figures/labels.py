@@ -2,50 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
+from functools import reduce
 from itertools import pairwise
 from math import ceil, cos, floor, hypot, pi, sin
+from operator import or_
 
 from rpr_solver.figures.plane import Box, Line, Point
 from rpr_solver.figures.scene import Text
 from rpr_solver.figures.wording import box_of
 
 _CELL, _COARSE = 4, 8
+_MARGIN = 2
 _TAKEN = 10
 
 
 class Room:
     """What is taken of a picture's area, in cells of a few pixels.
 
-    Lines take the cells that they cross; boxes of labels and marks take theirs for good.
+    Lines take the cells that they cross; boxes of labels and marks take theirs for good. Each row of cells is
+    a number with a bit for each column.
     """
 
     def __init__(self, box: Box) -> None:
         self.box = box
-        self._cells: dict[tuple[int, int], int] = {}
+        self._left, self._top = (floor(x / _CELL) - _MARGIN for x in (box.x0, box.y0))
+        self._columns, rows = (
+            ceil(x / _CELL) + _MARGIN - first for x, first in ((box.x1, self._left), (box.y1, self._top))
+        )
+        self._crossed, self._boxed = [0] * rows, [0] * rows
         self._free: list[list[int]] = []
 
     def add_line(self, line: Line) -> None:
         """Take the cells that a polyline crosses."""
+        crossed, left, top, columns = self._crossed, self._left, self._top, self._columns
         for (ax, ay), (bx, by) in pairwise(line):
             steps = int(hypot(bx - ax, by - ay) / _CELL) + 1
             for k in range(steps + 1):
-                x, y = ax + (bx - ax) * k / steps, ay + (by - ay) * k / steps
-                cell = int(x // _CELL), int(y // _CELL)
-                self._cells[cell] = max(self._cells.get(cell, 0), 1)
+                column = int((ax + (bx - ax) * k / steps) // _CELL) - left
+                row = int((ay + (by - ay) * k / steps) // _CELL) - top
+                if 0 <= row < len(crossed) and 0 <= column < columns:
+                    crossed[row] |= 1 << column
 
     def add_box(self, box: Box) -> None:
         """Take a box, for a label or a mark."""
-        for cell in _cells(box):
-            self._cells[cell] = _TAKEN
+        rows, columns = self._under(box)
+        for row in rows:
+            self._boxed[row] |= columns
 
     def hidden(self, box: Box) -> int:
         """How much a box would hide: 0 for nothing."""
-        return sum(self._cells.get(cell, 0) for cell in _cells(box))
+        rows, columns = self._under(box)
+        boxed = sum((self._boxed[row] & columns).bit_count() for row in rows)
+        crossed = sum((self._crossed[row] & ~self._boxed[row] & columns).bit_count() for row in rows)
+        return _TAKEN * boxed + crossed
 
     def is_free(self, box: Box) -> bool:
         """Whether a box hides nothing and lies within the area."""
-        return self._holds(box) and not any(cell in self._cells for cell in _cells(box))
+        return self._holds(box) and not self.hidden(box)
 
     def near(self, point: Point, words: str, size: float, gap: float, role: str = "ink") -> Text:
         """The label of a point, where it hides least near the point; its box is taken."""
@@ -70,90 +84,99 @@ class Room:
 
     def free_box(self, width: float, height: float, target: Point, step: float = 12) -> Box | None:
         """The free box of a size that is nearest to a point, or None."""
-        taken = self._sums()
-        columns, rows = len(taken[0]) - 1, len(taken) - 1
+        columns, rows = ceil(self.box.width / _CELL), ceil(self.box.height / _CELL)
         wide, high, stride = ceil(width / _CELL), ceil(height / _CELL), int(step / _CELL)
-        places = [
-            (hypot(x + width / 2 - target[0], y + height / 2 - target[1]), x, y)
-            for k in range(0, rows - high + 1, stride)
-            for i in range(0, columns - wide + 1, stride)
-            if taken[k + high][i + wide] - taken[k][i + wide] == taken[k + high][i] - taken[k][i]
-            for x, y in ((self.box.x0 + i * _CELL, self.box.y0 + k * _CELL),)
-        ]
+        taken, window = self._taken(rows), (1 << wide) - 1
+        places = []
+        for k in range(0, rows - high + 1, stride):
+            under = reduce(or_, taken[k : k + high])
+            for i in range(0, columns - wide + 1, stride):
+                if not under >> i & window:
+                    x, y = self.box.x0 + i * _CELL, self.box.y0 + k * _CELL
+                    places.append((hypot(x + width / 2 - target[0], y + height / 2 - target[1]), x, y))
         if not places:
             return None
         _, x, y = min(places)
         return Box(x, y, x + width, y + height)
 
-    def _sums(self) -> list[list[int]]:
-        """How many taken cells there are above and left of each cell of the area."""
-        columns, rows = ceil(self.box.width / _CELL), ceil(self.box.height / _CELL)
-        taken = [[0] * (columns + 1) for _ in range(rows + 1)]
-        for i, k in self._cells:
-            # a cell of the plane may lie in two columns and two rows of the area
-            x, y = i * _CELL - self.box.x0, k * _CELL - self.box.y0
-            for column in {floor(x / _CELL), ceil(x / _CELL)}:
-                for row in {floor(y / _CELL), ceil(y / _CELL)}:
-                    if 0 <= column < columns and 0 <= row < rows:
-                        taken[row + 1][column + 1] = 1
-        for k in range(1, rows + 1):
-            line, above, total = taken[k], taken[k - 1], 0
-            for i in range(1, columns + 1):
-                total += line[i]
-                line[i] = total + above[i]
-        return taken
+    def _taken(self, rows: int) -> list[int]:
+        """The taken cells of the area, row by row; one that it cuts lies in two of its columns or rows."""
+        across, down = _shifts(self.box.x0, self._left), _shifts(self.box.y0, self._top)
+        taken = [crossed | boxed for crossed, boxed in zip(self._crossed, self._boxed, strict=True)]
+        both = [reduce(or_, (cells >> by for by in across)) for cells in taken]
+        return [reduce(or_, (both[row + by] for by in down)) for row in range(rows)]
 
     def inside(self, rings: Sequence[Line], least: float) -> Point | None:
         """The point inside rings with most free room around it; None if that is less than ``least``.
 
         What is taken after the first call does not count, so rings must not overlap.
         """
-        best, place = least / _COARSE / 2, None
         if not self._free:
             self._free = self._reaches()
-        for row, reaches in enumerate(self._free):
-            y = self.box.y0 + (row + 0.5) * _COARSE
-            crossings = sorted(x for ring in rings for x in _crossings(ring, y))
-            for low, high in zip(crossings[::2], crossings[1::2], strict=False):
-                first = ceil((low - self.box.x0) / _COARSE - 0.5)
-                last = floor((high - self.box.x0) / _COARSE - 0.5)
-                for column in range(max(first, 0), min(last + 1, len(reaches))):
-                    if reaches[column] > best:
-                        best, place = reaches[column], (self.box.x0 + (column + 0.5) * _COARSE, y)
-        return place
+        within = self._within(rings)
+        for reach in range(len(self._free), floor(least / _COARSE / 2), -1):
+            for row, free in enumerate(self._free[reach - 1]):
+                if squares := free & within[row]:
+                    column = (squares & -squares).bit_length() - 1
+                    return self.box.x0 + (column + 0.5) * _COARSE, self.box.y0 + (row + 0.5) * _COARSE
+        return None
+
+    def _within(self, rings: Sequence[Line]) -> list[int]:
+        """The squares of the area, row by row, whose centres lie inside rings."""
+        columns, rows = self._squares
+        crossings: list[list[float]] = [[] for _ in range(rows)]
+        for ring in rings:
+            for (ax, ay), (bx, by) in pairwise([ring[-1], *ring]):
+                low, high = ((y - self.box.y0) / _COARSE for y in (min(ay, by), max(ay, by)))
+                for row in range(max(int(low) - 1, 0), min(int(high) + 2, rows)):
+                    y = self.box.y0 + (row + 0.5) * _COARSE
+                    if (ay > y) != (by > y):
+                        crossings[row].append(ax + (y - ay) * (bx - ax) / (by - ay))
+        within = [0] * rows
+        for row, xs in enumerate(crossings):
+            xs.sort()
+            for low, high in zip(xs[::2], xs[1::2], strict=False):
+                first = max(ceil((low - self.box.x0) / _COARSE - 0.5), 0)
+                last = min(floor((high - self.box.x0) / _COARSE - 0.5), columns - 1)
+                if first <= last:
+                    within[row] |= (1 << last + 1) - (1 << first)
+        return within
 
     def _reaches(self) -> list[list[int]]:
-        """For squares of the area, row by row, how many squares to all sides are free."""
-        columns, rows = int(self.box.width / _COARSE), int(self.box.height / _COARSE)
-        far = [[min(i, k, columns - 1 - i, rows - 1 - k) for i in range(columns)] for k in range(rows)]
-        for i, k in self._cells:
-            column = int((i * _CELL - self.box.x0) // _COARSE)
-            row = int((k * _CELL - self.box.y0) // _COARSE)
-            if 0 <= column < columns and 0 <= row < rows:
-                far[row][column] = 0
-        for turn in (1, -1):  # the distance to the nearest zero, from one corner and from the other
-            for k in range(1, rows)[::turn]:
-                line, before = (far[k], far[k - 1]) if turn == 1 else (far[k - 1], far[k])
-                for i in range(columns)[::turn]:
-                    near = min(before[max(i - 1, 0) : i + 2])
-                    beside = line[i - turn] if 0 <= i - turn < columns else near
-                    line[i] = min(line[i], near + 1, beside + 1)
-        return far
+        """For each distance from 0, row by row, the squares farther from what is taken and from the edges."""
+        columns, rows = self._squares
+        whole = (1 << columns) - 1
+        free = [0, *[whole & ~1 & whole >> 1] * (rows - 2), 0][:rows]
+        for row, cells in enumerate(map(or_, self._crossed, self._boxed)):
+            square = int(((row + self._top) * _CELL - self.box.y0) // _COARSE)
+            for column in range(cells.bit_length() if 0 <= square < rows else 0):
+                if cells >> column & 1:
+                    beside = int(((column + self._left) * _CELL - self.box.x0) // _COARSE)
+                    free[square] &= ~(1 << beside) if beside >= 0 else -1
+        levels = []
+        while any(free):
+            levels.append(free)
+            across = [line & line << 1 & line >> 1 for line in free]
+            free = [a & b & c for a, b, c in zip([0, *across], across, [*across[1:], 0], strict=False)]
+        return levels
+
+    @property
+    def _squares(self) -> tuple[int, int]:
+        """How many columns and rows of squares the area has."""
+        return int(self.box.width / _COARSE), int(self.box.height / _COARSE)
+
+    def _under(self, box: Box) -> tuple[range, int]:
+        """The rows and columns of the cells under a box."""
+        first, last = (int(x // _CELL) - self._left for x in (box.x0, box.x1))
+        top, bottom = (int(y // _CELL) - self._top for y in (box.y0, box.y1))
+        columns = (1 << max(min(last + 1, self._columns), 0)) - (1 << max(first, 0))
+        return range(max(top, 0), min(bottom + 1, len(self._boxed))), max(columns, 0)
 
     def _holds(self, box: Box) -> bool:
         outer = self.box
         return outer.x0 <= box.x0 and box.x1 <= outer.x1 and outer.y0 <= box.y0 and box.y1 <= outer.y1
 
 
-def _cells(box: Box) -> Iterable[tuple[int, int]]:
-    columns = range(int(box.x0 // _CELL), int(box.x1 // _CELL) + 1)
-    rows = range(int(box.y0 // _CELL), int(box.y1 // _CELL) + 1)
-    return ((i, k) for i in columns for k in rows)
-
-
-def _crossings(ring: Line, y: float) -> Iterator[float]:
-    """Yields where a ring crosses a horizontal line."""
-    for k in range(len(ring)):
-        (ax, ay), (bx, by) = ring[k - 1], ring[k]
-        if (ay > y) != (by > y):
-            yield ax + (y - ay) * (bx - ax) / (by - ay)
+def _shifts(start: float, first: int) -> set[int]:
+    """Where an area begins, counted in cells from the first: at two of them, if it cuts one."""
+    return {floor(start / _CELL) - first, ceil(start / _CELL) - first}

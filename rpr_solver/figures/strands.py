@@ -47,7 +47,11 @@ def strands_of(document: Mapping[str, Any]) -> list[Strand]:
 
 
 def drawn(
-    strand: Strand, floats: SliceFloats, place: Place, window: Box | None = None
+    strand: Strand,
+    floats: SliceFloats,
+    place: Place,
+    window: Box | None = None,
+    places: Sequence[Point] | None = None,
 ) -> Iterator[list[Point]]:
     """Yields a strand in a picture as polylines that are smooth at the picture's scale.
 
@@ -56,8 +60,10 @@ def drawn(
         floats: its slice.
         place: the place of a pose in the picture.
         window: a box of the picture; pieces far outside it are left out. None: all.
+        places: those of the strand's poses, if they are known.
     """
-    places = [place(pose) for pose in strand.poses]
+    if places is None:
+        places = [place(pose) for pose in strand.poses]
     line: list[Point] = []
     for p, q, a, b in zip(strand.poses, strand.poses[1:], places, places[1:], strict=False):
         if window is not None and not _is_near(a, b, window):
@@ -91,7 +97,14 @@ def _between(
 
 def _is_near(a: Point, b: Point, window: Box) -> bool:
     """Whether a chord may pass through a window; curves leave their chords by little of their lengths."""
-    return Box.around([a, b]).grown(2 + 0.3 * distance(a, b)).meets(window)
+    reach = 2 + 0.3 * distance(a, b)
+    (ax, ay), (bx, by) = a, b
+    return (
+        min(ax, bx) - reach < window.x1
+        and window.x0 < max(ax, bx) + reach
+        and min(ay, by) - reach < window.y1
+        and window.y0 < max(ay, by) + reach
+    )
 
 
 def cusps_of(strands: Sequence[Strand]) -> list[Mapping[str, Any]]:
