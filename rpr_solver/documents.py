@@ -9,11 +9,14 @@ import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from math import inf
 from typing import Any
 
 from rpr_solver.contract import check_digits
 from rpr_solver.exact.decimals import angle_text, shorten
 from rpr_solver.exact.rationals import Exact
+from rpr_solver.notebook import degenerate_words
+from rpr_solver.slices.degeneracy import Degeneracy
 from rpr_solver.slices.joint_points import coordinate_names
 from rpr_solver.slices.length_range import LengthRange, intervals_json
 
@@ -48,13 +51,15 @@ def shorten_slice(slice_json: Mapping[str, Any], have_digits: int, digits: int) 
 
 
 def table_csv(table: Mapping[str, Any]) -> str:
-    """A cusp table document as CSV: a line for each cusp, and one for a slice without cusps or with an error.
+    """A cusp table document as CSV: a line for each cusp and each degenerate point, with its ``kind``.
+
+    A slice without either, or with an error, has one line.
 
     >>> from rpr_solver import EXAMPLES, cusp_table, table_json
     >>> [table] = cusp_table(EXAMPLES["zein-flat"], "0.1", digits=15)
     >>> print(table_csv(table_json(EXAMPLES["zein-flat"], 1, 15, [table.to_json()])))
-    l1,count,cusp,alpha_deg,theta1_deg,l2,l3,error
-    0.1,0,,,,,,
+    l1,count,cusp,alpha_deg,theta1_deg,l2,l3,error,kind,equation
+    0.1,0,,,,,,,,
     <BLANKLINE>
     """
     leg = table["fixed_leg"]
@@ -65,13 +70,18 @@ def table_csv(table: Mapping[str, Any]) -> str:
             records.append({length: item[length], "error": item["error"]["detail"]})
         else:
             head = {length: item[length], "count": item["count"]}
-            cusps = enumerate(item["cusps"], 1)
-            records += [{**head, "cusp": number, **cusp} for number, cusp in cusps] or [head]
-    return _csv([length, "count", "cusp", *coordinate_names(leg), "error"], records)
+            points = [
+                {"cusp": number, "kind": "cusp", **cusp} for number, cusp in enumerate(item["cusps"], 1)
+            ]
+            points += item.get("degenerate_points", ())
+            records += [{**head, **point} for point in points] or [head]
+    return _csv([length, "count", "cusp", *coordinate_names(leg), "error", "kind", "equation"], records)
 
 
 def curves_csv(document: Mapping[str, Any]) -> str:
     """A document of cusp curves as CSV: a line for each point, curve by curve.
+
+    After these, each thing that is degenerate throughout has a line with its ``kind`` and its description.
 
     >>> from rpr_solver import EXAMPLES, CurveEnd, CurvePoint, CuspCurve, CuspCurves, cusp_table
     >>> from rpr_solver import LengthKind, LengthRange
@@ -80,13 +90,21 @@ def curves_csv(document: Mapping[str, Any]) -> str:
     >>> curve = CuspCurve("C1", CurveEnd("0", LengthKind.OPEN), CurveEnd(None, LengthKind.OPEN), points)
     >>> document = CuspCurves(EXAMPLES["zein-flat"], 1, 15, (curve,), LengthRange()).to_json()
     >>> print(curves_csv(document))
-    curve,l1,cusp,alpha_deg,theta1_deg,l2,l3
-    C1,10,1,31.4509403281135,-129.006918092045,25.2233542007524,35.5094864112439
+    curve,l1,cusp,alpha_deg,theta1_deg,l2,l3,kind,degenerate
+    C1,10,1,31.4509403281135,-129.006918092045,25.2233542007524,35.5094864112439,cusp,
     <BLANKLINE>
     """
     leg = document["fixed_leg"]
-    records = [{"curve": curve["name"], **point} for curve in document["curves"] for point in curve["points"]]
-    return _csv(["curve", f"l{leg}", "cusp", *coordinate_names(leg)], records)
+    records: list[Mapping[str, object]] = [
+        {"curve": curve["name"], "kind": "cusp", **point}
+        for curve in document["curves"]
+        for point in curve["points"]
+    ]
+    records += [
+        {"kind": part["kind"], "degenerate": degenerate_words(part, leg)}
+        for part in document.get("degenerate", ())
+    ]
+    return _csv(["curve", f"l{leg}", "cusp", *coordinate_names(leg), "kind", "degenerate"], records)
 
 
 def singular_csv(document: Mapping[str, Any]) -> str:
@@ -178,28 +196,71 @@ def restrict_census(
     aspects = [interval["aspects"] for interval in kept if "aspects" in interval]
     first, last = span.to_json().values()
     ends = [first, *(t[leg] for t in inside), last]
+    if (degenerate := _restrict_degenerate(document, span, kept_digits)) is None:
+        return None
     return {
         **document,
         "digits": kept_digits,
         "range": span.to_json(),
         "transitions": inside,
         "intervals": intervals_json(ends, counts, aspects),
+        "degenerate": degenerate,
     }
+
+
+def _restrict_degenerate(
+    document: Mapping[str, Any], span: LengthRange, digits: int
+) -> list[dict[str, Any]] | None:
+    """What is degenerate in a part of a range, with fewer digits; None if the digits do not decide."""
+    found = []
+    for whole in document.get("degenerate", ()):
+        lengths = [Fraction(end) for end in (whole["from"], whole["to"]) if end not in ("0", None)]
+        for bound in filter(None, (span.start, span.stop)):
+            if any(abs(x - bound) <= x / 10 ** (document["digits"] - 1) for x in lengths):
+                return None
+        if (part := Degeneracy.from_json(whole, document["fixed_leg"]).within(span)) is not None:
+            entry, exact = part.to_json(), span.to_json().values()
+            short = {end: shorten(entry[end], digits) for end in ("from", "to") if entry[end] not in exact}
+            if None in short.values():
+                return None
+            found.append({**entry, **short})
+    return found
 
 
 def census_csv(document: Mapping[str, Any]) -> str:
     """A census document as CSV: a line for each interval, with the transition at its end.
 
+    ``degenerate`` says what is degenerate in each slice of the interval, or in one of them as a whole curve.
+
     >>> from rpr_solver import EXAMPLES, census
     >>> print(census_csv(census(EXAMPLES["zein-flat"], start=38, stop=39, digits=15).to_json()))
-    from,to,count,transition_at_end
-    38,39,4,
+    from,to,count,transition_at_end,degenerate
+    38,39,4,,
     <BLANKLINE>
     """
     leg = f"l{document['fixed_leg']}"
     kinds = {t[leg]: t["kind"] for t in document["transitions"]}
-    records = [{**item, "transition_at_end": kinds.get(item["to"])} for item in document["intervals"]]
-    return _csv(["from", "to", "count", "transition_at_end"], records)
+    records = [
+        {
+            **item,
+            "transition_at_end": kinds.get(item["to"]),
+            "degenerate": "; ".join(
+                degenerate_words(part, document["fixed_leg"])
+                for part in document.get("degenerate", ())
+                if _overlap(part, item)
+            ),
+        }
+        for item in document["intervals"]
+    ]
+    return _csv(["from", "to", "count", "transition_at_end", "degenerate"], records)
+
+
+def _overlap(part: Mapping[str, Any], interval: Mapping[str, Any]) -> bool:
+    """Whether something degenerate occurs in an interval, or at its end."""
+    (low, high), (start, stop) = (
+        (Fraction(x["from"]), inf if x["to"] is None else Fraction(x["to"])) for x in (part, interval)
+    )
+    return start < low <= stop if low == high else low < stop and start < high
 
 
 def _csv(columns: Sequence[str], records: Iterable[Mapping[str, object]]) -> str:

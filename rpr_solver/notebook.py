@@ -65,6 +65,29 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
+def degenerate_words(part: Mapping[str, Any], fixed_leg: int) -> str:
+    """One line on what is degenerate in a range of lengths, as documents list it under ``degenerate``.
+
+    >>> degenerate_words({"kind": "quadruple", "from": "0", "to": None, "count": 4}, 1)
+    '4 poses of kind quadruple in every slice'
+    >>> degenerate_words({"kind": "node", "from": "0", "to": "25.000000000", "count": 2}, 1)
+    '2 poses of kind node in every slice for L1 from 0 to 25.000000…'
+    >>> degenerate_words({"kind": "curve", "from": "5", "to": "5", "equation": "alpha = 0 deg"}, 2)
+    'curve of degenerate poses at L2 = 5: alpha = 0 deg'
+    """
+    start, stop = part["from"], part["to"]
+    if start == stop:
+        where = f"at L{fixed_leg} = {shortened(start)}"
+    elif start == "0" and stop is None:
+        where = "in every slice"
+    else:
+        end = "" if stop is None else f" to {shortened(stop)}"
+        where = f"in every slice for L{fixed_leg} from {shortened(start)}{end}"
+    if part["kind"] == "curve":
+        return f"curve of degenerate poses {where}" + (f": {part['equation']}" if "equation" in part else "")
+    return f"{counted(part['count'], 'pose')} of kind {part['kind']} {where}"
+
+
 def html_table(title: str, records: Sequence[Mapping[str, object]], notes: Iterable[str] = ()) -> str:
     """A table with a column for each name, in the colours of the page; digits are shortened."""
     names = list(dict.fromkeys(name for record in records for name in record))

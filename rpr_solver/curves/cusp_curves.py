@@ -31,13 +31,16 @@ from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.locus import locus_figure
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.notebook import Row, counted, html_table, with_floats
+from rpr_solver.notebook import Row, counted, degenerate_words, html_table, with_floats
+from rpr_solver.slices.degeneracy import Degeneracy
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.joint_points import JointPoint
 from rpr_solver.slices.length_range import LengthRange
 from rpr_solver.slices.lengths import slice_lengths
-from rpr_solver.transitions.census import LengthKind, length_text, transition_at
+from rpr_solver.transitions.census import LengthKind, transition_at
+from rpr_solver.transitions.degenerate import degeneracies
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS
+from rpr_solver.transitions.event_texts import length_text
 from rpr_solver.transitions.survey import Survey, survey
 
 
@@ -53,6 +56,7 @@ class CuspCurves:
         digits: significant digits of every printed number.
         curves: the curves, in the order of their names.
         range: the lengths of the fixed leg, in the user's unit.
+        degenerate: what is degenerate in every slice of an interval, or along a whole curve of one slice.
 
     >>> from rpr_solver import EXAMPLES, cusp_curves
     >>> curves = cusp_curves(EXAMPLES["zein-flat"], digits=15)
@@ -68,11 +72,15 @@ class CuspCurves:
     digits: int
     curves: tuple[CuspCurve, ...]
     range: LengthRange
+    degenerate: tuple[Degeneracy, ...] = ()
 
     def __repr__(self) -> str:
         points = counted(sum(len(curve.points) for curve in self.curves), "point")
         curves = counted(len(self.curves), "curve")
-        return f"<CuspCurves L{self.fixed_leg} {self.range}: {curves}, {points}, {self.digits} digits>"
+        beside = ", degenerate" if self.degenerate else ""
+        return (
+            f"<CuspCurves L{self.fixed_leg} {self.range}: {curves}, {points}{beside}, {self.digits} digits>"
+        )
 
     def to_json(self) -> dict[str, Any]:
         """The document; :meth:`from_json` reads it."""
@@ -92,6 +100,7 @@ class CuspCurves:
                 }
                 for curve in self.curves
             ],
+            "degenerate": [part.to_json() for part in self.degenerate],
         }
 
     @classmethod
@@ -116,6 +125,7 @@ class CuspCurves:
             obj["digits"],
             curves,
             LengthRange(Fraction(ends["from"]), None if ends["to"] is None else Fraction(ends["to"])),
+            tuple(Degeneracy.from_json(part, leg) for part in obj.get("degenerate", ())),
         )
 
     def rows(self) -> list[Row]:
@@ -143,7 +153,8 @@ class CuspCurves:
             }
             for curve in self.curves
         ]
-        return html_table(repr(self)[1:-1], records)
+        notes = [degenerate_words(part.to_json(), self.fixed_leg) for part in self.degenerate]
+        return html_table(repr(self)[1:-1], records, notes)
 
     def figure(self) -> Figure:
         """A picture of the curves in joint space; sample them first, as with ``part(samples=14)``.
@@ -169,7 +180,8 @@ class CuspCurves:
             for curve in self.curves
             if curve.meets(span)
         )
-        return replace(self, curves=curves, range=span)
+        degenerate = tuple(filter(None, (part.within(span) for part in self.degenerate)))
+        return replace(self, curves=curves, range=span, degenerate=degenerate)
 
     def spread(self, count: int, start: Exact = 0, stop: Exact | None = None) -> list[Fraction]:
         """``count`` lengths in each interval of a range between ends of curves, denser near these ends.
@@ -334,7 +346,8 @@ def cusp_curves(
         stop = end(max(track.cusps) + 1, track.dies_with)
         points = (_point(tracker, result.slices[k].length, index) for k, index in track.cusps.items())
         curves.append(CuspCurve(_name(number), start, stop, tuple(points)))
-    return CuspCurves(manipulator, fixed_leg, digits, tuple(curves), LengthRange())
+    degenerate = degeneracies(result, LengthRange(), digits)
+    return CuspCurves(manipulator, fixed_leg, digits, tuple(curves), LengthRange(), degenerate)
 
 
 def _name(number: int) -> str:

@@ -15,7 +15,7 @@ from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.plane import Box, Point
 from rpr_solver.figures.scales import Scale, WidenedScale, ticks
 from rpr_solver.figures.scene import Disc, Group, Paint, Path, Shape, Text
-from rpr_solver.figures.sheet import WIDTH, sheet
+from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, sheet
 from rpr_solver.figures.wording import number, short, width
 
 HEIGHT = 480.0
@@ -51,7 +51,9 @@ def census_figure(document: Mapping[str, Any]) -> Figure:
         for n, a, b in zip(counts, plan.labels, [*plan.labels[1:], "∞" if plan.is_open else ""], strict=False)
     ]
     note = f"Numbers of cusps by {leg}: {'; '.join(windows[: len(counts)])}."
-    return sheet(f"Number of cusps against {leg}: {cusps}", document["geometry"], note, shapes, HEIGHT)
+    note += degenerate_facts(document)
+    title, remark = f"Number of cusps against {leg}: {cusps}", degenerate_remark(document)
+    return sheet(title, document["geometry"], note, shapes, HEIGHT, remark=remark)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from rpr_solver.figures.labels import Room
 from rpr_solver.figures.plane import Box, Point, simplified
 from rpr_solver.figures.scales import ticks
 from rpr_solver.figures.scene import Group, Paint, Path, Shape, Text
-from rpr_solver.figures.sheet import WIDTH, sheet
+from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, sheet
 from rpr_solver.figures.wording import number, width
 
 HEIGHT = 640.0
@@ -65,7 +65,8 @@ def locus_figure(document: Mapping[str, Any]) -> Figure:
         for _, _, curve in curves
     ]
     text = f"Curves of cusps in ({', '.join(titles)}), with their shadows on the floor. {'; '.join(notes)}."
-    return sheet(title, document["geometry"], text, shapes, HEIGHT)
+    text += degenerate_facts(document)
+    return sheet(title, document["geometry"], text, shapes, HEIGHT, remark=degenerate_remark(document))
 
 
 def _spots(curve: Mapping[str, Any], names: Sequence[str]) -> list[Spot]:

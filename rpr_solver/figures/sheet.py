@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.scene import Scene, Shape, Text
 from rpr_solver.figures.wording import short
+from rpr_solver.notebook import degenerate_words
 
 WIDTH = 760.0
 TITLE, CAPTION = 40.0, 26.0
@@ -22,12 +24,14 @@ def sheet(
     shapes: Iterable[Shape],
     height: float,
     width: float = WIDTH,
+    remark: str = "",
 ) -> Figure:
-    """A figure with its title and the geometry that it is about."""
+    """A figure with its title, the geometry that it is about, and a remark above that."""
     caption = caption_of(geometry)
     around = (
         Text((width / 2, 24), title, 18, "ink", "middle"),
         Text((width / 2, height - 13), caption, 11, "soft", "middle"),
+        *([Text((width / 2, height - 28), remark, 11.5, "ink", "middle")] if remark else []),
     )
     facts = f"{description} Geometry: {caption}."
     return Figure(Scene(width, height, title, facts.strip(), (*shapes, *around)))
@@ -53,3 +57,22 @@ def listed(words: Iterable[str]) -> str:
     """
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last
+
+
+def degenerate_remark(document: Mapping[str, Any]) -> str:
+    """What is degenerate throughout a census or its curves, in one short line.
+
+    >>> curve = {"kind": "curve", "from": "0", "to": None, "equation": "alpha = 0 deg"}
+    >>> degenerate_remark({"degenerate": [curve, {"kind": "node", "from": "0", "to": "9", "count": 2}]})
+    'Degenerate throughout: curve alpha = 0 deg, node'
+    """
+    names = dict.fromkeys(
+        f"{part['kind']} {part.get('equation', '')}".strip() for part in document.get("degenerate", ())
+    )
+    return f"Degenerate throughout: {', '.join(names)}" if names else ""
+
+
+def degenerate_facts(document: Mapping[str, Any]) -> str:
+    """The same in full, for the description of a picture."""
+    words = [degenerate_words(part, document["fixed_leg"]) for part in document.get("degenerate", ())]
+    return f" Degenerate: {'; '.join(words)}." if words else ""

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import gcd
 
 from flint import fmpz_mpoly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.biform import BiForm, T, U, leading_coefficient, without_common_factors
+from rpr_solver.exact.biform import RING, BiForm, T, U, leading_coefficient, without_common_factors
 from rpr_solver.exact.number_field import Algebraic, evaluate
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.model.classify import tan_half
@@ -22,7 +23,10 @@ from rpr_solver.model.slice_map import SliceMap
 
 @dataclass(frozen=True)
 class Curve:
-    """A curve of degenerate poses: a polynomial in t = tan(α/2) and u = tan(θ/2); None is α = 180°."""
+    """A curve of degenerate poses: a polynomial in t = tan(α/2) and u = tan(θ/2); None is α = 180°.
+
+    A curve that moves from slice to slice has a polynomial with L too.
+    """
 
     polynomial: fmpz_mpoly | None
 
@@ -41,7 +45,18 @@ class Curve:
             return "alpha = 180 deg"
         if self.polynomial in (T, -T):
             return "alpha = 0 deg"
-        return f"{self.polynomial} = 0 with t = tan(alpha/2), u = tan(theta{fixed_leg}/2)"
+        polynomial = str(self.polynomial).replace("L", f"L{fixed_leg}")
+        return f"{polynomial} = 0 with t = tan(alpha/2), u = tan(theta{fixed_leg}/2)"
+
+    def in_unit(self, scale: Fraction) -> Curve:
+        """The curve with L in the user's unit, of which ``scale`` makes the *scaled* one."""
+        if self.polynomial is None:
+            return self
+        top = self.polynomial.degrees()[2]
+        n, d = scale.numerator, scale.denominator
+        terms = {key: c * n ** key[2] * d ** (top - key[2]) for key, c in self.polynomial.to_dict().items()}
+        content = gcd(*(int(c) for c in terms.values()))
+        return Curve(RING.from_dict({key: c / content for key, c in terms.items()}))
 
 
 @dataclass(frozen=True)
@@ -66,7 +81,15 @@ def without_shared_curves(forms: SliceForms) -> tuple[SliceForms, QuadraticPoly]
     Raises:
         SolverError: J and E share a curve that is not rational.
     """
-    j, e = forms.singular, forms.coalescence
+    j, e, shared = divided(forms.singular, forms.coalescence)
+    [q] = BiForm.of(formal_resultant(j, e), j.radicand, 0, 0).primitive().rows
+    if q.is_zero:
+        raise SolverError("J and E share a curve of poses that is not rational; this slice is not supported")
+    return replace(forms, singular=j, coalescence=e, shared=tuple(shared)), q
+
+
+def divided(j: BiForm, e: BiForm) -> tuple[BiForm, BiForm, list[Curve]]:
+    """J and E, of one slice or of all, divided by the rational curves that they share; also these curves."""
     shared: list[Curve] = []
     if (drop := min(j.zeros_at_infinity, e.zeros_at_infinity)) > 0:
         shared.append(Curve(None))
@@ -74,14 +97,18 @@ def without_shared_curves(forms: SliceForms) -> tuple[SliceForms, QuadraticPoly]
         e = replace(e, degree_t=e.degree_t - drop)
     j, e, common = without_common_factors(j, e)
     shared += (curve for factor in common for curve in _real_curves(factor))
+    return j, e, shared
+
+
+def formal_resultant(j: BiForm, e: BiForm) -> fmpz_mpoly:
+    """Res_t for the formal degrees in t, up to a constant.
+
+    Where only one form loses degree in t, its zeros at t = ∞ multiply the other's leading term.
+    """
     resultant = j.joined.resultant(e.joined, "t")
-    # formal degrees: where only one loses degree in t, its zeros at t = ∞ multiply the other's leading term
     resultant *= leading_coefficient(e.joined, 0) ** j.zeros_at_infinity
     resultant *= leading_coefficient(j.joined, 0) ** e.zeros_at_infinity
-    [q] = BiForm.of(resultant, j.radicand, 0, 0).primitive().rows
-    if q.is_zero:
-        raise SolverError("J and E share a curve of poses that is not rational; this slice is not supported")
-    return replace(forms, singular=j, coalescence=e, shared=tuple(shared)), q
+    return resultant
 
 
 def _real_curves(common: fmpz_mpoly) -> list[Curve]:

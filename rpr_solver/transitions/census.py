@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
-from flint import arb, ctx
-
 from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, check_leg, document_head, silent
-from rpr_solver.errors import Unproved
-from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
-from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.figures.census import census_figure
 from rpr_solver.figures.figure import Figure
 from rpr_solver.model.classify import Kind, PoseKind
-from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
-from rpr_solver.slices.joint_points import JointPoint, joint_point, point_of_pose
+from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
+from rpr_solver.slices.degeneracy import Degeneracy
+from rpr_solver.slices.joint_points import JointPoint
 from rpr_solver.slices.length_range import LengthRange, intervals_json
 from rpr_solver.transitions.aspect_numbers import numbers_of_aspects
-from rpr_solver.transitions.event_types import BallPose, Event
+from rpr_solver.transitions.degenerate import degeneracies
+from rpr_solver.transitions.event_texts import event_point, length_text
 from rpr_solver.transitions.survey import Survey, survey
 
 
@@ -119,6 +113,8 @@ class Census:
         range: the lengths of the fixed leg, in the user's unit.
         aspects: the number of aspects of the slices in each interval; None where it is not proved to be the
             same in all of them, as for similar or congruent triangles.
+        degenerate: what is degenerate in every slice of an interval, or along a whole curve of one slice, as
+            for flat or congruent triangles; empty for most manipulators.
 
     >>> from rpr_solver import EXAMPLES, census
     >>> table = census(EXAMPLES["zein-flat"], start=30, stop=40, digits=15)
@@ -136,12 +132,16 @@ class Census:
     certificate: CensusCertificate
     range: LengthRange
     aspects: tuple[int | None, ...] = ()
+    degenerate: tuple[Degeneracy, ...] = ()
 
     def __repr__(self) -> str:
         low, high = min(self.counts), max(self.counts)
         cusps = counted(high, "cusp") if low == high else f"{low} to {high} cusps"
         transitions = counted(len(self.transitions), "transition")
-        return f"<Census L{self.fixed_leg} {self.range}: {transitions}, {cusps}, {self.digits} digits>"
+        beside = ", degenerate" if self.degenerate else ""
+        return (
+            f"<Census L{self.fixed_leg} {self.range}: {transitions}, {cusps}{beside}, {self.digits} digits>"
+        )
 
     def to_json(self) -> dict[str, Any]:
         """The contract's census document."""
@@ -160,6 +160,7 @@ class Census:
                 for t in self.transitions
             ],
             "intervals": self._intervals(),
+            "degenerate": [part.to_json() for part in self.degenerate],
             "certificate": dict(self.certificate),
         }
 
@@ -184,7 +185,8 @@ class Census:
         ]
 
     def _repr_html_(self) -> str:
-        return html_table(repr(self)[1:-1], self._records())
+        notes = [degenerate_words(part.to_json(), self.fixed_leg) for part in self.degenerate]
+        return html_table(repr(self)[1:-1], self._records(), notes)
 
     def _repr_svg_(self) -> str:
         return self.figure().svg()
@@ -251,6 +253,7 @@ def census(
         certificate,
         span,
         numbers_of_aspects(result, list(transitions)),
+        degeneracies(result, span, digits),
     )
 
 
@@ -262,41 +265,8 @@ def transition_at(result: Survey, k: int, digits: int) -> Transition | None:
     if before == after and not poses:
         return None
     leg = result.eliminant.slice_map.fixed_leg
-    events = tuple(TransitionEvent(pose.kind, _point(pose, leg, digits)) for pose in poses)
+    events = tuple(TransitionEvent(pose.kind, event_point(pose, leg, digits)) for pose in poses)
     kinds = {pose.kind for pose in poses}
     kind = LengthKind.UNCLASSIFIED if not kinds else kinds.pop() if len(kinds) == 1 else LengthKind.SEVERAL
     length = length_text(result.eliminant.slice_map, group, digits)
     return Transition(length, kind, before, after, events)
-
-
-def length_text(slice_map: SliceMap, group: Sequence[Event], digits: int) -> str:
-    """The length of simultaneous events as a correctly rounded decimal in the user's unit."""
-    for event in group:
-        if event.exact_length is not None and event.exact_length.rational is not None:
-            return round_fraction(event.exact_length.rational / slice_map.scale, digits)
-
-    def length(bits: int) -> list[arb]:
-        ball = group[0].scaled_length(bits)
-        with ctx.workprec(bits):
-            return [ball / slice_map.scale_ball()]
-
-    return _rounded(length, digits, GREATEST_BITS)[0]
-
-
-def _point(pose: ExactPose | BallPose, fixed_leg: int, digits: int) -> JointPoint:
-    if isinstance(pose, ExactPose):
-        return point_of_pose(pose, digits).point
-    try:
-        texts = _rounded(pose.coordinates, digits, TIMES_BEFORE_EXACT * digit_bits(digits))
-        return joint_point(texts, fixed_leg)
-    except Unproved:
-        return point_of_pose(pose.exact(), digits).point
-
-
-def _rounded(balls: Callable[[int], Sequence[arb]], digits: int, limit: int) -> list[str]:
-    def texts(bits: int) -> list[str] | None:
-        values = balls(bits)
-        with ctx.workprec(bits):
-            return round_all(values, digits)
-
-    return decided(texts, digit_bits(digits) + 128, limit, "the digits of a transition could not be decided")

@@ -28,16 +28,18 @@ from rpr_solver.exact.precision import decided
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
+from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
 from rpr_solver.slices.cusp_table import solve_slice
+from rpr_solver.slices.degeneracy import Degeneracy
 from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.joint_points import JointPoint, free_legs
 from rpr_solver.slices.slice_table import SliceTable
-from rpr_solver.transitions.census import length_text
+from rpr_solver.transitions.degenerate import degeneracies
 from rpr_solver.transitions.event_systems import EventSystems, NotGeneric
+from rpr_solver.transitions.event_texts import length_text
 from rpr_solver.transitions.event_types import Event
 from rpr_solver.transitions.events import limit_events
-from rpr_solver.transitions.requirement import Bounds, Requirement
+from rpr_solver.transitions.requirement import REFUSED, Bounds, Requirement
 from rpr_solver.transitions.survey import survey
 
 
@@ -71,7 +73,7 @@ class CheckedInterval:
 class CheckReport:
     """Whether a requirement holds, and the intervals in which it does not.
 
-    Proved: the number of cusps in every interval, and so whether the requirement holds.
+    Proved: the number of cusps in every interval, what is degenerate, and so whether the requirement holds.
 
     Attributes:
         manipulator: the geometry.
@@ -79,6 +81,8 @@ class CheckReport:
         digits: significant digits of lengths and cusps.
         intervals: the intervals of constant number of cusps within the limits; ascending, they fill the
         range.
+        degenerate: what is degenerate in every slice of an interval, or along a whole curve of one slice,
+            within the joint limits or not.
 
     >>> from rpr_solver import EXAMPLES, Requirement, check
     >>> check(EXAMPLES["zein-flat"], Requirement(start=30, stop=40, max_cusps=6), digits=15)
@@ -89,21 +93,26 @@ class CheckReport:
     requirement: Requirement
     digits: int
     intervals: tuple[CheckedInterval, ...]
+    degenerate: tuple[Degeneracy, ...] = ()
 
     def __repr__(self) -> str:
-        verdict = "passed" if self.passed else f"failed in {counted(len(self.violations), 'interval')}"
+        bad, of = len(self.violations), len(self.intervals)
+        verdict = f"failed in {counted(bad, 'interval')} of {of}" if bad else f"passed of {of}"
+        if self.degenerate:
+            verdict += f", degenerate: {self.requirement.degenerate}"
         leg, span = self.requirement.fixed_leg, self.requirement.range
-        return f"<CheckReport L{leg} {span}: {verdict} of {len(self.intervals)}>"
+        return f"<CheckReport L{leg} {span}: {verdict}>"
 
     @property
     def violations(self) -> tuple[CheckedInterval, ...]:
-        """The intervals whose slices violate the requirement, ascending."""
+        """The intervals whose numbers of cusps violate the requirement, ascending."""
         return tuple(x for x in self.intervals if not self.requirement.admits(x.count))
 
     @property
     def passed(self) -> bool:
         """Whether every slice of the range satisfies the requirement."""
-        return not self.violations
+        refused = bool(self.degenerate) and self.requirement.degenerate == REFUSED
+        return not self.violations and not refused
 
     def to_json(self) -> dict[str, Any]:
         """The contract's check document; lengths are decimals of ``digits`` digits."""
@@ -123,6 +132,7 @@ class CheckReport:
                 }
                 for x in self.violations
             ],
+            "degenerate": [part.to_json() for part in self.degenerate],
             **about_answer(self.digits),
         }
 
@@ -137,7 +147,8 @@ class CheckReport:
         return [{**_span(x), "admitted": self.requirement.admits(x.count)} for x in self.intervals]
 
     def _repr_html_(self) -> str:
-        return html_table(repr(self)[1:-1], self._records(), [repr(self.requirement)])
+        notes = (degenerate_words(part.to_json(), self.requirement.fixed_leg) for part in self.degenerate)
+        return html_table(repr(self)[1:-1], self._records(), [repr(self.requirement), *notes])
 
 
 def check(
@@ -189,7 +200,8 @@ def check(
     for start, stop, table in zip(ends, ends[1:], result.slices, strict=False):
         cusps = _within(result.eliminant, table, requirement)
         intervals.append(CheckedInterval(str(start), stop, len(cusps), table.length, cusps))
-    return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)))
+    degenerate = degeneracies(result, requirement.range, digits)
+    return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)), degenerate)
 
 
 def _limit_cuts(

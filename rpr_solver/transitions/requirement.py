@@ -15,6 +15,8 @@ from rpr_solver.slices.length_range import LengthRange
 Bounds: TypeAlias = tuple[Fraction | None, Fraction | None]
 ExactBounds: TypeAlias = tuple[Exact | None, Exact | None]
 
+ALLOWED, REFUSED = "allowed", "refused"
+
 _T = TypeVar("_T")
 _LEGS = {"l1": 1, "l2": 2, "l3": 3}
 
@@ -31,6 +33,8 @@ class Requirement:
         min_cusps: the minimum number, or None. A single length at which cusps merge is not a violation.
         limits: the minimum and maximum lengths of the other legs, exact, None for an open end:
             ``{"l2": (5, "20.5"), "l3": (None, 30)}``, or with the legs' numbers as keys.
+        degenerate: ``"refused"`` if nothing may be degenerate in all slices of an interval or along a whole
+            curve of a slice, within the limits or not (see :class:`Degeneracy`); else ``"allowed"``.
 
     Raises:
         InputError: naming every field at fault, such as ``requirement.max_cusps``.
@@ -48,6 +52,7 @@ class Requirement:
     max_cusps: int | None = None
     min_cusps: int | None = None
     limits: Mapping[int, Bounds] = field(default_factory=dict)
+    degenerate: str = ALLOWED
 
     def __init__(
         self,
@@ -57,6 +62,7 @@ class Requirement:
         max_cusps: int | None = None,
         min_cusps: int | None = None,
         limits: Mapping[int, ExactBounds] | Mapping[str, ExactBounds] | None = None,
+        degenerate: str = ALLOWED,
     ) -> None:
         leg = check_leg(fixed_leg, "requirement.fixed_leg")
         problems: list[FieldProblem] = []
@@ -79,21 +85,25 @@ class Requirement:
                 FieldProblem("requirement.max_cusps", f"is {most}, less than min_cusps = {least}"),
                 FieldProblem("requirement.min_cusps", f"is {least}, more than max_cusps = {most}"),
             ]
+        if degenerate not in (ALLOWED, REFUSED):
+            words = f"is {shown(degenerate)}; it must be {ALLOWED} or {REFUSED}"
+            problems.append(FieldProblem("requirement.degenerate", words))
         if problems or span is None or bounds is None:
             raise InputError(problems)
-        values = (leg, span.start, span.stop, most, least, bounds)
+        values = (leg, span.start, span.stop, most, least, bounds, degenerate)
         for own, value in zip(fields(self), values, strict=True):
             object.__setattr__(self, own.name, value)
 
     def __repr__(self) -> str:
         document = self.to_json()
-        ends, limits = document.pop("range"), document.pop("limits")
+        ends, limits, degenerate = (document.pop(name) for name in ("range", "limits", "degenerate"))
         arguments = {
             "fixed_leg": self.fixed_leg,
             "start": ends["from"],
             "stop": ends["to"],
             **document,
             "limits": {leg: (bounds["min"], bounds["max"]) for leg, bounds in limits.items()},
+            "degenerate": None if degenerate == ALLOWED else degenerate,
         }
         values = (f"{name}={value!r}" for name, value in arguments.items() if value not in (None, {}))
         return f"Requirement({', '.join(values)})"
@@ -123,7 +133,8 @@ class Requirement:
             for leg, bounds in (obj.get("limits") or {}).items()
         }
         counts = obj.get("max_cusps"), obj.get("min_cusps")
-        return cls(obj.get("fixed_leg", 1), start or 0, stop, *counts, limits)  # type: ignore[arg-type]
+        degenerate = obj.get("degenerate", ALLOWED)
+        return cls(obj.get("fixed_leg", 1), start or 0, stop, *counts, limits, degenerate)  # type: ignore[arg-type]
 
     def to_json(self) -> dict[str, Any]:
         """The requirement of a check document, with numbers in canonical text."""
@@ -137,6 +148,7 @@ class Requirement:
                 f"l{leg}": {"min": exact_or_none(low), "max": exact_or_none(high)}
                 for leg, (low, high) in sorted(self.limits.items())
             },
+            "degenerate": self.degenerate,
         }
 
     def admits(self, count: int) -> bool:

@@ -17,7 +17,7 @@ from worker.answers import article, checks, curves, tables
 GEOMETRY = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
 ENDS = ("from", "to", "step")
 _NUMBERS = ("fixed_leg", "digits", "samples", "pose")
-_REQUIREMENT = ("max_cusps", "min_cusps")
+_REQUIREMENT = ("max_cusps", "min_cusps", "degenerate")
 COLUMNS = (
     "id", "kind", *GEOMETRY, *LEGS, *(f"{leg}_{end}" for leg in LEGS for end in ENDS), *_NUMBERS, "method",
     "plot", "theme", "cusp",

@@ -85,7 +85,7 @@ Equal requests share one job, and slices that requests have in common are comput
     example=EXAMPLE_TABLE,
     forms={
         JSON: JSON_FORM,
-        CSV: replace(_csv(rpr_solver.table_csv, "cusp"), pieces=csv_pieces),
+        CSV: replace(_csv(rpr_solver.table_csv, "cusp and degenerate point"), pieces=csv_pieces),
         NDJSON: Form(ndjson_bytes, "One slice per line.", ndjson_pieces, ndjson_size),
     },
 )

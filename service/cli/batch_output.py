@@ -65,7 +65,7 @@ class _Rows:
             table = self._checked(result)
         columns, *rows = csv.reader(io.StringIO(table_csv(table)))
         if result.answer is None:
-            rows = [[*[""] * (len(columns) - 1), _reason(result)]]
+            rows = [[_reason(result) if column == "error" else "" for column in columns]]
         header = [] if self._is_begun else [["index", "id", *columns]]
         self._is_begun = True
         return _csv([*header, *([str(result.index), result.name or "", *row] for row in rows)])

@@ -15,6 +15,7 @@ from service.cli.pages import (
     about,
     counted,
     counted_range,
+    degenerate_notes,
     rows_of,
     write_document,
 )
@@ -81,7 +82,7 @@ def _page(document: Mapping[str, Any]) -> Page:
         for t in transitions
         for event in t["events"]
     ]
-    sections = [Section(title, rows)]
+    sections = [Section(title, rows, degenerate_notes(document))]
     if events:
         keys = [leg, "cusps", *(key for key in events[0] if key not in (leg, "cusps"))]
         sections.append(Section("Transitions", rows_of(events, keys)))

@@ -17,6 +17,7 @@ from pydantic import TypeAdapter
 
 from rpr_solver import CHECK_DIGITS
 from rpr_solver.errors import InputError
+from rpr_solver.transitions.requirement import ALLOWED, REFUSED
 from service.cli import arguments, output, remote
 from service.cli.check_files import github_annotations, junit_xml, sarif
 from service.cli.check_remote import check_by_service
@@ -65,6 +66,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     text = "number of cusps in each slice of --l1 (--l2, …), or in every slice of the range"
     parser.add_argument("--expect-cusps", metavar="N", help=text)
     arguments.add_options(parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of another leg")
+    text = "allowed (and said) or refused: degenerate poses in every slice, or along a whole curve of one"
+    parser.add_argument("--degenerate", metavar="WORD", default=ALLOWED, help=text)
     arguments.add_digits(parser, CHECK_DIGITS)
     arguments.add_format(parser)
     parser.add_argument("--junit", metavar="FILE", help="write JUnit XML, with a test case per geometry")
@@ -111,6 +114,7 @@ def _demand(args: argparse.Namespace) -> Demand:
         raise InputError.of("--l1-range", f"is missing; {hint}")
     leg, ends, option = arguments.leg_and_range(args)
     names = {"range": option, "max_cusps": "--max-cusps", "min_cusps": "--min-cusps"}
+    names["degenerate"] = "--degenerate"
     most, least = args.max_cusps, args.min_cusps
     if args.expect_cusps is not None:
         if (most, least) != (None, None):
@@ -130,6 +134,7 @@ def _demand(args: argparse.Namespace) -> Demand:
         with named(option):
             limits[limited] = split_ends(text, ("min", "max"))
     members = {"fixed_leg": leg, "range": ends, "limits": limits, "max_cusps": most, "min_cusps": least}
+    members["degenerate"] = args.degenerate
     return read(RequirementDocument, members, arguments.source(names)).to_requirement()
 
 
@@ -155,7 +160,9 @@ def _expectation(args: argparse.Namespace) -> Expectation:
     for option, text in args.slices:
         with named(option):
             lengths.append(part(TypeAdapter(Length).validate_python, text, arguments.source()))
-    return Expectation(leg, tuple(dict.fromkeys(lengths)), count)
+    if args.degenerate not in (ALLOWED, REFUSED):
+        raise InputError.of("--degenerate", f"is {args.degenerate!r}; it must be one of {ALLOWED}, {REFUSED}")
+    return Expectation(leg, tuple(dict.fromkeys(lengths)), count, args.degenerate)
 
 
 def _jobs(text: str | None) -> int:

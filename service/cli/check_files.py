@@ -17,7 +17,8 @@ SUITE = "rpr-cusps check"
 SARIF_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 _NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _RULES = {
-    "requirement": "The number of cusps violates the requirement.",
+    "requirement": "The manipulator violates the requirement.",
+    "degenerate": "The manipulator is degenerate, which the requirement allows.",
     "input-error": "The file is not a geometry.",
     "no-answer": "The requirement could not be decided.",
 }
@@ -42,6 +43,10 @@ def junit_xml(outcomes: Sequence[Outcome]) -> str:
             case.set("file", _xml(outcome.source))
         if outcome.is_file and outcome.line is not None:
             case.set("line", str(outcome.line))
+        if outcome.degenerate:
+            properties = ElementTree.SubElement(case, "properties")
+            for words in outcome.degenerate:
+                ElementTree.SubElement(properties, "property", name="degenerate", value=_xml(words))
         if outcome.error is not None:
             kind, name = _xml(outcome.error["type"]), "error"
         elif not outcome.passed:
@@ -57,38 +62,53 @@ def junit_xml(outcomes: Sequence[Outcome]) -> str:
 
 
 def sarif(outcomes: Sequence[Outcome]) -> str:
-    """Returns SARIF 2.1.0 with a result for each geometry that does not pass."""
+    """Returns SARIF 2.1.0 with a result for each geometry that does not pass, or is degenerate."""
     driver = {
         "name": "rpr-cusps",
         "version": __version__,
         "rules": [{"id": name, "shortDescription": {"text": text}} for name, text in _RULES.items()],
     }
-    run = {"tool": {"driver": driver}, "results": [_result(o) for o in outcomes if not o.passed]}
+    results = [_result(o) for o in outcomes if not o.passed]
+    results += [_remark(o) for o in outcomes if o.remarks]
+    run = {"tool": {"driver": driver}, "results": results}
     return json.dumps({"$schema": SARIF_SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
 
 
 def github_annotations(outcomes: Sequence[Outcome]) -> Iterator[str]:
-    """Yields a GitHub workflow command for each geometry that does not pass."""
+    """Yields a GitHub workflow command for each geometry that does not pass, or is degenerate."""
     for outcome in outcomes:
+        for words in outcome.remarks:
+            yield f"::warning {_where(outcome, 'degenerate')}::{_data(words)}"
         if outcome.passed:
             continue
         title = "check failed" if outcome.error is None else f"{outcome.verdict} ({outcome.error['type']})"
-        if outcome.is_file:
-            line = "" if outcome.line is None else f"line={outcome.line},"
-            where = f"file={_property(outcome.source)},{line}title={_property(title)}"
-        else:
-            where = f"title={_property(f'{outcome.name}: {title}')}"
-        yield f"::error {where}::{_data(outcome.message)}"
+        yield f"::error {_where(outcome, title)}::{_data(outcome.message)}"
+
+
+def _where(outcome: Outcome, title: str) -> str:
+    """The properties of a workflow command: the file and line, if there is one, and a title."""
+    if not outcome.is_file:
+        return f"title={_property(f'{outcome.name}: {title}')}"
+    line = "" if outcome.line is None else f"line={outcome.line},"
+    return f"file={_property(outcome.source)},{line}title={_property(title)}"
 
 
 def _result(outcome: Outcome) -> dict[str, Any]:
     rule = "requirement" if outcome.error is None else "input-error" if outcome.is_bad else "no-answer"
+    return _located(outcome, rule, "error", outcome.message)
+
+
+def _remark(outcome: Outcome) -> dict[str, Any]:
+    return _located(outcome, "degenerate", "warning", "; ".join(outcome.remarks))
+
+
+def _located(outcome: Outcome, rule: str, level: str, message: str) -> dict[str, Any]:
     place: dict[str, Any] = {"artifactLocation": {"uri": quote(PurePath(outcome.source).as_posix())}}
     if outcome.line is not None:
         place["region"] = {"startLine": outcome.line}
     located = {"locations": [{"physicalLocation": place}]} if outcome.is_file else {}
-    text = f"{outcome.name}: {outcome.message}"
-    return {"ruleId": rule, "level": "error", "message": {"text": text}, **located}
+    text = f"{outcome.name}: {message}"
+    return {"ruleId": rule, "level": level, "message": {"text": text}, **located}
 
 
 def _xml(text: str) -> str:

@@ -9,6 +9,8 @@ from fractions import Fraction
 from typing import Any
 
 from rpr_solver import EXAMPLES
+from rpr_solver.notebook import degenerate_words
+from rpr_solver.transitions.requirement import REFUSED
 from service.cli.arguments import STANDARD_INPUT
 from service.cli.pages import Page, Section, counted, counted_range
 
@@ -68,6 +70,8 @@ class Outcome:
             return " ".join(self.error["detail"].split())
         if self.report is None or self.passed:
             return ""
+        if not self.report["violations"]:
+            return f"degenerate, which is refused: {'; '.join(self.degenerate)}"
         first = self.report["violations"][0]
         leg = f"l{self.report['requirement']['fixed_leg']}"
         count = counted(first["count"], "cusp")
@@ -77,9 +81,23 @@ class Outcome:
             text += "; the first: " + ", ".join(f"{key} = {short(value)}" for key, value in cusps[0].items())
         return text
 
+    @property
+    def degenerate(self) -> list[str]:
+        """What is degenerate throughout, a line for each."""
+        if self.report is None:
+            return []
+        leg = self.report["requirement"]["fixed_leg"]
+        return [degenerate_words(part, leg) for part in self.report.get("degenerate", ())]
+
+    @property
+    def remarks(self) -> list[str]:
+        """What is degenerate throughout, although the requirement allows it."""
+        refused = self.report is not None and self.report["requirement"].get("degenerate") == REFUSED
+        return [] if refused else self.degenerate
+
     def rows(self, *, shorten: bool = False) -> Iterator[list[str]]:
         """Yields what violates the requirement as a table, its headings first."""
-        if self.report is None or self.passed:
+        if self.report is None or not self.report["violations"]:
             return
         leg = f"l{self.report['requirement']['fixed_leg']}"
         number = short if shorten else str
@@ -123,11 +141,12 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> Page:
     """Returns all outcomes as a page."""
     sections = []
     for outcome in outcomes:
+        notes = [f"degenerate: {words}" for words in outcome.degenerate]
         if outcome.passed:
-            sections.append(Section(f"{outcome.name}: passed, {_span(outcome)}"))
+            sections.append(Section(f"{outcome.name}: passed, {_span(outcome)}", notes=notes))
             continue
         title = f"{outcome.name}: {outcome.verdict}: {outcome.message}"
-        sections.append(Section(title, list(outcome.rows()), failed=True))
+        sections.append(Section(title, list(outcome.rows()), notes, failed=True))
     return Page(about(requirement), sections, last=summary(outcomes))
 
 
@@ -144,15 +163,16 @@ def summary(outcomes: Sequence[Outcome]) -> str:
 def about(requirement: Mapping[str, Any]) -> str:
     """Returns the line that describes a requirement."""
     leg = requirement["fixed_leg"]
+    refused = ", nothing degenerate" if requirement.get("degenerate") == REFUSED else ""
     if "expect_cusps" in requirement:
-        return f"cusps at L{leg} = {', '.join(requirement[f'l{leg}'])}: {_demand(requirement)}"
+        return f"cusps at L{leg} = {', '.join(requirement[f'l{leg}'])}: {_demand(requirement)}{refused}"
     ends = requirement["range"]
     upper = "" if ends["to"] is None else f" up to {ends['to']}"
     limits = "".join(
         f", {key.upper()} within {bounds['min'] or 0}:{bounds['max'] or ''}"
         for key, bounds in requirement["limits"].items()
     )
-    return f"cusps for L{leg} from {ends['from']}{upper}{limits}: {_demand(requirement)}"
+    return f"cusps for L{leg} from {ends['from']}{upper}{limits}: {_demand(requirement)}{refused}"
 
 
 def _demand(requirement: Mapping[str, Any]) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 import rpr_solver
 from service.cli import arguments, remote
-from service.cli.pages import Page, Section, about, counted, rows_of, write_document
+from service.cli.pages import Page, Section, about, counted, degenerate_notes, rows_of, write_document
 from service.cli.progress import progress_bar
 from service.schemas.curves import CuspCurvesRequest
 
@@ -86,7 +86,8 @@ def _page(document: Mapping[str, Any], has_points: bool) -> Page:
     for curve in curves:
         ends = ((end[leg] or "∞", end["kind"], end["joins"] or "") for end in (curve["from"], curve["to"]))
         rows.append([curve["name"], *(cell for end in ends for cell in end)])
-    sections = [Section(f"{leg.upper()}: {counted(len(curves), 'cusp curve')}", rows if curves else ())]
+    title = f"{leg.upper()}: {counted(len(curves), 'cusp curve')}"
+    sections = [Section(title, rows if curves else (), degenerate_notes(document))]
     points = [{"curve": curve["name"], **point} for curve in curves for point in curve["points"]]
     if has_points and points:
         sections.append(Section("Points", rows_of(points)))

@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from rpr_solver.notebook import degenerate_words
 from service.cli import layout, output
 from service.schemas.lengths import LEGS
 
@@ -155,6 +156,12 @@ def describe_point(point: Mapping[str, Any]) -> str:
         f"{_HEADINGS.get(k, k)} {v}" for k, v in point.items() if k != "kind" and isinstance(v, str)
     )
     return f"{point.get('kind', 'degenerate point')}: {values}"
+
+
+def degenerate_notes(document: Mapping[str, Any]) -> list[str]:
+    """Returns a line for each thing that is degenerate throughout a range of lengths."""
+    leg = document["fixed_leg"]
+    return [f"degenerate: {degenerate_words(part, leg)}" for part in document.get("degenerate", ())]
 
 
 def _slice(part: dict[str, Any]) -> Section:

@@ -9,7 +9,15 @@ from pydantic import Field
 
 from service.schemas.lengths import Range, range_field
 from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
-from service.schemas.points import ClosedRange, DocumentHead, FixedLength, Interval, TransitionEvent
+from service.schemas.points import (
+    DEGENERATE,
+    ClosedRange,
+    Degeneracy,
+    DocumentHead,
+    FixedLength,
+    Interval,
+    TransitionEvent,
+)
 from service.schemas.questions import Examples, Question
 from worker.answers import censuses
 from worker.answers.requests import Kind
@@ -62,4 +70,5 @@ class Census(DocumentHead):
     range: ClosedRange
     transitions: list[Transition]
     intervals: list[CensusInterval]
+    degenerate: list[Degeneracy] = DEGENERATE
     certificate: dict[str, Any] = Field(description="The proof that the census is complete.")

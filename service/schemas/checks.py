@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -11,7 +11,7 @@ from rpr_solver import CHECK_DIGITS, Requirement
 from service.schemas.document import Document, unnamed
 from service.schemas.lengths import Range, range_field
 from service.schemas.numbers import Count, Digits, Exact, FixedLeg, digits_field
-from service.schemas.points import Cusp, FixedLength, GeometryText, Interval
+from service.schemas.points import DEGENERATE, Cusp, Degeneracy, FixedLength, GeometryText, Interval
 from service.schemas.questions import Examples, Question
 from worker.answers import checks
 from worker.answers.requests import Kind
@@ -59,13 +59,19 @@ class RequirementDocument(Document):
     limits: JointLimits | None = Field(
         default=None, description="Only cusps strictly within these limits are counted."
     )
+    degenerate: Literal["allowed", "refused"] = Field(
+        default="allowed",
+        description="With `refused` a manipulator fails if every slice of an interval has degenerate poses, "
+        "or a slice a whole curve of them, within the limits or not. The report lists them in any case.",
+    )
 
     def to_requirement(self) -> Requirement:
         """Returns the requirement as the solver takes it."""
         limits = {
             int(leg[1]): (limit.min, limit.max) for leg, limit in self.limits or () if limit is not None
         }
-        return Requirement(self.fixed_leg, *self.range.ends, self.max_cusps, self.min_cusps, limits)
+        counts = self.max_cusps, self.min_cusps
+        return Requirement(self.fixed_leg, *self.range.ends, *counts, limits, self.degenerate)
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
@@ -118,6 +124,9 @@ class CheckReport(BaseModel):
     max_cusps_found: int
     min_cusps_found: int
     intervals: list[Interval]
-    violations: list[Violation] = Field(description="Ascending; empty if the requirement is satisfied.")
+    violations: list[Violation] = Field(
+        description="The intervals with too many or too few cusps, ascending; empty if there are none."
+    )
+    degenerate: list[Degeneracy] = DEGENERATE
     solver_version: str
     digits: int

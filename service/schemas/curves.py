@@ -18,7 +18,15 @@ from service.schemas.lengths import (
     slices_field,
 )
 from service.schemas.numbers import Digits, FixedLeg, Samples, digits_field
-from service.schemas.points import ClosedRange, Decimal, DocumentHead, Point, TransitionEvent
+from service.schemas.points import (
+    DEGENERATE,
+    ClosedRange,
+    Decimal,
+    Degeneracy,
+    DocumentHead,
+    Point,
+    TransitionEvent,
+)
 from service.schemas.questions import Examples, Question
 from worker.answers import curves
 from worker.answers.requests import Kind
@@ -126,3 +134,4 @@ class CuspCurves(DocumentHead):
 
     range: ClosedRange
     curves: list[CuspCurve]
+    degenerate: list[Degeneracy] = DEGENERATE

@@ -68,6 +68,27 @@ class TransitionEvent(Point):
     kind: str = Field(description="For example swallowtail, lips, beak-to-beak.")
 
 
+class Degeneracy(BaseModel):
+    """Degenerate poses that every slice of an interval has, or a whole curve of degenerate poses."""
+
+    kind: str = Field(
+        description="The kind of the poses, such as `node` or `quadruple`; `curve` for a curve."
+    )
+    start: str = Field(alias="from", description="The lower end of the interval.")
+    stop: str | None = Field(
+        alias="to", description="Its upper end, null if it is open; equal to `from` for a single length."
+    )
+    count: int | None = optional("The number of such poses in each slice; missing for a curve.")
+    equation: str | None = optional("The exact equation of a curve, unless it is at one irrational length.")
+
+
+DEGENERATE: Any = Field(
+    description="What is degenerate in every slice of an interval, or along a whole curve of poses of a "
+    "slice, as for flat or congruent triangles: curves, then poses by interval. Mostly empty."
+)
+"""The field of documents over a range of lengths."""
+
+
 class ClosedRange(BaseModel):
     """The requested range."""
 

@@ -135,8 +135,26 @@ def census_json(
         "intervals": [
             {"from": a, "to": b, "count": counts[first + k]} for k, (a, b) in enumerate(pairwise(ends))
         ],
+        "degenerate": degenerate_json([x for x, _ in events], digits, start, stop),
         "certificate": {"method": "events"},
     }
+
+
+def degenerate_json(
+    ends: Sequence[Fraction], digits: int, start: Fraction, stop: Fraction | None
+) -> list[dict[str, Any]]:
+    """A curve at all lengths, one at the second event alone, and nodes between the first and the last."""
+    span = LengthRange(start, stop).to_json()
+    found: list[dict[str, Any]] = [{"kind": "curve", **span, "equation": "alpha = 0 deg"}]
+    if len(ends) > 1:
+        low, at, high = ends[0], ends[1], ends[-1]
+        if start < at and (stop is None or at < stop):
+            found.append({"kind": "curve", "from": decimal(at, digits), "to": decimal(at, digits)})
+        if start < high and (stop is None or low < stop):
+            first = span["from"] if low < start else decimal(low, digits)
+            last = span["to"] if stop is not None and high > stop else decimal(high, digits)
+            found.append({"kind": "node", "from": first, "to": last, "count": 2})
+    return found
 
 
 class TestPartOfARange:
@@ -206,7 +224,7 @@ class TestPartOfARange:
         part = restrict_census(census_of(FLAT, digits=30).to_json(), 30, "35.5", 15)
         own = census(FLAT, start=30, stop="35.5", digits=15).to_json()
         assert part is not None
-        names = ("range", "transitions", "intervals", "digits", "fixed_leg", "geometry_hash")
+        names = ("range", "transitions", "intervals", "degenerate", "digits", "fixed_leg", "geometry_hash")
         assert {name: part[name] for name in names} == {name: own[name] for name in names}
 
 
@@ -227,19 +245,55 @@ class TestCsv:
                 {"l1": "5", "error": {"type": "solver-error", "detail": detail}},
             ],
         }
-        empty = dict.fromkeys(["alpha_deg", "theta1_deg", "l2", "l3", "cusp", "error"], "")
+        columns = ["alpha_deg", "theta1_deg", "l2", "l3", "cusp", "error", "kind", "equation"]
+        empty = dict.fromkeys(columns, "")
         assert lines(table_csv(table)) == [
-            {**empty, "l1": "3", "count": "2", "cusp": "1", **cusps[0]},
-            {**empty, "l1": "3", "count": "2", "cusp": "2", **cusps[1]},
+            {**empty, "l1": "3", "count": "2", "cusp": "1", "kind": "cusp", **cusps[0]},
+            {**empty, "l1": "3", "count": "2", "cusp": "2", "kind": "cusp", **cusps[1]},
             {**empty, "l1": "4", "count": "0"},
             {**empty, "l1": "5", "count": "", "error": detail},
         ]
 
+    def test_a_table_has_a_line_for_each_degenerate_point_with_its_kind(self) -> None:
+        item = slice_of([], [(Fraction(1), Fraction(2), Fraction(3), Fraction(4))], 15)
+        lips, curve = lines(table_csv({"fixed_leg": 1, "slices": [item]}))
+        assert (lips["kind"], lips["cusp"], lips["count"], lips["alpha_deg"]) == (
+            "lips", "", "0", "1.00000000000000"
+        )  # fmt: skip
+        assert (curve["kind"], curve["equation"], curve["l2"]) == ("curve", "alpha = 180", "")
+
+    def test_curves_and_censuses_have_what_is_degenerate_in_words(self) -> None:
+        parts = [
+            {"kind": "curve", "from": "0", "to": None, "equation": "alpha = 0 deg"},
+            {"kind": "curve", "from": "3", "to": "3"},
+            {"kind": "node", "from": "0", "to": "2", "count": 4},
+        ]
+        every, one, nodes = (
+            "curve of degenerate poses in every slice: alpha = 0 deg",
+            "curve of degenerate poses at L2 = 3",
+            "4 poses of kind node in every slice for L2 from 0 to 2",
+        )
+        shown = lines(curves_csv({"fixed_leg": 2, "curves": [], "degenerate": parts}))
+        assert [(row["kind"], row["degenerate"], row["cusp"]) for row in shown] == [
+            ("curve", every, ""), ("curve", one, ""), ("node", nodes, "")
+        ]  # fmt: skip
+        ends = ["0", "2", "3", "5", None]
+        intervals = [{"from": a, "to": b, "count": 0} for a, b in pairwise(ends)]
+        document = {"fixed_leg": 2, "transitions": [], "intervals": intervals, "degenerate": parts}
+        assert [row["degenerate"] for row in lines(census_csv(document))] == [
+            f"{every}; {nodes}", f"{every}; {one}", every, every
+        ]  # fmt: skip
+
     @pytest.mark.parametrize(("leg", "others"), [(2, "l1,l3"), (3, "l1,l2")])
     def test_columns_follow_the_fixed_leg(self, leg: int, others: str) -> None:
         document: dict[str, Any] = {"fixed_leg": leg, "slices": [], "curves": []}
-        assert table_csv(document) == f"l{leg},count,cusp,alpha_deg,theta{leg}_deg,{others},error\n"
-        assert curves_csv(document) == f"curve,l{leg},cusp,alpha_deg,theta{leg}_deg,{others}\n"
+        assert (
+            table_csv(document)
+            == f"l{leg},count,cusp,alpha_deg,theta{leg}_deg,{others},error,kind,equation\n"
+        )
+        assert (
+            curves_csv(document) == f"curve,l{leg},cusp,alpha_deg,theta{leg}_deg,{others},kind,degenerate\n"
+        )
 
     def test_curves_have_a_line_for_each_point(self) -> None:
         curves = curves_of(FLAT, digits=15).sampled([3, "34.5"], eliminant=eliminant_of(FLAT))

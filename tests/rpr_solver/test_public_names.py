@@ -58,6 +58,7 @@ CLASSES = {
     "CurvePoint",
     "CuspCurve",
     "CuspCurves",
+    "Degeneracy",
     "DirectPolynomial",
     "Eliminant",
     "FieldProblem",

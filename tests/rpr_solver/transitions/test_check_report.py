@@ -49,7 +49,7 @@ class TestVerdict:
         document = answer.to_json()
         assert list(document)[2:] == [
             "requirement", "passed", "max_cusps_found", "min_cusps_found", "intervals", "violations",
-            "digits", "solver_version",
+            "degenerate", "digits", "solver_version",
         ]  # fmt: skip
         assert (document["passed"], document["max_cusps_found"], document["min_cusps_found"]) == (False, 3, 1)
         assert document["intervals"][1] == {"from": "2", "to": "3", "count": 1}

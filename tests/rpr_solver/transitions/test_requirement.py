@@ -149,7 +149,8 @@ def test_limits_agree_with_slices() -> None:
 
 
 def test_requirements_survive_json() -> None:
-    requirement = Requirement(2, Fraction(1, 3), Fraction(9), 4, 1, {3: (None, Fraction(5, 2))})
+    requirement = Requirement(2, Fraction(1, 3), Fraction(9), 4, 1, {3: (None, Fraction(5, 2))}, "refused")
+    assert repr(requirement).endswith("degenerate='refused')")
     assert Requirement.from_json(requirement.to_json()) == requirement
 
 
@@ -166,6 +167,7 @@ def test_requirements_survive_json() -> None:
         ({"max_cusps": 1, "limits": {"l1": {"min": 2}}}, ["requirement.limits.l1"]),
         ({"max_cusps": 1, "limits": {"l2": {"min": 2, "max": 1}}}, ["requirement.limits.l2.max"]),
         ({"max_cusps": 1, "limits": {"l9": {}}}, ["requirement.limits"]),
+        ({"max_cusps": 1, "degenerate": "never"}, ["requirement.degenerate"]),
     ],
 )
 def test_bad_requirements_are_named(obj: dict[str, object], fields: list[str]) -> None:

@@ -291,9 +291,25 @@ def test_a_check_is_a_job_with_a_report(api: httpx.Client) -> None:
     assert (again.status_code, again.json()) == (200, report)
 
 
+@pytest.mark.parametrize(("word", "passed"), [("allowed", True), ("refused", False)])
+def test_a_check_says_what_is_degenerate_and_may_refuse_it(
+    api: httpx.Client, word: str, passed: bool
+) -> None:
+    congruent = {"a2x": 30, "a3x": 0, "a3y": 40, "d1": 30, "d2": 50, "d3": 40}
+    requirement = {"range": {"from": 5}, "max_cusps": 0, "degenerate": word}
+    question = {"geometry": congruent, "requirement": requirement, "digits": 15}
+    report = api.post("/v1/checks", json=question, headers={"Prefer": "wait=30"}).json()
+    assert is_whole("CheckReport", report)
+    assert (report["passed"], report["violations"]) == (passed, [])
+    assert report["degenerate"][0] == {
+        "kind": "curve", "from": "5", "to": None, "equation": "alpha = 0 deg"
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("change", "field"),
     [
+        ({"max_cusps": 0, "degenerate": "no"}, "requirement.degenerate"),
         ({}, "requirement.max_cusps"),
         ({"max_cusps": 1.5}, "requirement.max_cusps"),
         ({"max_cusps": -1}, "requirement.max_cusps"),

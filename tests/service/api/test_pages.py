@@ -33,7 +33,10 @@ ADDRESSES = sorted(
         for found in re.findall(rf"{SERVICE}(/[^\s`'\"]*a2x=15[^\s`'\"]*)", text)
     }
 )
-CSV_HEADS = ("l1,count,cusp,alpha_deg,theta1_deg,l2,l3,error", "from,to,count,transition_at_end")
+CSV_HEADS = (
+    "l1,count,cusp,alpha_deg,theta1_deg,l2,l3,error,kind,equation",
+    "from,to,count,transition_at_end,degenerate",
+)
 
 
 def with_marks(names: Sequence[str]) -> list[Any]:
@@ -208,7 +211,7 @@ def test_power_query(api: httpx.Client) -> None:
         api, "GET", f"/{path}", params=dict(re.findall(r'(\w+) = "(.*?)"', query))
     ).text.splitlines()
     typed = re.findall(r'\{"(\w+)", (?:type number|Int64.Type)\}', text)
-    assert set(typed) | {"error"} == set(rows[0].split(","))
+    assert set(typed) | {"error", "kind", "equation"} == set(rows[0].split(","))
     assert len(rows) == 1 + 6 + 6 + 8
 
 

@@ -47,6 +47,25 @@ def test_a_requirement_that_does_not_hold(run_here: Run) -> None:
     assert "::error" not in done.stdout
 
 
+CONGRUENT = '{"a2x": 30, "a3x": 0, "a3y": 40, "d1": 30, "d2": 50, "d3": 40}'
+
+
+@pytest.mark.parametrize(
+    "what", [("--l1-range", "5:9", "--max-cusps", "0"), ("--l1", "5", "--expect-cusps", "0")]
+)
+def test_nothing_degenerate_passes_without_a_word(run_here: Run, what: tuple[str, ...]) -> None:
+    allowed = run_here("check", "-", *what, "--github", stdin=CONGRUENT)
+    assert (allowed.returncode, allowed.stderr) == (0, "")
+    assert "standard input: passed, 0 cusps\n  degenerate: curve of degenerate poses " in allowed.stdout
+    assert "::warning title=standard input%3A degenerate::curve of degenerate poses " in allowed.stdout
+    refused = run_here("check", "-", *what, "--degenerate", "refused", stdin=CONGRUENT)
+    assert (refused.returncode, refused.stderr) == (1, "")
+    assert "failed: degenerate, which is refused: curve" in refused.stdout
+    wrong = run_here("check", "-", *what, "--degenerate", "no", stdin=CONGRUENT)
+    assert (wrong.returncode, wrong.stdout) == (2, "")
+    assert wrong.stderr == "rpr-cusps check: --degenerate: is 'no'; it must be one of allowed, refused\n"
+
+
 def test_a_folder_in_parallel_with_all_reports(designs: Path) -> None:
     report = designs.parent / "report.xml"
     done = run("check", str(designs), *RANGE, "--max-cusps", "4", "--jobs", "2", "--junit", str(report))
@@ -127,7 +146,12 @@ def test_single_slices(run_here: Run) -> None:
     assert "zein-flat: failed: 8 cusps at L1 = 34.5, 4 expected; the first: alpha_deg = " in done.stdout
     done = run_here(*args[:4], "--expect-cusps", "4", "--format", "json")
     report = json.loads(done.stdout)["checks"][0]["report"]
-    assert report["requirement"] == {"fixed_leg": 1, "l1": ["14.98"], "expect_cusps": 4}
+    assert report["requirement"] == {
+        "fixed_leg": 1,
+        "l1": ["14.98"],
+        "expect_cusps": 4,
+        "degenerate": "allowed",
+    }
     assert report["slices"] == [{"l1": "14.98", "count": 4}]
     assert (done.returncode, report["violations"]) == (0, [])
 

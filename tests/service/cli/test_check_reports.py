@@ -34,6 +34,18 @@ PASSED_REPORT = {**FAILED_REPORT, "passed": True, "max_cusps_found": 0, "violati
 GOOD = Outcome("good.json", PASSED_REPORT, seconds=0.25)
 BAD = Outcome("a/bad.json", FAILED_REPORT, seconds=0.5, line=7)
 FAULTY = Outcome("b d.json", error={"type": "input-error", "detail": "no"}, line=3)
+CURVE = {"kind": "curve", "from": "1", "to": None, "equation": "alpha = 0 deg"}
+ODD = Outcome("odd.json", {**PASSED_REPORT, "degenerate": [CURVE]}, line=2)
+REFUSED = Outcome(
+    "odd.json",
+    {
+        **PASSED_REPORT,
+        "passed": False,
+        "requirement": {**REQUIREMENT, "degenerate": "refused"},
+        "degenerate": [CURVE],
+    },
+)
+SAID = "curve of degenerate poses in every slice for L2 from 1: alpha = 0 deg"
 LOST = Outcome("lost.json", error={"type": "solver-error", "detail": "two\nlines"})
 
 
@@ -100,6 +112,39 @@ def test_sarif_has_a_result_for_each_geometry_that_does_not_pass() -> None:
 def test_the_summary_counts_each_verdict() -> None:
     assert summary([GOOD, BAD, BAD]) == "3 checked: 1 passed, 2 failed"
     assert summary([GOOD, LOST, FAULTY]) == "3 checked: 1 passed, 0 failed, 1 bad, 1 without an answer"
+
+
+def test_what_is_degenerate_is_said_although_it_passes() -> None:
+    [section] = page([ODD], REQUIREMENT).sections
+    assert (section.title, section.notes, section.failed) == (
+        "odd.json: passed, 0 cusps", [f"degenerate: {SAID}"], False
+    )  # fmt: skip
+    case = ElementTree.fromstring(junit_xml([ODD])).find("testsuite/testcase")
+    assert case is not None
+    assert [(x.tag, x.get("name"), x.get("value")) for x in case.iter("property")] == [
+        ("property", "degenerate", SAID)
+    ]
+    assert [child.tag for child in case] == ["properties"]
+    [line] = github_annotations([ODD])
+    assert line == f"::warning file=odd.json,line=2,title=degenerate::{SAID}"
+    [result] = json.loads(sarif([ODD]))["runs"][0]["results"]
+    assert (result["ruleId"], result["level"]) == ("degenerate", "warning")
+    assert result["message"]["text"] == f"odd.json: {SAID}"
+
+
+def test_what_is_degenerate_fails_where_it_is_refused() -> None:
+    assert (REFUSED.verdict, REFUSED.message) == ("failed", f"degenerate, which is refused: {SAID}")
+    [section] = page([REFUSED], REQUIREMENT).sections
+    assert (section.rows, section.failed) == ([], True)
+    case = ElementTree.fromstring(junit_xml([REFUSED])).find("testsuite/testcase")
+    assert case is not None
+    assert [child.tag for child in case] == ["properties", "failure"]
+    assert case[1].get("message") == REFUSED.message
+    [line] = github_annotations([REFUSED])
+    assert line == f"::error file=odd.json,title=check failed::{REFUSED.message}"
+    [result] = json.loads(sarif([REFUSED]))["runs"][0]["results"]
+    assert (result["ruleId"], result["level"]) == ("requirement", "error")
+    assert page([ODD], {**REQUIREMENT, "degenerate": "refused"}).about.endswith(", nothing degenerate")
 
 
 @given(st.text(), st.text())

@@ -1,0 +1,127 @@
+"""What is degenerate in every slice of an interval of lengths, or along a whole curve of one slice.
+
+Transitions are single lengths with single degenerate poses; any manipulator has some. Symmetric and flat
+manipulators also have degenerate poses in all slices, or whole curves of them, as congruent triangles
+(mathematics.md#what-is-degenerate-throughout). Their numbers of cusps are right all the same, but a table of
+these numbers alone would look clean.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from itertools import groupby
+
+from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.number_field import (
+    Algebraic,
+    Polynomial,
+    adjoin_real_roots,
+    exact_omega,
+    poly_gcd,
+    squarefree_part,
+    trimmed,
+)
+from rpr_solver.exact.rationals import exact_or_none, exact_str
+from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.slices.degeneracy import Degeneracy
+from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
+from rpr_solver.slices.length_range import LengthRange
+from rpr_solver.slices.shared_curves import divided, formal_resultant
+from rpr_solver.transitions.event_texts import length_text
+from rpr_solver.transitions.event_types import Landmark
+from rpr_solver.transitions.survey import Survey
+
+
+def degeneracies(result: Survey, span: LengthRange, digits: int) -> tuple[Degeneracy, ...]:
+    """What is degenerate in a range of lengths: curves first, then poses, ascending by their intervals.
+
+    Args:
+        result: the survey of that range.
+        span: the range.
+        digits: significant digits of the ends of intervals.
+
+    Raises:
+        SolverError: an end could not be decided.
+    """
+    slice_map = result.eliminant.slice_map
+    ends = [
+        lambda: exact_str(span.start),
+        *(lambda group=group: length_text(slice_map, group, digits) for group in result.groups),
+        lambda: exact_or_none(span.stop),
+    ]
+    return (*_curves(result.eliminant, span, digits), *_poses(result, ends))
+
+
+def _poses(result: Survey, ends: Sequence[Callable[[], str | None]]) -> Iterator[Degeneracy]:
+    """Runs of intervals whose slices have the same number of degenerate poses of one kind."""
+    numbers = [Counter(point["kind"] for point in table.degenerate_points) for table in result.slices]
+    found: list[tuple[int, Degeneracy]] = []
+    for kind in {kind for number in numbers for kind in number} - {PoseKind.CURVE}:
+        places = enumerate(number[kind] for number in numbers)
+        for count, run in groupby(places, key=lambda place: place[1]):
+            first, *_, last = [*(k for k, _ in run)] * 2
+            if count:
+                start, stop = ends[first](), ends[last + 1]()
+                leg = result.eliminant.slice_map.fixed_leg
+                found.append((first, Degeneracy(leg, PoseKind(kind), str(start), stop, count)))
+    yield from (part for _, part in sorted(found, key=lambda item: (item[0], item[1].kind)))
+
+
+def _curves(eliminant: Eliminant, span: LengthRange, digits: int) -> Iterator[Degeneracy]:
+    """The curves that J and E share in every slice, and those in the slices of single lengths."""
+    slice_map = eliminant.slice_map
+    leg, ends = slice_map.fixed_leg, (exact_str(span.start), exact_or_none(span.stop))
+    omega = exact_omega(slice_map.radicand)
+    rows = [
+        [omega * int(eliminant.b[i, k]) + int(eliminant.a[i, k]) for k in range(DEGREE_L + 1)]
+        for i in range(DEGREE_U + 1)
+    ]
+    j, e = slice_map.singular, slice_map.coalescence
+    if all(x.is_zero for row in rows for x in row):
+        j, e, curves = divided(j, e)
+        for curve in curves:
+            equation = curve.in_unit(slice_map.scale).equation(leg)
+            yield Degeneracy(leg, PoseKind.CURVE, *ends, equation=equation)
+        rows = _rows(BiForm.of(formal_resultant(j, e), slice_map.radicand, 0, 0), omega)
+    for length in _common_lengths(rows):
+        if _is_inside(length, slice_map, span):
+            text = length_text(slice_map, [Landmark(length)], digits)
+            for known in _equations(j, e, length, leg):
+                yield Degeneracy(leg, PoseKind.CURVE, text, text, equation=known)
+
+
+def _rows(form: BiForm, omega: Algebraic) -> list[list[Algebraic]]:
+    """For each power of u the coefficients of L⁰, L¹, … of a form without t."""
+    [powers] = form.coefficients
+    degree = max((max(p.a.degree(), p.b.degree()) for p in powers), default=0)
+    return [[p.coefficient(i, omega) for p in powers] for i in range(degree + 1)]
+
+
+def _common_lengths(rows: Sequence[Sequence[Algebraic]]) -> Iterator[Algebraic]:
+    """The L > 0 (scaled) at which all polynomials in L vanish: there the eliminant in u is 0."""
+    lowest = min((k for row in rows for k, x in enumerate(row) if not x.is_zero), default=0)
+    common: Polynomial = []
+    for row in rows:
+        common = poly_gcd(common, trimmed(row[lowest:]))
+        if len(common) == 1:
+            return
+    field = rows[0][0].field
+    for extension in adjoin_real_roots(field, squarefree_part(common)):
+        if extension.root.sign > 0:
+            yield extension.root
+
+
+def _is_inside(length: Algebraic, slice_map: SliceMap, span: LengthRange) -> bool:
+    """Whether a *scaled* length is strictly within a range."""
+    low, high = (None if x is None else length.field(x * slice_map.scale) for x in (span.start, span.stop))
+    return (low is None or (length - low).sign > 0) and (high is None or (high - length).sign > 0)
+
+
+def _equations(j: BiForm, e: BiForm, length: Algebraic, fixed_leg: int) -> list[str | None]:
+    """Those of the curves that J and E share at a *scaled* length; [None] if it is irrational."""
+    if length.rational is None:
+        return [None]
+    _, _, curves = divided(j.sliced(length.rational), e.sliced(length.rational))
+    return [curve.equation(fixed_leg) for curve in curves]
