@@ -75,5 +75,9 @@ from .transitions.check_report import CheckedInterval as CheckedInterval
 from .transitions.check_report import CheckReport as CheckReport
 from .transitions.check_report import check as check
 from .transitions.requirement import Requirement as Requirement
+from .verify.claims import Claim as Claim
+from .verify.claims import ClaimStatus as ClaimStatus
+from .verify.claims import Verification as Verification
+from .verify.documents import verify_document as verify_document
 
 __version__: str

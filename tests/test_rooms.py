@@ -2,6 +2,7 @@
 
 import ast
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -26,8 +27,9 @@ MAY_IMPORT = {
     "rpr_solver.article": "errors contract notebook exact model slices",
     "rpr_solver.curves": "errors contract notebook figures exact model slices transitions",
     "rpr_solver.paths": "errors contract notebook figures exact model kinematics slices transitions singular",
+    "rpr_solver.verify": "errors contract",
     "rpr_solver": "errors contract figures exact model kinematics slices documents transitions article "
-    "curves paths singular",
+    "curves paths singular verify",
     # worker: jobs in Redis, and the processes that compute
     "worker.logs": "",
     "worker.tracing": "",
@@ -135,6 +137,12 @@ def test_no_circles() -> None:
 @pytest.mark.parametrize("module", [name for name in FILES if name.startswith(SOLVER)])
 def test_the_solver_knows_no_redis_no_web_and_no_clock(module: str) -> None:
     assert not {name.split(".")[0] for name in imported(FILES[module])} & FORBIDDEN
+
+
+@pytest.mark.parametrize("module", [name for name in FILES if name.startswith(f"{SOLVER}.verify")])
+def test_the_verifier_uses_sympy_and_the_standard_library_alone(module: str) -> None:
+    others = {name.split(".")[0] for name in imported(FILES[module])} - {SOLVER, "sympy"}
+    assert others <= sys.stdlib_module_names
 
 
 @pytest.mark.parametrize("module", FILES)

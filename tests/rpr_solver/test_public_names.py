@@ -47,6 +47,7 @@ FUNCTIONS = {
     "table_document",
     "table_json",
     "trace_slice",
+    "verify_document",
 }
 CLASSES = {
     "ArticleTable",
@@ -54,6 +55,8 @@ CLASSES = {
     "Census",
     "CheckReport",
     "CheckedInterval",
+    "Claim",
+    "ClaimStatus",
     "CurveEnd",
     "CurvePoint",
     "CuspCurve",
@@ -89,6 +92,7 @@ CLASSES = {
     "Transition",
     "TransitionEvent",
     "Unproved",
+    "Verification",
     "Vertex",
     "VertexKind",
 }

@@ -1,0 +1,59 @@
+"""A document of any kind, and what an independent verification says of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from rpr_solver.contract import Progress, silent
+from rpr_solver.errors import InputError, shown
+from rpr_solver.verify.claims import Claim, ClaimStatus, Verification
+from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.tables import table_claims
+
+Claims = Callable[[Geometry, Mapping[str, Any], Progress], Iterator[Claim]]
+
+CHECKERS: Mapping[str, tuple[str, Claims]] = {"slices": ("cusp-table", table_claims)}
+"""The member by which a kind of document is known → its name, and its claims."""
+
+
+def verify_document(document: Mapping[str, Any], *, progress: Progress = silent) -> Verification:
+    """Checks a document of any solver by independent means: SymPy, exact integers and intervals.
+
+    The equations are derived from the closure of the legs, α is eliminated by Sylvester's determinant, real
+    roots are counted by Descartes' rule of signs, and a pose is proved by Krawczyk's test in intervals.
+    Nothing of the solver is used, and none of its libraries.
+
+    Args:
+        document: a cusp table as JSON reads it, its numbers that matter as texts.
+        progress: callback ``progress(done, total)``.
+
+    Raises:
+        InputError: this is no such document; the member is named.
+
+    >>> from rpr_solver import EXAMPLES, table_document
+    >>> document = table_document(EXAMPLES["zein-flat"], 10, digits=15)
+    >>> verify_document(document)
+    <Verification of cusp-table: accepted; 10 proved>
+    >>> document["slices"][0]["cusps"].pop()["l2"]
+    '...'
+    >>> verify_document(document).refused[0].at
+    '/slices/0/count'
+    """
+    if not isinstance(document, Mapping):
+        raise InputError.of("document", f"{shown(document)} is not an object")
+    found = [checker for member, checker in CHECKERS.items() if member in document]
+    if len(found) != 1:
+        known = ", ".join(kind for kind, _ in CHECKERS.values())
+        raise InputError.of("document", f"is of no kind that can be verified; known are {known}")
+    [(kind, claims_of)] = found
+    geometry = Geometry.of(document)
+    claims = (_hash_claim(geometry, document), *claims_of(geometry, document, progress))
+    return Verification(kind, geometry.hash, str(document.get("solver_version", "")), claims)
+
+
+def _hash_claim(geometry: Geometry, document: Mapping[str, Any]) -> Claim:
+    right = document.get("geometry_hash") == geometry.hash
+    reason = "it is the SHA-256 of the geometry as printed" if right else f"it is {geometry.hash}"
+    status = ClaimStatus.PROVED if right else ClaimStatus.REFUSED
+    return Claim("/geometry_hash", "the hash of the geometry", status, reason)

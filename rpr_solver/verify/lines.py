@@ -1,0 +1,121 @@
+"""Lines θ = const of a slice: the proof that no pose in which three coalesce lies there unlisted.
+
+Such poses are the common zeros of J and of E along either leg. A line is cut into pieces of α until one of
+the three excludes 0 on each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from rpr_solver.verify.angles import cos_sin, pi
+from rpr_solver.verify.boxes import Directions, Pair
+from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.roots import Root, refined
+from rpr_solver.verify.surds import Poly, Ring
+from rpr_solver.verify.system import System, Trig, derivative
+
+_PIECES = 48
+_DEPTH = 40
+NEARBY = 20
+"""Listed poses are cut out with 2^−20 radians on either side."""
+
+
+def direction(ring: Ring, form: Poly, root: Root, bits: int) -> Pair:
+    """Cosine and sine of θ on a line, the root u = tan(θ/2) being isolated."""
+    narrow = refined(ring, form, root, Fraction(1, 1 << bits))
+    middle, radius = (narrow.lower + narrow.upper) / 2, narrow.width / 2
+    x, one = Interval.of(middle, bits, radius), Interval.of(1, bits)
+    square = x * x
+    norm = one + square
+    cos, sin = (one - square).over(norm), x.scaled(2).over(norm)
+    return (-cos if narrow.inverted else cos), sin
+
+
+def opposite(bits: int) -> Pair:
+    """The line θ = 180°."""
+    return Interval.of(-1, bits), Interval.of(0, bits)
+
+
+@dataclass(frozen=True)
+class _OnLine:
+    """A trigonometric polynomial in α alone, with its derivative."""
+
+    value: dict[tuple[int, int], Interval]
+    slope: dict[tuple[int, int], Interval]
+
+    @classmethod
+    def of(cls, p: Trig, line: Pair, radicand: int) -> _OnLine:
+        return cls(*(_collapsed(q, line, radicand) for q in (p, derivative(p, theta=False))))
+
+    def excludes_zero(self, alpha: Interval, pair: Pair, middle: Pair, radius: Interval) -> bool:
+        """Whether it has no zero for any α of an interval, by the mean value theorem if not at once."""
+        del alpha
+        if _sum(self.value, pair).sign:
+            return True
+        return bool((_sum(self.value, middle) + _sum(self.slope, pair) * radius).sign)
+
+
+def unlisted(system: System, line: Pair, listed: Sequence[Interval]) -> Fraction | None:
+    """An α in radians near which a pose with J = E = 0 cannot be excluded on a line; None if there is none.
+
+    Args:
+        system: the slice.
+        line: cosine and sine of θ.
+        listed: intervals of α, in radians, that are cut out.
+    """
+    bits = line[0].bits
+    legs = system.legs
+    functions = [
+        _OnLine.of(p, line, system.ring.radicand) for p in (system.singular, *(leg.kernel for leg in legs))
+    ]
+    half = pi(bits).upper
+    step = -(-2 * half // _PIECES)
+    todo = [(-half + k * step, -half + (k + 1) * step, 0) for k in range(_PIECES)]
+    holes = [hole for x in listed for hole in _turned(x, bits)]
+    while todo:
+        lower, upper, depth = todo.pop()
+        if any(a <= lower and upper <= b for a, b in holes):
+            continue
+        alpha = Interval(lower, upper, bits)
+        middle = (lower + upper) // 2
+        pair, at_middle = cos_sin(alpha), cos_sin(Interval(middle, middle, bits))
+        radius = Interval(lower - middle, upper - middle, bits)
+        if any(f.excludes_zero(alpha, pair, at_middle, radius) for f in functions):
+            continue
+        if depth == _DEPTH:
+            return alpha.middle
+        todo += [(lower, middle, depth + 1), (middle, upper, depth + 1)]
+    return None
+
+
+def _turned(x: Interval, bits: int) -> list[tuple[int, int]]:
+    """An interval of α with its neighbourhood, and the same a turn away, in units of 2^−bits."""
+    near, turn = 1 << (bits - NEARBY), 2 * pi(bits).lower
+    low = int(x.middle * (1 << bits)) - near
+    high = int(x.middle * (1 << bits)) + near
+    return [(low + k * turn, high + k * turn) for k in (-1, 0, 1)]
+
+
+def _collapsed(p: Trig, line: Pair, radicand: int) -> dict[tuple[int, int], Interval]:
+    bits = line[0].bits
+    one = Interval.of(1, bits)
+    at = Directions((one, one), line, radicand)
+    rows: dict[tuple[int, int], dict[tuple[int, int, int, int], tuple[int, int]]] = {}
+    for (i, j, k, m), x in p.items():
+        rows.setdefault((i, j), {})[0, 0, k, m] = x
+    return {key: at.value(row) for key, row in rows.items()}
+
+
+def _sum(coefficients: dict[tuple[int, int], Interval], alpha: Pair) -> Interval:
+    cos, sin = alpha
+    total = Interval(0, 0, cos.bits)
+    powers = [Interval.of(1, cos.bits)]
+    for (i, j), x in coefficients.items():
+        while len(powers) <= i:
+            powers.append(powers[-1] * cos)
+        term = x * powers[i]
+        total += term * sin if j else term
+    return total

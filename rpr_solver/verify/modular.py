@@ -1,0 +1,60 @@
+"""Proofs modulo a prime: a polynomial over ℤ[ω] has no multiple root, or shares none with another.
+
+ω ↦ a square root of the radicand modulo p maps ℤ[ω] to the field of p elements. If the image keeps its
+degree and is prime to its derivative, the discriminant is not 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rpr_solver.verify.surds import Poly, Ring
+
+_TRIES = 4
+
+
+def simple_and_apart(ring: Ring, p: Poly, other: Poly) -> bool:
+    """Whether some prime proves that ``p`` has only simple roots, and none in common with ``other``."""
+    for prime, omega in _places(ring.radicand):
+        image = [(a + b * omega) % prime for a, b in p]
+        if not image[-1]:
+            continue
+        slope = [k * x % prime for k, x in enumerate(image)][1:]
+        beside = [(a + b * omega) % prime for a, b in other]
+        if _coprime(image, slope, prime) and _coprime(image, beside, prime):
+            return True
+    return False
+
+
+def _places(radicand: int) -> Iterator[tuple[int, int]]:
+    """Primes below 2^61, each with a square root of the radicand."""
+    from sympy.ntheory import prevprime, sqrt_mod
+
+    prime, found = 1 << 61, 0
+    while found < _TRIES:
+        prime = int(prevprime(prime))
+        root = sqrt_mod(radicand % prime, prime)
+        if root is not None:
+            found += 1
+            yield prime, int(root)
+
+
+def _coprime(p: Sequence[int], q: Sequence[int], prime: int) -> bool:
+    """Whether two polynomials modulo a prime share no root in any extension."""
+    p, q = _trimmed(p), _trimmed(q)
+    while q:
+        inverse = pow(q[-1], -1, prime)
+        rest = list(p)
+        for k in reversed(range(len(rest) - len(q) + 1)):
+            factor = rest[k + len(q) - 1] * inverse % prime
+            for i, x in enumerate(q, k):
+                rest[i] = (rest[i] - factor * x) % prime
+        p, q = q, _trimmed(rest)
+    return len(p) == 1
+
+
+def _trimmed(p: Sequence[int]) -> list[int]:
+    size = len(p)
+    while size and not p[size - 1]:
+        size -= 1
+    return list(p[:size])

@@ -1,0 +1,117 @@
+"""The real roots of a squarefree polynomial over ℤ[ω], isolated by Descartes' rule of signs.
+
+(1 + x)ⁿ p(1/(1 + x)) has at least as many changes of sign as p has roots in (0, 1): none proves that there
+is no root, one that there is exactly one. Bisection ends, as the roots are simple (Vincent). A form of
+degree n has the whole line within reach: |u| < 1, |u| > 1 by the reversed form, and ±1 and ∞.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from rpr_solver.verify.surds import ZERO, Ring, Surd, derivative
+
+
+@dataclass(frozen=True)
+class Root:
+    """A real root: the only one in the open interval, or the point itself where both ends agree.
+
+    ``inverted`` says that the interval is one of 1/u; u = ∞ is 1/u = 0.
+    """
+
+    lower: Fraction
+    upper: Fraction
+    inverted: bool
+
+    @property
+    def width(self) -> Fraction:
+        """The width of the interval."""
+        return self.upper - self.lower
+
+
+def real_roots(ring: Ring, form: Sequence[Surd]) -> list[Root]:
+    """All real roots, ∞ included, of a squarefree form whose formal degree is its length less 1."""
+    roots = []
+    for inverted in (False, True):
+        p = list(reversed(form)) if inverted else list(form)
+        if p[0] == ZERO:
+            roots.append(Root(Fraction(0), Fraction(0), inverted))
+        for sign in (1, -1):
+            turned = [(a * sign**k, b * sign**k) for k, (a, b) in enumerate(p)]
+            for lower, upper in _within_unit(ring, _without_zero(turned)):
+                ends = sorted((sign * lower, sign * upper))
+                roots.append(Root(ends[0], ends[1], inverted))
+    for one in (1, -1):
+        if ring.at(form, Fraction(one)) == ZERO:
+            roots.append(Root(Fraction(one), Fraction(one), False))
+    return roots
+
+
+def refined(ring: Ring, form: Sequence[Surd], root: Root, width: Fraction) -> Root:
+    """The same root in an interval of at most this width, by bisection."""
+    p = list(reversed(form)) if root.inverted else list(form)
+    if root.lower == root.upper:
+        return root
+    lower, upper = root.lower, root.upper
+    # the upper end may be another root, a simple one
+    at_upper = ring.sign(ring.at(p, upper)) or -ring.sign(ring.at(derivative(tuple(p)), upper))
+    while upper - lower > width:
+        middle = (lower + upper) / 2
+        sign = ring.sign(ring.at(p, middle))
+        if not sign:
+            return replace(root, lower=middle, upper=middle)
+        if sign == at_upper:
+            upper = middle
+        else:
+            lower = middle
+    return replace(root, lower=lower, upper=upper)
+
+
+def _within_unit(ring: Ring, p: list[Surd]) -> Iterator[tuple[Fraction, Fraction]]:
+    """The roots strictly between 0 and 1, where p(0) ≠ 0."""
+    todo = [(p, Fraction(0), Fraction(1))]
+    while todo:
+        q, lower, width = todo.pop()
+        changes = _variations(ring, shifted(list(reversed(q))))
+        if changes == 1:
+            yield lower, lower + width
+        if changes < 2:
+            continue
+        size = len(q) - 1
+        left = [(a << (size - k), b << (size - k)) for k, (a, b) in enumerate(q)]
+        right = shifted(left)
+        middle = lower + width / 2
+        if right[0] == ZERO:
+            yield middle, middle
+        todo += [(left, lower, width / 2), (_without_zero(right), middle, width / 2)]
+
+
+def _without_zero(p: list[Surd]) -> list[Surd]:
+    """Divided by the variable, if 0 is a root."""
+    return p[1:] if p[0] == ZERO else p
+
+
+def _variations(ring: Ring, p: Sequence[Surd]) -> int:
+    """The number of changes of sign among the coefficients, counted up to 2."""
+    last = changes = 0
+    for x in p:
+        sign = ring.sign(x)
+        if sign and sign == -last:
+            changes += 1
+            if changes > 1:
+                break
+        last = sign or last
+    return changes
+
+
+def shifted(p: Sequence[Surd]) -> list[Surd]:
+    """p(x + 1)."""
+    first, second = [a for a, _ in p], [b for _, b in p]
+    for part in (first, second):
+        if any(part):
+            for start in range(len(part) - 1):
+                for k in range(len(part) - 2, start - 1, -1):
+                    part[k] += part[k + 1]
+    return list(zip(first, second, strict=True))

@@ -1,0 +1,193 @@
+"""Exact numbers a + b ω with integers a, b and ω = √radicand, and polynomials of them in one variable.
+
+A radicand of 1 stands for the rational integers: every b is 0. Otherwise ω is irrational, so ℤ[ω] is a
+domain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import gcd
+
+Surd = tuple[int, int]
+Poly = tuple[Surd, ...]
+"""Coefficients from the constant one on; without leading zeros, unless a formal degree is meant."""
+
+ZERO: Surd = (0, 0)
+ONE: Surd = (1, 0)
+
+
+class Indivisible(ArithmeticError):  # noqa: N818 - a verdict, not a fault
+    """A division that should leave nothing leaves a remainder."""
+
+
+@dataclass(frozen=True)
+class Ring:
+    """The ring ℤ[ω]."""
+
+    radicand: int
+
+    def times(self, x: Surd, y: Surd) -> Surd:
+        """The product of two numbers."""
+        (a, b), (c, d) = x, y
+        if not b and not d:
+            return a * c, 0
+        return a * c + self.radicand * b * d, a * d + b * c
+
+    def power(self, x: Surd, exponent: int) -> Surd:
+        """A power with an exponent ≥ 0."""
+        result = ONE
+        for _ in range(exponent):
+            result = self.times(result, x)
+        return result
+
+    def over(self, x: Surd, y: Surd) -> Surd:
+        """The exact quotient.
+
+        Raises:
+            Indivisible: it is not in the ring.
+        """
+        c, d = y
+        if d:
+            x, c = self.times(x, (c, -d)), c * c - self.radicand * d * d
+        (a, ra), (b, rb) = divmod(x[0], c), divmod(x[1], c)
+        if ra or rb:
+            raise Indivisible("a quotient of surds is not integral")
+        return a, b
+
+    def sign(self, x: Surd) -> int:
+        """−1, 0 or 1."""
+        a, b = x
+        if not b or (a > 0) == (b > 0):
+            return (a > 0) - (a < 0) if a else (b > 0) - (b < 0)
+        if not a or a * a < self.radicand * b * b:
+            return 1 if b > 0 else -1
+        return 1 if a > 0 else -1
+
+    def product(self, p: Poly, q: Poly) -> Poly:
+        """The product of two polynomials."""
+        if not p or not q:
+            return ()
+        result = [ZERO] * (len(p) + len(q) - 1)
+        for i, x in enumerate(p):
+            if x != ZERO:
+                for k, y in enumerate(q, i):
+                    a, b = self.times(x, y)
+                    result[k] = (result[k][0] + a, result[k][1] + b)
+        return trimmed(result)
+
+    def quotient(self, p: Poly, q: Poly) -> Poly:
+        """The exact quotient of two polynomials, ``q`` with its true degree.
+
+        Raises:
+            Indivisible: it has coefficients outside the ring, or a remainder.
+        """
+        rest, result = list(p), [ZERO] * max(len(p) - len(q) + 1, 0)
+        for k in reversed(range(len(result))):
+            x = result[k] = self.over(rest[k + len(q) - 1], q[-1])
+            if x != ZERO:
+                _subtract(self, rest, x, q, k)
+        if any(x != ZERO for x in rest):
+            raise Indivisible("a polynomial does not divide another")
+        return trimmed(result)
+
+    def pseudo_remainder(self, p: Poly, q: Poly) -> Poly:
+        """lc(q)^(deg p − deg q + 1) · p modulo q."""
+        rest, steps = list(p), len(p) - len(q) + 1
+        for k in reversed(range(steps)):
+            lead = rest[k + len(q) - 1]
+            rest = [self.times(q[-1], x) for x in rest]
+            _subtract(self, rest, lead, q, k)
+        return trimmed(rest)
+
+    def gcd(self, p: Poly, q: Poly) -> Poly:
+        """A greatest common divisor over the field ℚ(ω), by subresultants, primitive over ℤ."""
+        if len(p) < len(q):
+            p, q = q, p
+        if not q:
+            return primitive(p)
+        p, q = primitive(p), primitive(q)
+        scale: Surd = (-1, 0)
+        first = True
+        while q:
+            step = len(p) - len(q)
+            if first:
+                divisor: Surd = (-1 if step % 2 == 0 else 1, 0)
+                first = False
+            else:
+                divisor = self.times((-p[-1][0], -p[-1][1]), self.power(scale, step))
+            rest = tuple(self.over(x, divisor) for x in self.pseudo_remainder(p, q))
+            lead = (-q[-1][0], -q[-1][1])
+            if step > 0:
+                scale = self.over(self.power(lead, step), self.power(scale, step - 1))
+            p, q = q, rest
+        return primitive(p) if len(p) > 1 else (ONE,)
+
+    def squarefree_parts(self, p: Poly) -> dict[int, Poly]:
+        """Multiplicity → the product of the factors over ℚ(ω) with this multiplicity (Yun)."""
+        parts: dict[int, Poly] = {}
+        common = self.gcd(p, derivative(p))
+        rest, multiplicity = self.field_quotient(p, common), 1
+        while len(rest) > 1:
+            shared = self.gcd(rest, common)
+            if len(own := self.field_quotient(rest, shared)) > 1:
+                parts[multiplicity] = own
+            rest, common = shared, self.field_quotient(common, shared)
+            multiplicity += 1
+        return parts
+
+    def field_quotient(self, p: Poly, q: Poly) -> Poly:
+        """p / q over ℚ(ω), where q divides p there; primitive over ℤ.
+
+        Raises:
+            Indivisible: it does not divide p.
+        """
+        c, d = q[-1]
+        conjugate: Surd = (c, -d) if d else ONE
+        integral = tuple(self.times(x, conjugate) for x in q)
+        lead = integral[-1][0]
+        scaled = tuple((a * lead ** (len(p) - len(q) + 1), b * lead ** (len(p) - len(q) + 1)) for a, b in p)
+        return primitive(self.quotient(scaled, integral))
+
+    def at(self, p: Sequence[Surd], x: Fraction) -> Surd:
+        """p(x) times the denominator of x to the formal degree of p."""
+        n, d = x.numerator, x.denominator
+        a = b = 0
+        power = 1
+        for u, v in reversed(p):
+            a, b = a * n + u * power, b * n + v * power
+            power *= d
+        return a, b
+
+
+def _subtract(ring: Ring, rest: list[Surd], x: Surd, q: Poly, shift: int) -> None:
+    """Subtracts x · q · variable^shift in place."""
+    for i, y in enumerate(q, shift):
+        a, b = ring.times(x, y)
+        rest[i] = (rest[i][0] - a, rest[i][1] - b)
+
+
+def trimmed(p: Sequence[Surd]) -> Poly:
+    """Without leading zeros."""
+    size = len(p)
+    while size and p[size - 1] == ZERO:
+        size -= 1
+    return tuple(p[:size])
+
+
+def primitive(p: Sequence[Surd]) -> Poly:
+    """Divided by the greatest integer that divides all coefficients."""
+    content = gcd(*(part for x in p for part in x)) or 1
+    return trimmed([(a // content, b // content) for a, b in p])
+
+
+def derivative(p: Poly) -> Poly:
+    """The derivative of a polynomial."""
+    return tuple((k * a, k * b) for k, (a, b) in enumerate(p) if k)
+
+
+def rational(coefficients: Sequence[int]) -> Poly:
+    """A polynomial with integer coefficients."""
+    return trimmed([(c, 0) for c in coefficients])

@@ -1,0 +1,222 @@
+"""The equations of a slice, derived by SymPy from the legs: no formula of the solver is used.
+
+With leg i of length L in the direction θ, B_i = A_i + L (cos θ, sin θ), and every other corner of the
+platform is B_k = B_i + R(α) (b_k − b_i). The free legs have the squared lengths f and g. From these two
+SymPy differentiates
+
+    J = f_α g_θ − f_θ g_α,    E = v·∇J  with  v = (−f_θ, f_α)  or  (−g_θ, g_α),    W = v·∇E:
+
+J = 0 where two poses coalesce, E = 0 (v spans the kernel of the map's derivative there) where three do.
+All lengths are multiplied by ``unit``, which makes them integers and integer multiples of ω.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import gcd, lcm
+from typing import Any
+
+from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd, rational
+
+Monomial = tuple[int, int, int, int]
+"""Exponents of cos α, sin α (0 or 1), cos θ, sin θ (0 or 1)."""
+
+Trig = Mapping[Monomial, Surd]
+"""A trigonometric polynomial in α and θ, in normal form: sin² is replaced by 1 − cos²."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A free leg with its squared length, and what follows from it along its kernel vector v."""
+
+    number: int
+    squared: Trig
+    alpha: Trig
+    theta: Trig
+    """The derivatives of the squared length."""
+    kernel: Trig
+    """E = v·∇J."""
+    kernel2: Trig
+    """v·∇E."""
+
+
+@dataclass(frozen=True)
+class System:
+    """A slice: the manipulator with one leg of a given length."""
+
+    geometry: Geometry
+    fixed: int
+    length: Fraction
+    unit: int
+    ring: Ring
+    first: Leg
+    second: Leg
+    singular: Trig
+    """J, without its integer content."""
+
+    @classmethod
+    def of(cls, geometry: Geometry, fixed: int, length: Fraction) -> System:
+        """Derives the equations."""
+        return _derived(geometry, fixed, length)
+
+    @property
+    def legs(self) -> tuple[Leg, Leg]:
+        """The free legs."""
+        return self.first, self.second
+
+    @cached_property
+    def along(self) -> Poly:
+        """The quadratic in u = tan(θ/2) of a fixed leg along the base line to the first free leg."""
+        ax, ay = self._base()
+        return rational([ay, -2 * ax, -ay])
+
+    @cached_property
+    def closed(self) -> Poly:
+        """The quadratic in u of |L e(θ) − a|² = |m|², the first free leg having length 0."""
+        ax, ay = self._base()
+        length = int(self.length * self.unit)
+        side = int(self.geometry.side_squared(self.fixed, self.first.number) * self.unit**2)
+        even = length**2 + ax**2 + ay**2 - side
+        return rational([even - 2 * length * ax, -4 * length * ay, even + 2 * length * ax])
+
+    def _base(self) -> tuple[int, int]:
+        here, there = (self.geometry.base[leg - 1] for leg in (self.fixed, self.first.number))
+        x, y = ((b - a) * self.unit for a, b in zip(here, there, strict=True))
+        return int(x), int(y)
+
+
+def _derived(geometry: Geometry, fixed: int, length: Fraction) -> System:
+    from sympy.polys.domains.pythonintegerring import PythonIntegerRing
+    from sympy.polys.rings import ring
+
+    factor, radicand = geometry.height
+    unit = lcm(
+        length.denominator,
+        geometry.foot.denominator,
+        factor.denominator,
+        *(x.denominator for x in (geometry.a2x, geometry.a3x, geometry.a3y, geometry.d1)),
+    )
+    # Python's own integers, whatever else is installed
+    polynomials, ca, sa, ct, st, w = ring("ca, sa, ct, st, w", PythonIntegerRing())
+    omega = polynomials(1) if radicand == 1 else w
+    platform = [
+        (polynomials(0), polynomials(0)),
+        (polynomials(int(geometry.d1 * unit)), polynomials(0)),
+        (polynomials(int(geometry.foot * unit)), int(factor * unit) * omega),
+    ]
+    base = [(int(x * unit), int(y * unit)) for x, y in geometry.base]
+    scaled = int(length * unit)
+
+    def normal(p: Any) -> Any:
+        # sin² → 1 − cos²: exact, since the leading monomials are coprime
+        result = polynomials(0)
+        for (i, j, k, m, n), c in p.terms():
+            result += (
+                c * ca**i * sa ** (j % 2) * (1 - ca**2) ** (j // 2)
+                * ct**k * st ** (m % 2) * (1 - ct**2) ** (m // 2) * w ** (n % 2) * radicand ** (n // 2)
+            )  # fmt: skip
+        return result
+
+    def d_alpha(p: Any) -> Any:
+        return p.diff(sa) * ca - p.diff(ca) * sa
+
+    def d_theta(p: Any) -> Any:
+        return p.diff(st) * ct - p.diff(ct) * st
+
+    def squared(leg: int) -> Any:
+        (bx, by), (ox, oy) = platform[leg - 1], platform[fixed - 1]
+        (ax, ay), (px, py) = base[leg - 1], base[fixed - 1]
+        mx, my = bx - ox, by - oy
+        x = px + scaled * ct + ca * mx - sa * my - ax
+        y = py + scaled * st + sa * mx + ca * my - ay
+        return normal(x**2 + y**2)
+
+    numbers = geometry.free_legs(fixed)
+    f, g = (squared(leg) for leg in numbers)
+    singular = normal(d_alpha(f) * d_theta(g) - d_theta(f) * d_alpha(g))
+    content = gcd(*(int(c) for c in singular.coeffs())) or 1
+    singular = singular.quo_ground(content)
+
+    def leg_of(number: int, p: Any) -> Leg:
+        slopes = d_alpha(p), d_theta(p)
+
+        def along(q: Any) -> Any:
+            return normal(slopes[0] * d_theta(q) - slopes[1] * d_alpha(q))
+
+        kernel = along(singular)
+        parts = (p, *slopes, kernel, along(kernel))
+        return Leg(number, *(_trig(part) for part in parts))
+
+    first, second = (leg_of(number, p) for number, p in zip(numbers, (f, g), strict=True))
+    return System(geometry, fixed, length, unit, Ring(radicand), first, second, _trig(singular))
+
+
+def _trig(p: Any) -> Trig:
+    result: dict[Monomial, Surd] = {}
+    for (i, j, k, m, n), c in p.terms():
+        a, b = result.get((i, j, k, m), ZERO)
+        result[i, j, k, m] = (a, b + int(c)) if n else (a + int(c), b)
+    return result
+
+
+def derivative(p: Trig, *, theta: bool) -> Trig:
+    """∂/∂θ or ∂/∂α of a trigonometric polynomial in normal form."""
+    result: dict[Monomial, Surd] = {}
+
+    def add(cos: int, sin: int, other: tuple[int, int], x: Surd, times: int) -> None:
+        key = (*other, cos, sin) if theta else (cos, sin, *other)
+        a, b = result.get(key, ZERO)
+        result[key] = (a + times * x[0], b + times * x[1])
+
+    for (i, j, k, m), x in p.items():
+        cos, sin, other = (k, m, (i, j)) if theta else (i, j, (k, m))
+        if sin:
+            # (cosⁿ sin)′ = cosⁿ⁺¹ − n cosⁿ⁻¹ sin² = (n + 1) cosⁿ⁺¹ − n cosⁿ⁻¹
+            add(cos + 1, 0, other, x, cos + 1)
+            if cos:
+                add(cos - 1, 0, other, x, -cos)
+        elif cos:
+            add(cos - 1, 1, other, x, -cos)
+    return {key: x for key, x in result.items() if x != ZERO}
+
+
+def at_half_tangent(p: Trig, degree: int, order: int, u: Fraction) -> tuple[Surd, ...]:
+    """The coefficients in t = tan(α/2), 2 · degree + 1, of a polynomial of this degree in α at u = tan(θ/2).
+
+    They are multiplied by (1 + u²)^order and the denominator of u to twice this power.
+    """
+    n, d = u.numerator, u.denominator
+    cos, sin, one = d * d - n * n, 2 * n * d, d * d + n * n
+    return in_half_tangent(p, degree, lambda k, m: cos**k * sin**m * one ** (order - k - m))
+
+
+def in_half_tangent(p: Trig, degree: int, weight: Any) -> tuple[Surd, ...]:
+    """Σ weight(k, m) · x · cosⁱα sinʲα as a polynomial in t, times (1 + t²)^degree."""
+    rows: dict[tuple[int, int], Surd] = {}
+    for (i, j, k, m), (a, b) in p.items():
+        value = weight(k, m)
+        c, e = rows.get((i, j), ZERO)
+        rows[i, j] = (c + a * value, e + b * value)
+    result = [ZERO] * (2 * degree + 1)
+    for (i, j), (a, b) in rows.items():
+        for power, factor in enumerate(_half(i, j, degree)):
+            if factor:
+                result[power] = (result[power][0] + a * factor, result[power][1] + b * factor)
+    return tuple(result)
+
+
+def _half(cos: int, sin: int, degree: int) -> list[int]:
+    """(1 − t²)^cos (2 t)^sin (1 + t²)^(degree − cos − sin)."""
+    result = [1]
+    for factor, times in (([1, 0, -1], cos), ([0, 2], sin), ([1, 0, 1], degree - cos - sin)):
+        for _ in range(times):
+            grown = [0] * (len(result) + len(factor) - 1)
+            for i, x in enumerate(result):
+                for k, y in enumerate(factor, i):
+                    grown[k] += x * y
+            result = grown
+    return result

@@ -1,0 +1,78 @@
+"""One slice: what is refused, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import deepcopy
+from typing import Any
+
+import pytest
+
+from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, cusp_table
+from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.slices import slice_claims
+from tests.support.families import family
+
+Change = Callable[[dict[str, Any]], object]
+
+
+def refused(manipulator: Manipulator, part: dict[str, Any], digits: int = 15) -> list[str]:
+    claims = list(slice_claims(Geometry.of(manipulator.identity_json()), 1, part, digits, "/slices/0"))
+    return [claim.at.removeprefix("/slices/0/") for claim in claims if claim.status is ClaimStatus.REFUSED]
+
+
+def slice_of(manipulator: Manipulator, length: object) -> dict[str, Any]:
+    [table] = cusp_table(manipulator, length, digits=15)  # type: ignore[arg-type]
+    return deepcopy(table.to_json())
+
+
+FLAT = EXAMPLES["zein-flat"]
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (lambda part: part.update(note=""), []),
+        (lambda part: part["cusps"].pop(), ["count"]),
+        (lambda part: (part["cusps"].pop(), part.update(count=3)), ["count"]),
+        (lambda part: (part["cusps"].insert(1, part["cusps"][0]), part.update(count=5)), ["cusps"]),
+        (lambda part: part["cusps"].reverse(), ["cusps"]),
+        (lambda part: part["cusps"][0].update(l2="25.2"), ["cusps"]),
+        (lambda part: part["cusps"][0].update(l2="26.2233542007524"), ["cusps/0"]),
+        (lambda part: part["certificate"]["factors"].pop(), ["certificate/factors"]),
+        (lambda part: part["certificate"].update(real_roots=6), ["certificate/real_roots"]),
+        (lambda part: part["certificate"].update(eliminant_degree=22), ["certificate/eliminant_degree"]),
+        (lambda part: part.update(l1="10.001"), ["cusps/0", "cusps/1", "cusps/2", "cusps/3"]),
+    ],
+)
+def test_a_wrong_member_is_named(change: Change, where: list[str]) -> None:
+    part = slice_of(FLAT, 10)
+    change(part)
+    assert refused(FLAT, part) == where
+
+
+@pytest.mark.parametrize("name", ["similar", "congruent"])
+def test_a_missing_degenerate_pose_is_noticed(name: str) -> None:
+    part = slice_of(family(name), 9)
+    assert refused(family(name), part) == []
+    lost = part["degenerate_points"].pop()
+    assert refused(family(name), part) == ["count"]
+    part["degenerate_points"].append({**lost, "kind": "node", "theta1_deg": "12.3456789012345"})
+    assert refused(family(name), part)
+
+
+def test_a_curve_of_degenerate_poses_is_proved() -> None:
+    part = slice_of(family("congruent"), 5)
+    [curve] = [p for p in part["degenerate_points"] if p["kind"] == "curve"]
+    part["degenerate_points"].remove(curve)
+    assert refused(family("congruent"), part) == ["degenerate_points"]
+    ordinary = slice_of(FLAT, 10)
+    ordinary["degenerate_points"].append(curve)
+    assert refused(FLAT, ordinary) == ["degenerate_points/0"]
+
+
+def test_what_cannot_be_read_is_named() -> None:
+    for change in ({"l1": "x"}, {"l1": "-1"}, {"cusps": None}, {"degenerate_points": [1]}):
+        with pytest.raises(InputError) as error:
+            refused(FLAT, {**slice_of(FLAT, 10), **change})
+        assert next(iter(change)) in error.value.problems[0].field

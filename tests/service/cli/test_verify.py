@@ -1,0 +1,35 @@
+"""`rpr-cusps verify`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rpr_solver import EXAMPLES, cusp_table, table_json
+from tests.support.cli_process import Run
+
+
+def test_a_document_is_verified_or_refused(run_here: Run, tmp_path: Path) -> None:
+    [table] = cusp_table(EXAMPLES["zein-flat"], 10, digits=15)
+    document = table_json(EXAMPLES["zein-flat"], 1, 15, [table.to_json()])
+    file = tmp_path / "table.json"
+    file.write_text(json.dumps(document))
+    done = run_here("verify", str(file))
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "Accepted: 10 claims, 10 proved")
+    document["slices"][0]["cusps"].pop()
+    done = run_here("verify", "-", "--json", stdin=json.dumps(document))
+    answer = json.loads(done.stdout)
+    assert (done.returncode, answer["verdict"], answer["counts"]["refused"]) == (1, "refused", 1)
+    assert [x["at"] for x in answer["claims"] if x["status"] == "refused"] == ["/slices/0/count"]
+
+
+@pytest.mark.parametrize(
+    ("stdin", "said"),
+    [("", "is not JSON"), ("[1]", "holds no object"), ("{}", "of no kind"), ('{"slices": []}', "geometry")],
+)
+def test_what_is_no_document_is_bad_input(run_here: Run, stdin: str, said: str) -> None:
+    done = run_here("verify", "-", stdin=stdin)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert said in done.stderr
