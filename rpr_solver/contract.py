@@ -1,8 +1,9 @@
-"""Common to all documents and questions: head, version, range of digits, progress, checks of arguments."""
+"""Common to all documents and questions: version, head, ranges, defaults, progress, checks of arguments."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from math import inf
 from numbers import Integral
 from typing import Any, Protocol
@@ -18,6 +19,22 @@ CHECK_DIGITS = 30
 """The default number of significant digits of the lengths and examples of a check."""
 MIN_DIGITS, MAX_DIGITS = 15, 10_000
 """The least and the greatest number of significant digits of a request."""
+
+MOST_CUSPS = 24
+"""No slice has more cusps than the eliminant Q has roots."""
+MOST_POSES = 6
+"""No joint vector has more poses."""
+
+PATH_DIGITS = 15
+"""The default number of significant digits of a path."""
+DEFAULT_SAMPLES = 101
+"""The default number of samples of a path."""
+LEAST_SAMPLES, MOST_SAMPLES = 2, 10_001
+
+DEFAULT_TOLERANCE = Fraction(1, 1000)
+"""The default deviation of a drawn curve, relative to the picture."""
+FINEST_TOLERANCE, COARSEST_TOLERANCE = Fraction(1, 10**6), Fraction(1, 10)
+"""The least and the greatest tolerance of a request."""
 
 
 def check_digits(digits: int) -> int:
@@ -65,6 +82,36 @@ def check_type(value: object, kind: type, field: str) -> None:
         raise InputError.of(
             field, f"{shown(value)} has type {type(value).__name__}; give one of type {kind.__name__}"
         )
+
+
+def letter(cusp: int) -> str:
+    """The letter of a cusp in pictures: A, B, …, X.
+
+    >>> letter(1), letter(24)
+    ('A', 'X')
+    """
+    return chr(ord("A") + cusp - 1)
+
+
+def number_of(cusp: int | str, count: int = MOST_CUSPS) -> int:
+    """The number of a cusp that is given by its number from 1 or its letter.
+
+    Raises:
+        InputError: naming ``cusp``: there is no such cusp among ``count``.
+
+    >>> number_of("B", 6), number_of(2, 6), number_of("2", 6)
+    (2, 2, 2)
+    """
+    if not count:
+        raise InputError.of("cusp", "this slice has no cusps")
+    expected = f"1 to {count}, or A to {letter(count)}"
+    if isinstance(cusp, str):
+        text = cusp.strip().upper()
+        number = next((k for k in range(1, count + 1) if text in (str(k), letter(k))), None)
+        if number is None:
+            raise InputError.of("cusp", f"{shown(cusp)} names no cusp; give {expected}")
+        return number
+    return check_integer(cusp, "cusp", expected, 1, count)
 
 
 Progress = Callable[[int, int], None]

@@ -21,6 +21,12 @@ HEAVY = {
     "prometheus_client",
 }
 
+COMMAND = """
+import contextlib
+from service.cli.main import main
+with contextlib.suppress(SystemExit):
+    main"""
+
 
 def loaded(program: str) -> set[str]:
     """The modules that a process holds after a program."""
@@ -38,6 +44,17 @@ def test_work_horses_find_the_whole_solver_loaded() -> None:
     assert not named - modules
 
 
-@pytest.mark.parametrize("program", ["import rpr_solver", "import rpr_solver.errors"])
-def test_the_solver_is_loaded_when_it_is_used(program: str) -> None:
-    assert not HEAVY & loaded(program)
+@pytest.mark.parametrize(
+    ("program", "needed"),
+    [
+        ("import rpr_solver.errors", set()),
+        (f"{COMMAND}(['--version'])", set()),
+        (f"{COMMAND}(['check', '--help'])", {"pydantic"}),
+        (
+            "import service.api.app; service.api.app.create_app()",
+            {"pydantic", "fastapi", "redis", "rq", "prometheus_client"},
+        ),
+    ],
+)
+def test_what_is_not_needed_is_not_loaded(program: str, needed: set[str]) -> None:
+    assert HEAVY & loaded(program) == needed

@@ -8,7 +8,14 @@ from typing import Any
 
 from flint import arb, ctx
 
-from rpr_solver.contract import check_digits, check_integer, check_leg, document_head
+from rpr_solver.contract import (
+    DEFAULT_SAMPLES,
+    PATH_DIGITS,
+    check_digits,
+    check_integer,
+    check_leg,
+    document_head,
+)
 from rpr_solver.errors import InputError, SolverError, Unproved
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
 from rpr_solver.kinematics.pose_table import PoseTable, poses
@@ -19,7 +26,7 @@ from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.ends import PathPose, numbered, of_table
 from rpr_solver.paths.isolated import IsolatedPose
 from rpr_solver.paths.joint_paths import Range, in_slice, sign_of
-from rpr_solver.paths.path import DEFAULT_SAMPLES, PATH_DIGITS, Path, SamplingPlan, document_lengths
+from rpr_solver.paths.path import Path, SamplingPlan, document_lengths
 from rpr_solver.paths.proved import PROOF_BITS, path_of
 from rpr_solver.slices.joint_points import free_legs
 from rpr_solver.transitions.census import census

@@ -16,7 +16,14 @@ from math import floor, log10, pi
 
 from flint import arb, ctx
 
-from rpr_solver.contract import check_digits, check_leg, check_type
+from rpr_solver.contract import (
+    DEFAULT_SAMPLES,
+    PATH_DIGITS,
+    check_digits,
+    check_leg,
+    check_type,
+    number_of,
+)
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.exact.real_roots import ball_of, fraction_of
@@ -25,7 +32,7 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.arcs import Arc, expanded
 from rpr_solver.paths.cusp_frame import CuspFrame
 from rpr_solver.paths.isolated import Image, IsolatedPose, local_map
-from rpr_solver.paths.path import DEFAULT_SAMPLES, PATH_DIGITS, Path, SamplingPlan, number_of
+from rpr_solver.paths.path import Path, SamplingPlan
 from rpr_solver.paths.proofs import PathProof, prove
 from rpr_solver.paths.proved import PROOF_BITS, path_of
 from rpr_solver.paths.route import ControlPoint, Route

@@ -25,7 +25,14 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, TypedDict
 
-from rpr_solver.contract import check_integer, document_head
+from rpr_solver.contract import (
+    DEFAULT_SAMPLES,
+    LEAST_SAMPLES,
+    MOST_SAMPLES,
+    check_integer,
+    document_head,
+    letter,
+)
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
 from rpr_solver.figures.figure import Figure
@@ -39,14 +46,6 @@ from rpr_solver.paths.route import Route
 from rpr_solver.paths.samples import PathSample, sampled
 from rpr_solver.paths.timing import TIMINGS
 from rpr_solver.singular.singular_curves import SingularCurves
-from rpr_solver.slices.eliminant import DEGREE_U
-
-PATH_DIGITS = 15
-"""The default number of significant digits of a path."""
-DEFAULT_SAMPLES = 101
-LEAST_SAMPLES, MOST_SAMPLES = 2, 10_001
-MOST_CUSPS = DEGREE_U
-"""No slice has more cusps than Q has roots."""
 
 
 class PathCertificate(TypedDict):
@@ -241,33 +240,3 @@ class SamplingPlan:
 def document_lengths(lengths: tuple[Fraction, Fraction, Fraction]) -> dict[str, str]:
     """The leg lengths by name, exact."""
     return {f"l{leg}": exact_str(length) for leg, length in enumerate(lengths, 1)}
-
-
-def letter(cusp: int) -> str:
-    """The letter of a cusp in pictures: A, B, …, X.
-
-    >>> letter(1), letter(24)
-    ('A', 'X')
-    """
-    return chr(ord("A") + cusp - 1)
-
-
-def number_of(cusp: int | str, count: int = MOST_CUSPS) -> int:
-    """The number of a cusp that is given by its number from 1 or its letter.
-
-    Raises:
-        InputError: naming ``cusp``: there is no such cusp among ``count``.
-
-    >>> number_of("B", 6), number_of(2, 6), number_of("2", 6)
-    (2, 2, 2)
-    """
-    if not count:
-        raise InputError.of("cusp", "this slice has no cusps")
-    expected = f"1 to {count}, or A to {letter(count)}"
-    if isinstance(cusp, str):
-        text = cusp.strip().upper()
-        number = next((k for k in range(1, count + 1) if text in (str(k), letter(k))), None)
-        if number is None:
-            raise InputError.of("cusp", f"{shown(cusp)} names no cusp; give {expected}")
-        return number
-    return check_integer(cusp, "cusp", expected, 1, count)

@@ -23,7 +23,16 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from rpr_solver.contract import MIN_DIGITS, check_digits, check_leg, check_type, document_head
+from rpr_solver.contract import (
+    COARSEST_TOLERANCE,
+    DEFAULT_TOLERANCE,
+    FINEST_TOLERANCE,
+    MIN_DIGITS,
+    check_digits,
+    check_leg,
+    check_type,
+    document_head,
+)
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
 from rpr_solver.figures.figure import Figure
@@ -43,13 +52,7 @@ from rpr_solver.slices.joint_points import JointPoint
 from rpr_solver.slices.lengths import slice_length
 from rpr_solver.slices.slice_table import SliceTable
 
-DEFAULT_TOLERANCE = Fraction(1, 1000)
-"""The default deviation of a drawn curve, relative to the picture."""
 _VIEWS = {"joints": joint_figure, "torus": torus_figure}
-FINEST = Fraction(1, 10**6)
-"""The least tolerance of a request."""
-COARSEST = Fraction(1, 10)
-"""The greatest tolerance of a request."""
 
 
 @dataclass(frozen=True)
@@ -259,6 +262,6 @@ def check_tolerance(tolerance: Exact) -> Fraction:
         InputError: naming ``tolerance``: not an exact number, or out of range.
     """
     exact = parse_exact(tolerance, "tolerance")
-    if not FINEST <= exact <= COARSEST:
+    if not FINEST_TOLERANCE <= exact <= COARSEST_TOLERANCE:
         raise InputError.of("tolerance", f"is {exact_str(exact)}; give 0.000001 to 0.1")
     return exact

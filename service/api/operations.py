@@ -59,8 +59,14 @@ class Operation:
     implied_wait: int | None = None
 
 
-def _csv(text: Any, line: str) -> Form:
-    return Form(lambda document: text(document).encode(), f"A header line, then one line per {line}.")
+def _csv(writer: str, line: str) -> Form:
+    """The form that a function of the solver writes; it is loaded when it is first used."""
+
+    def written(document: Any) -> bytes:
+        text: str = getattr(rpr_solver, writer)(document)
+        return text.encode()
+
+    return Form(written, f"A header line, then one line per {line}.")
 
 
 CUSP_TABLES = Operation(
@@ -85,7 +91,7 @@ Equal requests share one job, and slices that requests have in common are comput
     example=EXAMPLE_TABLE,
     forms={
         JSON: JSON_FORM,
-        CSV: replace(_csv(rpr_solver.table_csv, "cusp and degenerate point"), pieces=csv_pieces),
+        CSV: replace(_csv("table_csv", "cusp and degenerate point"), pieces=csv_pieces),
         NDJSON: Form(ndjson_bytes, "One slice per line.", ndjson_pieces, ndjson_size),
     },
 )
@@ -104,7 +110,7 @@ then answered immediately. `Prefer: wait=N` waits for the job.
     question=CensusRequest,
     answer=Census,
     known="The census.",
-    forms={JSON: JSON_FORM, CSV: _csv(rpr_solver.census_csv, "interval")},
+    forms={JSON: JSON_FORM, CSV: _csv("census_csv", "interval")},
 )
 CUSP_CURVES = Operation(
     path="/v1/cusp-curves",
@@ -123,7 +129,7 @@ of a few seconds, and kept.
     question=CuspCurvesRequest,
     answer=CuspCurves,
     known="The curves.",
-    forms={JSON: JSON_FORM, CSV: _csv(rpr_solver.curves_csv, "point")},
+    forms={JSON: JSON_FORM, CSV: _csv("curves_csv", "point")},
 )
 CHECKS = Operation(
     path="/v1/checks",
@@ -181,7 +187,7 @@ response waits for it, up to 10 seconds unless `Prefer` says otherwise; after th
     question=PathRequest,
     answer=PathDocument,
     known="The path.",
-    forms={JSON: JSON_FORM, CSV: _csv(rpr_solver.path_csv, "sample")},
+    forms={JSON: JSON_FORM, CSV: _csv("path_csv", "sample")},
     implied_wait=10,
 )
 
@@ -204,7 +210,7 @@ A worker draws a slice in a fraction of a second, so the response waits for it, 
     question=SingularCurvesRequest,
     answer=SingularCurves,
     known="The curves.",
-    forms={JSON: JSON_FORM, CSV: _csv(rpr_solver.singular_csv, "sample")},
+    forms={JSON: JSON_FORM, CSV: _csv("singular_csv", "sample")},
     implied_wait=10,
 )
 

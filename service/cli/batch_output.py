@@ -8,7 +8,7 @@ from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
-from rpr_solver import table_csv
+import rpr_solver
 from rpr_solver.errors import InputError
 from service.cli import output
 
@@ -63,7 +63,7 @@ class _Rows:
             table: Mapping[str, Any] = {"fixed_leg": self._leg or 1, "slices": []}
         else:
             table = self._checked(result)
-        columns, *rows = csv.reader(io.StringIO(table_csv(table)))
+        columns, *rows = csv.reader(io.StringIO(rpr_solver.table_csv(table)))
         if result.answer is None:
             rows = [[_reason(result) if column == "error" else "" for column in columns]]
         header = [] if self._is_begun else [["index", "id", *columns]]

@@ -12,8 +12,6 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from pydantic import ValidationError
-
 from rpr_solver.errors import InputError, SolverError
 from service import __version__
 from service.cli import output
@@ -72,10 +70,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         return status
     except InputError as error:
         return _fail(name, str(error), BAD_INPUT)
-    except ValidationError as error:
-        from worker.settings import settings_problem  # imported here to keep the start quick
-
-        return _fail(name, settings_problem(error), BAD_INPUT)
     except SolverError as error:
         return _fail(name, f"no answer (solver-error): {error}", NO_ANSWER)
     except ServiceError as error:
@@ -90,6 +84,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         output.discard()
         return BROKEN_PIPE
+    except ValueError as error:
+        from pydantic import ValidationError  # imported here to keep the start quick
+
+        from worker.settings import settings_problem
+
+        if not isinstance(error, ValidationError):
+            raise
+        return _fail(name, settings_problem(error), BAD_INPUT)
 
 
 def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Any]:

@@ -5,16 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
-
-from rich import box
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
+from typing import TYPE_CHECKING, Any
 
 from rpr_solver.notebook import degenerate_words
 from service.cli import layout, output
 from service.schemas.lengths import LEGS
+
+if TYPE_CHECKING:  # only a terminal needs it, and a start is to be quick
+    from rich.console import Console
 
 _HEADINGS = {
     "alpha_deg": "α [deg]",
@@ -93,6 +91,8 @@ def write_document(document: Any, page: Page, form: str, csv: Callable[[Any], st
     if not unicode:
         page = page.spelled()
     if out.isatty():
+        from rich.console import Console
+
         console = Console(file=out, highlight=False, soft_wrap=True)
         with console.capture() as captured:
             _print_fitted(page, console, "…" if unicode else "...")
@@ -210,6 +210,8 @@ def _text_lines(page: Page) -> Iterator[str]:
 
 
 def _print_fitted(page: Page, console: Console, more: str) -> None:
+    from rich.text import Text
+
     width = console.width
     shortened = False
 
@@ -239,6 +241,10 @@ def _print_fitted(page: Page, console: Console, more: str) -> None:
 
 def _print_rows(rows: Sequence[Sequence[str]], console: Console, more: str) -> bool:
     """Print a table; returns whether a number was shortened."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
     widths = layout.column_widths(rows, console.width, more)
     if widths is None:
         records = list(layout.records(rows, console.width, more))

@@ -9,8 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import rpr_solver
-from rpr_solver.paths.between_poses import Obstacle
-from rpr_solver.paths.path import DEFAULT_SAMPLES, PATH_DIGITS, letter
+from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, letter
 from rpr_solver.paths.timing import TIMINGS
 from service.cli import arguments, remote
 from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document
@@ -125,9 +124,9 @@ def _fate(other: Mapping[str, Any]) -> str:
 def _advice(document: Mapping[str, Any]) -> list[str]:
     """What is said of two poses without a path."""
     leg, span = document["fixed_leg"], document["connecting_range"]
-    if document["obstacle"] == Obstacle.OPPOSITE_SIGNS:
+    if document["obstacle"] == rpr_solver.Obstacle.OPPOSITE_SIGNS:
         return ["J has different signs at both poses, so every path between them meets a singularity."]
-    if document["obstacle"] == Obstacle.UNDECIDED:
+    if document["obstacle"] == rpr_solver.Obstacle.UNDECIDED:
         return ["No path was found, and none is excluded."]
     free = document["between"]
     where = "held" if free is None else f"between {free['from']} and {free['to']}"

@@ -17,7 +17,7 @@ from service.cli.progress import progress_bar
 from service.schemas.document import named
 from service.schemas.lengths import LEGS
 from service.schemas.plots import PlotRequest
-from worker.answers import plots
+from worker.answers import pictures, plots
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
@@ -131,4 +131,4 @@ def _figure(question: PlotRequest, progress: rpr_solver.Progress) -> Figure:
     def poses() -> dict[str, Any]:
         return rpr_solver.poses(m, content["l1"], content["l2"], content["l3"], digits=digits).to_json()
 
-    return plots.figure_of(content, plots.Sources(census, curves, slices, path, poses))
+    return pictures.figure_of(content, pictures.Sources(census, curves, slices, path, poses))

@@ -7,10 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
 import rpr_solver
+from rpr_solver.contract import silent
 
 
 @dataclass
@@ -42,16 +40,18 @@ def progress_bar(
 
     Results that are streamed to a terminal show the progress themselves, and a bar would cut their lines.
     """
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     shown = sys.stderr is not None and sys.stderr.isatty()
-    shown = shown and not (is_streamed and sys.stdout is not None and sys.stdout.isatty())
-    console = Console(stderr=True)
+    if not shown or (is_streamed and sys.stdout is not None and sys.stdout.isatty()):
+        yield silent
+        return
+    from rich.console import Console  # only a terminal needs it, and a start is to be quick
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
     bar = Progress(
-        *columns,
-        console=console,
+        *(TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()),
+        console=Console(stderr=True),
         transient=True,
         redirect_stdout=False,  # it would go to stderr
-        disable=not shown,
     )
     with bar as progress:
         task = progress.add_task(what, total=total)

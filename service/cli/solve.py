@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from fractions import Fraction
 from typing import Any
 
 import rpr_solver
-from rpr_solver.article.audit import article_document
 from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError
 from service.cli import arguments, output, remote
@@ -88,7 +87,7 @@ def _solve(
 
     def solver() -> Callable[[Fraction], dict[str, Any]]:
         if by_article:
-            return lambda x: article_document(manipulator, [x], digits)["slices"][0]
+            return lambda x: _by_article(manipulator, [x], digits)["slices"][0]
         eliminant = rpr_solver.eliminate(manipulator, leg)
         return lambda x: rpr_solver.slice_json(eliminant, x, digits)
 
@@ -99,10 +98,16 @@ def _solve(
             yield solve(length)
         progress(len(slices), len(slices))
 
-    head = (
-        article_document(manipulator, [], digits) if by_article else document_head(manipulator, digits, leg)
-    )
+    head = _by_article(manipulator, [], digits) if by_article else document_head(manipulator, digits, leg)
     return head, solved()
+
+
+def _by_article(
+    manipulator: rpr_solver.Manipulator, slices: Sequence[Fraction], digits: int
+) -> dict[str, Any]:
+    from rpr_solver.article.audit import article_document  # few ask for it, and a start is to be quick
+
+    return article_document(manipulator, slices, digits)
 
 
 def _printed(

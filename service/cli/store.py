@@ -9,10 +9,6 @@ import re
 from collections.abc import Iterable
 from dataclasses import asdict
 
-from rich import box
-from rich.console import Console
-from rich.table import Table
-
 from rpr_solver.errors import InputError
 from service.cli.source import add_source, opened
 from worker.jobs.inventory import Inventory, Pruned, Stock
@@ -82,6 +78,10 @@ def _told(pruned: Pruned) -> str:
 
 
 def _print(stocks: Iterable[tuple[str, Stock]]) -> None:
+    from rich import box  # imported here to keep the start quick
+    from rich.console import Console
+    from rich.table import Table
+
     table = Table(box=box.SIMPLE_HEAD)
     table.add_column("kind")
     for name in ("keys", "bytes", "oldest"):

@@ -11,9 +11,7 @@ from typing import Any, Generic, TypeVar
 from pydantic import BaseModel
 
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement, exact_str
-from rpr_solver.contract import MIN_DIGITS
-from rpr_solver.paths.path import DEFAULT_SAMPLES, PATH_DIGITS
-from rpr_solver.singular.singular_curves import DEFAULT_TOLERANCE
+from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
 from service.schemas.census import Census, CensusRequest
 from service.schemas.checks import CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from rpr_solver import table_csv
+import rpr_solver
 
 SHARED = ("geometry_hash", "fixed_leg", "digits", "solver_version")
 """The members of a table that each line of NDJSON has."""
@@ -24,9 +24,9 @@ def ndjson_line(table: Mapping[str, Any], part: Mapping[str, Any]) -> str:
 
 def csv_header(table: Mapping[str, Any]) -> str:
     """Returns the first line of a table's CSV."""
-    return table_csv({**table, "slices": []})
+    return rpr_solver.table_csv({**table, "slices": []})
 
 
 def csv_lines(table: Mapping[str, Any], part: Mapping[str, Any]) -> str:
     """Returns the lines of one slice in a table's CSV."""
-    return table_csv({**table, "slices": [part]}).partition("\n")[2]
+    return rpr_solver.table_csv({**table, "slices": [part]}).partition("\n")[2]

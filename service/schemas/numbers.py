@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo, WithJsonSchema
 
 from rpr_solver import DEFAULT_DIGITS, exact_str, parse_exact
+from rpr_solver.contract import MOST_POSES
 from rpr_solver.errors import InputError
-from rpr_solver.kinematics.closure import DEGREE
 from service.schemas.document import Expected, Source
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.schemas.limits import LimitError
@@ -207,7 +207,7 @@ Length = Annotated[
 FixedLeg = Annotated[int, PlainValidator(_fixed_leg, json_schema_input_type=Literal[FIXED_LEGS])]
 """The leg whose length is fixed in a slice."""
 
-PoseNumber = Annotated[int, whole_from(1, DEGREE, "the number of a pose, ")]
+PoseNumber = Annotated[int, whole_from(1, MOST_POSES, "the number of a pose, ")]
 """The number of a pose in the table of all poses of a joint vector."""
 
 Digits = Annotated[int, PlainValidator(_digits, json_schema_input_type=Annotated[int, Field(ge=15, le=1000)])]

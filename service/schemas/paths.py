@@ -9,8 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInfo
 
 from rpr_solver import exact_str
-from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.paths.path import (
+from rpr_solver.contract import (
     LEAST_SAMPLES,
     MOST_CUSPS,
     MOST_SAMPLES,
@@ -18,6 +17,7 @@ from rpr_solver.paths.path import (
     letter,
     number_of,
 )
+from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.document import Document, Source, given
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.schemas.lengths import LEGS, NEEDED, OneSlice, SlicesOfOneLeg

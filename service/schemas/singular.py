@@ -9,8 +9,8 @@ from typing import Annotated, Any, ClassVar
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInfo
 
 from rpr_solver import MIN_DIGITS, exact_str
+from rpr_solver.contract import COARSEST_TOLERANCE, DEFAULT_TOLERANCE, FINEST_TOLERANCE
 from rpr_solver.errors import InputError
-from rpr_solver.singular.singular_curves import COARSEST, DEFAULT_TOLERANCE, FINEST
 from service.schemas.document import given
 from service.schemas.lengths import NEEDED, OneSlice, SlicesOfOneLeg
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, exact_number, fixed_leg_field
@@ -22,8 +22,8 @@ from worker.answers.requests import Kind
 
 def _tolerance(value: object, info: ValidationInfo) -> Fraction:
     tolerance = exact_number(value, info)
-    if not FINEST <= tolerance <= COARSEST:
-        expected = f"{exact_str(FINEST)} to {exact_str(COARSEST)}"
+    if not FINEST_TOLERANCE <= tolerance <= COARSEST_TOLERANCE:
+        expected = f"{exact_str(FINEST_TOLERANCE)} to {exact_str(COARSEST_TOLERANCE)}"
         raise InputError.of("", f"is {exact_str(tolerance)}; give {expected}")
     return tolerance
 

@@ -14,6 +14,8 @@ from rpr_solver.contract import (
     DEFAULT_DIGITS,
     MAX_DIGITS,
     MIN_DIGITS,
+    MOST_CUSPS,
+    MOST_POSES,
     SOLVER_VERSION,
     about_answer,
     check_digits,
@@ -24,6 +26,8 @@ from rpr_solver.contract import (
     silent,
 )
 from rpr_solver.errors import InputError
+from rpr_solver.kinematics.closure import DEGREE
+from rpr_solver.slices.eliminant import DEGREE_U
 from tests.support.strategies import examples
 
 
@@ -120,3 +124,7 @@ def test_a_document_begins_with_the_manipulator_the_leg_the_digits_and_the_versi
 
 def test_silence_takes_any_progress() -> None:
     assert silent(3, 4) is None  # type: ignore[func-returns-value]
+
+
+def test_as_many_answers_as_the_equations_have_roots() -> None:
+    assert (MOST_CUSPS, MOST_POSES) == (DEGREE_U, DEGREE)

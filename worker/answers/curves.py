@@ -6,7 +6,6 @@ from fractions import Fraction
 from typing import Any
 
 import rpr_solver
-from rpr_solver import CuspCurves
 from rpr_solver.contract import Progress
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, content_range
 from worker.answers.store import ResultStore
@@ -22,7 +21,11 @@ def derive(request: JobRequest, store: ResultStore) -> Document | None:
     if content["lengths"] or content["samples"] is not None:
         return None
     whole = store.get_document(_whole(request))
-    return None if whole is None else CuspCurves.from_json(whole).within(*content_range(content)).to_json()
+    return (
+        None
+        if whole is None
+        else rpr_solver.CuspCurves.from_json(whole).within(*content_range(content)).to_json()
+    )
 
 
 def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
@@ -44,7 +47,7 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
             request.manipulator, fixed_leg=request.fixed_leg, digits=request.digits, progress=follow
         ).to_json()
 
-    whole = CuspCurves.from_json(store.document(_whole(request), solve))
+    whole = rpr_solver.CuspCurves.from_json(store.document(_whole(request), solve))
     part = whole.part(
         *content_range(content),
         lengths=[Fraction(x) for x in content["lengths"]],

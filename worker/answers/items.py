@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from rpr_solver import Eliminant
+import rpr_solver
 from worker.answers.kinds import compute, known_document, missing_parts, request_from_json
 from worker.answers.requests import JobRequest
 from worker.answers.single_flight import single_flight
@@ -76,7 +76,7 @@ class ItemSolver:
 
     def __init__(self, store: ResultStore) -> None:
         self.store = store
-        self._eliminant: tuple[tuple[str, int], Eliminant] | None = None
+        self._eliminant: tuple[tuple[str, int], rpr_solver.Eliminant] | None = None
 
     def answer(self, request: JobRequest) -> Outcome:
         """Compute what is not known of an answer, keep it, and renew the lifetime of what is known.
@@ -114,7 +114,7 @@ class ItemSolver:
                 errors[l1] = value
         return errors
 
-    def _eliminant_of(self, request: JobRequest) -> Eliminant:
+    def _eliminant_of(self, request: JobRequest) -> rpr_solver.Eliminant:
         of = request.geometry_hash, request.fixed_leg
         if self._eliminant is None or self._eliminant[0] != of:
             self._eliminant = of, eliminant_of(request, self.store)

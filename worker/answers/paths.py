@@ -6,11 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import rpr_solver
-from rpr_solver import Eliminant, InputError, Manipulator
-from rpr_solver.contract import Progress
-from rpr_solver.errors import FieldProblem
-from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
-from rpr_solver.paths.path import DEFAULT_SAMPLES, Path, SamplingPlan
+from rpr_solver.contract import DEFAULT_SAMPLES, Progress
+from rpr_solver.errors import FieldProblem, InputError
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 from worker.answers.tables import eliminant_of
@@ -39,7 +36,9 @@ def compute(request: JobRequest, store: ResultStore, _progress: Progress) -> dic
 
 
 def document(
-    manipulator: Manipulator, content: Mapping[str, Any], eliminant: Callable[[], Eliminant]
+    manipulator: rpr_solver.Manipulator,
+    content: Mapping[str, Any],
+    eliminant: Callable[[], rpr_solver.Eliminant],
 ) -> dict[str, Any]:
     """Returns the document that answers a question in canonical form.
 
@@ -47,6 +46,9 @@ def document(
         InputError: naming the member of the question at fault.
         SolverError: the path could not be decided.
     """
+    from rpr_solver.paths.loops import loop_in_slice, slice_for_loops  # by those who compute
+    from rpr_solver.paths.path import SamplingPlan
+
     digits, others = content["digits"], content["others"]
     sampling = {name: content[name] for name in ("samples", "timing", "duration")}
     if "cusp" in content:
@@ -72,4 +74,4 @@ def document(
         raise InputError(
             [FieldProblem(_NAMES.get(p.field, p.field), p.message) for p in error.problems]
         ) from None
-    return (answer.with_others() if others and isinstance(answer, Path) else answer).to_json()
+    return (answer.with_others() if others and isinstance(answer, rpr_solver.Path) else answer).to_json()

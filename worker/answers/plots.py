@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any
 
-from rpr_solver.contract import MIN_DIGITS, Progress, document_head
-from rpr_solver.errors import InputError
+import rpr_solver
+from rpr_solver.contract import DEFAULT_TOLERANCE, MIN_DIGITS, Progress, document_head
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.figures.census import census_figure
-from rpr_solver.figures.figure import Figure
-from rpr_solver.figures.joint_plane import joint_figure
-from rpr_solver.figures.locus import locus_figure
-from rpr_solver.figures.loop import loop_figure
-from rpr_solver.figures.mechanism import point_figure, poses_figure
-from rpr_solver.figures.torus import torus_figure
-from rpr_solver.figures.wording import letters
-from rpr_solver.singular.singular_curves import DEFAULT_TOLERANCE
 from worker.answers import censuses, curves, paths, poses, singular
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore
 
 KIND = Kind("plot", "pl-")
+
+PLOTS = ("slice", "torus", "census", "locus", "loop", "mechanism")
+"""What can be drawn."""
 
 Document = dict[str, Any]
 Compute = Callable[[JobRequest, ResultStore, Progress], Document]
@@ -36,36 +29,6 @@ SAMPLES = 14
 """The points of each cusp curve in every interval between transitions."""
 
 
-@dataclass(frozen=True)
-class Sources:
-    """Where the documents come from that pictures show.
-
-    Attributes:
-        census: of a range of lengths.
-        curves: of a range of lengths, sampled.
-        slices: the singular curves of the slice.
-        path: the loop round the cusp.
-        poses: of the leg lengths.
-    """
-
-    census: Callable[[], Document]
-    curves: Callable[[], Document]
-    slices: Callable[[], Document]
-    path: Callable[[], Document]
-    poses: Callable[[], Document]
-
-
-def figure_of(content: Mapping[str, Any], sources: Sources) -> Figure:
-    """Draws what a request's content asks for.
-
-    Raises:
-        InputError: there is no such cusp or pose, or the lengths are too large to be drawn.
-        SolverError: a document could not be computed.
-    """
-    figure = _DRAWN[content["plot"]](content, sources)
-    return Figure(figure.scene, content["theme"])
-
-
 def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
     """Draw a picture; the documents that it shows are kept for other questions.
 
@@ -73,6 +36,8 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
         InputError: the slice has no such cusp, the legs have no such pose, or the lengths are too large.
         SolverError: what the picture shows could not be computed.
     """
+    from worker.answers.pictures import Sources, figure_of  # by those who draw: a service starts sooner
+
     content = request.content
     of_slice = {"fixed_leg": request.fixed_leg, "length": content.get("length")}
     of_range = {"fixed_leg": request.fixed_leg, "range": content.get("range")}
@@ -99,7 +64,7 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
     return plot_json(request, figure_of(content, sources))
 
 
-def plot_json(request: JobRequest, figure: Figure) -> Document:
+def plot_json(request: JobRequest, figure: rpr_solver.Figure) -> Document:
     """The document of a picture."""
     return {
         **document_head(request, DIGITS, request.fixed_leg),
@@ -111,34 +76,3 @@ def plot_json(request: JobRequest, figure: Figure) -> Document:
         "height": figure.scene.height,
         "svg": figure.svg(),
     }
-
-
-def _mechanism(content: Mapping[str, Any], sources: Sources) -> Figure:
-    if "l1" in content:
-        return poses_figure(sources.poses(), content["pose"])
-    document, number = sources.slices(), content["cusp"]
-    vertices = (
-        vertex
-        for component in document["components"]
-        for strand in component["strands"]
-        for vertex in strand["vertices"]
-    )
-    cusps = {vertex["cusp"]: vertex for vertex in vertices if vertex["kind"] == "cusp"}
-    if number not in cusps:
-        there_are = f"give 1 to {len(cusps)}" if cusps else "the slice has none"
-        raise InputError.of("cusp", f"is {number}; {there_are}")
-    leg, length = content["fixed_leg"], content["length"]
-    title = f"The mechanism at cusp {letters(number)}, L{leg} = {length}"
-    return point_figure(content["geometry"], leg, length, cusps[number], title)
-
-
-_DRAWN: Mapping[str, Callable[[Mapping[str, Any], Sources], Figure]] = {
-    "slice": lambda _, sources: joint_figure(sources.slices()),
-    "torus": lambda _, sources: torus_figure(sources.slices()),
-    "census": lambda _, sources: census_figure(sources.census()),
-    "locus": lambda _, sources: locus_figure(sources.curves()),
-    "loop": lambda _, sources: loop_figure(sources.path(), sources.slices()),
-    "mechanism": _mechanism,
-}
-PLOTS = tuple(_DRAWN)
-"""What can be drawn."""

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 import rpr_solver
-from rpr_solver import Eliminant
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore, SliceJson
@@ -37,10 +36,10 @@ def look_up(request: JobRequest, store: ResultStore) -> tuple[list[str], dict[st
     return absent, errors
 
 
-def eliminant_of(request: JobRequest, store: ResultStore) -> Eliminant:
+def eliminant_of(request: JobRequest, store: ResultStore) -> rpr_solver.Eliminant:
     """Returns the manipulator's eliminant from the store, or computes it, in one worker at a time."""
 
-    def make() -> Eliminant:
+    def make() -> rpr_solver.Eliminant:
         eliminant = rpr_solver.eliminate(request.manipulator, request.fixed_leg)
         store.put_eliminant(request, eliminant)
         return eliminant
@@ -48,7 +47,7 @@ def eliminant_of(request: JobRequest, store: ResultStore) -> Eliminant:
     return single_flight(lambda: store.get_eliminant(request), lambda: store.eliminant_lock(request), make)
 
 
-def solve(eliminant: Eliminant, l1: str, request: JobRequest) -> SliceJson:
+def solve(eliminant: rpr_solver.Eliminant, l1: str, request: JobRequest) -> SliceJson:
     """Solve a slice. An error is reported in the slice's own entry; other slices are unaffected."""
     try:
         return rpr_solver.slice_json(eliminant, Fraction(l1), request.digits)

@@ -12,7 +12,7 @@ from typing import Any
 from redis import Redis
 from redis.exceptions import RedisError
 
-from rpr_solver import Eliminant
+import rpr_solver
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError, SolverError
 from worker import tracing
@@ -112,7 +112,7 @@ def _work_of(chunk: Chunk) -> Callable[[ChunkRef, Chunk, JobRecords, ResultStore
 
 
 def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
-    eliminant: Eliminant | None = None
+    eliminant: rpr_solver.Eliminant | None = None
     for offset in range(chunk.offset, len(chunk.parts)):
         l1 = chunk.parts[offset]
         value = store.get_slices(chunk.request, [l1]).get(l1)

@@ -8,9 +8,9 @@ from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
+from rpr_solver.contract import MOST_POSES
 from rpr_solver.errors import InputError
 from rpr_solver.figures.palette import THEMES
-from rpr_solver.kinematics.closure import DEGREE
 from service.api.answering import answer_asked
 from service.api.batch_csv import ENDS, GEOMETRY, item_of
 from service.api.context import ContextDep
@@ -64,7 +64,7 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "pose": (
         "Of the mechanism with three lengths: the number of the pose.",
-        {"type": "integer", "minimum": 1, "maximum": DEGREE},
+        {"type": "integer", "minimum": 1, "maximum": MOST_POSES},
     ),
     "method": ("`article`: by the article's own algorithm.", {"type": "string", "enum": list(METHODS)}),
     "wait": (

@@ -6,7 +6,7 @@ from fractions import Fraction
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, cusp_loop
-from rpr_solver.paths.path import letter, number_of
+from rpr_solver.contract import letter, number_of
 
 LOOP = cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=5)
 
