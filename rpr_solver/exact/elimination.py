@@ -8,6 +8,7 @@ All degrees are formal, so that zeros at t = ∞ and u = ∞ count. The quotient
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import prod
 
 from flint import arb, arb_mat, arb_poly, ctx, fmpz, fmpz_mat, fmpz_poly
 
@@ -159,4 +160,5 @@ def _by_remainders(f: arb_poly, g: arb_poly) -> arb | None:
         f, g, m, n = g, rest, n, n - 1
         if g.degree() != n:
             return None
-    return value * g[0] ** m
+    # no power of python-flint's, which is not finite for a ball that holds 0
+    return prod([g[0]] * m, start=value)

@@ -109,6 +109,16 @@ def test_resultants_of_balls_are_sylvesters_determinants(f: list[int], g: list[i
         assert ball.rad() < 0.25
 
 
+def test_forms_with_a_common_root_have_a_resultant_near_0() -> None:
+    """Not one that is no number: a ball that holds 0 to the power of a degree."""
+    with ctx.workprec(200):
+        x, y = arb(2).sqrt(), arb(3).sqrt()
+        for more in ([], [arb(0)]):
+            ball = ball_resultant([arb(0), x, y], [-x, -y, *more])
+            assert ball.is_finite()
+            assert ball.contains(0)
+
+
 def test_balls_that_are_too_wide_are_computed_again() -> None:
     """A + ωB with A = 2¹⁰⁰ and B = −3, and a doubt of about 2⁻²⁰ that shrinks with the precision."""
     asked: list[int] = []
