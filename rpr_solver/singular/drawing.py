@@ -12,6 +12,7 @@ from rpr_solver.errors import Unproved
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.singular.arrangement import Polyline
 from rpr_solver.singular.aspects import Aspect, drawn_aspects
+from rpr_solver.singular.closed_legs import closed_legs
 from rpr_solver.singular.floats import drawn
 from rpr_solver.singular.regions import Regions, regions_of
 from rpr_solver.singular.strands import Cell, Chain
@@ -20,7 +21,6 @@ from rpr_solver.singular.tracing import TURN, Course, Mark, Sample, Tracer
 from rpr_solver.singular.vertices import (
     Place,
     Vertex,
-    closed_legs,
     cusp_place,
     poses_on_line,
     vertices_of_lines,

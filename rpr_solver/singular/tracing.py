@@ -70,6 +70,7 @@ class Tracer:
         self.tolerance = tolerance
         self._alpha0, self._theta0 = sweep.chart.alpha.angle, sweep.chart.theta.angle
         self._lines = [angle_of(line.root) for line in sweep.lines]
+        self._roots: dict[tuple[int, float], list[float]] = {}
         self._cusps = list(self._focused([self._at_place(place) for place in cusps]))
 
     @cached_property
@@ -83,7 +84,7 @@ class Tracer:
 
     def course(self, slab: int, arc: int, marks: Sequence[Mark] = ()) -> Course:
         """The samples of one arc."""
-        placed = [(self._parameter(slab, mark.place.u), self._at_place(mark.place), mark) for mark in marks]
+        placed = [(self._parameter(slab, mark.place.u), self._at_mark(mark), mark) for mark in marks]
         own = sorted([*self._first[slab][arc], *((tau, x) for tau, x, _ in placed)], key=lambda x: x[0])
         samples = [own[0][1]]
         for (start, first), (stop, last) in pairwise(own):
@@ -150,6 +151,15 @@ class Tracer:
         theta = 2 * atan(place.u)
         return self.sample(2 * atan(place.t), theta if theta >= self._limits(place.slab)[0] else theta + TURN)
 
+    def _at_mark(self, mark: Mark) -> Sample:
+        """The sample of a mark; a leg of length 0 has it exactly."""
+        x = self._at_place(mark.place)
+        first, second = (
+            0.0 if text == "0" else length
+            for text, length in zip(mark.vertex.point.coordinates[2:], (x.first, x.second), strict=True)
+        )
+        return Sample(x.alpha, x.theta, first, second)
+
     def _focused(self, cusps: Sequence[Sample]) -> Iterator[tuple[float, float, float]]:
         """The joints of each cusp that is near another one, and its distance from the nearest."""
         for k, x in enumerate(cusps):
@@ -205,11 +215,13 @@ class Tracer:
 
     def _solved(self, slab: int, theta: float) -> list[float]:
         """α of the chart of all arcs at one θ, isolated at a rational u within the slab."""
-        u = Fraction(tan(theta / 2))
-        if self.sweep.lines:
-            low, high = self.sweep.lines[slab], self.sweep.lines[self.sweep.line_after(slab)]
-            u = _clamped(u, low, high, theta)
-        return [angle_of(root) for root in real_roots(self.sweep.chart.above(u))]
+        if (slab, theta) not in self._roots:
+            u = Fraction(tan(theta / 2))
+            if self.sweep.lines:
+                low, high = self.sweep.lines[slab], self.sweep.lines[self.sweep.line_after(slab)]
+                u = _clamped(u, low, high, theta)
+            self._roots[slab, theta] = [angle_of(root) for root in real_roots(self.sweep.chart.above(u))]
+        return self._roots[slab, theta]
 
     def _refine(
         self,

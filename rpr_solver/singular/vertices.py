@@ -12,15 +12,14 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, ctx, fmpz_poly
+from flint import arb, ctx
 
 from rpr_solver.contract import MIN_DIGITS
-from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
 from rpr_solver.exact.precision import EVENT_BITS, TIMES_BEFORE_EXACT, decided, decided_or_none
-from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
+from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of, fraction_of, real_roots
 from rpr_solver.model.classify import Kind, PoseKind, cos_sin
 from rpr_solver.model.exact_pose import ExactPose
@@ -144,18 +143,36 @@ def turning_point(chart: Chart, line: Line, digits: int) -> JointPoint:
                 turned(turn, *pair) for turn, pair in zip((chart.alpha, chart.theta), angles, strict=True)
             )
             pose = Pose(ca, sa, ct, st, ball_of(chart.length), omega_ball(chart.slice_map.radicand, bits))
-            squares = LocalMap.at(chart.slice_map, pose, 0).squared_lengths()
-            if not all(x > 0 for x in squares):
-                return None
-            first, second = (x.sqrt() / chart.slice_map.scale_ball() for x in squares)
-            texts = round_all((direction(ca, sa), direction(ct, st), first, second), digits)
-        return None if texts is None else joint_point(texts, chart.slice_map.fixed_leg)
+            return point_of_balls(chart, pose, digits)
 
     point = decided_or_none(attempt, start, TIMES_BEFORE_EXACT * start)
     if point is not None:
         return point
     [(_, pose)] = exact_points(chart, exact_line(chart, line))
     return point_of_pose(pose, digits).point
+
+
+def point_of_balls(
+    chart: Chart, pose: Pose[arb], digits: int, closed: Leg | None = None
+) -> JointPoint | None:
+    """A pose in decimals; None if the balls are too wide.
+
+    Args:
+        chart: of the slice.
+        pose: at the working precision.
+        digits: significant digits.
+        closed: a free leg whose length is known to be 0.
+    """
+    slice_map = chart.slice_map
+    squares = LocalMap.at(slice_map, pose, 0).squared_lengths()
+    lengths = []
+    for leg, square in zip((slice_map.f, slice_map.g), squares, strict=True):
+        if leg is not closed and not square > 0:
+            return None
+        lengths.append(arb(0) if leg is closed else square.sqrt() / slice_map.scale_ball())
+    angles = direction(pose.cos_alpha, pose.sin_alpha), direction(pose.cos_theta, pose.sin_theta)
+    texts = round_all((*angles, *lengths), digits)
+    return None if texts is None else joint_point(texts, slice_map.fixed_leg)
 
 
 def exact_line(chart: Chart, line: Line) -> ExactRoot:
@@ -191,54 +208,6 @@ def turned(turn: Turn, cos: Any, sin: Any) -> tuple[Any, Any]:
 
 def _over(x: Any, n: int) -> Any:
     return x / n if isinstance(x, arb) else x * x.field(Fraction(1, n))
-
-
-def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, Place]]:
-    """The poses in which a free leg has length 0, unless it closes while stretched along its base line.
-
-    Raises:
-        Unproved: a pose could not be placed on its arc.
-    """
-    chart = sweep.chart
-    slice_map = chart.slice_map
-    powers = chart.theta.powers(2)
-    for leg in (slice_map.f, slice_map.g):
-        closed = leg.closed(chart.length)
-        polynomial = sum((power * closed[k] for k, power in enumerate(powers)), fmpz_poly([]))
-        for factor, order in polynomial.factor()[1]:
-            for root in real_roots(QuadraticPoly.rational(factor)) if order == 1 else []:
-                u, omega = ExactRoot(root, slice_map.radicand, 1, None).in_field()
-                pose = _closing(chart, leg, u, omega)
-                exact = ExactPose(PoseKind.ORDINARY, LocalMap.at(slice_map, pose, 0))
-                point = point_of_pose(exact, digits).point
-                place = placed(sweep, u.ball, _half_of(chart.alpha, pose.cos_alpha, pose.sin_alpha))
-                if place is None:
-                    raise Unproved("a pose with a leg of length 0 could not be placed on its arc")
-                if isinstance(place, Place):
-                    yield Vertex(VertexKind.CLOSED_LEG, point), place
-
-
-def _closing(chart: Chart, leg: Leg, u: Algebraic, omega: Algebraic) -> Pose[Algebraic]:
-    """The pose with this leg closed: R(α) m = a − X."""
-    field = u.field
-    cos, sin = turned(chart.theta, *cos_sin(u, field))
-    length = field(chart.length)
-    x, y = field(leg.ax) - length * cos, field(leg.ay) - length * sin
-    n, share = omega * leg.n, field(Fraction(1, leg.platform2))
-    return Pose((x * leg.m + y * n) * share, (y * leg.m - x * n) * share, cos, sin, length, omega)
-
-
-def _half_of(turn: Turn, cos: Algebraic, sin: Algebraic) -> Ball:
-    """The chart's half tangent of an angle."""
-    own_cos, own_sin = turned(Turn(-turn.sin, turn.cos), cos, sin)
-
-    def ball(bits: int) -> arb:
-        c, s = own_cos.ball(bits), own_sin.ball(bits)
-        with ctx.workprec(bits):
-            half: arb = s / (1 + c)
-        return half
-
-    return ball
 
 
 def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> Place | int | None:
