@@ -9,11 +9,15 @@ from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import InputError, shown
 from rpr_solver.verify.claims import Claim, ClaimStatus, Verification
 from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.poses import pose_claims
 from rpr_solver.verify.tables import table_claims
 
 Claims = Callable[[Geometry, Mapping[str, Any], Progress], Iterator[Claim]]
 
-CHECKERS: Mapping[str, tuple[str, Claims]] = {"slices": ("cusp-table", table_claims)}
+CHECKERS: Mapping[str, tuple[str, Claims]] = {
+    "slices": ("cusp-table", table_claims),
+    "poses": ("poses", pose_claims),
+}
 """The member by which a kind of document is known → its name, and its claims."""
 
 
@@ -25,7 +29,7 @@ def verify_document(document: Mapping[str, Any], *, progress: Progress = silent)
     Nothing of the solver is used, and none of its libraries.
 
     Args:
-        document: a cusp table as JSON reads it, its numbers that matter as texts.
+        document: a cusp table or a table of poses, as JSON reads it, its numbers that matter as texts.
         progress: callback ``progress(done, total)``.
 
     Raises:
@@ -48,7 +52,10 @@ def verify_document(document: Mapping[str, Any], *, progress: Progress = silent)
         raise InputError.of("document", f"is of no kind that can be verified; known are {known}")
     [(kind, claims_of)] = found
     geometry = Geometry.of(document)
-    claims = (_hash_claim(geometry, document), *claims_of(geometry, document, progress))
+    try:
+        claims = (_hash_claim(geometry, document), *claims_of(geometry, document, progress))
+    except (KeyError, TypeError, AttributeError, IndexError) as error:  # a member that has another form
+        raise InputError.of("document", f"is no {kind} of rpr-cusps: {error!r}") from None
     return Verification(kind, geometry.hash, str(document.get("solver_version", "")), claims)
 
 

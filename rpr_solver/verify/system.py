@@ -12,7 +12,7 @@ All lengths are multiplied by ``unit``, which makes them integers and integer mu
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -89,37 +89,63 @@ class System:
         return int(x), int(y)
 
 
-def _derived(geometry: Geometry, fixed: int, length: Fraction) -> System:
+@dataclass(frozen=True)
+class Variables:
+    """SymPy's polynomial ring in the cosines and sines of two angles and ω, and the scaled corners in it."""
+
+    alpha: tuple[Any, Any]
+    theta: tuple[Any, Any]
+    omega: Any
+    unit: int
+    radicand: int
+    base: tuple[tuple[int, int], ...]
+    platform: tuple[tuple[Any, Any], ...]
+
+
+def variables(geometry: Geometry, lengths: Iterable[Fraction], squares: Iterable[Fraction] = ()) -> Variables:
+    """The ring, with a unit that makes the given lengths, or squares of lengths, and all corners integral."""
     from sympy.polys.domains.pythonintegerring import PythonIntegerRing
     from sympy.polys.rings import ring
 
     factor, radicand = geometry.height
-    unit = lcm(
-        length.denominator,
-        geometry.foot.denominator,
-        factor.denominator,
-        *(x.denominator for x in (geometry.a2x, geometry.a3x, geometry.a3y, geometry.d1)),
-    )
+    numbers = (geometry.a2x, geometry.a3x, geometry.a3y, geometry.d1, geometry.foot, factor)
+    unit = lcm(*(x.denominator for x in (*numbers, *lengths, *squares)))
     # Python's own integers, whatever else is installed
     polynomials, ca, sa, ct, st, w = ring("ca, sa, ct, st, w", PythonIntegerRing())
     omega = polynomials(1) if radicand == 1 else w
-    platform = [
+    platform = (
         (polynomials(0), polynomials(0)),
         (polynomials(int(geometry.d1 * unit)), polynomials(0)),
         (polynomials(int(geometry.foot * unit)), int(factor * unit) * omega),
-    ]
-    base = [(int(x * unit), int(y * unit)) for x, y in geometry.base]
+    )
+    base = tuple((int(x * unit), int(y * unit)) for x, y in geometry.base)
+    return Variables((ca, sa), (ct, st), w, unit, radicand, base, platform)
+
+
+def _reduced(symbols: Variables, p: Any) -> Any:
+    """The normal form, in which sin² is 1 − cos² and ω² the radicand."""
+    (ca, sa), (ct, st), w = symbols.alpha, symbols.theta, symbols.omega
+    result = 0 * w
+    for (i, j, k, m, n), c in p.terms():
+        result += (
+            c * ca**i * sa ** (j % 2) * (1 - ca**2) ** (j // 2)
+            * ct**k * st ** (m % 2) * (1 - ct**2) ** (m // 2) * w ** (n % 2) * symbols.radicand ** (n // 2)
+        )  # fmt: skip
+    return result
+
+
+def normal_form(symbols: Variables, p: Any) -> Trig:
+    """A polynomial of SymPy in normal form."""
+    return _trig(_reduced(symbols, p))
+
+
+def _derived(geometry: Geometry, fixed: int, length: Fraction) -> System:
+    symbols = variables(geometry, (length,))
+    (ca, sa), (ct, st), unit = symbols.alpha, symbols.theta, symbols.unit
     scaled = int(length * unit)
 
     def normal(p: Any) -> Any:
-        # sin² → 1 − cos²: exact, since the leading monomials are coprime
-        result = polynomials(0)
-        for (i, j, k, m, n), c in p.terms():
-            result += (
-                c * ca**i * sa ** (j % 2) * (1 - ca**2) ** (j // 2)
-                * ct**k * st ** (m % 2) * (1 - ct**2) ** (m // 2) * w ** (n % 2) * radicand ** (n // 2)
-            )  # fmt: skip
-        return result
+        return _reduced(symbols, p)
 
     def d_alpha(p: Any) -> Any:
         return p.diff(sa) * ca - p.diff(ca) * sa
@@ -128,8 +154,8 @@ def _derived(geometry: Geometry, fixed: int, length: Fraction) -> System:
         return p.diff(st) * ct - p.diff(ct) * st
 
     def squared(leg: int) -> Any:
-        (bx, by), (ox, oy) = platform[leg - 1], platform[fixed - 1]
-        (ax, ay), (px, py) = base[leg - 1], base[fixed - 1]
+        (bx, by), (ox, oy) = symbols.platform[leg - 1], symbols.platform[fixed - 1]
+        (ax, ay), (px, py) = symbols.base[leg - 1], symbols.base[fixed - 1]
         mx, my = bx - ox, by - oy
         x = px + scaled * ct + ca * mx - sa * my - ax
         y = py + scaled * st + sa * mx + ca * my - ay
@@ -152,7 +178,7 @@ def _derived(geometry: Geometry, fixed: int, length: Fraction) -> System:
         return Leg(number, *(_trig(part) for part in parts))
 
     first, second = (leg_of(number, p) for number, p in zip(numbers, (f, g), strict=True))
-    return System(geometry, fixed, length, unit, Ring(radicand), first, second, _trig(singular))
+    return System(geometry, fixed, length, unit, Ring(symbols.radicand), first, second, _trig(singular))
 
 
 def _trig(p: Any) -> Trig:

@@ -69,5 +69,5 @@ def _page(answer: Mapping[str, Any]) -> Page:
     title = f"{answer['verdict'].capitalize()}: {counted(len(claims), 'claim')}, {numbers}"
     shown = [claim for claim in claims if claim["status"] in _SHOWN]
     notes = [f"{x['at']}: {x['status']}: {x['claim']}: {x['reason']}" for x in shown]
-    about = f"Verification of a {answer['document']['kind']} of {answer['document']['geometry_hash']}"
+    about = f"Verification of {answer['document']['kind']} of {answer['document']['geometry_hash']}"
     return Page(about, [Section(title, notes=notes, failed=answer["verdict"] == "refused")])

@@ -103,6 +103,64 @@ OF_TABLES: tuple[Mutation, ...] = (
 )
 
 
+def _pose(draw: random.Random, document: Document) -> Document | None:
+    return draw.choice(document["poses"]) if document["poses"] else None
+
+
+def digit_of_a_pose(draw: random.Random, document: Document) -> str | None:
+    """One digit of one coordinate of a pose."""
+    if (pose := _pose(draw, document)) is None:
+        return None
+    name = draw.choice([name for name in COORDINATES if name in pose and pose[name] != "0"])
+    pose[name] = other_digit(draw, pose[name])
+    return f"a digit of {name}"
+
+
+def missing_pose(draw: random.Random, document: Document) -> str | None:
+    """A pose left out, and both counts less."""
+    if (pose := _pose(draw, document)) is None:
+        return None
+    document["poses"].remove(pose)
+    document["count"] -= 1
+    document["count_with_multiplicity"] -= pose["multiplicity"]
+    return "a missing pose"
+
+
+def other_multiplicity(draw: random.Random, document: Document) -> str | None:
+    """Another multiplicity, and the sum."""
+    if (pose := _pose(draw, document)) is None:
+        return None
+    change = 1 if pose["multiplicity"] < 3 else -1
+    pose["multiplicity"] += change
+    document["count_with_multiplicity"] += change
+    return "another multiplicity"
+
+
+def other_leg(draw: random.Random, document: Document) -> str:
+    """Another length of a leg."""
+    name = draw.choice(["l1", "l2", "l3"])
+    document[name] += "01" if "." in document[name] else ".001"
+    return f"another {name}"
+
+
+def other_coefficient(draw: random.Random, document: Document) -> str:
+    """Another coefficient of the polynomial."""
+    coefficients = document["polynomial"]["coefficients"]
+    n = draw.randrange(len(coefficients))
+    coefficients[n] = str(int(coefficients[n]) + 1)
+    return "another coefficient"
+
+
+OF_POSES: tuple[Mutation, ...] = (
+    digit_of_a_pose,
+    missing_pose,
+    other_multiplicity,
+    other_leg,
+    other_coefficient,
+    other_geometry,
+)
+
+
 def mutated(
     document: Document, mutations: tuple[Mutation, ...], count: int, seed: int
 ) -> Iterator[tuple[str, Document]]:
