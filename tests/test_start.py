@@ -10,8 +10,9 @@ import pytest
 from tests.test_rooms import FILES, ROOT, imported
 
 HEAVY = {
-    "rpr_solver.slices",
+    "rpr_solver.slices.eliminant",
     "flint",
+    "numpy",
     "pydantic",
     "redis",
     "rq",
