@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import Field
+
+from service.schemas.model import Model
 
 
-class Couple(BaseModel):
+class Couple(Model):
     """A couple (α, θ1): a real solution above a root of the article's eliminant."""
 
     alpha_deg: str
@@ -16,7 +18,7 @@ class Couple(BaseModel):
     reason: str
 
 
-class ArticleFactor(BaseModel):
+class ArticleFactor(Model):
     """A factor of the article's eliminant, the couples (α, θ1) above its real roots, and their origin."""
 
     origin: str
@@ -29,7 +31,7 @@ class ArticleFactor(BaseModel):
     couples: list[Couple]
 
 
-class Audit(BaseModel):
+class Audit(Model):
     """The article's algorithm, audited step by step."""
 
     equations: str

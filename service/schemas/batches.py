@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator
+from pydantic import ConfigDict, Field, PlainValidator
 
 from rpr_solver.errors import InputError
 from service.schemas.document import Document, Expected
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.schemas.jobs import JobError
+from service.schemas.model import Model
 from service.schemas.points import optional
 from service.schemas.problems import ProblemDocument
 from worker.answers import kinds
@@ -67,7 +68,7 @@ class BatchItem(Document):
     ] = Field(description="The question as it is posted alone, but without `deadline_s`.")
 
 
-class BatchRequest(BaseModel):
+class BatchRequest(Model):
     """Many questions of any kind."""
 
     model_config = ConfigDict(extra="forbid")
@@ -80,7 +81,7 @@ class BatchRequest(BaseModel):
     )
 
 
-class BatchLinks(BaseModel):
+class BatchLinks(Model):
     """The addresses of a batch's resources."""
 
     self: str
@@ -91,7 +92,7 @@ class BatchLinks(BaseModel):
     )
 
 
-class Batch(BaseModel):
+class Batch(Model):
     """A batch, and the numbers of its items by state; those that are in none of them are not done yet."""
 
     id: str
@@ -117,7 +118,7 @@ class Batch(BaseModel):
     links: BatchLinks
 
 
-class BatchResult(BaseModel):
+class BatchResult(Model):
     """One line of the results: an item with its answer or its problem."""
 
     index: int = Field(description="The position of the item in the batch, from 0.")

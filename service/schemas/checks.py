@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, ClassVar, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from rpr_solver import CHECK_DIGITS, Requirement
 from service.schemas.document import Document, unnamed
 from service.schemas.lengths import Range, range_field
+from service.schemas.model import Model
 from service.schemas.numbers import Count, Digits, Exact, FixedLeg, digits_field
 from service.schemas.points import DEGENERATE, Cusp, Degeneracy, FixedLength, GeometryText, Interval
 from service.schemas.questions import Examples, Question
@@ -114,7 +115,7 @@ class Violation(Interval):
     example: Example
 
 
-class CheckReport(BaseModel):
+class CheckReport(Model):
     """Whether a requirement is satisfied, by proof, and where it is violated."""
 
     geometry: GeometryText

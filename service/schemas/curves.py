@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from pydantic import BaseModel, Field, ValidationInfo, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from rpr_solver import exact_str
 from service.schemas.lengths import (
@@ -17,6 +17,7 @@ from service.schemas.lengths import (
     range_field,
     slices_field,
 )
+from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, Samples, digits_field
 from service.schemas.points import (
     DEGENERATE,
@@ -93,7 +94,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
         return {**content, **({f"l{self.fixed_leg}": lengths} if lengths else {})}
 
 
-class CurveEnd(BaseModel):
+class CurveEnd(Model):
     """Where a curve begins or ends."""
 
     l1: Decimal | None = Field(
@@ -120,7 +121,7 @@ class CurvePoint(Point):
     cusp: int = Field(description="The number of the cusp, from 1, in the cusp table of the slice.")
 
 
-class CuspCurve(BaseModel):
+class CuspCurve(Model):
     """A cusp followed through the lengths between two transitions."""
 
     name: str = Field(description="C1, C2, … in the order in which the curves begin.")

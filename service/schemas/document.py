@@ -16,7 +16,6 @@ from itertools import islice
 from typing import Any, ClassVar, Self, TypeVar, get_args
 
 from pydantic import (
-    BaseModel,
     ConfigDict,
     Field,
     ModelWrapValidatorHandler,
@@ -28,6 +27,7 @@ from pydantic import (
 from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.exact_json import json_kind
 from service.schemas.limits import LimitError, Limits
+from service.schemas.model import Model
 
 T = TypeVar("T")
 
@@ -69,7 +69,7 @@ class Expected:
     text: str
 
 
-class Document(BaseModel):
+class Document(Model):
     """An object in the input. Unknown members are refused."""
 
     model_config = ConfigDict(extra="forbid")

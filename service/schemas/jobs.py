@@ -4,27 +4,28 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
+from service.schemas.model import Model
 from service.schemas.points import optional
 from worker.answers.kinds import KINDS
 
 
-class Progress(BaseModel):
+class Progress(Model):
     """The progress of a job."""
 
     done: int = Field(description="Completed slices or steps.")
     total: int = Field(description="All slices of the job, or the steps known so far; may grow.")
 
 
-class JobError(BaseModel):
+class JobError(Model):
     """Why a job failed."""
 
     type: str = Field(description="timeout, worker-lost, resource-exhausted, solver-error, input-error, …")
     detail: str
 
 
-class JobLinks(BaseModel):
+class JobLinks(Model):
     """The addresses of a job's resources."""
 
     self: str
@@ -35,14 +36,14 @@ class JobLinks(BaseModel):
     )
 
 
-class Timings(BaseModel):
+class Timings(Model):
     """How long a job took, in seconds."""
 
     queued_seconds: float | None = Field(description="Until it started or ended; null while it is queued.")
     running_seconds: float | None = Field(description="From its start to its end; null before its end.")
 
 
-class StreamEvent(BaseModel):
+class StreamEvent(Model):
     """A server-sent event: its fields."""
 
     id: str = Field(description="Resumes the stream, as Last-Event-ID.")
@@ -54,7 +55,7 @@ class StreamEvent(BaseModel):
     )
 
 
-class Job(BaseModel):
+class Job(Model):
     """The computation of an answer.
 
     The states of a run go one way: queued, running, then one of the others, which stays. If the question is

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
+
+from service.schemas.model import Model
 
 
-class Health(BaseModel):
+class Health(Model):
     """The process is running."""
 
     status: Literal["ok"]
 
 
-class Readiness(BaseModel):
+class Readiness(Model):
     """Requests can be served."""
 
     status: Literal["ready"]
@@ -23,7 +25,7 @@ class Readiness(BaseModel):
     )
 
 
-class Version(BaseModel):
+class Version(Model):
     """The versions of the software that computes the answers."""
 
     service: str
@@ -32,21 +34,21 @@ class Version(BaseModel):
     libraries: dict[str, str | None]
 
 
-class Limit(BaseModel):
+class Limit(Model):
     """A limit and its meaning."""
 
     value: int
     description: str
 
 
-class TimeLimit(BaseModel):
+class TimeLimit(Model):
     """A limit in seconds and its meaning."""
 
     value: float
     description: str
 
 
-class LimitsDocument(BaseModel):
+class LimitsDocument(Model):
     """All limits on requests."""
 
     model_config = ConfigDict(title="Limits")

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInfo
+from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo
 
 from rpr_solver import exact_str
 from rpr_solver.contract import (
@@ -21,6 +21,7 @@ from rpr_solver.errors import FieldProblem, InputError
 from service.schemas.document import Document, Source, given
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.schemas.lengths import LEGS, NEEDED, OneSlice, SlicesOfOneLeg
+from service.schemas.model import Model
 from service.schemas.numbers import (
     Digits,
     FixedLeg,
@@ -210,24 +211,24 @@ def _is_of_poses(value: Mapping[str, Any]) -> bool:
     return any(name in value for name in _POSES)
 
 
-class _Angles(BaseModel):
+class _Angles(Model):
     alpha_deg: Decimal
     theta1_deg: Decimal | None = None
     theta2_deg: Decimal | None = None
     theta3_deg: Decimal | None = None
 
 
-class _Legs(BaseModel):
+class _Legs(Model):
     l1: Decimal
     l2: Decimal
     l3: Decimal
 
 
-class _Numbered(BaseModel):
+class _Numbered(Model):
     pose: int = Field(description="The number of the pose, from 1, in the answer of /v1/poses.")
 
 
-class _Timed(BaseModel):
+class _Timed(Model):
     time: str = Field(description="Exact, from 0 to the duration.")
 
 
@@ -255,7 +256,7 @@ class FoldPoint(_Angles, _Legs):
     """Where a pose meets another one, and both end: a point of a singular curve."""
 
 
-class OtherPose(BaseModel):
+class OtherPose(Model):
     """Another pose of the joint vector, carried along by the leg lengths of the path."""
 
     start: PoseOnPath = Field(alias="from")
@@ -263,7 +264,7 @@ class OtherPose(BaseModel):
     fold: FoldPoint | None = Field(description="Where it ends; null with `to` null: that is not decided.")
 
 
-class PathCertificate(BaseModel):
+class PathCertificate(Model):
     """The proof of the path."""
 
     model_config = ConfigDict(extra="allow")

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
+
+from service.schemas.model import Model
 
 Decimal = str
 """A decimal string with `digits` significant digits."""
@@ -22,7 +24,7 @@ def optional(description: str) -> Any:
     return Field(default=None, description=description, json_schema_extra=_without_null)
 
 
-class GeometryText(BaseModel):
+class GeometryText(Model):
     """The geometry in its canonical form: each number as a terminating decimal, otherwise as
     p/q."""
 
@@ -37,7 +39,7 @@ class GeometryText(BaseModel):
     orientation: Literal["ccw", "cw"]
 
 
-class Point(BaseModel):
+class Point(Model):
     """A point of a slice: the platform's orientation, the angle of the fixed leg and the lengths of the
     other two legs (theta1_deg, l2, l3 with `fixed_leg` 1)."""
 
@@ -50,7 +52,7 @@ class Point(BaseModel):
     l3: Decimal | None = optional("Length of leg 3, in the unit of the geometry.")
 
 
-class FixedLength(BaseModel):
+class FixedLength(Model):
     """The length of the fixed leg."""
 
     l1: Decimal | None = optional("The fixed length, with `fixed_leg` 1.")
@@ -68,7 +70,7 @@ class TransitionEvent(Point):
     kind: str = Field(description="For example swallowtail, lips, beak-to-beak.")
 
 
-class Degeneracy(BaseModel):
+class Degeneracy(Model):
     """Degenerate poses that every slice of an interval has, or a whole curve of degenerate poses."""
 
     kind: str = Field(
@@ -89,14 +91,14 @@ DEGENERATE: Any = Field(
 """The field of documents over a range of lengths."""
 
 
-class ClosedRange(BaseModel):
+class ClosedRange(Model):
     """The requested range."""
 
     start: str = Field(alias="from")
     stop: str | None = Field(alias="to", description="null: no upper end.")
 
 
-class DocumentHead(BaseModel):
+class DocumentHead(Model):
     """The manipulator, the fixed leg and the precision of a document."""
 
     geometry: GeometryText

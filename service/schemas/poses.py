@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
+from service.schemas.model import Model
 from service.schemas.numbers import Digits, Length, digits_field
 from service.schemas.points import Decimal, GeometryText, optional
 from service.schemas.questions import Examples, Question
@@ -36,7 +37,7 @@ class PosesRequest(Question):
         return self.model_dump()
 
 
-class Pose(BaseModel):
+class Pose(Model):
     """A pose of the platform. Angles are degrees in (−180, 180]."""
 
     alpha_deg: Decimal = Field(description="Orientation of the platform.")
@@ -50,7 +51,7 @@ class Pose(BaseModel):
     )
 
 
-class PoseCurve(BaseModel):
+class PoseCurve(Model):
     """A whole curve of poses: congruent triangles with equal legs have one."""
 
     kind: str
@@ -58,7 +59,7 @@ class PoseCurve(BaseModel):
     description: str
 
 
-class PosePolynomial(BaseModel):
+class PosePolynomial(Model):
     """The polynomial of direct kinematics, exact: Σ (coefficients[i] + omega · omega_coefficients[i]) tⁱ."""
 
     variable: str
@@ -70,7 +71,7 @@ class PosePolynomial(BaseModel):
     )
 
 
-class PoseCertificate(BaseModel):
+class PoseCertificate(Model):
     """The proof of the count."""
 
     model_config = ConfigDict(extra="allow")
@@ -80,7 +81,7 @@ class PoseCertificate(BaseModel):
     working_bits: int
 
 
-class PoseTable(BaseModel):
+class PoseTable(Model):
     """All real poses of one joint vector, sorted by α, then θ1."""
 
     geometry: GeometryText

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
+from service.schemas.model import Model
 from service.schemas.points import optional
 
 
-class FieldError(BaseModel):
+class FieldError(Model):
     """A faulty field."""
 
     field: str = Field(description="The dotted name of the field, for example geometry.d1.")
@@ -15,14 +16,14 @@ class FieldError(BaseModel):
     message: str = Field(description="The fault, and a valid alternative.")
 
 
-class LimitInfo(BaseModel):
+class LimitInfo(Model):
     """The limit that was exceeded."""
 
     name: str
     value: float
 
 
-class ProblemDocument(BaseModel):
+class ProblemDocument(Model):
     """An error (RFC 9457)."""
 
     model_config = ConfigDict(extra="allow", title="Problem")

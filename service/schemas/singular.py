@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationInfo
+from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo
 
 from rpr_solver import MIN_DIGITS, exact_str
 from rpr_solver.contract import COARSEST_TOLERANCE, DEFAULT_TOLERANCE, FINEST_TOLERANCE
 from rpr_solver.errors import InputError
 from service.schemas.document import given
 from service.schemas.lengths import NEEDED, OneSlice, SlicesOfOneLeg
+from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, exact_number, fixed_leg_field
 from service.schemas.points import DocumentHead, FixedLength, Point, optional
 from service.schemas.questions import Examples
@@ -68,7 +69,7 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
         }
 
 
-class Samples(BaseModel):
+class Samples(Model):
     """Points in columns: numbers in double precision, for drawing."""
 
     alpha_deg: list[float] | None = optional("The orientation of the platform.")
@@ -80,7 +81,7 @@ class Samples(BaseModel):
     l3: list[float] | None = optional("The length of leg 3, if it is free.")
 
 
-class Turns(BaseModel):
+class Turns(Model):
     """The full turns of the angles along a closed strand."""
 
     alpha: int
@@ -112,13 +113,13 @@ class Strand(Samples):
     vertices: list[Vertex]
 
 
-class SingularComponent(BaseModel):
+class SingularComponent(Model):
     """A connected component of the singular curves: one closed strand, or several that meet in nodes."""
 
     strands: list[Strand]
 
 
-class RegionPoint(BaseModel):
+class RegionPoint(Model):
     """A joint vector: the exact lengths of the free legs, decimals or quotients p/q."""
 
     l1: str | None = optional("Length of leg 1, if it is free.")
@@ -126,7 +127,7 @@ class RegionPoint(BaseModel):
     l3: str | None = optional("Length of leg 3, if it is free.")
 
 
-class Region(BaseModel):
+class Region(Model):
     """A region of the plane of the free legs, in which the number of poses is constant."""
 
     poses: int = Field(description="The number of real poses at each of its points, half of them with J > 0.")
@@ -138,7 +139,7 @@ class Region(BaseModel):
     )
 
 
-class Aspect(BaseModel):
+class Aspect(Model):
     """A connected region of the torus of α and θ on which J has one sign."""
 
     sign: int

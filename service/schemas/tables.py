@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, ClassVar, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from rpr_solver import exact_str
 from rpr_solver.errors import InputError
@@ -13,6 +13,7 @@ from service.schemas.article_audit import Audit
 from service.schemas.document import Source
 from service.schemas.lengths import NEEDED, Slices, SlicesOfOneLeg, slices_field
 from service.schemas.limits import LimitError
+from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
 from service.schemas.points import Cusp, DocumentHead, FixedLength, Point, optional
 from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
@@ -102,14 +103,14 @@ class DegeneratePoint(Point):
     equation: str | None = optional("The equation of a whole curve of such points.")
 
 
-class SliceErrorDetail(BaseModel):
+class SliceErrorDetail(Model):
     """Why one slice has no answer."""
 
     type: str
     detail: str
 
 
-class Factor(BaseModel):
+class Factor(Model):
     """A factor of the resultant, and where it comes from."""
 
     degree: int
@@ -117,7 +118,7 @@ class Factor(BaseModel):
     origin: str = Field(description="`cusps`, or the reason why its roots are not cusps.")
 
 
-class Certificate(BaseModel):
+class Certificate(Model):
     """The proof of the answer."""
 
     model_config = ConfigDict(extra="allow")

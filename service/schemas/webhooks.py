@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from service.schemas.batches import Batch
 from service.schemas.jobs import Job
+from service.schemas.model import Model
 
 
-class JobEvent(BaseModel):
+class JobEvent(Model):
     """The news that a job has ended."""
 
     type: Literal["job.succeeded", "job.failed", "job.canceled"]
@@ -18,7 +19,7 @@ class JobEvent(BaseModel):
     data: Job = Field(description="The job as it ended.")
 
 
-class BatchEvent(BaseModel):
+class BatchEvent(Model):
     """The news that a batch has ended."""
 
     type: Literal["batch.succeeded", "batch.failed", "batch.canceled"]
@@ -26,7 +27,7 @@ class BatchEvent(BaseModel):
     data: Batch = Field(description="The batch as it ended.")
 
 
-class DeliveryAttempt(BaseModel):
+class DeliveryAttempt(Model):
     """One attempt to deliver an event."""
 
     at: str = Field(description="ISO 8601, UTC: when it began.")
@@ -34,7 +35,7 @@ class DeliveryAttempt(BaseModel):
     problem: str | None = Field(description="Why it did not succeed; null if it did, or is not over.")
 
 
-class Delivery(BaseModel):
+class Delivery(Model):
     """One event for one receiver."""
 
     webhook_id: str = Field(description="The `webhook-id` of every attempt.")
@@ -48,7 +49,7 @@ class Delivery(BaseModel):
     attempts: list[DeliveryAttempt]
 
 
-class Deliveries(BaseModel):
+class Deliveries(Model):
     """The deliveries of a job or a batch, the oldest first."""
 
     deliveries: list[Delivery]
