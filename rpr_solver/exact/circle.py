@@ -34,11 +34,20 @@ class Circle:
 
         None if a row cannot be the values of such a form; for that, N must exceed D + 1.
         """
-        columns = arb_mat([list(row) for row in values]).transpose()
-        inverse, excess = _inverse(self, degree)
-        if not all(x.contains(0) for x in (excess * columns).entries()):
-            return None
-        return (inverse * columns).transpose().tolist()
+        before, after, turns = _transform(self, degree)
+        used: list[list[acb]] = []
+        for row in values:
+            exponents = acb.dft([x * y for x, y in zip(row, before, strict=True)])
+            if not all(x.contains(0) for x in exponents[degree + 1 :]):
+                return None
+            used.append([x * y for x, y in zip(exponents, after, strict=False)])
+        # iᵏ times a sum over the exponents that is real for even k and imaginary for odd k
+        real, imaginary = (
+            (arb_mat(part) * turns).tolist()
+            for part in ([[x.real for x in row] for row in used], [[x.imag for x in row] for row in used])
+        )
+        parts, signs = (real, imaginary), (1, -1, -1, 1)
+        return [[parts[k % 2][i][k] * signs[k % 4] for k in range(degree + 1)] for i in range(len(values))]
 
 
 @lru_cache(maxsize=4)
@@ -56,25 +65,16 @@ def _monomials(circle: Circle, degree: int) -> arb_mat:
 
 
 @lru_cache(maxsize=4)
-def _inverse(circle: Circle, degree: int) -> tuple[arb_mat, arb_mat]:
-    """From values to the coefficients of u⁰ … uᴰ, and to those of the exponents beyond D."""
-    n, parity = circle.count, degree % 2
-    # exp(ijφ), j = D mod 2, then in steps of 2 beyond D to all that are different at the points
-    powers = [_powers(x, n) for x in _points(circle)]
-    rows = [[column[j] for column in powers] for j in range(parity, n + 1, 2)]
-    cosines, sines = ([[x.real for x in row] for row in rows], [[x.imag for x in row] for row in rows])
-    top = degree // 2 + 1
-    # exponents −D, 2 − D, …, D: opposite ones have conjugate coefficients
-    below = range(top - 1, -parity, -1)
-    real = arb_mat([cosines[k] for k in below] + cosines[:top])
-    imaginary = arb_mat([[-x for x in sines[k]] for k in below] + sines[:top])
-    turns = arb_mat(_turns(degree)) / n
-    sums = [(turns * part).tolist() for part in (real, imaginary)]
-    # iᵏ times a sum that is real for even k and imaginary for odd k
-    signs = (1, 1, -1, -1)
-    inverse = [[x * signs[k % 4] for x in sums[k % 2][k]] for k in range(degree + 1)]
-    excess = cosines[top:] + sines[top:]
-    return arb_mat(inverse), arb_mat(excess) if excess else arb_mat(0, n)
+def _transform(circle: Circle, degree: int) -> tuple[list[acb], list[acb], arb_mat]:
+    """Factors before and after a discrete Fourier transform, and from exponents to powers of u.
+
+    The coefficient of exp(i(2m − D)φ) is the mean of the values times exp(−i(2m − D)φ).
+    """
+    n = circle.count
+    turn, back = (acb(0, arb.pi() * degree) / n).exp(), (acb(0, -2) / n).exp()
+    first = (acb(0, degree) / n).exp() / n
+    after = [first * power for power in _powers(back, degree)]
+    return _powers(turn, n - 1), after, arb_mat(_turns(degree))
 
 
 def _powers(x: T, top: int) -> list[T]:
@@ -87,7 +87,6 @@ def _powers(x: T, top: int) -> list[T]:
 
 @lru_cache(maxsize=32)
 def _turns(degree: int) -> fmpz_mat:
-    """Column m has the coefficients of (1 + y)ᵐ (1 − y)ᴰ⁻ᵐ."""
+    """Row m has the coefficients of (1 + y)ᵐ (1 − y)ᴰ⁻ᵐ; with y = iu they are those of exp(i(2m − D)φ)."""
     plus, minus = ([fmpz_poly([1, sign]) ** k for k in range(degree + 1)] for sign in (1, -1))
-    columns = [(plus[m] * minus[degree - m]).coeffs() for m in range(degree + 1)]
-    return fmpz_mat([[column[k] for column in columns] for k in range(degree + 1)])
+    return fmpz_mat([(plus[m] * minus[degree - m]).coeffs() for m in range(degree + 1)])

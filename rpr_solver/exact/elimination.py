@@ -131,34 +131,44 @@ def _integers(balls: Sequence[arb]) -> list[fmpz] | None:
 
 def ball_resultant(first: Sequence[arb], second: Sequence[arb]) -> arb:
     """Res of two forms by ascending coefficients; a common zero at infinity counts."""
-    m, n = len(first) - 1, len(second) - 1
-    if first[m].is_zero():
-        # Sylvester's determinant has one entry left in its first column, if any
-        return ball_resultant(first[:m], second) * second[n] * (-1) ** n if m else arb(0) ** n
-    if second[n].is_zero():
-        return ball_resultant(first, second[:n]) * first[m] if n else arb(0) ** m
-    value = _by_remainders(arb_poly(list(first)), arb_poly(list(second)))
+    if len(first) < len(second):
+        swapped = ball_resultant(second, first)
+        return -swapped if (len(first) - 1) * (len(second) - 1) % 2 else swapped
+    value = _by_remainders(first, second)
+    if value is None:
+        # in coordinates without special points all degrees fall by one
+        value = _by_remainders(_turned(first), _turned(second))
     return arb_mat(sylvester(first, second, arb(0))).det() if value is None else value
 
 
-def _by_remainders(f: arb_poly, g: arb_poly) -> arb | None:
-    """Euclid's algorithm; None if a leading coefficient may be 0."""
-    m, n = f.degree(), g.degree()
+def _by_remainders(first: Sequence[arb], second: Sequence[arb]) -> arb | None:
+    """Euclid's algorithm; None if a leading coefficient may be 0 but the remainder is not."""
+    f, g, m, n = arb_poly(list(first)), arb_poly(list(second)), len(first) - 1, len(second) - 1
     value = arb(1)
-    if m < n:
-        f, g, m, n = g, f, n, m
-        value = arb(-1 if m * n % 2 else 1)
     while n > 0:
         lead = g[n]
         if lead.contains(0):
-            return None
-        rest = f % g
+            size_g, size_f = (sum((abs(c) for c in p.coeffs()), arb(0)) for p in (g, f))
+            tiny = value * _power(size_g, m) * _power(size_f, n)
+            return arb(0, tiny.abs_upper()) if all(c.contains(0) for c in g.coeffs()) else None
         # Res(f, g) = (−1)^(mn) lc(g)^(m − n + 1) Res(g, rest), with the formal degree n − 1 of the rest
-        value *= lead ** (m - n + 1)
+        value *= _power(lead, m - n + 1)
         if m * n % 2:
             value = -value
-        f, g, m, n = g, rest, n, n - 1
-        if g.degree() != n:
-            return None
-    # no power of python-flint's, which is not finite for a ball that holds 0
-    return prod([g[0]] * m, start=value)
+        f, g, m, n = g, f % g, n, n - 1
+    return value * _power(g[0], m)
+
+
+def _power(x: arb, exponent: int) -> arb:
+    """FLINT's own power of a small ball round 0 may be NaN."""
+    return prod([x] * exponent, start=arb(1))
+
+
+def _turned(form: Sequence[arb]) -> list[arb]:
+    """The form in turned coordinates, t = tan(x) for tan(x + 1); resultants do not change."""
+    degree = len(form) - 1
+    up, down = arb_poly([arb(1).sin(), arb(1).cos()]), arb_poly([arb(1).cos(), -arb(1).sin()])
+    turned = arb_poly([])
+    for k, c in enumerate(form):
+        turned += c * up**k * down ** (degree - k)
+    return [turned[k] for k in range(degree + 1)]

@@ -185,3 +185,19 @@ def half_angles(p: fmpz_mpoly, orders: tuple[int, int], radicand: int) -> BiForm
     half = (1 - T**2, 2 * T, 1 + T**2, 1 - U**2, 2 * U, 1 + U**2, L, OMEGA)
     numerator = _HOMOGENEOUS.from_dict(terms).compose(*half, ctx=RING)
     return BiForm.of(numerator, radicand, 2 * a, 2 * b)
+
+
+def in_tangents(p: fmpz_mpoly, orders: tuple[int, int], radicand: int) -> BiForm:
+    """The numerator in t = tan(α/2) and v = tan θ, which takes the place of u, of a reduced polynomial.
+
+    With the degree b in θ it must change by the factor (−1)ᵇ under θ ↦ θ + π. It is divided by cosᵇ θ.
+    """
+    a, b = orders
+    terms = {}
+    for (i, j, k, m, *rest), c in p.to_dict().items():
+        half, odd = divmod(b - k - m, 2)
+        if odd:
+            raise ValueError("half a turn does more than change the sign")
+        terms[i, j, a - i - j, k, m, half, *rest] = c
+    tangents = (1 - T**2, 2 * T, 1 + T**2, T**0, U, 1 + U**2, L, OMEGA)
+    return BiForm.of(_HOMOGENEOUS.from_dict(terms).compose(*tangents, ctx=RING), radicand, 2 * a, b)

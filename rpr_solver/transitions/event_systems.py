@@ -1,19 +1,21 @@
 """The poses at which cusps are born or die as the fixed leg's length L varies.
 
-J is linear in L: J = J0 + L J1, so L = −J0/J1 on the singularity surface, and a degenerate pose is an
+J / L is linear in L: J0 + L J1, so L = −J0/J1 on the singularity surface, and a degenerate pose is an
 isolated point of the torus (α, θ):
 
 - ∇J = 0 (lips, beak-to-beak): M1 = M2 = 0, the Wronskians of J0 and J1 in α and in θ;
 - v·∇E = 0 (swallowtail): C = W = 0, where E = F_θ C / J1² and v·∇E = J0 F_θ² W / J1³ for this L
   (mathematics.md#the-surface-of-singular-poses).
 
-In half tangents (t, u) their bidegrees are (6, 6), (6, 6), (10, 8) and (8, 8). With all degrees formal,
+With the length −L the fixed leg has the same end as in the direction θ + π. So all these are polynomials in
+t = tan(α/2) and v = tan θ, where each v stands for two directions, of which L > 0 picks one. Their bidegrees
+are (6, 3), (6, 3), (10, 4) and (8, 4). With all degrees formal,
 
-    Res_t(C, W)   = (u²+1)¹⁶ · Y⁴ · P,    144 = 32 + 48 + 64
-    Res_t(M1, M2) = (u²+1)¹⁰ · Z · P,      72 = 20 + 16 + 36
+    Res_t(C, W)   = (v²+1)⁸ · Y⁴ · P,    72 = 16 + 24 + 32
+    Res_t(M1, M2) = (v²+1)⁵ · Z · P,     36 = 10 + 8 + 18
 
-where the roots of Z = Res_t(J0, J1) / (u²+1)² are the poses that are singular for every L, those of
-A = Res_t(F_θ, G_θ) / (u²+1)² are the ones among them with three parallel legs, Y = Z / A, and P is the
+where the roots of Z = Res_t(J0, J1) / (v²+1) are the poses that are singular for every L, those of
+A = Res_t(F_θ, G_θ) / (v²+1) are the ones among them with three parallel legs, Y = Z / A, and P is the
 quotient. These are identities in the parameters (mathematics.md#the-eliminants-of-the-census).
 """
 
@@ -28,10 +30,9 @@ from flint import fmpz, fmpz_mpoly, fmpz_poly
 from rpr_solver.contract import Progress, silent
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.elimination import resultant
-from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
-from rpr_solver.model.slice_map import TRIG, Leg, SliceMap, d_alpha, d_theta, half_angles, reduced, slopes
-from rpr_solver.transitions.shared_angles import SharedAngles, constant_lengths
+from rpr_solver.model.slice_map import TRIG, Leg, SliceMap, d_alpha, d_theta, in_tangents, reduced, slopes
+from rpr_solver.transitions.shared_angles import SharedAngles
 
 ELIMINATION_STEPS = 4
 """The number of progress steps of :meth:`EventSystems.of`."""
@@ -43,7 +44,7 @@ class NotGeneric(Exception):  # noqa: N818 - a signal between modules; no error 
 
 @dataclass(frozen=True)
 class System:
-    """Two forms in (t, u) whose common zeros are events of a slice map, and their eliminant P(u)."""
+    """Two forms in t = tan(α/2) and v = tan θ whose common zeros are events, and their eliminant P(v)."""
 
     slice_map: SliceMap
     first: BiForm
@@ -66,7 +67,7 @@ class System:
     def without_shared_angles(
         cls, slice_map: SliceMap, first: BiForm, second: BiForm, known: Form
     ) -> tuple[System, BiForm | None]:
-        """As :meth:`of`, without the angles α at which both forms vanish for every u; also these angles.
+        """As :meth:`of`, without the angles α at which both forms vanish for every v; also these angles.
 
         Raises:
             NotGeneric: the forms share another factor.
@@ -89,12 +90,10 @@ class EventSystems:
     critical: System
     beside: tuple[System, ...]
     """Where cusps may meet poses of an angle α at which every pose is degenerate for its own L."""
-    levels: tuple[Algebraic, ...]
-    """The lengths (scaled) at which all poses of an angle α have ∇J = 0."""
     permanent: System
-    """J0 = J1 = 0 and Z(u): the poses that are singular for every L."""
+    """J0 = J1 = 0 and Z(v): the poses that are singular for every L."""
     not_parallel: Form
-    """Y(u): those of the permanent poses without three parallel legs."""
+    """Y(v): those of the permanent poses without three parallel legs."""
 
     @classmethod
     def of(cls, slice_map: SliceMap, progress: Progress = silent) -> EventSystems:
@@ -112,26 +111,26 @@ class EventSystems:
         w = along_e.quotient(f_theta).quotient(f_theta).quotient(j0)
         progress(1, ELIMINATION_STEPS)
         radicand = slice_map.radicand
-        parallel = System.of(slice_map, f_theta, g_theta, _circular(2, radicand))
-        permanent = System.of(slice_map, j0, j1, _circular(2, radicand))
+        parallel = System.of(slice_map, f_theta, g_theta, _circular(1, radicand))
+        permanent = System.of(slice_map, j0, j1, _circular(1, radicand))
         z, y = permanent.eliminant, permanent.eliminant.quotient(parallel.eliminant)
         progress(2, ELIMINATION_STEPS)
-        known = z * _circular(10, radicand)
-        critical, angles = System.without_shared_angles(slice_map, m1, m2, known)
-        levels = () if angles is None else tuple(constant_lengths(j0, j1, angles))
+        known = z * _circular(5, radicand)
+        # along an angle that M1 and M2 share, L is constant and changes its sign: it is 0
+        critical, _ = System.without_shared_angles(slice_map, m1, m2, known)
         progress(3, ELIMINATION_STEPS)
-        known = y * y * y * y * _circular(16, radicand)
+        known = y * y * y * y * _circular(8, radicand)
         swallowtails, angles = System.without_shared_angles(slice_map, c, w, known)
         beside = () if angles is None else (System.of(slice_map, swallowtails.first, angles),)
         progress(4, ELIMINATION_STEPS)
-        return cls(slice_map, swallowtails, critical, beside, levels, permanent, y)
+        return cls(slice_map, swallowtails, critical, beside, permanent, y)
 
 
 def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     """The equations of a cusp with squared free leg ``square`` (scaled): C and (f − square) J1² at L =
     −J0/J1.
 
-    Eliminating t from them gives (u²+1)²⁰ · (Y Z)² · P, with P of degree 48
+    Eliminating t from them gives (v²+1)¹⁰ · (Y Z)² · P, with P of degree 24
     (mathematics.md#the-eliminants-of-the-census, mathematics.md#joint-limits). If C was divided by shared
     angles, the factors before P are not removed.
 
@@ -154,11 +153,11 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     if systems.beside:
         return System.of(slice_map, cusps, form)
     known = systems.permanent.eliminant * systems.not_parallel
-    return System.of(slice_map, cusps, form, known * known * _circular(20, slice_map.radicand))
+    return System.of(slice_map, cusps, form, known * known * _circular(10, slice_map.radicand))
 
 
 def _circular(exponent: int, radicand: int) -> Form:
-    """(u²+1)^exponent."""
+    """(v²+1)^exponent."""
     return Form(QuadraticPoly.rational(fmpz_poly([1, 0, 1]) ** exponent, radicand), 2 * exponent)
 
 
@@ -182,13 +181,13 @@ class _Trig:
         return cls(slice_map, j0, j1, _by_length(e, 2), _by_length(along_e, 3))
 
     def form(self, p: fmpz_mpoly, orders: tuple[int, int]) -> BiForm:
-        """A polynomial without L as a primitive form in t and u.
+        """A polynomial without L as a primitive form in t and v.
 
         Raises:
             NotGeneric: it vanishes identically.
         """
         radicand = self.slice_map.radicand
-        form = half_angles(reduced(p, radicand), orders, radicand)
+        form = in_tangents(reduced(p, radicand), orders, radicand)
         if form.is_zero:
             raise NotGeneric
         return form.primitive()

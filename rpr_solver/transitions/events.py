@@ -18,9 +18,8 @@ an angle, L is constant along it. Both kinds of length are events without a pose
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import chain
 
 from flint import arb, ctx, fmpz_poly
 
@@ -33,7 +32,7 @@ from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
-from rpr_solver.model.jets import LocalMap
+from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.transitions.event_systems import EventSystems, System, limit_system
 from rpr_solver.transitions.event_types import BallPose, Coordinates, Event, Landmark
@@ -50,6 +49,16 @@ Namer = Callable[[LocalMap[arb]], PoseKind | None]
 
 
 @dataclass(frozen=True)
+class Located:
+    """A pose in balls that were computed with ``bits`` bits, with L > 0 (scaled)."""
+
+    alpha: HalfTangent
+    theta: HalfTangent
+    length: arb
+    bits: int
+
+
+@dataclass(frozen=True)
 class BallEvent:
     """An event above a simple root of an eliminant, refined on demand; without a kind only L is an answer."""
 
@@ -57,6 +66,7 @@ class BallEvent:
     root: RealRoot
     kind: PoseKind | None
     exact_length: None = None
+    _known: list[Located] = field(default_factory=list, init=False, repr=False, compare=False)
 
     @property
     def pose(self) -> BallPose | None:
@@ -65,15 +75,15 @@ class BallEvent:
 
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""
-        return self._refined(bits)[2]
+        return self._refined(bits).length
 
     def coordinates(self, bits: int) -> Coordinates:
         """α and θ in degrees, and the free legs in the user's unit."""
-        t, u, length, work = self._refined(bits)
-        with ctx.workprec(work):
-            f, g = _local(self.system, t, u, length, work, 0).squared_lengths()
+        place = self._refined(bits)
+        with ctx.workprec(place.bits):
+            f, g = _local(self.system, place, 0).squared_lengths()
             scale = self.system.slice_map.scale_ball()
-            return t.degrees(), HalfTangent(u, arb(1)).degrees(), f.sqrt() / scale, g.sqrt() / scale
+            return place.alpha.degrees(), place.theta.degrees(), f.sqrt() / scale, g.sqrt() / scale
 
     def exact(self) -> ExactPose:
         """The same pose in a number field, for equalities that balls cannot prove, such as an angle of 0."""
@@ -81,14 +91,20 @@ class BallEvent:
         [pose] = located_poses(self.system, root)
         return ExactPose.of(self.system.slice_map, pose)
 
-    def _refined(self, bits: int) -> tuple[HalfTangent, arb, arb, int]:
-        def accurate(work: int) -> tuple[HalfTangent, arb, arb, int] | None:
-            located = _located(self.system, self.root, work)
-            if located is None or located[2].rel_accuracy_bits() < bits - 32:
-                return None
-            return *located, work
+    def _refined(self, bits: int) -> Located:
+        """The pose with L to ``bits`` bits or nearly so; the best one is kept."""
+        if not self._known or self._known[0].bits < bits:
 
-        return decided(accurate, bits, GREATEST_BITS, "an event could not be located on its curve")
+            def accurate(work: int) -> Located | None:
+                located = _located(self.system, self.root, work)
+                if located is None or located.length.rel_accuracy_bits() < bits - 32:
+                    return None
+                return located
+
+            message = "an event could not be located on its curve"
+            located = decided(accurate, bits, GREATEST_BITS, message)
+            self._known[:] = [located]
+        return self._known[0]
 
 
 def events(systems: EventSystems) -> Iterator[Event]:
@@ -101,7 +117,6 @@ def events(systems: EventSystems) -> Iterator[Event]:
     yield from _system_events(systems.critical, _critical)
     for system in systems.beside:
         yield from _system_events(system, None)
-    yield from (Landmark(length) for length in systems.levels if length.sign > 0)
     yield from permanent_events(systems.permanent)
     yield from stretched_closings(systems.slice_map.f)
 
@@ -138,7 +153,7 @@ def _system_events(system: System, name: Namer | None) -> Iterator[Event]:
     if simple_and_finite(eliminant, system.eliminant.degree):
         proved = [_prove(system, root, name) for root in real_roots(eliminant)]
         if None not in proved:
-            yield from chain.from_iterable(events or () for events in proved)
+            yield from filter(None, proved)
             return
     if system.eliminant.zeros_at_infinity:
         yield from _exact_events(system, None, named=name is not None)
@@ -148,7 +163,7 @@ def _system_events(system: System, name: Namer | None) -> Iterator[Event]:
         if (proof := _prove(system, root, name)) is None:
             undecided.append(root)
         else:
-            yield from proof
+            yield proof
     if undecided:
         others += exact_counterparts(undecided, eliminant)
     for exact in others:
@@ -162,43 +177,52 @@ def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Ite
         yield from (Landmark(pose.length) for pose in located_poses(system, root))
 
 
-def _prove(system: System, root: RealRoot, name: Namer | None) -> tuple[BallEvent, ...] | None:
-    """The event above a simple root, an empty tuple if L < 0; None if balls do not decide it."""
+def _prove(system: System, root: RealRoot, name: Namer | None) -> BallEvent | None:
+    """The event above a simple root; None if balls do not decide it."""
 
-    def event(bits: int) -> tuple[BallEvent, ...] | None:
-        located = _located(system, root, bits)
-        if located is None:
+    def event(bits: int) -> BallEvent | None:
+        place = _located(system, root, bits)
+        if place is None:
             return None
-        t, u, length = located
-        if length < 0:
-            return ()
         kind = None
         if name is not None:
             with ctx.workprec(bits):
-                kind = name(_local(system, t, u, length, bits, 4))
-        named = name is None or kind is not None
-        return (BallEvent(system, root, kind),) if length > 0 and named else None
+                kind = name(_local(system, place, 4))
+            if kind is None:
+                return None
+        return BallEvent(system, root, kind)
 
     return decided_or_none(event, _START_BITS, EVENT_BITS)
 
 
-def _located(system: System, root: RealRoot, work: int) -> tuple[HalfTangent, arb, arb] | None:
-    """t, u and L above a root, or None if the precision is insufficient."""
-    u = root.refined(work - 64)
+def _located(system: System, root: RealRoot, work: int) -> Located | None:
+    """The pose above a root v = tan θ; None if the precision is insufficient.
+
+    At one of the directions θ and θ + π it has L > 0, unless L = 0, which no precision decides.
+    """
+    v = root.refined(work - 64)
     with ctx.workprec(work):
-        first, second = ([row.ball(work)(u) for row in form.rows] for form in (system.first, system.second))
+        first, second = ([row.ball(work)(v) for row in form.rows] for form in (system.first, system.second))
         t = common_root(first, second)
         if t is None or t.denominator.contains(0):
             return None
-        # J is L (J0 + L J1)
-        plus, minus = (_local(system, t, u, arb(sign), work, 1).singularity().value for sign in (1, -1))
+        slice_map, omega, one = system.slice_map, omega_ball(system.slice_map.radicand, work), arb(1)
+        # J is L (J0 + L J1); with the direction (1, v), which is longer than 1, L is as much shorter
+        plus, minus = (
+            LocalMap.at(slice_map, Pose(*t.cos_sin(), one, v, sign, omega), 1).singularity().value
+            for sign in (one, -one)
+        )
         length = (minus - plus) / (plus + minus)
-        return (t, u, length) if length.is_finite() else None
+        if not length.is_finite() or length.contains(0):
+            return None
+        norm = (1 + v * v).sqrt()
+        theta = HalfTangent(v, norm + 1) if length > 0 else HalfTangent(norm + 1, -v)
+        return Located(t, theta, abs(length) * norm, work)
 
 
-def _local(system: System, t: HalfTangent, u: arb, length: arb, work: int, order: int) -> LocalMap[arb]:
-    omega = omega_ball(system.slice_map.radicand, work)
-    return LocalMap.at(system.slice_map, pose_of(t, HalfTangent(u, arb(1)), length, omega), order)
+def _local(system: System, place: Located, order: int) -> LocalMap[arb]:
+    omega = omega_ball(system.slice_map.radicand, place.bits)
+    return LocalMap.at(system.slice_map, pose_of(place.alpha, place.theta, place.length, omega), order)
 
 
 def _swallowtail(local: LocalMap[arb]) -> PoseKind | None:

@@ -1,7 +1,10 @@
 """Events that balls cannot decide, by exact arithmetic: multiple roots, and poses singular for every L.
 
-Both kinds of pose are common zeros, in a number field, of two forms in (t, u) above a root u (or u = ∞) of
+Both kinds of pose are common zeros, in a number field, of two forms in (t, v) above a root v (or v = ∞) of
 their eliminant. The L of an event follows from J0 and J1, or from E and v·∇E as polynomials in L.
+
+A root v = tan θ gives the direction of the fixed leg as (1, v), which is not of length 1, with an L of either
+sign to go with it; :func:`_upright` makes them a direction of length 1 and an L > 0.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ from rpr_solver.exact.number_field import (
     Extension,
     Polynomial,
     adjoin_real_roots,
+    common_roots,
     poly_gcd,
     poly_mod,
     poly_product,
@@ -27,32 +31,32 @@ from rpr_solver.exact.number_field import (
     squarefree_part,
     trimmed,
 )
-from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.exact_pose import ExactPose, common_poses
+from rpr_solver.model.classify import PoseKind, cos_sin
+from rpr_solver.model.exact_pose import ExactPose, place
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import NotGeneric, System
 from rpr_solver.transitions.event_types import Landmark
+from rpr_solver.transitions.permanent import never_degenerate
 
 _APART_BITS = 512
 
 
 def events_above(system: System, root: ExactRoot | None) -> Iterator[Landmark]:
-    """The events among the common zeros of a system above one root u; None is u = ∞."""
+    """The events among the common zeros of a system above one root v; None is v = ∞."""
     for pose in located_poses(system, root):
         yield from _event(system.slice_map, pose)
 
 
 def located_poses(system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:
-    """The common zeros of a system above one root u, each with its L > 0."""
+    """The common zeros of a system above one root v, each with its L > 0."""
     for pose in _common_poses(system, root):
         plus, minus = (_singularity(system.slice_map, pose, sign) for sign in (1, -1))
         j1 = plus + minus  # twice J1; plus − minus is twice J0
         if j1.is_zero:
             continue  # L is infinite, or undetermined at a pose that is singular for every L
         length = (minus - plus) * j1.inverse()
-        if length.sign > 0:
-            yield replace(pose, length=length)
+        yield from _upright(replace(pose, length=length))
 
 
 def permanent_events(permanent: System) -> Iterator[Landmark]:
@@ -61,11 +65,30 @@ def permanent_events(permanent: System) -> Iterator[Landmark]:
     Raises:
         NotGeneric: such a pose is degenerate for every L.
     """
+    if never_degenerate(permanent):
+        return
     for pose in _permanent_poses(permanent):
         for extension in _degenerate_lengths(permanent.slice_map, pose):
-            if extension.root.sign > 0:
-                lifted = replace(pose.mapped(extension.lift), length=extension.root)
-                yield from _event(permanent.slice_map, lifted)
+            for upright in _upright(replace(pose.mapped(extension.lift), length=extension.root)):
+                yield from _event(permanent.slice_map, upright)
+
+
+def _upright(pose: Pose[Algebraic]) -> Iterator[Pose[Algebraic]]:
+    """The same pose with a direction of length 1 and L > 0; nothing if L is 0."""
+    sign = pose.length.sign
+    if not sign:
+        return
+    x, y, field = pose.cos_theta, pose.sin_theta, pose.omega.field
+    square = x * x + y * y
+    [root] = (x for x in adjoin_real_roots(field, [-square, field(0), field(1)]) if x.root.sign > 0)
+    lifted, scale = pose.mapped(root.lift), root.root
+    inverse = scale * root.lift(square.inverse() * sign)
+    yield replace(
+        lifted,
+        cos_theta=lifted.cos_theta * inverse,
+        sin_theta=lifted.sin_theta * inverse,
+        length=lifted.length * scale * sign,
+    )
 
 
 def permanent_limits(permanent: System, leg: Leg, square: Fraction) -> Iterator[Algebraic]:
@@ -76,14 +99,17 @@ def permanent_limits(permanent: System, leg: Leg, square: Fraction) -> Iterator[
     index = (permanent.slice_map.f, permanent.slice_map.g).index(leg)
     for pose in _permanent_poses(permanent):
         local, field = _in_length(permanent.slice_map, pose), pose.omega.field
-        gap = local.squared_lengths()[index] - _InLength([field(square)])
+        # that of the direction counts: it is not 1
+        direction2 = pose.cos_theta * pose.cos_theta + pose.sin_theta * pose.sin_theta
+        beyond = _InLength([field(-square), field(0), direction2 - 1])
+        gap = local.squared_lengths()[index] + beyond
         for moving in (local.f, local.g):
             e = _without(local.along(moving, local.singularity()).value.coefficients, [field(0), field(1)])
             if not _apart(e, gap.coefficients):
                 common = poly_gcd(e, gap.coefficients)
                 for extension in adjoin_real_roots(field, squarefree_part(common)):
-                    if extension.root.sign > 0:
-                        yield extension.root
+                    placed = replace(pose.mapped(extension.lift), length=extension.root)
+                    yield from (upright.length for upright in _upright(placed))
 
 
 def _apart(p: Sequence[Algebraic], q: Sequence[Algebraic]) -> bool:
@@ -112,11 +138,16 @@ def _event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[Landmark]:
 
 
 def _common_poses(system: System, root: ExactRoot | None) -> list[Pose[Algebraic]]:
-    """The real poses above a root; their length 1 is a placeholder."""
-    poses = common_poses(system.first, system.second, root, 1)
-    if poses is None:
+    """The real poses above a root, with the direction (1, v); their length 1 is a placeholder."""
+    v, omega = place(root, system.slice_map.radicand)
+    x, y = (omega.field(0), omega.field(1)) if v is None else (omega.field(1), v)
+    roots = common_roots(system.first.above(v, omega), system.second.above(v, omega), x, y, omega)
+    if roots is None:
         raise NotGeneric
-    return poses
+    return [
+        Pose(*cos_sin(t, at_omega.field), cos, sin, at_omega.field(1), at_omega)
+        for t, (cos, sin, at_omega) in roots
+    ]
 
 
 def _singularity(slice_map: SliceMap, pose: Pose[Algebraic], length: int) -> Algebraic:

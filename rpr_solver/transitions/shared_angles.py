@@ -1,4 +1,4 @@
-"""Angles α = const at which two forms in (t, u) vanish for every u: their detection and removal.
+"""Angles α = const at which two forms in (t, v) vanish for every v: their detection and removal.
 
 For some symmetric and right-angled manipulators all poses of one α (mostly 0 or 180 degrees) are degenerate
 at their L, or all of them have ∇J = 0 at the same L (mathematics.md#shared-angles).
@@ -6,7 +6,6 @@ at their L, or all of them have ∇J = 0 at the same L (mathematics.md#shared-an
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import lcm
 
@@ -14,8 +13,6 @@ from rpr_solver.exact.biform import RING, BiForm
 from rpr_solver.exact.number_field import (
     Algebraic,
     Polynomial,
-    adjoin_real_roots,
-    evaluate,
     exact_omega,
     poly_gcd,
     squarefree_part,
@@ -62,33 +59,8 @@ def _without(form: BiForm, angles: BiForm) -> BiForm:
             return form
 
 
-def constant_lengths(j0: BiForm, j1: BiForm, angles: BiForm) -> Iterator[Algebraic]:
-    """L = −J0/J1 (scaled) at each real zero of a form in t, where L depends on the angle only."""
-    omega = exact_omega(angles.radicand)
-    [polynomial] = _columns(angles, omega)
-    for extension in adjoin_real_roots(omega.field, trimmed(polynomial)):
-        yield from _length(j0, j1, extension.root, extension.lift(omega))
-    if angles.zeros_at_infinity:
-        yield from _length(j0, j1, None, omega)
-
-
-def _length(j0: BiForm, j1: BiForm, t: Algebraic | None, omega: Algebraic) -> Iterator[Algebraic]:
-    """None is t = ∞."""
-    for place in range(j1.degree_u + 1):
-        u = omega.field(place)
-        bottom = _at(j1, t, u, omega)
-        if not bottom.is_zero:
-            yield -_at(j0, t, u, omega) * bottom.inverse()
-            return
-
-
-def _at(form: BiForm, t: Algebraic | None, u: Algebraic, omega: Algebraic) -> Algebraic:
-    rows = form.above(u, omega)
-    return rows[-1] if t is None else evaluate(rows, t)
-
-
 def _columns(form: BiForm, omega: Algebraic) -> list[list[Algebraic]]:
-    """For each power of u the coefficients of t⁰, t¹, …"""
+    """For each power of v the coefficients of t⁰, t¹, …"""
     return [[row.coefficient(k, omega) for row in form.rows] for k in range(form.degree_u + 1)]
 
 

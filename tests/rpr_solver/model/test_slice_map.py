@@ -6,7 +6,7 @@ import mpmath as mp
 import pytest
 
 from rpr_solver import EXAMPLES
-from rpr_solver.model.slice_map import TRIG, SliceMap, half_angles, reduced, slopes
+from rpr_solver.model.slice_map import TRIG, SliceMap, half_angles, in_tangents, reduced, slopes
 
 INNOCENTI = SliceMap.of(EXAMPLES["innocenti"])
 
@@ -55,6 +55,32 @@ def test_a_form_of_lower_degree_keeps_the_order_it_is_given() -> None:
     cos_a = TRIG.gen(0)
     form = half_angles(cos_a + 1, (1, 0), 1)  # (1 − t²) + (1 + t²): zero at α = 180°, twice
     assert (form.degree_t, form.zeros_at_infinity) == (2, 2)
+
+
+def test_tangents_of_whole_angles_make_the_numerator_over_a_power_of_the_cosine() -> None:
+    cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
+    p = sin_a * cos_t**3 + omega * sin_t * cos_a + 5 * sin_t
+    form = in_tangents(p, (1, 3), 7)
+    assert (form.degree_t, form.degree_u) == (2, 3)
+    with mp.workdps(40):
+        alpha, theta = mp.mpf("0.7"), mp.mpf("-1.9")
+        t, v = mp.tan(alpha / 2), mp.tan(theta)
+        total = mp.fsum(
+            int(c) * weight * t ** int(i) * v ** int(k)
+            for part, weight in ((form.a, 1), (form.b, mp.sqrt(7)))
+            for (i, k, _, _), c in part.to_dict().items()
+        )
+        expected = (
+            mp.sin(alpha) * mp.cos(theta) ** 3
+            + mp.sqrt(7) * mp.sin(theta) * mp.cos(alpha)
+            + 5 * mp.sin(theta)
+        )
+        assert abs(total / (1 + t * t) * mp.cos(theta) ** 3 / expected - 1) < mp.mpf(10) ** -30
+
+
+def test_what_half_a_turn_changes_otherwise_is_no_form_in_the_tangent() -> None:
+    with pytest.raises(ValueError, match="sign"):
+        in_tangents(TRIG.gen(2) + 1, (0, 1), 1)
 
 
 def test_a_leg_closes_where_its_square_is_zero() -> None:

@@ -26,8 +26,8 @@ from tests.support.families import family
 from tests.support.strategies import examples
 
 CHEAP = EXAMPLES["zein-flat"], family("isosceles, irrational"), family("folded flat platform")
-HALF_TANGENTS = (
-    (Fraction(1, 3), Fraction(2)),
+TANGENTS = (
+    (Fraction(1, 3), Fraction(7, 4)),
     (Fraction(-5, 2), Fraction(3, 7)),
     (Fraction(4), Fraction(-1, 5)),
     (Fraction(7, 9), Fraction(-11, 4)),
@@ -39,26 +39,26 @@ def systems_of(m: Manipulator, fixed_leg: int = 1) -> EventSystems:
     return EventSystems.of(SliceMap.of(m, fixed_leg))
 
 
-def on_surface(slices: Slices, t: Fraction, u: Fraction) -> tuple[mp.mpf, tuple[mp.mpf, mp.mpf, mp.mpf]]:
+def on_surface(slices: Slices, t: Fraction, v: Fraction) -> tuple[mp.mpf, tuple[mp.mpf, mp.mpf, mp.mpf]]:
     """J1 and the place at which L makes the pose singular; J is L (J0 + L J1), up to a constant."""
-    alpha, theta = 2 * mp.atan(real(t)), 2 * mp.atan(real(u))
+    alpha, theta = 2 * mp.atan(real(t)), mp.atan(real(v))
     plus, minus = (slices.values((alpha, theta, sign * real(slices.size)), "j").j for sign in (1, -1))
     j0, j1 = plus - minus, plus + minus
     return j1, (alpha, theta, -j0 / j1 * real(slices.size))
 
 
-def value(form: BiForm, t: Fraction, u: Fraction) -> mp.mpf:
-    """The trigonometric polynomial whose numerator in half tangents the form is."""
+def value(form: BiForm, t: Fraction, v: Fraction) -> mp.mpf:
+    """The trigonometric polynomial whose numerator in tan(α/2) and tan θ the form is."""
     a, b = (
-        sum((int(c) * t ** int(i) * u ** int(k) for (i, k, _, _), c in part.to_dict().items()), Fraction(0))
+        sum((int(c) * t ** int(i) * v ** int(k) for (i, k, _, _), c in part.to_dict().items()), Fraction(0))
         for part in (form.a, form.b)
     )
     whole = real(a) + real(b) * mp.sqrt(form.radicand)
-    return whole / real((1 + t * t) ** (form.degree_t // 2) * (1 + u * u) ** (form.degree_u // 2))
+    return whole / real((1 + t * t) ** (form.degree_t // 2)) / mp.sqrt(real(1 + v * v)) ** form.degree_u
 
 
 def ratios(form: BiForm, expected: object) -> list[mp.mpf]:
-    return [value(form, t, u) / expected(t, u) for t, u in HALF_TANGENTS]  # type: ignore[operator]
+    return [value(form, t, v) / expected(t, v) for t, v in TANGENTS]  # type: ignore[operator]
 
 
 def agree(numbers: list[mp.mpf]) -> bool:
@@ -74,20 +74,20 @@ def test_each_form_is_what_it_is_said_to_be(m: Manipulator, fixed_leg: int) -> N
     assert not systems.beside
 
     def quantity(name: str, over: str, power: int = 1) -> object:
-        def expected(t: Fraction, u: Fraction) -> mp.mpf:
-            j1, place = on_surface(slices, t, u)
+        def expected(t: Fraction, v: Fraction) -> mp.mpf:
+            j1, place = on_surface(slices, t, v)
             values = slices.values(place, name, over)
             return j1**2 * getattr(values, name) / getattr(values, over) ** power
 
         return expected
 
-    def j0(t: Fraction, u: Fraction) -> mp.mpf:
-        j1, place = on_surface(slices, t, u)
+    def j0(t: Fraction, v: Fraction) -> mp.mpf:
+        j1, place = on_surface(slices, t, v)
         return j1 * place[2]
 
     with mp.workdps(DIGITS):
         assert agree(ratios(systems.permanent.first, j0))
-        assert agree(ratios(systems.permanent.second, lambda t, u: on_surface(slices, t, u)[0]))
+        assert agree(ratios(systems.permanent.second, lambda t, v: on_surface(slices, t, v)[0]))
         # ∂L/∂α = −J_α / J_L where J = 0
         assert agree(ratios(systems.critical.first, quantity("j_alpha", "j_length")))
         assert agree(ratios(systems.critical.second, quantity("j_theta", "j_length")))
@@ -105,8 +105,8 @@ def test_the_form_of_a_limit_is_the_square_of_the_leg_less_that_of_the_limit(
     leg = (slice_map.f, slice_map.g)[free]
     system = limit_system(systems, leg, (limit * slice_map.scale) ** 2)
 
-    def expected(t: Fraction, u: Fraction) -> mp.mpf:
-        j1, place = on_surface(slices, t, u)
+    def expected(t: Fraction, v: Fraction) -> mp.mpf:
+        j1, place = on_surface(slices, t, v)
         return j1**2 * (slices.free_legs(place)[free] ** 2 - real(limit**2))
 
     assert system.first == systems.swallowtails.first
@@ -115,7 +115,7 @@ def test_the_form_of_a_limit_is_the_square_of_the_leg_less_that_of_the_limit(
 
 
 class Modular:
-    """Polynomials in u modulo a prime, by their values on all the points that their degree needs."""
+    """Polynomials in v modulo a prime, by their values on all the points that their degree needs."""
 
     def __init__(self, slice_map: SliceMap, above: int) -> None:
         p = fmpz(above)
@@ -128,20 +128,20 @@ class Modular:
     def image(self, form: Form) -> nmod_poly:
         return nmod_poly(form.polynomial.a, self.p) + nmod_poly(form.polynomial.b, self.p) * self.omega
 
-    def at(self, form: BiForm, u: int) -> list[int]:
-        """The coefficients in t at one u."""
+    def at(self, form: BiForm, v: int) -> list[int]:
+        """The coefficients in t at one v."""
         row = [0] * (form.degree_t + 1)
         for part, weight in ((form.a, 1), (form.b, self.omega)):
             for (i, k, _, _), c in part.to_dict().items():
-                row[i] += int(c) * weight * pow(u, int(k), self.p)
+                row[i] += int(c) * weight * pow(v, int(k), self.p)
         return row
 
     def resultant(self, first: BiForm, second: BiForm) -> nmod_poly:
         degree = first.degree_t * second.degree_u + second.degree_t * first.degree_u
-        us = range(2, degree + 3)
-        values = [self.sylvester(self.at(first, u), self.at(second, u)) for u in us]
-        powers = nmod_mat(len(us), len(us), [pow(u, k, self.p) for u in us for k in range(len(us))], self.p)
-        solution = powers.solve(nmod_mat(len(us), 1, values, self.p))
+        vs = range(2, degree + 3)
+        values = [self.sylvester(self.at(first, v), self.at(second, v)) for v in vs]
+        powers = nmod_mat(len(vs), len(vs), [pow(v, k, self.p) for v in vs for k in range(len(vs))], self.p)
+        solution = powers.solve(nmod_mat(len(vs), 1, values, self.p))
         return nmod_poly([int(x) for x in solution.entries()], self.p)
 
     def sylvester(self, first: list[int], second: list[int]) -> int:
@@ -167,10 +167,10 @@ def monic(p: nmod_poly) -> nmod_poly:
 def theta_slope(leg: Leg, radicand: int) -> BiForm:
     """Half of f_θ / L: the platform point less the base point, across the fixed leg."""
     omega = RING.gens()[3]
-    square_t, square_u = 1 + T**2, 1 + U**2
+    square_t = 1 + T**2
     x = leg.m * (1 - T**2) - 2 * leg.n * omega * T - leg.ax * square_t
     y = 2 * leg.m * T + leg.n * omega * (1 - T**2) - leg.ay * square_t
-    return BiForm.of((2 - square_u) * y - 2 * U * x, radicand, 2, 2)
+    return BiForm.of(y - U * x, radicand, 2, 1)
 
 
 def check_identities(systems: EventSystems, above: int, square: Fraction) -> None:
@@ -178,20 +178,20 @@ def check_identities(systems: EventSystems, above: int, square: Fraction) -> Non
     mod = Modular(slice_map, above)
     circular, permanent = mod.circular, systems.permanent
     slopes = (theta_slope(leg, slice_map.radicand) for leg in (slice_map.f, slice_map.g))
-    a = exactly_divided(mod.resultant(*slopes), (circular, 2))
-    z = exactly_divided(mod.resultant(permanent.first, permanent.second), (circular, 2))
+    a = exactly_divided(mod.resultant(*slopes), (circular, 1))
+    z = exactly_divided(mod.resultant(permanent.first, permanent.second), (circular, 1))
     y = exactly_divided(z, (a, 1))
     assert (z, y) == tuple(monic(mod.image(x)) for x in (permanent.eliminant, systems.not_parallel))
     limit = limit_system(systems, slice_map.g, square)
     for system, known, degree in (
-        (systems.swallowtails, ((circular, 16), (y, 4)), 64),
-        (systems.critical, ((circular, 10), (z, 1)), 36),
-        (limit, ((circular, 20), (y, 2), (z, 2)), 48),
+        (systems.swallowtails, ((circular, 8), (y, 4)), 32),
+        (systems.critical, ((circular, 5), (z, 1)), 18),
+        (limit, ((circular, 10), (y, 2), (z, 2)), 24),
     ):
         whole = mod.resultant(system.first, system.second)
         assert system.eliminant.degree == degree
         assert exactly_divided(whole, *known) == monic(mod.image(system.eliminant))
-    assert (permanent.eliminant.degree, systems.not_parallel.degree) == (16, 12)
+    assert (permanent.eliminant.degree, systems.not_parallel.degree) == (8, 6)
 
 
 @pytest.mark.parametrize("m", CHEAP)
@@ -219,25 +219,8 @@ def test_they_divide_them_for_every_manipulator(
         systems = systems_of(m, fixed_leg)
     except NotGeneric:
         assume(False)
-    assume(not systems.beside and not systems.levels)
+    assume(not systems.beside and systems.critical.first.degree_t == 6)
     check_identities(systems, above, Fraction(square))
-
-
-@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
-@pytest.mark.parametrize("m", CHEAP)
-def test_half_a_turn_of_the_fixed_leg_is_its_length_with_the_other_sign(
-    m: Manipulator, fixed_leg: int
-) -> None:
-    """u goes to −1/u; L has been eliminated, so the zeros stay the same."""
-    systems = systems_of(m, fixed_leg)
-    parts = (systems.swallowtails, systems.critical, systems.permanent)
-    for form in (*(system.eliminant for system in parts), systems.not_parallel):
-        assert form.degree % 2 == 0
-        coefficients = [
-            (int(form.polynomial.a[k]), int(form.polynomial.b[k])) for k in range(form.degree + 1)
-        ]
-        turned = [(a * (-1) ** k, b * (-1) ** k) for k, (a, b) in enumerate(coefficients)][::-1]
-        assert turned in (coefficients, [(-a, -b) for a, b in coefficients])
 
 
 def test_what_two_forms_share_makes_no_eliminant() -> None:
@@ -271,9 +254,9 @@ def test_poses_of_a_shared_angle_are_degenerate_at_their_length() -> None:
     assert beside.second.a in (T, -T)
     assert (beside.second.degree_t, beside.second.zeros_at_infinity) == (2, 1)
     with mp.workdps(DIGITS):
-        for u in (Fraction(1, 3), Fraction(-7, 2), Fraction(5)):
+        for v in (Fraction(1, 3), Fraction(-7, 2), Fraction(5)):
             for t in (Fraction(0), Fraction(10**40)):
-                _, place = on_surface(slices, t, u)
+                _, place = on_surface(slices, t, v)
                 values = slices.values(place, "j", "e_f", "along_e_f")
                 assert max(map(abs, vars(values).values())) < mp.mpf("1e-30")
 
@@ -285,7 +268,7 @@ def test_an_angle_along_which_l_is_constant_is_out_of_the_critical_poses() -> No
     assert systems.critical.first.degree_t < 6
     with mp.workdps(DIGITS):
         along, elsewhere = (
-            [abs(on_surface(slices, t, u)[1][2]) for u in (Fraction(1, 3), Fraction(-7, 2))]
+            [abs(on_surface(slices, t, v)[1][2]) for v in (Fraction(1, 3), Fraction(-7, 2))]
             for t in (Fraction(0), Fraction(1))
         )
     assert max(along) < mp.mpf("1e-50")

@@ -73,7 +73,8 @@ def test_poses_that_are_singular_at_every_length(m: Manipulator, fixed_leg: int)
             assert abs(slices.values((alpha, theta, length), "j").j) < mpf("1e-50")
         for leg in (permanent.slice_map.f, permanent.slice_map.g):
             for alpha, theta in stretched(leg):
-                assert any(same_place((alpha, theta, mpf(1)), pose) for pose in poses)
+                turned = ((alpha, theta + turn, mpf(1)) for turn in (0, mp.pi))
+                assert any(same_place(own, pose) for own in turned for pose in poses)
         apart = [same_place(x, y) for i, x in enumerate(poses) for y in poses[:i]]
         assert not any(apart)
 
@@ -115,17 +116,21 @@ def test_poses_that_are_degenerate_at_every_length_are_not_isolated() -> None:
         list(permanent_events(systems_of(family("both flat"), 1).permanent))
 
 
-def test_an_event_at_half_a_turn_of_the_fixed_leg() -> None:
-    """u = ∞ is no root of a polynomial, but a zero of the form."""
-    m = Manipulator(*(Fraction(x, 3) for x in (-16, 0, 12, 10, 4, 6)), orientation="cw")
-    system, slices = systems_of(m, 1).critical, Slices.of(m)
+def test_an_event_at_a_quarter_of_a_turn_of_the_fixed_leg() -> None:
+    """v = ∞ is no root of a polynomial, but a zero of the form; it stands for 90° and −90°."""
+    m = Manipulator(*map(Fraction, (2, -2, 0, 2, 3, 3)))
+    system, slices = systems_of(m, 3).swallowtails, Slices.of(m, 3)
     assert system.eliminant.zeros_at_infinity
-    [event] = events_above(system, None)
-    assert event.exact_length.rational == 2 * system.slice_map.scale
-    alpha, theta, *_ = map(number, event.pose.coordinates(256))
-    assert (event.pose.kind, theta) == (PoseKind.LIPS, 180)
+    own = list(events_above(system, None))
+    angles = []
     with mp.workdps(DIGITS):
-        assert slices.kind((mp.radians(alpha), mp.pi, mpf(2))) is PoseKind.LIPS
+        for event in own:
+            alpha, theta, *_ = map(number, event.pose.coordinates(256))
+            angles.append((alpha, theta))
+            length = number(event.scaled_length(256)) / real(system.slice_map.scale)
+            assert event.pose.kind is PoseKind.SWALLOWTAIL
+            assert slices.kind((mp.radians(alpha), mp.radians(theta), length)) is PoseKind.SWALLOWTAIL
+    assert angles == [(-90, 90), (90, -90)]
 
 
 def test_events_above_exact_roots() -> None:

@@ -1,9 +1,9 @@
-"""Angles at which two forms vanish for every u: divided out with all their powers, and returned."""
+"""Angles at which two forms vanish for every v: divided out with all their powers, and returned."""
 
 import pytest
 
 from rpr_solver.exact.biform import OMEGA, BiForm, T, U
-from rpr_solver.transitions.shared_angles import SharedAngles, constant_lengths
+from rpr_solver.transitions.shared_angles import SharedAngles
 
 FIRST, SECOND = T * U + OMEGA, T**2 + U**2 * OMEGA - 3
 
@@ -34,14 +34,3 @@ def test_a_half_turn_is_an_angle_too() -> None:
 def test_forms_that_share_no_angle() -> None:
     assert SharedAngles.of(form(FIRST * (T - 1), 2, 1), form(SECOND, 2, 2)) is None
     assert SharedAngles.of(form(FIRST, 2, 1), form(SECOND, 2, 2)) is None
-
-
-def test_a_length_that_belongs_to_the_angle_alone() -> None:
-    """At u = 0 both forms vanish, and the next u is tried."""
-    j0, j1 = form(U * (1 + T**2), 2, 1), form(U, 2, 1)
-    lengths = constant_lengths(j0, j1, form(T**2 - 2, 2, 0))
-    assert [length.rational for length in lengths] == [-3, -3]
-    one = form(T**0, 1, 0)  # zero at α = 180° only
-    [at_half_turn] = constant_lengths(form(U * T**2 * OMEGA, 2, 1), form(U * T**2, 2, 1), one)
-    assert (at_half_turn * at_half_turn - 2).is_zero
-    assert at_half_turn.sign == -1
