@@ -235,10 +235,11 @@ EXAMPLES: Mapping[str, Manipulator] = MappingProxyType(
         "zein-flat": Manipulator("30", "11", "27", "13", "9", "4", CCW),
         "twelve-cusps": Manipulator("10", "16.5", "12.5", "22.5", "38", "25.5", CW),
         "fourteen-cusps": Manipulator("10", "16.212", "9.019", "20.433", "32.895", "22.502", CW),
+        "sixteen-cusps": Manipulator("10", "16.73912", "7.39002", "23.66811", "24.59925", "5.45049", CCW),
     }
 )
-"""Manipulators by name: the article's first and second, and two with many cusps.
+"""Manipulators by name: the article's first and second, and three with many cusps in slices of leg 1.
 
 >>> sorted(EXAMPLES)
-['fourteen-cusps', 'innocenti', 'twelve-cusps', 'zein-flat']
+['fourteen-cusps', 'innocenti', 'sixteen-cusps', 'twelve-cusps', 'zein-flat']
 """

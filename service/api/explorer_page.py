@@ -16,7 +16,13 @@ EXPLORER_POLICY = (
 )
 """Nothing inline, nothing from elsewhere."""
 
-FIRST_SLICES = {"innocenti": "27", "zein-flat": "35", "twelve-cusps": "8.28", "fourteen-cusps": "5.96"}
+FIRST_SLICES = {
+    "innocenti": "27",
+    "zein-flat": "35",
+    "twelve-cusps": "8.28",
+    "fourteen-cusps": "5.96",
+    "sixteen-cusps": "14.46845",
+}
 """The slice of each example that is shown first."""
 
 
