@@ -14,11 +14,25 @@ from rpr_solver.verify.tables import table_claims
 
 Claims = Callable[[Geometry, Mapping[str, Any], Progress], Iterator[Claim]]
 
-CHECKERS: Mapping[str, tuple[str, Claims]] = {
-    "slices": ("cusp-table", table_claims),
-    "poses": ("poses", pose_claims),
-}
-"""The member by which a kind of document is known → its name, and its claims."""
+CLAIMS: Mapping[str, Claims] = {"cusp-table": table_claims, "poses": pose_claims}
+"""Kind of a document → its claims."""
+
+_MEMBERS: Mapping[str, str] = {"slices": "cusp-table", "poses": "poses"}
+"""The member by which a kind is known."""
+
+
+def kind_of(document: Mapping[str, Any]) -> tuple[str, Geometry]:
+    """The kind of a document that can be verified, and its manipulator.
+
+    Raises:
+        InputError: it is none; the member is named.
+    """
+    if not isinstance(document, Mapping):
+        raise InputError.of("document", f"{shown(document)} is not an object")
+    kinds = [kind for member, kind in _MEMBERS.items() if member in document]
+    if len(kinds) != 1:
+        raise InputError.of("document", f"is of no kind that can be verified; known are {', '.join(CLAIMS)}")
+    return kinds[0], Geometry.of(document)
 
 
 def verify_document(document: Mapping[str, Any], *, progress: Progress = silent) -> Verification:
@@ -44,14 +58,8 @@ def verify_document(document: Mapping[str, Any], *, progress: Progress = silent)
     >>> verify_document(document).refused[0].at
     '/slices/0/count'
     """
-    if not isinstance(document, Mapping):
-        raise InputError.of("document", f"{shown(document)} is not an object")
-    found = [checker for member, checker in CHECKERS.items() if member in document]
-    if len(found) != 1:
-        known = ", ".join(kind for kind, _ in CHECKERS.values())
-        raise InputError.of("document", f"is of no kind that can be verified; known are {known}")
-    [(kind, claims_of)] = found
-    geometry = Geometry.of(document)
+    kind, geometry = kind_of(document)
+    claims_of = CLAIMS[kind]
     try:
         claims = (_hash_claim(geometry, document), *claims_of(geometry, document, progress))
     except (KeyError, TypeError, AttributeError, IndexError) as error:  # a member that has another form

@@ -148,8 +148,9 @@ def question_responses(operation: Operation) -> Docs:
 
 def request_body(operation: Operation) -> dict[str, Any]:
     """Returns the parameters and the body of a question."""
+    geometry = {"geometry": EXAMPLE_GEOMETRY} if operation.question.names_geometry else {}
     examples = {
-        name: {"summary": summary, "value": {"geometry": EXAMPLE_GEOMETRY, **value}}
+        name: {"summary": summary, "value": {**geometry, **value}}
         for name, (summary, value) in operation.question.examples.items()
     }
     return {

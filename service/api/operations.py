@@ -23,6 +23,7 @@ from service.schemas.poses import PosesRequest, PoseTable
 from service.schemas.questions import Question
 from service.schemas.singular import SingularCurves, SingularCurvesRequest
 from service.schemas.tables import CuspTable, CuspTableRequest
+from service.schemas.verifications import Verification, VerificationRequest
 from worker.answers.kinds import kind_of_job
 
 WEB = Path(__file__).parent / "web"
@@ -235,7 +236,37 @@ otherwise.
     implied_wait=10,
 )
 
-OPERATIONS = (CUSP_TABLES, CENSUSES, CUSP_CURVES, CHECKS, POSES, PATHS, SINGULAR_CURVES, PLOTS)
+VERIFICATIONS = Operation(
+    path="/v1/verifications",
+    name="post_verification",
+    tag=("verifications", "Documents checked by independent means."),
+    summary="Whether a document is right, claim by claim",
+    description="""\
+Checks a document of this service, or of the command line, without the solver and its libraries: the equations
+are derived from the legs by SymPy, and digits and counts are proved by exact integers and intervals.
+
+Every claim of the document is listed with its place and its status: `proved`, `checked` (short of a proof;
+the reason says how far), `not checked`, or `refused`. A refused document is an answer too: 200 with `verdict`
+`refused`. The response waits for it, up to 10 seconds unless `Prefer` says otherwise; after that it is 202
+with a job.
+""",
+    question=VerificationRequest,
+    answer=Verification,
+    known="The verdict and its claims.",
+    implied_wait=10,
+)
+
+OPERATIONS = (
+    CUSP_TABLES,
+    CENSUSES,
+    CUSP_CURVES,
+    CHECKS,
+    POSES,
+    PATHS,
+    SINGULAR_CURVES,
+    PLOTS,
+    VERIFICATIONS,
+)
 
 _BY_KIND: Mapping[str, Operation] = {
     kind.name: operation for operation in OPERATIONS for kind in operation.question.kinds

@@ -11,10 +11,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import rpr_solver
 from rpr_solver.errors import InputError
-from service.cli import arguments
+from service.cli import arguments, remote
 from service.cli.pages import Page, Section, counted, write_document
 from service.cli.progress import progress_bar
+from service.schemas.document import read
+from service.schemas.verifications import VerificationRequest
 
 DESCRIPTION = f"{__doc__}\n\nExit status: 0 accepted, 1 refused, 2 bad input."
 EXAMPLES = """\
@@ -35,18 +38,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--json", dest="format", action="store_const", const="json", help="the same as --format json"
     )
+    remote.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    document = _read(args.document)
-    from rpr_solver.verify.documents import verify_document  # slow to load
+    members = {"document": _read(args.document), **remote.deadline_of(args)}
+    question = read(VerificationRequest, members, arguments.source())
 
-    with progress_bar(1, "parts") as progress:
-        verification = verify_document(document, progress=progress)
-    answer = verification.to_json()
+    def here() -> dict[str, Any]:
+        with progress_bar(1, "parts") as progress:
+            verification = rpr_solver.verify_document(question.document, progress=progress)
+        return {**question.geometry.identity_json(), **verification.to_json()}
+
+    answer = remote.here_or_there(args.url, question, here)
     write_document(answer, _page(answer), args.format)
-    return 0 if verification.accepted else REFUSED
+    return 0 if answer["verdict"] == "accepted" else REFUSED
 
 
 def _read(name: str) -> Mapping[str, Any]:

@@ -7,8 +7,8 @@
         answer = client.ask(census(EXAMPLES["innocenti"], digits=30))
     print(answer.typed.transitions[0].kind, len(answer.content))
 
-The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses`, `cusp_loop`, `joint_path` and
-`singular_curves` take what those of `rpr_solver` take; `plot` asks for a picture.
+The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses`, `cusp_loop`, `joint_path`,
+`singular_curves` and `verify_document` take what those of `rpr_solver` take; `plot` asks for a picture.
 `answer.content` is the document as the service sent it, byte for byte the compact JSON of the library's
 answer; `answer.document` is it as a dictionary, and `answer.typed` as a model. `client.slices` yields the
 slices of a table as they are computed; `client.ask_all` asks many questions in one batch and yields an
@@ -28,6 +28,7 @@ from service.client.questions import (
     plot,
     poses,
     singular_curves,
+    verify_document,
 )
 from service.client.results import ItemResult
 from service.client.settings import ClientSettings
@@ -53,4 +54,5 @@ __all__ = [
     "plot",
     "poses",
     "singular_curves",
+    "verify_document",
 ]

@@ -23,6 +23,7 @@ from service.schemas.poses import PosesRequest, PoseTable
 from service.schemas.questions import Question
 from service.schemas.singular import SingularCurves, SingularCurvesRequest
 from service.schemas.tables import CuspTable, CuspTableRequest
+from service.schemas.verifications import Verification, VerificationRequest
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -35,6 +36,7 @@ PATHS: Mapping[type[Question], tuple[str, type[BaseModel]]] = {
     PathRequest: ("/v1/paths", Path),
     SingularCurvesRequest: ("/v1/singular-curves", SingularCurves),
     PlotRequest: ("/v1/plots", Plot),
+    VerificationRequest: ("/v1/verifications", Verification),
 }
 """Question → where it is posted, and the model of its answer."""
 
@@ -270,6 +272,13 @@ def joint_path(
     if between is not None:
         members["between"] = _range(*between)
     return _asked(PathRequest, Path, manipulator, digits, deadline, members)
+
+
+def verify_document(document: Mapping[str, Any], *, deadline: float | None = None) -> Asked[Verification]:
+    """A verification of a document by independent means."""
+    members = {"document": document} | ({} if deadline is None else {"deadline_s": str(deadline)})
+    question = read(VerificationRequest, members, Source(Limits(), is_text=True))
+    return Asked(question, PATHS[VerificationRequest][0], Verification)
 
 
 def _asked(

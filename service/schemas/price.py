@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from rpr_solver.errors import FieldProblem
 from service.schemas.limits import LimitError, Limits
-from worker.answers import plots
+from worker.answers import plots, verifications
 from worker.answers.cost import Sizes, seconds, sizes
 from worker.answers.requests import JobRequest
 
@@ -44,6 +44,7 @@ def _ways(request: JobRequest, size: Sizes) -> dict[str, tuple[Sizes, str]]:
     if size.count > 1 and request.kind is not plots.KIND:
         listed = isinstance(content.get("l1"), list) or content.get("lengths")
         leg = f"l{content.get('fixed_leg', 1)}" if listed else "samples"
+        leg = "document" if request.kind is verifications.KIND else leg
         ways[leg] = (replace(size, count=1), f"ask for fewer than {size.count}")
     return ways
 

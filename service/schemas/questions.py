@@ -90,10 +90,12 @@ class Question(Document):
         expected: what to send, for messages.
         kinds: the kinds of documents that answer the question.
         examples: bodies for the documentation.
+        names_geometry: whether a body has the member `geometry`.
     """
 
     kinds: ClassVar[Sequence[Kind]]
     examples: ClassVar[Examples]
+    names_geometry: ClassVar[bool] = True
 
     geometry: GeometryField
     deadline_s: DeadlineSeconds = Field(

@@ -28,12 +28,14 @@ from service.client import (
     joint_path,
     poses,
     singular_curves,
+    verify_document,
 )
 from service.client.questions import PATHS
 from service.errors import ServiceError
 from worker.jobs.queue import JobQueue
 
 ZEIN = EXAMPLES["zein-flat"]
+TABLE = rpr_solver.table_document(ZEIN, 10, digits=15)
 AT_MOST_4 = Requirement(start=1, stop=10, max_cusps=4)
 
 KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
@@ -64,6 +66,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "singular curves": (
         singular_curves(ZEIN, "69/2", fixed_leg=2, tolerance="0.01"),
         lambda: rpr_solver.singular_curves(ZEIN, "69/2", fixed_leg=2, tolerance="0.01").to_json(),
+    ),
+    "verification": (
+        verify_document(TABLE, deadline=60),
+        lambda: {**ZEIN.identity_json(), **rpr_solver.verify_document(TABLE).to_json()},
     ),
     "path": (
         cusp_loop(ZEIN, 10, "B", samples=3, duration="2.5"),

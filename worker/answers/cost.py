@@ -12,7 +12,18 @@ from fractions import Fraction
 from math import gcd, lcm
 from typing import Any
 
-from worker.answers import article, censuses, checks, curves, paths, plots, poses, singular, tables
+from worker.answers import (
+    article,
+    censuses,
+    checks,
+    curves,
+    paths,
+    plots,
+    poses,
+    singular,
+    tables,
+    verifications,
+)
 from worker.answers.requests import JobRequest, Kind
 
 _INTERVALS = 20  # between two transitions, of a typical manipulator
@@ -71,6 +82,8 @@ def sizes(request: JobRequest) -> Sizes:
     points = len(content.get("lengths", ())) + per_interval * (content.get("samples") or 0)
     if request.kind is plots.KIND:
         points = _SLICES_OF_PLOTS.get(content["plot"], 1)
+    if request.kind is verifications.KIND:
+        points = parts_to_verify(content["document"])
     return Sizes(
         geometry=(max(bits) + 2 * sum(bits) // len(sides)) // 3,
         lengths=max((max(x.numerator.bit_length(), x.denominator.bit_length()) for x in legs), default=1),
@@ -158,6 +171,18 @@ def _plot(size: Sizes) -> float:
     return drawing if size.count == 1 else 2.5 + _events(size) + _slice(size) * size.count
 
 
+def parts_to_verify(document: Mapping[str, Any]) -> int:
+    """Returns how many slices a verification solves anew: those listed, or one in each interval."""
+    lists = [document.get(name) for name in ("slices", "intervals", "curves")]
+    return max((len(part) for part in lists if isinstance(part, list)), default=1) or 1
+
+
+def _verification(size: Sizes) -> float:
+    """Each slice is eliminated by itself; digits and long numbers make intervals wide."""
+    bits = size.geometry + size.lengths
+    return (0.15 + 2e-3 * bits + 2e-6 * bits**2 + 2e-4 * size.digits + 2e-8 * size.digits**2) * size.count
+
+
 def _path(size: Sizes) -> float:
     """The slice, the search of the path, and its samples."""
     sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits)
@@ -177,6 +202,7 @@ _COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {
     checks.KIND: lambda size: Cost(0.0, _events(size)),
     paths.KIND: lambda size: Cost(0.0, _path(size)),
     singular.KIND: lambda size: Cost(0.0, _singular(size)),
+    verifications.KIND: lambda size: Cost(0.0, _verification(size)),
     plots.KIND: lambda size: Cost(0.0, _plot(size)),
     curves.KIND: lambda size: Cost(0.0, 2.5 + _events(size) + _slice(size) * size.count),
 }

@@ -8,7 +8,19 @@ from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.contract import Progress
-from worker.answers import article, batches, censuses, checks, curves, paths, plots, poses, singular, tables
+from worker.answers import (
+    article,
+    batches,
+    censuses,
+    checks,
+    curves,
+    paths,
+    plots,
+    poses,
+    singular,
+    tables,
+    verifications,
+)
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable, stored_table
@@ -42,6 +54,7 @@ COMPUTATIONS: Mapping[Kind, Computation] = {
     paths.KIND: Computation(paths.compute),
     singular.KIND: Computation(singular.compute),
     plots.KIND: Computation(plots.compute),
+    verifications.KIND: Computation(verifications.compute),
 }
 KINDS = (tables.KIND, *COMPUTATIONS)
 """The kinds of documents."""

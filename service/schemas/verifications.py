@@ -1,0 +1,138 @@
+"""Verifications of documents: the question, and the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BaseModel, Field, PlainValidator, ValidationInfo, model_validator
+from pydantic.json_schema import SkipJsonSchema
+
+from rpr_solver import MAX_DIGITS, MIN_DIGITS, Manipulator
+from rpr_solver.errors import InputError
+from rpr_solver.verify.documents import kind_of
+from service.schemas.document import Expected, Source, unnamed
+from service.schemas.exact_json import JsonNumber, json_kind
+from service.schemas.points import GeometryText
+from service.schemas.questions import Examples, GeometryField, Question
+from worker.answers import verifications
+from worker.answers.requests import Kind
+
+_EXAMPLE: dict[str, Any] = {
+    "geometry": {
+        **{"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"},
+        "orientation": "ccw",
+    },
+    "geometry_hash": "sha256:4a1f436b75ff0f42fbdf88a45157367229732340c0a95c36e0768583676bb06b",
+    "fixed_leg": 1,
+    "digits": 15,
+    "solver_version": "4",
+    "slices": [{"l1": "0.1", "count": 0, "cusps": [], "degenerate_points": []}],
+}
+
+
+def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
+    if not isinstance(value, Mapping):
+        raise InputError.of("", f"is {json_kind(value)}; give a document of this service")
+    document: dict[str, Any] = _plain(value)
+    with unnamed("document"):
+        kind_of(document)
+        Manipulator.from_json(document["geometry"])
+    limits = Source.of(info).limits
+    for name, text in document["geometry"].items():
+        if len(str(text)) > 2 * limits.max_number_digits + 20:
+            raise InputError.of(f"geometry.{name}", f"has more than {limits.max_number_digits} digits")
+    return document
+
+
+def _plain(value: object) -> Any:
+    """The document with its integers as such, so that it is what the service sent."""
+    if isinstance(value, JsonNumber):
+        return int(value) if value.lstrip("-").isdigit() and len(value) < 20 else str(value)
+    if isinstance(value, Mapping):
+        return {name: _plain(item) for name, item in value.items()}
+    if isinstance(value, list):
+        return [_plain(item) for item in value]
+    return value
+
+
+class VerificationRequest(Question):
+    """A document to verify, as this service or the command line gave it."""
+
+    expected: ClassVar[str] = "send an object with document"
+    kinds: ClassVar[Sequence[Kind]] = (verifications.KIND,)
+    examples: ClassVar[Examples] = {"table": ("A table without cusps", {"document": _EXAMPLE})}
+    names_geometry: ClassVar[bool] = False
+
+    geometry: SkipJsonSchema[GeometryField] = Field(exclude=True)
+    document: Annotated[
+        dict[str, Any],
+        PlainValidator(_document, json_schema_input_type=dict[str, Any]),
+        Expected("give a document of this service, with its geometry"),
+    ] = Field(description="The document, its numbers as text: a cusp table, or a table of poses.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_its_geometry(cls, value: Any) -> Any:
+        """The geometry is that of the document; whatever is wrong with it, the document's validation says."""
+        document = value.get("document")
+        geometry = document.get("geometry") if isinstance(document, Mapping) else None
+        try:
+            manipulator = Manipulator.from_json(_plain(geometry))
+        except InputError:
+            manipulator = Manipulator.from_json(_EXAMPLE["geometry"])
+        return {**value, "geometry": manipulator}
+
+    @classmethod
+    def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
+        return [name for name in super()._members(value) if name != "geometry"]
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question."""
+        digits = self.document.get("digits")
+        whole = isinstance(digits, int) and MIN_DIGITS <= digits <= MAX_DIGITS
+        return {
+            "geometry": self.geometry.to_json(),
+            "digits": digits if whole else MIN_DIGITS,
+            "document": self.document,
+        }
+
+    def _asked(self) -> dict[str, Any]:
+        return {"document": self.document}
+
+
+class VerifiedClaim(BaseModel):
+    """A claim of the document, and how it stands."""
+
+    at: str = Field(description="The member that makes it, a JSON pointer (RFC 6901).")
+    claim: str
+    status: Literal["proved", "checked", "not checked", "refused"]
+    reason: str
+
+
+class VerifiedDocument(BaseModel):
+    """Which document was verified."""
+
+    kind: str
+    geometry_hash: str
+    solver_version: str = Field(description="Of the solver that made it.")
+
+
+class ClaimCounts(BaseModel):
+    """How many claims stand in which way."""
+
+    proved: int
+    checked: int
+    not_checked: int
+    refused: int
+
+
+class Verification(BaseModel):
+    """What an independent verification says of a document."""
+
+    geometry: GeometryText
+    geometry_hash: str
+    verdict: Literal["accepted", "refused"] = Field(description="Accepted if no claim is refused.")
+    document: VerifiedDocument
+    counts: ClaimCounts
+    claims: list[VerifiedClaim]

@@ -1,0 +1,57 @@
+"""Verifications over HTTP: the verdict on right and wrong documents, and what is no document."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import Any
+
+import httpx
+import pytest
+
+from rpr_solver import EXAMPLES, table_document, verify_document
+from tests.service.api.test_documents_api import is_whole
+
+TABLE = table_document(EXAMPLES["zein-flat"], [10], digits=15)
+
+
+def without_a_cusp() -> dict[str, Any]:
+    document = deepcopy(TABLE)
+    document["slices"][0]["cusps"].pop()
+    return document
+
+
+@pytest.mark.parametrize(("document", "verdict"), [(TABLE, "accepted"), (without_a_cusp(), "refused")])
+def test_a_document_is_accepted_or_refused(api: httpx.Client, document: dict[str, Any], verdict: str) -> None:
+    answer = api.post("/v1/verifications", json={"document": document})
+    assert answer.status_code == 200
+    expected = verify_document(document).to_json()
+    assert answer.json() == {**EXAMPLES["zein-flat"].identity_json(), **expected}
+    assert answer.json()["verdict"] == verdict
+    assert is_whole("Verification", answer.json())
+
+
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        ({}, "document"),
+        ({"document": 1}, "document"),
+        ({"document": {**TABLE, "poses": []}}, "document"),
+        ({"document": {**TABLE, "geometry": {}}}, "document.geometry.a2x"),
+        (
+            {"document": {**TABLE, "geometry": {**TABLE["geometry"], "a2x": "9" * 999}}},
+            "document.geometry.a2x",
+        ),
+        ({"document": TABLE, "geometry": TABLE["geometry"]}, "geometry"),
+        ({"document": {**TABLE, "slices": [{"l1": "1", "cusps": []}] * 3000}}, "document"),
+    ],
+)
+def test_what_cannot_be_verified_is_refused_at_once(api: httpx.Client, body: object, field: str) -> None:
+    answer = api.post("/v1/verifications", json=body)
+    assert answer.status_code == 422
+    assert field in [fault["field"] for fault in answer.json()["errors"]]
+
+
+def test_a_document_that_cannot_be_read_fails_as_a_job(api: httpx.Client) -> None:
+    answer = api.post("/v1/verifications", json={"document": {**TABLE, "slices": [{"l1": "x"}]}})
+    assert answer.status_code == 422
+    assert "/slices/0/l1" in answer.text
