@@ -30,8 +30,8 @@ def designs(tmp_path: Path) -> Path:
     return folder
 
 
-def test_a_requirement_that_holds() -> None:
-    done = run("check", "zein-flat", *RANGE, "--max-cusps", "4", "--format", "json")
+def test_a_requirement_that_holds(run_here: Run) -> None:
+    done = run_here("check", "zein-flat", *RANGE, "--max-cusps", "4", "--format", "json")
     assert (done.returncode, done.stderr) == (0, "1 checked: 1 passed, 0 failed\n")
     printed = json.loads(done.stdout)
     requirement = Requirement.from_json({"range": {"from": "1", "to": "10"}, "max_cusps": 4})
@@ -86,7 +86,7 @@ def test_annotations_on_github_leave_the_json_whole(run_here: Run) -> None:
     assert shown.stdout.splitlines()[-1].startswith(
         "::error title=standard input%3A check failed::2 cusps at L1 = "
     )
-    machine = run(*args, "--format", "json", stdin=ZEIN, GITHUB_ACTIONS="true")
+    machine = run_here(*args, "--format", "json", stdin=ZEIN, GITHUB_ACTIONS="true")
     assert json.loads(machine.stdout)["passed"] is False
     assert machine.stderr.splitlines()[1].startswith("::error ")
     assert (shown.returncode, machine.returncode) == (1, 1)
@@ -170,8 +170,8 @@ def test_reports_are_opened_before_the_work(run_here: Run, tmp_path: Path) -> No
         assert done.stderr.startswith(f"rpr-cusps check: {option}: {missing!r} cannot be written")
 
 
-def test_a_report_on_a_full_disk_is_one_line() -> None:
-    done = run("check", "zein-flat", "--l1", "1", "--expect-cusps", "4", "--junit", "/dev/full")
+def test_a_report_on_a_full_disk_is_one_line(run_here: Run) -> None:
+    done = run_here("check", "zein-flat", "--l1", "1", "--expect-cusps", "4", "--junit", "/dev/full")
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr == "rpr-cusps check: cannot write to '/dev/full': No space left on device\n"
 

@@ -23,13 +23,13 @@ from rpr_solver import (
     table_csv,
 )
 from rpr_solver.article.audit import article_document
-from tests.support.cli_process import Run, run
+from tests.support.cli_process import Run
 
 LEGS = ("--l1", "14.98", "--l2", "15", "--l3", "30")
 
 
 def test_poses_as_json_and_as_text(run_here: Run) -> None:
-    done = run("poses", "innocenti", *LEGS, "--digits", "20", "--format", "json")
+    done = run_here("poses", "innocenti", *LEGS, "--digits", "20", "--format", "json")
     assert (done.returncode, done.stderr) == (0, "")
     expected = poses(EXAMPLES["innocenti"], "14.98", 15, 30, digits=20).to_json()
     assert json.loads(done.stdout) == expected
@@ -82,25 +82,25 @@ def test_a_path_from_pose_to_pose_or_why_there_is_none(run_here: Run) -> None:
 
 
 @pytest.mark.slow
-def test_the_articles_method_shows_its_factors(base_url: str) -> None:
+def test_the_articles_method_shows_its_factors(run_here: Run, base_url: str) -> None:
     args = ("solve", "innocenti", "--l1", "14.98", "--digits", "20", "--method", "article")
-    lines = run(*args).stdout.splitlines()
+    lines = run_here(*args).stdout.splitlines()
     assert "L1 = 14.98: 6 cusps" in lines
     head = lines.index("The article's eliminant of degree 96, factor by factor")
     assert lines[head + 1].split("  ")[0] == "factor"
     assert sum(line.startswith("  rejected (") for line in lines) > 0
-    here = run(*args, "--format", "json")
+    here = run_here(*args, "--format", "json")
     assert (here.returncode, here.stderr) == (0, "")
     document = json.loads(here.stdout)
     assert document == article_document(EXAMPLES["innocenti"], [Fraction("14.98")], 20)
-    assert run(*args, "--format", "csv").stdout == table_csv(document)
-    assert run(*args, "--format", "json", "--url", base_url).stdout == here.stdout
+    assert run_here(*args, "--format", "csv").stdout == table_csv(document)
+    assert run_here(*args, "--format", "json", "--url", base_url).stdout == here.stdout
 
 
 def test_a_census_in_every_form(run_here: Run) -> None:
     m, start, stop = EXAMPLES["zein-flat"], Fraction(22), Fraction(32)
     part = ("census", "zein-flat", "--l1-range", "22:32", "--digits", "20")
-    done = run(*part, "--format", "json")
+    done = run_here(*part, "--format", "json")
     assert (done.returncode, done.stderr) == (0, "")
     document = json.loads(done.stdout)
     assert document == census(m, digits=20, start=start, stop=stop).to_json()
@@ -119,27 +119,27 @@ def test_a_census_of_another_leg(run_here: Run) -> None:
 
 
 @pytest.mark.slow
-def test_cusp_curves_in_every_form() -> None:
+def test_cusp_curves_in_every_form(run_here: Run) -> None:
     args = ("curves", "zein-flat", "--l1-range", "3:3.2:0.1", "--l1", "3.15", "--digits", "20")
-    done = run(*args, "--format", "json")
+    done = run_here(*args, "--format", "json")
     assert (done.returncode, done.stderr) == (0, "")
     document = json.loads(done.stdout)
     lengths = [Fraction(x) for x in ("3", "3.1", "3.15", "3.2")]
     expected = cusp_curves(EXAMPLES["zein-flat"], digits=20).sampled(lengths).within(lengths[0], lengths[-1])
     assert document == expected.to_json()
-    assert run(*args, "--format", "csv").stdout == curves_csv(document)
-    lines = run(*args).stdout.splitlines()
+    assert run_here(*args, "--format", "csv").stdout == curves_csv(document)
+    lines = run_here(*args).stdout.splitlines()
     assert "L1: 4 cusp curves" in lines
     assert sum(line.startswith("C3 ") for line in lines) == 1 + len(lengths)
 
 
 @pytest.mark.long
-def test_cusp_curves_of_another_leg() -> None:
-    done = run("curves", "zein-flat", "--l2-range", "10:20", "--samples", "2", "--digits", "15")
+def test_cusp_curves_of_another_leg(run_here: Run) -> None:
+    done = run_here("curves", "zein-flat", "--l2-range", "10:20", "--samples", "2", "--digits", "15")
     assert done.returncode == 0
     assert "L2: " in done.stdout
     assert "θ2 [deg]" in done.stdout
-    same = run("curves", "zein-flat", "--l2", "15", "--digits", "15", "--format", "csv")
+    same = run_here("curves", "zein-flat", "--l2", "15", "--digits", "15", "--format", "csv")
     assert same.stdout.startswith("curve,l2,cusp,alpha_deg,theta2_deg,l1,l3\n")
 
 

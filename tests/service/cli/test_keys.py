@@ -10,7 +10,7 @@ import pytest
 
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.cli_process import Run, run
+from tests.support.cli_process import Run
 from tests.support.processes import until
 from tests.support.service_server import serving
 from worker.process.pool import WorkerPool
@@ -91,9 +91,9 @@ def test_solve_sends_the_key_of_the_environment(run_here: Run, valkey: EmbeddedV
     try:
         with serving(Settings(redis_url=redis, require_keys="always")) as url:
             question = ("solve", "innocenti", "--l1", "14.98", "--digits", "15", "--url", url)
-            refused = run(*question)
+            refused = run_here(*question)
             assert (refused.returncode, "This service asks for a key" in refused.stderr) == (2, True)
             key = run_here("keys", "create", "solver", "--redis-url", redis).stdout.strip()
-            assert run(*question, RPR_CUSPS_API_KEY=key).returncode == 0
+            assert run_here(*question, RPR_CUSPS_API_KEY=key).returncode == 0
     finally:
         pool.stop()

@@ -8,13 +8,15 @@ import pty
 import re
 import signal
 import subprocess
+import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from rpr_solver import EXAMPLES, table_csv, table_document
-from service.cli.main import COMMANDS
+from service.cli.main import COMMANDS, main
 from tests.support.cli_process import ENVIRONMENT, Run, command, run
 from tests.support.processes import PATIENCE, started
 
@@ -92,23 +94,26 @@ def test_ndjson_is_a_slice_a_line(run_here: Run) -> None:
     assert done.returncode == 2
 
 
-def on_terminal(width: int, *args: str) -> list[str]:
+def on_terminal(patch: pytest.MonkeyPatch, width: int, *args: str) -> list[str]:
     """Returns what a command prints on a terminal of this width, without colours and the progress bar."""
-    main, side = pty.openpty()
-    environment = {**ENVIRONMENT, "TERM": "xterm", "COLUMNS": str(width)}
-    with started(command(*args), stdout=side, stderr=subprocess.DEVNULL, env=environment) as process:
-        os.close(side)
-        text = b"".join(chunks(main)).decode()
-        assert process.wait(PATIENCE) == 0
+    patch.setenv("TERM", "xterm")
+    patch.setenv("COLUMNS", str(width))
+    terminal, side = pty.openpty()
+    with ThreadPoolExecutor() as pool, os.fdopen(side, "w", encoding="utf-8") as stdout:
+        patch.setattr(sys, "stdout", stdout)
+        shown = pool.submit(lambda: b"".join(chunks(terminal)).decode())
+        assert main(args) == 0
+        stdout.close()
+        text = shown.result(PATIENCE)
     return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text).splitlines()
 
 
 def test_a_bar_on_the_terminal_leaves_stdout_alone() -> None:
-    main, side = pty.openpty()
+    terminal, side = pty.openpty()
     line, pipe = command(*SLICE, "--format", "csv"), subprocess.PIPE
     with started(line, stdout=pipe, stderr=side, env={**ENVIRONMENT, "TERM": "xterm"}) as process:
         os.close(side)
-        shown = b"".join(chunks(main)).decode()
+        shown = b"".join(chunks(terminal)).decode()
         text = process.stdout.read().decode()
         assert process.wait(PATIENCE) == 0
     assert text == table_csv(table_document(EXAMPLES["innocenti"], "14.98", digits=15))
@@ -125,11 +130,11 @@ def chunks(terminal: int) -> Iterator[bytes]:
 
 
 @pytest.mark.parametrize("width", [40, 80, 200])
-def test_words_are_whole_on_a_terminal_and_lines_fit(width: int) -> None:
-    census = on_terminal(width, "census", "zein-flat", "--l1-range", "22:32", "--digits", "60")
+def test_words_are_whole_on_a_terminal_and_lines_fit(monkeypatch: pytest.MonkeyPatch, width: int) -> None:
+    census = on_terminal(monkeypatch, width, "census", "zein-flat", "--l1-range", "22:32", "--digits", "60")
     assert sum("swallowtail" in line for line in census) == 4
     legs = ("--l1", "14.98", "--l2", "16", "--l3", "20")
-    poses = on_terminal(width, "poses", "innocenti", *legs)
+    poses = on_terminal(monkeypatch, width, "poses", "innocenti", *legs)
     assert "mult." in " ".join(poses)
     assert any("all 90 digits are in --format json" in " ".join(poses[i : i + 3]) for i in range(len(poses)))
     assert "csv" not in " ".join(poses)

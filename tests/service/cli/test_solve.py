@@ -23,18 +23,18 @@ from tests.support.service_server import GEOMETRY
 from worker.jobs.queue import JobQueue
 
 
-def test_solve_prints_json_like_the_service(base_url: str) -> None:
-    here = run("solve", "innocenti", "--l1", "14.98", "--format", "json")
+def test_solve_prints_json_like_the_service(run_here: Run, base_url: str) -> None:
+    here = run_here("solve", "innocenti", "--l1", "14.98", "--format", "json")
     assert (here.returncode, here.stderr) == (0, "")
     body = {"geometry": GEOMETRY, "l1": 14.98}
     there = httpx.post(f"{base_url}/v1/cusp-tables", json=body, headers={"Prefer": "wait=20"})
     assert json.loads(here.stdout) == there.json()
 
 
-def test_solve_by_a_service_is_the_same(base_url: str) -> None:
+def test_solve_by_a_service_is_the_same(run_here: Run, base_url: str) -> None:
     slices = ("--l1", "14.98", "--l1-range", "10.001:10.05:0.001", "--digits", "40", "--format", "csv")
-    there = run("solve", "zein-flat", *slices, "--url", base_url, "--deadline", "300")
-    here = run("solve", "zein-flat", *slices)
+    there = run_here("solve", "zein-flat", *slices, "--url", base_url, "--deadline", "300")
+    here = run_here("solve", "zein-flat", *slices)
     assert (there.returncode, there.stderr) == (0, "")
     assert there.stdout == here.stdout
 
@@ -64,7 +64,9 @@ def test_the_geometry_may_come_from_a_file_or_standard_input(run_here: Run, tmp_
     file.write_text(json.dumps(GEOMETRY))
     named = run_here("solve", "innocenti", "--l1", "3", "--digits", "20", "--format", "json")
     read = run_here("solve", str(file), "--l1", "3", "--digits", "20", "--format", "json")
-    piped = run("solve", "-", "--l1", "3.0", "--digits", "20", "--format", "json", stdin=json.dumps(GEOMETRY))
+    piped = run_here(
+        "solve", "-", "--l1", "3.0", "--digits", "20", "--format", "json", stdin=json.dumps(GEOMETRY)
+    )
     assert named.stdout == read.stdout == piped.stdout
     assert json.loads(named.stdout)["slices"]
 
@@ -108,27 +110,27 @@ def test_bad_input_is_one_line_and_status_2(
     assert done.stderr.startswith(f"rpr-cusps {args[0]}: " if args and args[0] != "bogus" else "rpr-cusps: ")
 
 
-def test_a_bad_setting_in_the_environment_is_named() -> None:
-    done = run("solve", "innocenti", "--l1", "1", RPR_CUSPS_MAX_DIGITS="many")
+def test_a_bad_setting_in_the_environment_is_named(run_here: Run) -> None:
+    done = run_here("solve", "innocenti", "--l1", "1", RPR_CUSPS_MAX_DIGITS="many")
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)
     assert "RPR_CUSPS_MAX_DIGITS" in done.stderr
 
 
-def test_a_slice_without_an_answer_is_reported_with_the_others() -> None:
-    done = run("solve", "innocenti", "--l1", "0", "--l1", "14.98", "--digits", "15")
+def test_a_slice_without_an_answer_is_reported_with_the_others(run_here: Run) -> None:
+    done = run_here("solve", "innocenti", "--l1", "0", "--l1", "14.98", "--digits", "15")
     assert done.returncode == 2
     assert "L1 = 14.98: 6 cusps" in done.stdout
     assert done.stderr.startswith("rpr-cusps solve: L1 = 0: no answer (input-error)")
 
 
-def test_no_service_is_status_3() -> None:
-    done = run("solve", "innocenti", "--l1", "1", "--url", "http://127.0.0.1:1")
+def test_no_service_is_status_3(run_here: Run) -> None:
+    done = run_here("solve", "innocenti", "--l1", "1", "--url", "http://127.0.0.1:1")
     assert (done.returncode, done.stderr.count("\n")) == (3, 1)
     assert "no service answers at http://127.0.0.1:1" in done.stderr
 
 
-def test_a_refusal_of_the_service_is_status_2(idle_url: str) -> None:
-    done = run("solve", "innocenti", "--l1-range", "1:100:1", "--url", idle_url)
+def test_a_refusal_of_the_service_is_status_2(run_here: Run, idle_url: str) -> None:
+    done = run_here("solve", "innocenti", "--l1-range", "1:100:1", "--url", idle_url)
     assert done.returncode == 2
     assert "max_slices is 5" in done.stderr
 
