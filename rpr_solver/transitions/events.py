@@ -147,34 +147,45 @@ def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
             yield Landmark(length)
 
 
-def _system_events(system: System, name: Namer | None) -> Iterator[Event]:
-    """The events of one system, with their kinds if ``name`` gives them, else their lengths alone."""
+def _system_events(system: System, name: Namer | None) -> list[Event]:
+    """The events of one system, with their kinds if ``name`` gives them, else their lengths alone.
+
+    Those of balls come first, and either ascend in θ: the order in which events of equal L are listed.
+    """
     eliminant = system.eliminant.polynomial
     if simple_and_finite(eliminant, system.eliminant.degree):
         proved = [_prove(system, root, name) for root in real_roots(eliminant)]
         if None not in proved:
-            yield from filter(None, proved)
-            return
-    if system.eliminant.zeros_at_infinity:
-        yield from _exact_events(system, None, named=name is not None)
+            return sorted(filter(None, proved), key=_direction)
     simple, others = simple_and_other_roots(eliminant)
-    undecided = []
+    by_balls, undecided = [], []
     for root in simple:
-        if (proof := _prove(system, root, name)) is None:
+        if (event := _prove(system, root, name)) is None:
             undecided.append(root)
         else:
-            yield proof
+            by_balls.append(event)
     if undecided:
         others += exact_counterparts(undecided, eliminant)
-    for exact in others:
-        yield from _exact_events(system, exact, named=name is not None)
+    places: list[ExactRoot | None] = [*others]
+    if system.eliminant.zeros_at_infinity:
+        places.append(None)
+    exact = [event for place in places for event in _exact_events(system, place, named=name is not None)]
+    return [*sorted(by_balls, key=_direction), *sorted(exact, key=_direction)]
 
 
-def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Iterator[Event]:
+def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Iterator[Landmark]:
     if named:
         yield from events_above(system, root)
     else:
         yield from (Landmark(pose.length) for pose in located_poses(system, root))
+
+
+def _direction(event: Event) -> arb:
+    """A middle of θ in degrees, −180 for 180; 0 if only the length is known."""
+    if event.pose is None:
+        return arb(0)
+    theta = event.pose.coordinates(_START_BITS)[1]
+    return arb(-180) if theta == 180 else theta.mid()
 
 
 def _prove(system: System, root: RealRoot, name: Namer | None) -> BallEvent | None:
