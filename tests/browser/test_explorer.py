@@ -183,6 +183,39 @@ def test_curves_become_finer_under_the_glass(base_url: str, open_page: Open) -> 
     assert middle(cusp)[1] > board[1] + 50
 
 
+def test_the_poses_of_a_place_in_joint_space(base_url: str, open_page: Open, inspect: Inspect) -> None:
+    page = open_page(base_url, expected="422")
+    count_is(page, "L1 = 27: 8 cusps")
+    expect(page.locator("#play")).to_be_enabled()
+    poses = page.get_by_role("group", name="Pose", exact=True).get_by_role("radio")
+    page.locator("#slice-board text.modes", has_text="4").first.click()
+    expect(page.locator("#pose-count")).to_have_text(re.compile(r"^L1 = 27, L2 = \d.*: 4 poses$"))
+    expect(poses).to_have_count(4)
+    expect(poses.first).to_be_checked()
+    b1 = page.locator("#mechanism-board .joint").nth(1)
+    before = middle(b1)
+    poses.first.focus()
+    page.keyboard.press("ArrowDown")
+    expect(poses.nth(1)).to_be_checked()
+    assert middle(b1) != before
+    l2, l3 = (page.locator(f"#{name}").input_value() for name in ("l2", "l3"))
+    expect(page).to_have_url(re.compile(re.escape(f"&p={l2},{l3},2")))
+    inspect(page, "poses")
+
+    page.get_by_label("What to call").select_option("poses")
+    body = json.loads(re.search(r"-d '(.*)'$", page.locator("#code").inner_text(), re.DOTALL)[1])  # type: ignore[index]
+    answer = httpx.post(f"{base_url}/v1/poses", json=body, headers={"Prefer": "wait=10"}).json()
+    assert (answer["l2"], answer["l3"], answer["count"]) == (l2, l3, 4)
+
+    page.get_by_label("or a region").select_option(index=1)
+    expect(poses).to_have_count(6)
+    page.locator("#l3").fill("-1")
+    expect(page.locator("#l3-error")).to_contain_text("l3 is -1")
+    page.get_by_role("button", name="Select cusp B").click()
+    expect(page.locator("#pose-list")).to_be_hidden()
+    assert "&p=" not in page.url
+
+
 def test_a_loop_round_a_cusp_is_played(base_url: str, open_page: Open, inspect: Inspect) -> None:
     page = open_page(base_url)
     count_is(page, "L1 = 27: 8 cusps")

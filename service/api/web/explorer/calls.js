@@ -30,6 +30,14 @@ const QUESTIONS = {
       print: 'for sample in answer["samples"]:\n    print(sample["time"], sample["l2"], sample["l3"])',
     }),
   },
+  poses: {
+    path: "v1/poses",
+    members: ({ l1, at }) => ({ l1, l2: at.l2, l3: at.l3, digits: 30 }),
+    python: ({ l1, at }) => ({
+      ask: ["poses", [...[l1, at.l2, at.l3].map((length) => JSON.stringify(length)), "digits=30"]],
+      print: 'for pose in answer["poses"]:\n    print(pose["alpha_deg"], pose["theta1_deg"])',
+    }),
+  },
   census: {
     path: "v1/censuses",
     members: () => ({ digits: 30 }),
@@ -105,6 +113,8 @@ export class Calls {
 
   show(state) {
     this.#state = state;
+    this.#question.querySelector("[value=poses]").disabled = !state.at;
+    if (!state.at && this.#question.value === "poses") this.#question.value = "cusps";
     this.#write();
   }
 

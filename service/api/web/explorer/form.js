@@ -73,7 +73,7 @@ export function firstExample() {
 }
 
 function exampleOf(option) {
-  return { geometry: geometryOf(option.value), l1: option.dataset.l1, cusp: 0 };
+  return { geometry: geometryOf(option.value), l1: option.dataset.l1, cusp: 0, at: null };
 }
 
 function write(input, text) {

@@ -2,10 +2,11 @@
 
 import { ROOM_FOR_AXES, bindZoom, fit, makeBoard, makeLine, makePoint, put, zoomAbout } from "./board.js";
 import { CurveLayer, wrapped } from "./curves.js";
-import { shortened } from "./decimals.js";
+import { decimal, gridPlaces, shortened, toNumber } from "./decimals.js";
 import { letterOf } from "./state.js";
 
 const REST = 300; // ms
+const STILL = 4; // pixels that a click may move
 const AXES = { joint: ["L2", "L3"], torus: ["α [deg]", "θ1 [deg]"] };
 const PLACES = {
   joint: (cusp) => [Number(cusp.l2), Number(cusp.l3)],
@@ -26,6 +27,7 @@ export class JointSpace {
   #others = null; // points that are no cusps
   #loop = null;
   #here = null;
+  #poses = []; // marks of a joint vector, or of its poses
   #unfitted = 0;
   #slice = null;
   #selected = 0;
@@ -33,15 +35,17 @@ export class JointSpace {
   #onSelect;
   #onVisit;
   #onZoom;
+  #onPick;
   #timer = null;
   #whole = 1; // what is seen of the first axis if all is shown
 
   /**
-   * `onSelect(index)` is told which cusp was chosen, `onVisit(index)` which one is looked at, and
-   * `onZoom(factor)` how much the picture is magnified.
+   * `onSelect(index)` is told which cusp was chosen, `onVisit(index)` which one is looked at,
+   * `onPick({l2, l3})` which other place of the joint space, and `onZoom(factor)` how much the picture is magnified.
    */
-  constructor({ onSelect, onVisit, onZoom }) {
+  constructor({ onSelect, onVisit, onPick, onZoom }) {
     this.#onZoom = onZoom;
+    this.#onPick = onPick;
     this.#onSelect = onSelect;
     this.#onVisit = onVisit;
     const zoom = (factor) => this.#zoom(factor);
@@ -113,6 +117,22 @@ export class JointSpace {
     this.#board.update();
   }
 
+  /** Marks a joint vector or, on the torus, its poses, the chosen one filled; nothing without a vector. */
+  drawPoses(at, poses) {
+    const places = this.#view === "joint" ? [[toNumber(at?.l2), toNumber(at?.l3)]] : poses.map(PLACES.torus);
+    const marks = at ? places.map((place, k) => ({ place, isChosen: places.length === 1 || k === at.pose })) : [];
+    while (this.#poses.length > marks.length) this.#board.removeObject(this.#poses.pop());
+    while (this.#poses.length < marks.length) {
+      this.#poses.push(makePoint(this.#board, "", { cssClass: "pose-point", size: 5, layer: 8 }));
+      this.#poses.at(-1).rendNode.setAttribute("aria-hidden", "true");
+    }
+    marks.forEach(({ place, isChosen }, k) => {
+      put(this.#poses[k], place);
+      this.#poses[k].rendNode.classList.toggle("chosen", isChosen);
+    });
+    this.#board.update();
+  }
+
   showAll() {
     if (!this.#board) return;
     const places = (this.#slice?.cusps ?? []).map(PLACES[this.#view]);
@@ -147,7 +167,8 @@ export class JointSpace {
     container.replaceWith(fresh);
     this.#view = view;
     this.#board = makeBoard("slice-board", view === "joint" ? "Joint space of the slice" : "Torus of its poses", AXES[view]);
-    this.#points = [];
+    [this.#points, this.#poses] = [[], []];
+    if (view === "joint") this.#bindPicking(fresh);
     this.#board.on("boundingbox", () => this.#magnified());
     this.#layer = new CurveLayer(this.#board, view);
     this.#layer.set(this.#curves);
@@ -157,6 +178,21 @@ export class JointSpace {
     this.#here.rendNode.setAttribute("aria-hidden", "true");
     this.#group = this.#board.renderer.layer[9];
     this.#group.addEventListener("keydown", (event) => this.#key(event), true);
+  }
+
+  /** Takes a click beside the cusps as a joint vector, on the grid of decimals that pixels tell apart. */
+  #bindPicking(container) {
+    let start = null;
+    container.classList.add("picks");
+    container.addEventListener("pointerdown", ({ clientX, clientY }) => (start = [clientX, clientY]), true);
+    container.addEventListener("click", (event) => {
+      const isStill = start && Math.hypot(event.clientX - start[0], event.clientY - start[1]) < STILL;
+      if (!isStill || event.target.closest("[data-cusp]")) return;
+      const { unitX, unitY } = this.#board;
+      const place = this.#board.getUsrCoordsOfMouse(event);
+      const [l2, l3] = place.map((x, k) => decimal(x, gridPlaces(1000 / [unitX, unitY][k])));
+      if (Math.min(l2, l3) > 0) this.#onPick({ l2, l3 });
+    });
   }
 
   #point(index) {

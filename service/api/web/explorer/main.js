@@ -10,6 +10,7 @@ import { JointSpace, spoken } from "./joint_space.js";
 import { Mechanism } from "./mechanism.js";
 import { Motion } from "./motion.js";
 import { Banner, Progress, say } from "./notices.js";
+import { Poses } from "./poses.js";
 import { geometryText, hashOf, letterOf, stateOf } from "./state.js";
 import { CuspTable, copy } from "./table.js";
 
@@ -26,6 +27,7 @@ class Explorer {
   #curves = null; // the singular curves that are drawn
   #slice = null; // the slice that is drawn, perhaps of a state that has passed
   #census = null; // the geometry whose census is drawn
+  #poseTable = null; // the poses that are drawn, perhaps of a state that has passed
   #tolerance = TOLERANCES[0][1];
   #timer = null;
 
@@ -37,15 +39,17 @@ class Explorer {
   #joint = new JointSpace({
     onSelect: (index) => this.#select(index),
     onVisit: (index) => this.#visit(index),
+    onPick: (vector) => this.#pick(vector),
     onZoom: (factor) => this.#refine(factor),
   });
   #table = new CuspTable({ onSelect: (index) => this.#select(index), say });
   #motion = new Motion({ onMove: (sample) => this.#move(sample) });
+  #poses = new Poses({ onPick: (vector) => this.#pick(vector), onChoose: (pose) => this.#choosePose(pose) });
   #calls = new Calls();
   #live = new Latest((state) => this.#askPicture(state));
 
   open() {
-    this.#state = stateOf(location.hash) ?? { ...firstExample(), view: "joint" };
+    this.#state = stateOf(location.hash) ?? { ...firstExample(), view: "joint", at: null };
     this.#show();
     this.#settle();
     window.addEventListener("hashchange", () => {
@@ -71,6 +75,10 @@ class Explorer {
     this.#clearLoop();
     this.#state = { ...this.#state, ...change };
     if (isWhole) this.#joint.fitNext();
+    if (this.#state.at) {
+      this.#poses.wait();
+      this.#mechanism.drawGhosts([]);
+    } else this.#poseTable = null;
     this.#show();
     this.#live.push(this.#state);
     clearTimeout(this.#timer);
@@ -81,6 +89,7 @@ class Explorer {
     const { geometry, l1, view } = this.#state;
     this.#fields.show(this.#state);
     this.#strip.show(l1);
+    this.#poses.show(this.#state.at);
     byId(`view-${view}`).checked = true;
     byId("slice").classList.add("stale");
     if (this.#census !== geometryText(geometry)) byId("census").classList.add("stale");
@@ -91,11 +100,11 @@ class Explorer {
   async #settle() {
     const state = this.#state;
     this.#live.drop();
-    history.replaceState(null, "", hashOf(state));
-    this.#calls.show(state);
+    this.#tell();
     this.#table.link(state.geometry, state.l1, AT_REST);
     const [isDone] = await Promise.all([this.#askSlice(state), this.#askCurves(state)]);
     if (!isDone || !this.#isCurrent(state)) return; // first the picture, before a worker is busy for longer
+    await this.#askPoses();
     await this.#askLoop();
     if (this.#isCurrent(state)) await this.#askCensus(state);
   }
@@ -149,6 +158,7 @@ class Explorer {
   #showCurves(curves, reason = "") {
     this.#curves = curves;
     this.#joint.drawCurves(curves, this.#state.view);
+    this.#poses.offer(curves, this.#state.at);
     showLegend(curves ? legendOf(curves, this.#state.view) : [{ text: reason }]);
   }
 
@@ -181,19 +191,79 @@ class Explorer {
       if (!path) return;
       this.#motion.show(path);
       this.#joint.drawLoop(this.#motion.samples);
-      this.#mechanism.drawGhosts([this.#motion.samples[0], this.#motion.samples.at(-1)]);
+      this.#drawGhosts();
     });
+  }
+
+  /** Takes a joint vector, and asks for its poses. */
+  #pick(vector) {
+    this.#motion.pause();
+    this.#state = { ...this.#state, at: { ...vector, pose: 0 } };
+    this.#poses.show(this.#state.at);
+    this.#poses.wait();
+    this.#drawPoses();
+    this.#tell();
+    return this.#askPoses();
+  }
+
+  #choosePose(pose) {
+    this.#motion.pause();
+    this.#state = { ...this.#state, at: { ...this.#state.at, pose } };
+    this.#tell();
+    this.#drawPoses();
+  }
+
+  /** Leaves the joint vector for a cusp or its loop. */
+  #leavePoses() {
+    if (!this.#state.at) return;
+    this.#state = { ...this.#state, at: null };
+    this.#poseTable = null;
+    this.#poses.show(null);
+    this.#tell();
+    this.#drawPoses();
+  }
+
+  async #askPoses() {
+    const { geometry, l1, at } = this.#state;
+    const state = this.#state;
+    if (!at) return;
+    await this.#asking("poses", state, async (signal, onProgress) => {
+      const question = { geometry, l1, l2: at.l2, l3: at.l3, digits: WHILE_MOVING };
+      const table = await ask("v1/poses", question, { signal, onProgress });
+      if (!this.#isCurrent(state) || this.#state.at !== at) return;
+      this.#fields.clear();
+      this.#poseTable = table;
+      this.#state.at.pose = Math.min(at.pose, Math.max(table.count - 1, 0));
+      this.#poses.draw(table, at.pose);
+      say(byId("pose-count").textContent);
+      this.#drawPoses();
+    });
+  }
+
+  #drawPoses() {
+    this.#joint.drawPoses(this.#state.at, this.#poseTable?.poses ?? []);
+    this.#draw();
+    this.#drawGhosts();
+  }
+
+  /** Draws outlines: of the other poses of the joint vector, or of both ends of the loop. */
+  #drawGhosts() {
+    const { at, l1 } = this.#state;
+    const others = (this.#poseTable?.poses ?? []).filter((_, k) => k !== at?.pose).map((pose) => placed(pose, l1));
+    const ends = [this.#motion.samples.at(0), this.#motion.samples.at(-1)].filter(Boolean);
+    this.#mechanism.drawGhosts(at ? others : ends);
   }
 
   #clearLoop() {
     if (this.#motion.samples.length === 0) return this.#motion.show(null);
     this.#motion.show(null);
     this.#joint.drawLoop([]);
-    return this.#mechanism.drawGhosts([]);
+    return this.#drawGhosts();
   }
 
   /** Shows the manipulator on its way round the cusp. */
   #move(sample) {
+    this.#leavePoses();
     this.#mechanism.draw(this.#state.geometry, sample);
     this.#joint.mark(sample);
   }
@@ -229,9 +299,9 @@ class Explorer {
 
   /** Selects a cusp, and plays the loop round it. */
   async #select(index) {
+    this.#leavePoses();
     this.#state = { ...this.#state, cusp: index };
-    history.replaceState(null, "", hashOf(this.#state));
-    this.#calls.show(this.#state);
+    this.#tell();
     this.#joint.select(index);
     this.#table.select(index);
     this.#visit(index);
@@ -260,16 +330,27 @@ class Explorer {
     if (!this.#slice) return;
     this.#joint.draw(this.#slice, view, this.#selected);
     this.#joint.drawLoop(this.#motion.samples);
+    this.#joint.drawPoses(this.#state.at, this.#poseTable?.poses ?? []);
     showLegend(legendOf(this.#curves, view));
   }
 
-  /** Draws the manipulator at the selected cusp. */
+  /** Draws the manipulator at the chosen pose, or at the selected cusp. */
   #draw() {
-    const { geometry, l1 } = this.#state;
-    const at = this.#cusp;
-    const pose = at ? { alpha: Number(at.alpha_deg), theta1: Number(at.theta1_deg) } : { alpha: 0, theta1: 60 };
-    this.#mechanism.draw(geometry, { ...pose, l1 });
+    const { geometry, l1, at } = this.#state;
+    const shown = (at && this.#poseTable?.poses[at.pose]) ?? this.#cusp;
+    this.#mechanism.draw(geometry, shown ? placed(shown, l1) : { alpha: 0, theta1: 60, l1 });
   }
+
+  /** Writes the state into the address and the calls. */
+  #tell() {
+    history.replaceState(null, "", hashOf(this.#state));
+    this.#calls.show(this.#state);
+  }
+}
+
+/** The angles of a pose as numbers. */
+function placed(pose, l1) {
+  return { alpha: Number(pose.alpha_deg), theta1: Number(pose.theta1_deg), l1 };
 }
 
 /** That there is no answer is one, too, and is shown in its place; other errors go on. */

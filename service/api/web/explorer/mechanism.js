@@ -5,7 +5,7 @@ import { basePoints, dragged, heldDirection, measured, placeOf, placesOf, platfo
 
 const NAMES = ["A1", "A2", "A3", "B1", "B2", "B3"];
 const FREE = ["A2", "A3", "B2", "B3"];
-const EDGE = 8; // pixels
+const EDGE = 18; // pixels, for the names of points
 const OFFSETS = { A1: [8, -12], A2: [8, -12], A3: [8, 10], B1: [-22, 10], B2: [8, 10], B3: [8, 10] };
 
 export class Mechanism {
@@ -68,6 +68,7 @@ export class Mechanism {
 
   /** Draws other poses as outlines. */
   drawGhosts(poses) {
+    if (poses.length === 0 && this.#ghosts.length === 0) return;
     const { lengths } = this.#shown ?? {};
     this.#ghosts = lengths ? poses.map(placeOf).map(({ b1, alpha }) => platformPoints(lengths, b1, alpha)) : [];
     this.#lines.ghosts.set(this.#ghosts.flatMap((corners) => [...corners, corners[0], null]));

@@ -1,0 +1,82 @@
+/** The poses of a joint vector: a list from which one is drawn, and the fields with its lengths. */
+
+import { shortened } from "./decimals.js";
+
+const byId = (id) => document.getElementById(id);
+const FIELDS = ["l2", "l3"];
+const TIMES = { 2: "double", 3: "triple" };
+
+export class Poses {
+  #regions = [];
+  #onChoose;
+
+  /** `onPick({l2, l3})` is told which joint vector is meant, `onChoose(index)` which of its poses. */
+  constructor({ onPick, onChoose }) {
+    this.#onChoose = onChoose;
+    for (const name of FIELDS) {
+      byId(name).addEventListener("input", () => {
+        const [l2, l3] = FIELDS.map((field) => byId(field).value.trim());
+        byId("region").value = "";
+        if (l2 && l3) onPick({ l2, l3 });
+      });
+    }
+    byId("region").addEventListener("change", () => {
+      const region = this.#regions[byId("region").value];
+      if (region) onPick(region.point);
+    });
+  }
+
+  /** Shows which joint vector is meant; null: none. */
+  show(at) {
+    for (const name of FIELDS) {
+      const text = at?.[name] ?? "";
+      if (byId(name).value.trim() !== text) byId(name).value = text;
+    }
+    const known = this.#regions.findIndex(({ point }) => at && FIELDS.every((name) => point[name] === at[name]));
+    byId("region").value = known < 0 ? "" : String(known);
+    if (!at) this.draw(null);
+  }
+
+  /** Offers the regions of a document of the singular curves. */
+  offer(curves, at) {
+    this.#regions = (curves?.regions ?? []).filter(({ bounded }) => bounded);
+    const options = this.#regions.map(({ poses, point }, k) => {
+      const place = FIELDS.map((name) => shortened(decimalOf(point[name]), 4)).join(", ");
+      return new Option(`${poses} poses: ${place}`, k);
+    });
+    byId("region").replaceChildren(byId("region").options[0], ...options);
+    this.show(at);
+  }
+
+  /** Draws the list of a table of poses, or none. */
+  draw(table, chosen = 0) {
+    byId("poses").classList.remove("stale");
+    byId("pose-count").textContent = table ? spoken(table) : "";
+    byId("pose-list").hidden = !table?.poses.length;
+    const rows = (table?.poses ?? []).map((pose, k) => this.#row(pose, k, k === chosen));
+    byId("pose-list").replaceChildren(byId("pose-list").firstElementChild, ...rows);
+  }
+
+  /** Tells that the list is that of a state that has passed. */
+  wait() {
+    byId("poses").classList.add("stale");
+  }
+
+  #row(pose, index, isChosen) {
+    const label = document.createElement("label");
+    const radio = Object.assign(document.createElement("input"), { type: "radio", name: "pose", value: index, checked: isChosen });
+    radio.addEventListener("change", () => this.#onChoose(index));
+    const times = TIMES[pose.multiplicity] ? `, ${TIMES[pose.multiplicity]}` : "";
+    label.append(radio, ` ${index + 1}: α = ${shortened(pose.alpha_deg, 5)}°, θ1 = ${shortened(pose.theta1_deg, 5)}°${times}`);
+    return label;
+  }
+}
+
+function spoken({ l1, l2, l3, count }) {
+  return `L1 = ${l1}, L2 = ${l2}, L3 = ${l3}: ${count === 0 ? "no pose" : count === 1 ? "1 pose" : `${count} poses`}`;
+}
+
+function decimalOf(text) {
+  const [p, q = 1] = text.split("/");
+  return String(p / q);
+}
