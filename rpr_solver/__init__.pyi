@@ -60,6 +60,7 @@ from .slices.answers import table_document as table_document
 from .slices.answers import table_json as table_json
 from .slices.cusp_table import cusp_table as cusp_table
 from .slices.cusp_table import solve_slice as solve_slice
+from .slices.cusp_table import solve_slices as solve_slices
 from .slices.degeneracy import Degeneracy as Degeneracy
 from .slices.eliminant import Eliminant as Eliminant
 from .slices.eliminant import eliminate as eliminate

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from decimal import MAX_EMAX, MIN_EMIN, ROUND_DOWN, ROUND_HALF_DOWN, ROUND_HALF_UP, Context, Decimal
 from fractions import Fraction
 from functools import cmp_to_key, lru_cache
+from math import floor, inf, log10
 from typing import TypeVar
 
 from flint import arb, fmpz
@@ -33,9 +34,8 @@ def round_ball(x: arb, digits: int) -> str | None:
         return "0"
     if x.contains(0) or not x.is_finite():
         return None
-    mid, _, exponent = x.mid_rad_10exp(3)
-    lead = len(str(abs(mid))) - 1 + int(exponent)
     magnitude = abs(x)
+    lead = _place(magnitude)
     # the estimate of the leading digit's place can be off by one
     for place in (lead, lead - 1, lead + 1):
         shift = digits - 1 - place
@@ -49,6 +49,15 @@ def round_ball(x: arb, digits: int) -> str | None:
         if _power_of_ten(digits - 1) <= rounded < _power_of_ten(digits):
             return place_digits(str(rounded), place, negative=bool(x < 0))
     raise Unproved("a number's leading digit could not be placed")
+
+
+def _place(x: arb) -> int:
+    """About the place of the leading digit of a positive number; it can be off by one."""
+    approximate = float(x)
+    if 0 < approximate < inf:
+        return floor(log10(approximate))
+    mid, _, exponent = x.mid_rad_10exp(3)
+    return len(str(mid)) - 1 + int(exponent)
 
 
 def round_fraction(x: Fraction, digits: int) -> str:

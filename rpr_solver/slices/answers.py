@@ -21,6 +21,7 @@ from rpr_solver.contract import (
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.rationals import Exact, exact_str, one_or_more, parse_all, parse_exact
 from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.slices.chunk import SliceChunk
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 
@@ -59,7 +60,7 @@ def table_document(
     digits, leg = check_digits(digits), check_leg(fixed_leg)
     exact = list(parse_all(one_or_more(lengths, f"l{leg}"), parse_exact).values())
     eliminant = eliminate(manipulator, leg)
-    slices = slices_json(lambda x: solve_slice(eliminant, x, digits).to_json(), exact, leg, progress)
+    slices = slices_json(SliceAnswers(eliminant, exact, digits), exact, leg, progress)
     return table_json(manipulator, leg, digits, slices)
 
 
@@ -79,10 +80,35 @@ def slice_json(eliminant: Eliminant, length: Exact, digits: int = DEFAULT_DIGITS
     4
     """
     check_type(eliminant, Eliminant, "eliminant")
-    leg = eliminant.slice_map.fixed_leg
-    return answer_json(
-        lambda x: solve_slice(eliminant, x, digits).to_json(), parse_exact(length, f"l{leg}"), leg
-    )
+    exact = parse_exact(length, f"l{eliminant.slice_map.fixed_leg}")
+    return SliceAnswers(eliminant, [exact], digits)(exact)
+
+
+class SliceAnswers:
+    """The contract's slice objects of many lengths, each solved when it is asked for.
+
+    Args:
+        eliminant: of the manipulator and its fixed leg.
+        lengths: that will be asked for, exact, in the user's unit; others can be, too, but take longer.
+        digits: significant digits of every printed number, 15 to 10000; all are proved.
+    """
+
+    def __init__(self, eliminant: Eliminant, lengths: Iterable[Fraction], digits: int) -> None:
+        self._eliminant, self._digits = eliminant, digits
+        positive = [x for x in dict.fromkeys(lengths) if x > 0]
+        self._places = {x: place for place, x in enumerate(positive)}
+        self._chunk = SliceChunk(eliminant, positive, digits)
+
+    def __call__(self, length: Fraction) -> dict[str, Any]:
+        """The slice object of one length, with an ``error`` if there is no answer."""
+        return answer_json(self._solve, length, self._eliminant.slice_map.fixed_leg)
+
+    def _solve(self, length: Fraction) -> dict[str, Any]:
+        place = self._places.get(length)
+        table = (
+            solve_slice(self._eliminant, length, self._digits) if place is None else self._chunk.table(place)
+        )
+        return table.to_json()
 
 
 def slices_json(

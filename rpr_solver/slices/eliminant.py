@@ -19,7 +19,7 @@ determined by balls round its coefficients that hold one integer each. They are 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from math import isqrt
 from typing import Any
@@ -58,6 +58,7 @@ class Eliminant:
         slice_map: the integer model of its slices, with the fixed leg, the scale and ω² (``radicand``).
         a, b: A and B without common content, matrices of 25 rows (powers of u) and 11 columns (powers of
             the scaled L).
+        kept: what the solver of slices keeps for the next ones.
 
     >>> from rpr_solver import EXAMPLES, eliminate
     >>> eliminate(EXAMPLES["zein-flat"])
@@ -68,6 +69,7 @@ class Eliminant:
     slice_map: SliceMap
     a: fmpz_mat
     b: fmpz_mat
+    kept: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __repr__(self) -> str:
         leg = self.slice_map.fixed_leg

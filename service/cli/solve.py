@@ -88,8 +88,9 @@ def _solve(
     def solver() -> Callable[[Fraction], dict[str, Any]]:
         if by_article:
             return lambda x: _by_article(manipulator, [x], digits)["slices"][0]
-        eliminant = rpr_solver.eliminate(manipulator, leg)
-        return lambda x: rpr_solver.slice_json(eliminant, x, digits)
+        from rpr_solver.slices.answers import SliceAnswers  # a start is to be quick
+
+        return SliceAnswers(rpr_solver.eliminate(manipulator, leg), slices, digits)
 
     def solved() -> Iterator[dict[str, Any]]:
         solve = solver()

@@ -43,6 +43,7 @@ FUNCTIONS = {
     "slice_error_json",
     "slice_json",
     "solve_slice",
+    "solve_slices",
     "table_csv",
     "table_document",
     "table_json",

@@ -12,7 +12,7 @@ from worker.answers.kinds import compute, known_document, missing_parts, request
 from worker.answers.requests import JobRequest
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore, dump
-from worker.answers.tables import eliminant_of, look_up, solve
+from worker.answers.tables import SliceSolver, eliminant_of, look_up
 
 
 @dataclass(frozen=True)
@@ -107,8 +107,11 @@ class ItemSolver:
 
     def _solve_slices(self, request: JobRequest) -> dict[str, Any]:
         absent, errors = look_up(request, self.store)
+        if not absent:
+            return errors
+        solve = SliceSolver(self._eliminant_of(request), request, absent)
         for l1 in absent:
-            value = solve(self._eliminant_of(request), l1, request)
+            value = solve(l1)
             self.store.put_slice(request, l1, value)
             if "error" in value:
                 errors[l1] = value

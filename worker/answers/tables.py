@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
 import rpr_solver
@@ -47,15 +47,30 @@ def eliminant_of(request: JobRequest, store: ResultStore) -> rpr_solver.Eliminan
     return single_flight(lambda: store.get_eliminant(request), lambda: store.eliminant_lock(request), make)
 
 
-def solve(eliminant: rpr_solver.Eliminant, l1: str, request: JobRequest) -> SliceJson:
-    """Solve a slice. An error is reported in the slice's own entry; other slices are unaffected."""
-    try:
-        return rpr_solver.slice_json(eliminant, Fraction(l1), request.digits)
-    except MemoryError:
-        raise
-    except Exception:
-        log.exception("slice l1=%s of %s failed", l1, request.geometry_hash)
-        return error(request, l1, "internal-error", INTERNAL)
+class SliceSolver:
+    """Solves slices of one table, one after the other.
+
+    Args:
+        eliminant: of its manipulator.
+        request: the table.
+        parts: the slices that will be asked for; together they cost less than one by one.
+    """
+
+    def __init__(self, eliminant: rpr_solver.Eliminant, request: JobRequest, parts: Iterable[str]) -> None:
+        from rpr_solver.slices.answers import SliceAnswers  # a start is to be quick
+
+        self._request = request
+        self._answers = SliceAnswers(eliminant, map(Fraction, parts), request.digits)
+
+    def __call__(self, l1: str) -> SliceJson:
+        """Solve a slice. An error is reported in the slice's own entry; other slices are unaffected."""
+        try:
+            return self._answers(Fraction(l1))
+        except MemoryError:
+            raise
+        except Exception:
+            log.exception("slice l1=%s of %s failed", l1, self._request.geometry_hash)
+            return error(self._request, l1, "internal-error", INTERNAL)
 
 
 def error(request: JobRequest, l1: str, kind: str, detail: str) -> SliceJson:

@@ -1,7 +1,8 @@
-"""The solver, loaded before the fork: otherwise each work horse would load it anew."""
+"""What is loaded before the fork: otherwise each work horse would load it anew."""
 
 from __future__ import annotations
 
+import os
 from importlib import import_module
 
 import rpr_solver
@@ -12,3 +13,9 @@ def load_solver() -> None:
     for name in dir(rpr_solver):
         getattr(rpr_solver, name)
     import_module("worker.answers.pictures")
+
+
+def load_numpy() -> None:
+    """Import numpy, by which the solver does many slices at once; without threads, which no fork survives."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    import_module("numpy")

@@ -12,7 +12,6 @@ from typing import Any
 from redis import Redis
 from redis.exceptions import RedisError
 
-import rpr_solver
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError, SolverError
 from worker import tracing
@@ -21,7 +20,7 @@ from worker.answers.kinds import compute, known_document
 from worker.answers.requests import JobRequest
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore
-from worker.answers.tables import INTERNAL, eliminant_of, solve
+from worker.answers.tables import INTERNAL, SliceSolver, eliminant_of
 from worker.jobs.attempts import Chunk, ChunkRef
 from worker.jobs.batches import Batches, ItemsLostError
 from worker.jobs.chunks import ChunkQueue
@@ -112,18 +111,19 @@ def _work_of(chunk: Chunk) -> Callable[[ChunkRef, Chunk, JobRecords, ResultStore
 
 
 def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
-    eliminant: rpr_solver.Eliminant | None = None
+    solve: SliceSolver | None = None
     for offset in range(chunk.offset, len(chunk.parts)):
         l1 = chunk.parts[offset]
         value = store.get_slices(chunk.request, [l1]).get(l1)
         if value is None:
-            if eliminant is None:
+            if solve is None:
                 with tracing.span("elimination"):
                     eliminant = eliminant_of(chunk.request, store)
                 if not records.begin_slices(ref):
                     return
+                solve = SliceSolver(eliminant, chunk.request, chunk.parts[offset:])
             with tracing.span("slice", attributes={"l1": l1}):
-                value = solve(eliminant, l1, chunk.request)
+                value = solve(l1)
         if not records.put_slice(ref, chunk, offset, value):
             return
 

@@ -25,7 +25,8 @@ from rq.serializers import JSONSerializer
 from rq.utils import now
 from rq.worker import WorkerStatus
 
-from worker.answers.kinds import is_batch
+from worker.answers import tables
+from worker.answers.kinds import is_batch, kind_of_job
 from worker.connection import address
 from worker.jobs.attempts import ChunkRef
 from worker.jobs.chunks import ChunkQueue
@@ -39,6 +40,7 @@ from worker.process.horse import BeatAlarm, forked, kill_with_children, perform
 from worker.process.horse_exit import UNANSWERED, GivenUp, Outcome, RunAgain, judge_exit
 from worker.process.os_limits import on_stop_signals, stop_signals_held
 from worker.process.outage import Outage
+from worker.process.preload import load_numpy
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
@@ -47,6 +49,7 @@ _REGISTER_TTL = 15
 _QUEUE_PATIENCE = 1  # seconds to block on empty queues; heartbeats and the sweep need short rounds
 _GOODBYE_PATIENCE = 2.0
 _LISTEN_PAUSE = 1.0
+_CHUNKS_BEFORE_NUMPY = 2  # many a worker solves few slices
 
 
 class CuspWorker(Worker):
@@ -85,6 +88,7 @@ class CuspWorker(Worker):
         self._parent_pid = parent_pid
         self._horse_pipe = -1
         self._place = 0
+        self._chunks_of_slices = 0
         self._current: str | None = None
         self._hurry = False
         self._is_announced = False
@@ -214,6 +218,7 @@ class CuspWorker(Worker):
             self.records.beat(ref, self.name)
             self._place = place(self.records, ref)
             self.fork_work_horse(job, queue)
+            self._prepare_for_tables(ref)
         except StopRequested:
             self._settle(ref, RunAgain())
             raise
@@ -226,6 +231,14 @@ class CuspWorker(Worker):
             self._horse_pid, self._horse_pipe = forked(
                 lambda: perform(job), self.setup_work_horse_signals, self.settings
             )
+
+    def _prepare_for_tables(self, ref: ChunkRef) -> None:
+        """While a horse solves slices, load what the horses of further ones will use."""
+        if kind_of_job(ref.job_id) is tables.KIND:
+            self._chunks_of_slices += 1
+            if self._chunks_of_slices == _CHUNKS_BEFORE_NUMPY:
+                with stop_signals_held():
+                    load_numpy()
 
     def kill_horse(self, sig: signal.Signals = signal.SIGKILL) -> None:
         """Kill the work horse and its children; RQ's method may hit the worker's own process group."""

@@ -1,0 +1,122 @@
+"""Many slices of one manipulator: what is quickly proved for all at once, and the rest one by one.
+
+For each slice it is proved modulo a prime that Q has 24 simple roots and no spurious one, by discs in double
+precision that enough of them are not real, and by balls that the others are (mathematics.md#laguerres-discs).
+A slice that is not decided so, as beside a transition, goes to lone_slice.py. Either way all that is printed
+is computed from the pose on a grid (grid.py), so the document is the same byte for byte.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from fractions import Fraction
+
+from flint import nmod, nmod_mat, nmod_poly
+
+from rpr_solver.exact.modular import primes
+from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.slices.certificate import root_certificate
+from rpr_solver.slices.circle import Guess, guesses
+from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
+from rpr_solver.slices.grid import GridSlice, first_bits
+from rpr_solver.slices.joint_points import ClassifiedPoint
+from rpr_solver.slices.lone_slice import LoneSlice
+from rpr_solver.slices.real_poses import PoseFinder
+from rpr_solver.slices.slice_table import SliceTable
+
+_FEWEST, _FEWEST_TO_IMPORT = 4, 64
+"""Fewer slices do not repay the work of numpy, or its import."""
+_GUESS_BITS = 64
+_BLOCK = 64
+"""Slices whose roots are guessed at once: progress is told, and memory bounded, in between."""
+
+
+class SliceChunk:
+    """Slices of one manipulator and fixed leg, each solved when it is asked for.
+
+    Args:
+        eliminant: of the manipulator and its fixed leg.
+        lengths: of the fixed leg, in the user's unit, > 0.
+        digits: significant digits of every printed number.
+    """
+
+    def __init__(self, eliminant: Eliminant, lengths: Sequence[Fraction], digits: int) -> None:
+        self.eliminant, self.lengths, self.digits = eliminant, lengths, digits
+        self.bits = first_bits(digits)
+        self._scaled = [x * eliminant.slice_map.scale for x in lengths]
+        self._guesses: dict[int, Guess] = {}
+
+    def table(self, place: int) -> SliceTable:
+        """The table of one of the slices.
+
+        Raises:
+            SolverError: the slice could not be decided.
+        """
+        cusps = self._quickly(place) if _is_generic(self.eliminant, self._scaled[place]) else None
+        if cusps is None:
+            return LoneSlice(self.eliminant, self.lengths[place], self.digits).solve()
+        leg = self.eliminant.slice_map.fixed_leg
+        certificate = root_certificate(leg, [(DEGREE_U, 1)], len(cusps), "balls")
+        return SliceTable.of(leg, self.lengths[place], self.digits, certificate, cusps)
+
+    def _quickly(self, place: int) -> list[ClassifiedPoint] | None:
+        """The cusps of a generic slice, if they are decided at the first precision."""
+        guess = self._guess(place)
+        if len(guess.real) + 2 * guess.inside != DEGREE_U:
+            return None
+        length = self._scaled[place]
+        poses = _finder(self.eliminant, self.bits).at(length).poses(guess.real)
+        if poses is None:
+            return None
+        on = GridSlice(self.eliminant.slice_map, length, self.digits, self.bits)
+        cusps = [on.point_at(*pose) for pose in poses]
+        return [x for x in cusps if x] if all(cusps) else None
+
+    def _guess(self, place: int) -> Guess:
+        if len(self.lengths) < (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
+            return _proved_guess(self.eliminant, self._scaled[place])
+        if place not in self._guesses:
+            first = place - place % _BLOCK
+            block = guesses(self.eliminant, self._scaled[first : first + _BLOCK])
+            self._guesses = dict(enumerate(block, first))
+        return self._guesses[place]
+
+
+def _proved_guess(eliminant: Eliminant, length: Fraction) -> Guess:
+    """The number of real roots of one generic slice, and these roots, by FLINT."""
+    roots = [float(root.refined(_GUESS_BITS)) for root in real_roots(eliminant.at(length))]
+    return Guess(tuple((u, 1.0) for u in roots), (DEGREE_U - len(roots)) // 2)
+
+
+def _finder(eliminant: Eliminant, bits: int) -> PoseFinder:
+    if ("finder", bits) not in eliminant.kept:
+        eliminant.kept["finder", bits] = PoseFinder(eliminant, bits)
+    finder: PoseFinder = eliminant.kept["finder", bits]
+    return finder
+
+
+def _is_generic(eliminant: Eliminant, length: Fraction) -> bool:
+    """Proof modulo a prime that Q has 24 finite simple roots, none spurious, and w and q no common one."""
+    slice_map = eliminant.slice_map
+    p, omega = next(primes(slice_map.radicand))
+    matrix = eliminant.kept.get("residues")
+    if matrix is None:
+        pairs = zip(eliminant.a.entries(), eliminant.b.entries(), strict=True)
+        residues = [int((a + omega * b) % p) for a, b in pairs]
+        matrix = eliminant.kept["residues"] = nmod_mat(DEGREE_U + 1, DEGREE_L + 1, residues, p)
+    if length.denominator % p == 0:
+        return False
+    x = nmod(length.numerator, p) / nmod(length.denominator, p)
+    powers = nmod_mat(DEGREE_L + 1, 1, [x**k for k in range(DEGREE_L + 1)], p)
+    q = nmod_poly((matrix * powers).entries(), p)
+    along, closed = nmod_poly(slice_map.f.collinear(), p), nmod_poly(slice_map.f.closed(length), p)
+    if (
+        q.degree() != DEGREE_U
+        or closed.degree() != 2
+        or along.degree() < 0
+        or along.gcd(closed).degree() != 0
+    ):
+        return False
+    spurious = along * closed * nmod_poly([1, 0, 1], p)
+    return q.gcd(q.derivative()).degree() == 0 and q.gcd(spurious).degree() == 0

@@ -1,0 +1,146 @@
+"""One slice of one manipulator, by its polynomials alone: the referee of the faster way for many (chunk.py).
+
+There are two methods. If Q(u) is squarefree and prime to the spurious factors, each real root is one
+transversal intersection of J = 0 and E = 0 (mathematics.md#simple-roots), and ball arithmetic decides
+everything. Otherwise Q is factored, and each special pose is classified over a number field (by_fields.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from functools import cache, partial
+
+from flint import arb, ctx, fmpz_poly
+
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
+from rpr_solver.exact.modular import simple_and_finite
+from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, all_decided, decided
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import RealRoot, real_roots
+from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.slices.by_balls import SlicePoses
+from rpr_solver.slices.by_fields import poses_above
+from rpr_solver.slices.certificate import root_certificate
+from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
+from rpr_solver.slices.grid import GridSlice, first_bits, on_grid
+from rpr_solver.slices.joint_points import ClassifiedPoint, point_of_pose
+from rpr_solver.slices.shared_curves import SliceForms, without_shared_curves
+from rpr_solver.slices.slice_table import SliceTable
+
+
+class LoneSlice:
+    """One slice of one manipulator, solved by itself.
+
+    Args:
+        eliminant: of the manipulator and its fixed leg.
+        length: of the fixed leg, in the user's unit.
+        digits: significant digits of every printed number.
+    """
+
+    def __init__(self, eliminant: Eliminant, length: Fraction, digits: int) -> None:
+        self.eliminant = eliminant
+        self.slice_map = eliminant.slice_map
+        self.length = length
+        self.scaled = length * self.slice_map.scale
+        self.digits = digits
+        self._collinear = self.slice_map.f.collinear()
+        self._closed = self.slice_map.f.closed(self.scaled)
+        self._grid = cache(partial(GridSlice, self.slice_map, self.scaled, digits))
+
+    def solve(self) -> SliceTable:
+        """The table.
+
+        Raises:
+            SolverError: the slice could not be decided.
+        """
+        q = self.eliminant.at(self.scaled)
+        if self._generic(q):
+            roots = real_roots(q)
+            cusps = self._by_balls(roots)
+            if cusps is not None:
+                return self._table(cusps, len(roots), [(DEGREE_U, 1)], "balls")
+        return self._exactly(q)
+
+    def _generic(self, q: QuadraticPoly) -> bool:
+        """Proof that all 24 roots are finite, simple and not spurious."""
+        spurious = self._collinear * self._closed * fmpz_poly([1, 0, 1])
+        return self._touching() is None and simple_and_finite(q, DEGREE_U, apart_from=spurious)
+
+    def _touching(self) -> fmpz_poly | None:
+        """The common factor of both spurious factors (1 if they meet at u = ∞), or None if they do not meet.
+
+        A zero of one spurious factor at which Q ≠ 0 is an ordinary pose (mathematics.md#spurious-poses).
+        Where both vanish (leg f closes while stretched along its base line), poses are classified exactly.
+        """
+        common = self._collinear.gcd(self._closed)
+        if common.degree() > 0 or max(self._collinear.degree(), self._closed.degree()) < 2:
+            return common
+        return None
+
+    def _by_balls(self, roots: list[RealRoot]) -> list[ClassifiedPoint] | None:
+        """The cusps above simple roots; None if balls alone do not decide them."""
+        start = first_bits(self.digits)
+        finder = cache(partial(SlicePoses, self.slice_map, self.scaled))
+        return all_decided(
+            lambda root, bits: self._cusp(finder, root, bits), roots, start, TIMES_BEFORE_EXACT * start
+        )
+
+    def _cusp(self, finder: Callable[[int], SlicePoses], root: RealRoot, bits: int) -> ClassifiedPoint | None:
+        def boxes(inner: int) -> tuple[HalfTangent, HalfTangent] | None:
+            u = root.refined(inner - 64)
+            with ctx.workprec(inner):
+                t = finder(inner).alpha(u)
+                alpha, theta = t and on_grid(t, bits), on_grid(HalfTangent(u, arb(1)), bits)
+            return (alpha, theta) if alpha and theta else None
+
+        pose = decided(boxes, bits, GREATEST_BITS, "the pose above a root could not be decided")
+        return self._grid(bits).point(*pose)
+
+    def _exactly(self, q: QuadraticPoly) -> SliceTable:
+        """The table from the irreducible factors over ℚ(ω); balls still settle simple roots if they can."""
+        spurious, touching = self._collinear * self._closed, self._touching()
+        plane = SliceForms.of(self.slice_map, self.scaled)
+        if q.is_zero:
+            plane, q = without_shared_curves(plane)
+        factors = norm_factors(q)
+        roots = list(exact_roots(factors))
+        places: list[ExactRoot | None] = [*roots]
+        if touching is not None:
+            factors_of_q = [root.root.polynomial.a for root in roots]
+            extra = exact_roots(norm_factors(QuadraticPoly.rational(touching, q.radicand)))
+            places += (root for root in extra if root.root.polynomial.a not in factors_of_q)
+        at_infinity = DEGREE_U - q.degree
+        if at_infinity or plane.shared or (touching is not None and touching.degree() < 1):
+            places.append(None)
+        points: list[ClassifiedPoint] = []
+        for root in places:
+            cusps = None
+            if root and root.multiplicity == 1 and not plane.shared:
+                own = spurious.gcd(root.root.polynomial.a).degree() == 0
+                cusps = self._by_balls([root.root]) if own else None
+            if cusps is None:
+                cusps = [point_of_pose(pose, self.digits) for pose in poses_above(plane, root)]
+            points += cusps
+        shapes: dict[int, int] = {at_infinity: 1} if at_infinity and not plane.shared else {}
+        for degree, multiplicity in (shape for factor in factors for shape in factor.shape):
+            shapes[multiplicity] = shapes.get(multiplicity, 0) + degree
+        shape = [(degree, multiplicity) for multiplicity, degree in sorted(shapes.items())]
+        curves = [
+            {"kind": PoseKind.CURVE.value, "equation": curve.equation(self.slice_map.fixed_leg)}
+            for curve in plane.shared
+        ]
+        return self._table(points, len(roots), shape, "exact", curves)
+
+    def _table(
+        self,
+        points: list[ClassifiedPoint],
+        real_roots: int,
+        cusp_factors: list[tuple[int, int]],
+        method: str,
+        curves: Sequence[Mapping[str, str]] = (),
+    ) -> SliceTable:
+        leg = self.slice_map.fixed_leg
+        certificate = root_certificate(leg, cusp_factors, real_roots, method, shared=bool(curves))
+        return SliceTable.of(leg, self.length, self.digits, certificate, points, curves)

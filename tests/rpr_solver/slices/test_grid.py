@@ -1,0 +1,75 @@
+"""Boxes of poses on a grid, and what is printed from them."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+from flint import arb, ctx
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rpr_solver import EXAMPLES
+from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.slices.by_balls import SlicePoses
+from rpr_solver.slices.grid import GridSlice, MapBalls, cusp_proof, larger, on_grid
+from tests.support.shared import eliminant_of
+from tests.support.strategies import examples
+
+BITS = 256
+ONE = arb(1)
+
+
+@given(st.fractions(-50, 50), st.floats(-1, 1), st.integers(150, 200))
+@examples(60)
+def test_all_balls_of_a_number_have_the_same_box(x: Fraction, shift: float, accuracy: int) -> None:
+    with ctx.workprec(BITS):
+        exact = arb(x.numerator) / x.denominator
+        radius = arb(2) ** -accuracy
+        box = on_grid(HalfTangent(exact, ONE), BITS)
+        assert box is not None
+        n, d = box.numerator, box.denominator
+        assert abs(n.mid()) <= 1
+        assert abs(d.mid()) <= 1
+        assert (n - exact * d).contains(0)
+        ball = arb(exact.mid() + radius * shift, radius)
+        for other in (HalfTangent(ball, ONE), HalfTangent(arb(3), 3 / ball) if x else None):
+            again = other and on_grid(other, BITS)
+            if again is not None and x:
+                assert str(again) == str(box)
+
+
+def test_what_is_wide_has_no_box_and_what_is_0_stays_exact() -> None:
+    with ctx.workprec(BITS):
+        assert on_grid(HalfTangent(arb(0.3, 1e-9), ONE), BITS) is None
+        box = on_grid(HalfTangent(arb(0), ONE), BITS)
+        assert box is not None
+        assert box.numerator.is_zero()
+
+
+@pytest.mark.parametrize("leg", [1, 2, 3])
+def test_the_proof_is_that_of_the_jets(leg: int) -> None:
+    """By the product rule, and by the closed formulas of derivatives that follow from it."""
+    slice_map = eliminant_of(EXAMPLES["fourteen-cusps"], leg).slice_map
+    poses = SlicePoses(slice_map, Fraction(700), BITS)
+    with ctx.workprec(BITS):
+        u, t = arb("0.37"), HalfTangent(arb("-1.3"), ONE)
+        local = poses.local_map(u, t, 3)
+        j = local.singularity()
+        e = local.along(local.f, j)
+        at = (poses.length, *t.cos_sin(), *HalfTangent(u, ONE).cos_sin())
+        proof = cusp_proof(MapBalls.of(slice_map, BITS), at)
+        expected = {
+            "rank_1": larger(local.f.alpha.value, local.f.theta.value),
+            "grad_J": larger(j.alpha.value, j.theta.value),
+            "v_grad_E": local.along(local.f, e).value,
+        }
+        for name, value in expected.items():
+            assert value.overlaps(proof[name])
+            assert proof[name].rel_accuracy_bits() > 200
+
+
+def test_a_half_turn_is_not_decided() -> None:
+    slice_map = eliminant_of(EXAMPLES["zein-flat"]).slice_map
+    slice_ = GridSlice(slice_map, Fraction(700), 15, BITS)
+    assert slice_.point(HalfTangent(ONE, arb(0, 1e-30)), HalfTangent(arb("0.5"), ONE)) is None
