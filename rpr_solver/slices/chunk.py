@@ -17,7 +17,7 @@ from flint import nmod, nmod_mat, nmod_poly
 from rpr_solver.exact.modular import primes
 from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.slices.certificate import root_certificate
-from rpr_solver.slices.circle import Guess, guesses
+from rpr_solver.slices.discs import Guess, guesses
 from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.slices.grid import GridSlice, first_bits
 from rpr_solver.slices.joint_points import ClassifiedPoint

@@ -11,9 +11,9 @@ import pytest
 
 from rpr_solver import EXAMPLES, Eliminant, InputError, Manipulator, SolverError, solve_slice, solve_slices
 from rpr_solver.slices import chunk as chunk_module
-from rpr_solver.slices import circle
+from rpr_solver.slices import discs
 from rpr_solver.slices.chunk import SliceChunk
-from rpr_solver.slices.circle import Guess
+from rpr_solver.slices.discs import Guess
 from rpr_solver.slices.lone_slice import LoneSlice
 from tests.rpr_solver.long_run import manipulator as random_manipulator
 from tests.support.families import FAMILIES, family
@@ -110,8 +110,8 @@ def test_wrong_guesses_change_no_answer(name: str, monkeypatch: pytest.MonkeyPat
     eliminant = eliminant_of(EXAMPLES["zein-flat"])
     lengths = SCAN[::2]
     expected = [json.dumps(solve_slice(eliminant, x, 20).to_json()) for x in lengths]
-    right = circle._roots_on_the_line
-    monkeypatch.setattr(circle, "_roots_on_the_line", lambda np, q: CORRUPTIONS[name](right(np, q)))
+    right = discs._roots_on_the_line
+    monkeypatch.setattr(discs, "_roots_on_the_line", lambda np, q: CORRUPTIONS[name](right(np, q)))
     assert together(eliminant, lengths, 20) == expected
 
 
