@@ -95,7 +95,7 @@ def solve_slices(
     >>> from rpr_solver import EXAMPLES, eliminate
     >>> tables = solve_slices(eliminate(EXAMPLES["zein-flat"]), range(5, 45, 5), 15)
     >>> [table.count for table in tables]
-    [4, 4, 4, 4, 4, 4, 8, 4]
+    [4, 4, 4, 4, 6, 6, 8, 4]
     """
     check_type(eliminant, Eliminant, "eliminant")
     exact = slice_lengths(lengths, eliminant.slice_map.fixed_leg)
