@@ -34,11 +34,12 @@ from .kinematics.pose_table import poses_of_squares as poses_of_squares
 from .model.classify import PoseKind as PoseKind
 from .model.manipulator import EXAMPLES as EXAMPLES
 from .model.manipulator import Manipulator as Manipulator
-from .paths.between_poses import NoPath as NoPath
-from .paths.between_poses import Obstacle as Obstacle
 from .paths.between_poses import joint_path as joint_path
 from .paths.ends import PathPose as PathPose
 from .paths.loops import cusp_loop as cusp_loop
+from .paths.no_path import NoPath as NoPath
+from .paths.no_path import Obstacle as Obstacle
+from .paths.no_path import Resolution as Resolution
 from .paths.others import FoldPoint as FoldPoint
 from .paths.others import OtherPose as OtherPose
 from .paths.path import Path as Path

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -14,91 +13,29 @@ from rpr_solver.contract import (
     check_digits,
     check_integer,
     check_leg,
-    document_head,
 )
 from rpr_solver.errors import InputError, SolverError, Unproved
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
 from rpr_solver.kinematics.pose_table import PoseTable, poses
-from rpr_solver.model.classify import Kind, PoseKind
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cells
-from rpr_solver.paths.ends import PathPose, numbered, of_table
+from rpr_solver.paths.ends import numbered, of_table
 from rpr_solver.paths.isolated import IsolatedPose
 from rpr_solver.paths.joint_paths import Range, in_slice, sign_of
-from rpr_solver.paths.path import Path, SamplingPlan, document_lengths
+from rpr_solver.paths.no_path import NoPath, Obstacle
+from rpr_solver.paths.path import Path, SamplingPlan
+from rpr_solver.paths.path_limits import NO_BOUNDS, outside
 from rpr_solver.paths.proved import PROOF_BITS, path_of
+from rpr_solver.paths.subdivision import Outcome
+from rpr_solver.paths.within_limits import LimitedSearch
+from rpr_solver.slices.joint_limits import Bounds, ExactLimits, read_limits
 from rpr_solver.slices.joint_points import free_legs
 from rpr_solver.transitions.census import census
 
 _CENSUS_DIGITS = 15
 _MOST_RANGES = 24
-
-
-class Obstacle(Kind):
-    """Why there is no path between two poses.
-
-    >>> Obstacle.OPPOSITE_SIGNS == "opposite-signs"
-    True
-    """
-
-    OPPOSITE_SIGNS = "opposite-signs"
-    """J has different signs at both poses: every path between them meets a singularity, in any slices."""
-    OTHER_ASPECT = "other-aspect"
-    """The poses lie in different aspects of the slice, or of the range in which the fixed leg may move:
-    every path in it meets a singularity."""
-    UNDECIDED = "undecided"
-    """No path was found, and none is excluded: the singular curves of the range are not supported."""
-
-
-@dataclass(frozen=True)
-class NoPath:
-    """The reason why two poses are not joined by a path.
-
-    Attributes:
-        manipulator: the geometry.
-        fixed_leg: the leg whose length is held in the slice.
-        digits: significant digits of the angles.
-        lengths: L1, L2 and L3, exact, in the user's unit.
-        start: the first pose.
-        stop: the second pose.
-        obstacle: the reason; all but ``UNDECIDED`` are proved.
-        between: the lengths between which the fixed leg was free; None if it was held.
-        connecting: for another aspect, the ends of a range of the fixed leg within which a path exists, one
-            of them being the length of the slice; None if none was found.
-
-    >>> from rpr_solver import EXAMPLES, joint_path
-    >>> joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 3)
-    <NoPath from pose 1 to pose 3: opposite-signs>
-    """
-
-    manipulator: Manipulator
-    fixed_leg: int
-    digits: int
-    lengths: tuple[Fraction, Fraction, Fraction]
-    start: PathPose
-    stop: PathPose
-    obstacle: Obstacle
-    between: tuple[Fraction, Fraction] | None = None
-    connecting: tuple[Fraction, Fraction] | None = None
-
-    def __repr__(self) -> str:
-        return f"<NoPath from pose {self.start.number} to pose {self.stop.number}: {self.obstacle}>"
-
-    def to_json(self) -> dict[str, Any]:
-        """The document: that of a :class:`Path` without a path, and with its ``obstacle``."""
-        leg = self.fixed_leg
-        return {
-            **document_head(self.manipulator, self.digits, leg),
-            **document_lengths(self.lengths),
-            "connected": None if self.obstacle is Obstacle.UNDECIDED else False,
-            "obstacle": self.obstacle.value,
-            "between": _span_json(self.between),
-            "connecting_range": _span_json(self.connecting),
-            "from": self.start.to_json(leg),
-            "to": self.stop.to_json(leg),
-            "samples": [],
-        }
 
 
 def joint_path(
@@ -110,6 +47,7 @@ def joint_path(
     stop: int,
     *,
     between: tuple[Exact, Exact] | None = None,
+    limits: ExactLimits | None = None,
     fixed_leg: int = 1,
     digits: int = PATH_DIGITS,
     samples: int = DEFAULT_SAMPLES,
@@ -126,6 +64,8 @@ def joint_path(
         start: the number of the first pose, from 1, in the table of all poses (:func:`poses`).
         stop: the number of the second pose.
         between: two lengths between which the fixed leg may move; None holds it.
+        limits: joint limits that the path keeps: the least and the greatest length of legs, exact, None for
+            an open end: ``{"l2": (5, "20.5"), "l3": (None, 30)}``, or with the legs' numbers as keys.
         fixed_leg: the leg of fixed length, 1, 2 or 3.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
         samples: the number of samples, 2 to 10001 (see :meth:`Path.resampled`).
@@ -141,11 +81,14 @@ def joint_path(
     <Path from pose 1 to pose 2: J < 0, 101 samples, 15 digits>
     >>> joint_path(EXAMPLES["innocenti"], 27, "25.7", "9.2", 2, 4, between=(27, 30), samples=5)
     <Path from pose 2 to pose 4: J > 0, 5 samples, 15 digits>
+    >>> joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 2, limits={"l2": (5, 21)})
+    <NoPath from pose 1 to pose 2: separated-by-limits>
     """
     digits, leg = check_digits(digits), check_leg(fixed_leg)
     plan = SamplingPlan.of(samples, timing, duration)
     lengths = parse_all({"l1": l1, "l2": l2, "l3": l3}, parse_positive)
     span = None if between is None else checked_range(between, lengths[f"l{leg}"], leg)
+    bounds = read_limits({} if limits is None else limits, "limits")
     table = poses(manipulator, *lengths.values(), digits=digits)
     ends = [_end(table, number, field) for number, field in ((start, "start"), (stop, "stop"))]
     if ends[0] == ends[1]:
@@ -155,26 +98,37 @@ def joint_path(
     named = of_table(table, ends[0], leg), of_table(table, ends[1], leg)
     joint = lengths["l1"], lengths["l2"], lengths["l3"]
 
-    def none(obstacle: Obstacle, connecting: tuple[Fraction, Fraction] | None = None) -> NoPath:
-        return NoPath(manipulator, leg, digits, joint, *named, obstacle, span, connecting)
+    def none(obstacle: Obstacle, **more: Any) -> NoPath:
+        return NoPath(manipulator, leg, digits, joint, *named, obstacle, span, bounds, **more)
 
+    if outside(bounds, joint):
+        return none(Obstacle.OUTSIDE_LIMITS)
     sign = sign_of(first)
     if sign != sign_of(last):
         return none(Obstacle.OPPOSITE_SIGNS)
+    free = narrowed(span, bounds.get(leg, NO_BOUNDS))
+    limited = LimitedSearch.of(first, last, sign, bounds, free)
     found = in_slice(Cells.of(slice_map, first.legs[0]), first, last, sign)
-    if found is None and span is not None:
+    is_supported = True
+    if found is None and free is not None:
         try:
-            whole = Range.of(slice_map, (span[0] * slice_map.scale, span[1] * slice_map.scale), sign)
+            whole = Range.of(slice_map, limited.span, sign)
         except SolverError:
-            return none(Obstacle.UNDECIDED)
-        found = whole.route(first, last)
+            is_supported = False
+        else:
+            found = whole.route(first, last)
+    if found is None and is_supported:
+        connecting = None if bounds else _connecting(manipulator, first, last, sign)
+        return none(Obstacle.OTHER_ASPECT, connecting=connecting)
+    if limited.limits.walls:
+        outcome = limited.kept_by(found) or limited.found()
+        if isinstance(outcome, Outcome):
+            obstacle = Obstacle.SEPARATED_BY_LIMITS if outcome.is_separated else Obstacle.UNDECIDED
+            return none(obstacle, resolution=limited.resolution(outcome))
+        found = outcome
     if found is None:
-        return none(Obstacle.OTHER_ASPECT, _connecting(manipulator, first, last, sign))
-    return path_of(manipulator, *found, plan, digits)
-
-
-def _span_json(ends: tuple[Fraction, Fraction] | None) -> dict[str, str] | None:
-    return ends and {"from": exact_str(ends[0]), "to": exact_str(ends[1])}
+        return none(Obstacle.UNDECIDED)
+    return path_of(manipulator, *found, plan, digits, between=span, limits=bounds)
 
 
 def checked_range(between: tuple[Exact, Exact], length: Fraction, leg: int) -> tuple[Fraction, Fraction]:
@@ -207,6 +161,15 @@ def isolated(slice_map: SliceMap, table: PoseTable, number: int) -> IsolatedPose
     if found is None or numbered(found, table, leg) != pose:
         raise Unproved("a pose is too near a singularity")
     return found
+
+
+def narrowed(span: tuple[Fraction, Fraction] | None, bounds: Bounds) -> tuple[Fraction, Fraction] | None:
+    """The part of a range of the fixed leg that its joint limits allow; None if that is one length alone."""
+    if span is None:
+        return None
+    low, high = bounds
+    ends = max(span[0], low or span[0]), span[1] if high is None else min(span[1], high)
+    return None if ends[0] == ends[1] else ends
 
 
 def _end(table: PoseTable, number: int, field: str) -> int:

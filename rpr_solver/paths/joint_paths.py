@@ -21,9 +21,9 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cell, Cells, Spot
 from rpr_solver.paths.isolated import Angles, IsolatedPose, local_map
-from rpr_solver.paths.proofs import PathProof
+from rpr_solver.paths.path_limits import NO_LIMITS, PathLimits
+from rpr_solver.paths.proofs import ProvedRoute
 from rpr_solver.paths.proved import PROOF_BITS
-from rpr_solver.paths.route import Route
 from rpr_solver.paths.straightened import Corner, Straightener
 from rpr_solver.singular.floats import FloatSlice
 from rpr_solver.singular.ranges import RangeTopology
@@ -41,9 +41,7 @@ def sign_at(slice_map: SliceMap, length: Fraction, angles: Angles) -> int:
         return 1 if j > 0 else -1 if j < 0 else 0
 
 
-def in_slice(
-    cells: Cells, start: IsolatedPose, stop: IsolatedPose, sign: int
-) -> tuple[Route, PathProof] | None:
+def in_slice(cells: Cells, start: IsolatedPose, stop: IsolatedPose, sign: int) -> ProvedRoute | None:
     """A proved route in the slice; None if the poses are in different aspects.
 
     Raises:
@@ -58,8 +56,13 @@ def in_slice(
 
 
 def straightened(
-    slice_map: SliceMap, sign: int, start: IsolatedPose, stop: IsolatedPose, corners: Sequence[Corner]
-) -> tuple[Route, PathProof]:
+    slice_map: SliceMap,
+    sign: int,
+    start: IsolatedPose,
+    stop: IsolatedPose,
+    corners: Sequence[Corner],
+    limits: PathLimits = NO_LIMITS,
+) -> ProvedRoute:
     """The route along a polyline that ends at the stop, perhaps some turns further.
 
     Raises:
@@ -72,9 +75,9 @@ def straightened(
         ]
         angles = [angle + 2 * arb.pi() * n for angle, n in zip(stop.angles, turns, strict=True)]
     ending = replace(stop, angles=(angles[0], angles[1]))
-    found = Straightener(slice_map, sign).route(start, ending, corners)
+    found = Straightener(slice_map, sign, limits).route(start, ending, corners)
     if found is None:
-        raise Unproved("the two poses are in one aspect, but no path could be proved")
+        raise Unproved("the two poses are joined, but no path could be proved")
     return found
 
 
@@ -106,7 +109,7 @@ class Range:
                 widest[pair] = max(widest.get(pair, (-1.0, (one, other, spot))), (room, (one, other, spot)))
         return cls((ends[0], ends[1]), sign, tuple(bridge for _, bridge in widest.values()))
 
-    def route(self, start: IsolatedPose, stop: IsolatedPose) -> tuple[Route, PathProof] | None:
+    def route(self, start: IsolatedPose, stop: IsolatedPose) -> ProvedRoute | None:
         """A proved route between two poses of a joint vector in the range; None if they are in different
         aspects of it.
 

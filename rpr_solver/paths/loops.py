@@ -8,11 +8,12 @@ The first alone would not do: two poses near a cusp can also be joined beside it
 from __future__ import annotations
 
 from cmath import phase
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from math import floor, log10, pi
+from types import MappingProxyType
 
 from flint import arb, ctx
 
@@ -24,8 +25,8 @@ from rpr_solver.contract import (
     check_type,
     number_of,
 )
-from rpr_solver.errors import Unproved
-from rpr_solver.exact.rationals import Exact
+from rpr_solver.errors import InputError, Unproved
+from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
@@ -33,11 +34,13 @@ from rpr_solver.paths.arcs import Arc, expanded
 from rpr_solver.paths.cusp_frame import CuspFrame
 from rpr_solver.paths.isolated import Image, IsolatedPose, local_map
 from rpr_solver.paths.path import Path, SamplingPlan
-from rpr_solver.paths.proofs import PathProof, prove
+from rpr_solver.paths.path_limits import PathLimits, outside
+from rpr_solver.paths.proofs import ProvedRoute, prove
 from rpr_solver.paths.proved import PROOF_BITS, path_of
 from rpr_solver.paths.route import ControlPoint, Route
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices.joint_limits import Bounds, ExactLimits, read_limits
 from rpr_solver.slices.joint_points import JointPoint
 from rpr_solver.slices.lengths import slice_length
 from rpr_solver.slices.slice_table import SliceTable
@@ -55,6 +58,7 @@ def cusp_loop(
     length: Exact,
     cusp: int | str,
     *,
+    limits: ExactLimits | None = None,
     fixed_leg: int = 1,
     digits: int = PATH_DIGITS,
     samples: int = DEFAULT_SAMPLES,
@@ -72,6 +76,8 @@ def cusp_loop(
         manipulator: the geometry.
         length: of the fixed leg, exact, > 0, in the user's unit.
         cusp: the number of the cusp, from 1, in the table of the slice, or its letter A, B, ….
+        limits: joint limits that the loop keeps: the least and the greatest length of legs, exact, None for
+            an open end: ``{"l2": (5, "20.5"), "l3": (None, 30)}``, or with the legs' numbers as keys.
         fixed_leg: the leg of fixed length, 1, 2 or 3.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
         samples: the number of samples, 2 to 10001 (see :meth:`Path.resampled`).
@@ -84,14 +90,17 @@ def cusp_loop(
 
     >>> from rpr_solver import EXAMPLES
     >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=3)
+    >>> cusp_loop(EXAMPLES["innocenti"], 27, "B", limits={"l2": (8, 20)}, samples=3).limits
+    {2: (Fraction(8, 1), Fraction(20, 1))}
     >>> loop.winding, [sample.lengths[1] for sample in loop.samples]
     (1, ['15.5000000000000', '6.41622823487786', '15.5000000000000'])
     """
     digits, leg = check_digits(digits), check_leg(fixed_leg)
     plan = SamplingPlan.of(samples, timing, duration)
     exact = slice_length(length, leg)
+    bounds = read_limits({} if limits is None else limits, "limits")
     eliminant = eliminate(manipulator, leg)
-    return loop_in_slice(eliminant, slice_for_loops(eliminant, exact), cusp, plan, digits)
+    return loop_in_slice(eliminant, slice_for_loops(eliminant, exact), cusp, plan, digits, bounds)
 
 
 def slice_for_loops(eliminant: Eliminant, length: Exact) -> SliceTable:
@@ -105,35 +114,43 @@ def slice_for_loops(eliminant: Eliminant, length: Exact) -> SliceTable:
 
 
 def loop_in_slice(
-    eliminant: Eliminant, table: SliceTable, cusp: int | str, plan: SamplingPlan, digits: int
+    eliminant: Eliminant,
+    table: SliceTable,
+    cusp: int | str,
+    plan: SamplingPlan,
+    digits: int,
+    bounds: Mapping[int, Bounds] = MappingProxyType({}),
 ) -> Path:
-    """As :func:`cusp_loop`, for a slice that is known (see :func:`slice_for_loops`).
+    """As :func:`cusp_loop`, within ``bounds``, for a slice that is known (see :func:`slice_for_loops`).
 
     Raises:
-        InputError: naming ``cusp``: the slice has no such cusp.
+        InputError: naming ``cusp``: the slice has no such cusp; or ``limits``, which exclude it.
         SolverError: the loop could not be decided.
     """
     cusp = number_of(cusp, table.count)
     check_type(table, SliceTable, "table")
-    route, proof = _Search(eliminant.slice_map, table, cusp).found()
+    route, proof = _Search(eliminant.slice_map, table, cusp, bounds).found()
     winding = proof.windings[0]
     if winding < 0:
         route, winding = route.reversed(), -winding
-    return path_of(eliminant.manipulator, route, proof, plan, digits, (cusp, winding))
+    return path_of(eliminant.manipulator, route, proof, plan, digits, (cusp, winding), limits=bounds)
 
 
 class _Search:
     """The search for the largest loop round one cusp of a slice."""
 
-    def __init__(self, slice_map: SliceMap, table: SliceTable, cusp: int) -> None:
+    def __init__(
+        self, slice_map: SliceMap, table: SliceTable, cusp: int, bounds: Mapping[int, Bounds]
+    ) -> None:
         self.slice_map = slice_map
+        self.bounds = bounds
         self.length = table.length
         self.cusp = cusp
         self.others = [point for k, point in enumerate(table.cusps, 1) if k != cusp]
         self.point = table.cusps[cusp - 1]
         self.digits = table.digits
 
-    def found(self) -> tuple[Route, PathProof]:
+    def found(self) -> ProvedRoute:
         """The route of a loop and its proof."""
         with ctx.workprec(PROOF_BITS):
             alpha, theta, *_ = (_ball(text, self.digits) for text in self.point.coordinates)
@@ -141,21 +158,41 @@ class _Search:
             self.length_ball = ball_of(self.length * self.slice_map.scale)
             self.frame = CuspFrame.at(self.slice_map, self.length_ball, (alpha * degree, theta * degree))
             self.centres = [self._image(point) for point in (self.point, *self.others)]
+            self._check_limits()
             wanted = [1, *[0] * len(self.others)]
             for route in self._routes():
                 [arc] = route.at(PROOF_BITS - 64)
-                if self._promises(arc, wanted):
-                    proof = prove(self.slice_map, [arc], self.frame.sign, self.centres)
+                limits = PathLimits.of(self.slice_map, self.bounds, route.start.legs)
+                if self._promises(arc, wanted, limits):
+                    proof = prove(self.slice_map, [arc], self.frame.sign, self.centres, limits=limits)
                     if proof is not None and [abs(n) for n in proof.windings] == wanted:
                         return route, proof
-        raise Unproved(f"no loop round cusp {self.cusp} could be proved")
+        within = " within the limits" if self.bounds else ""
+        raise Unproved(f"no loop round cusp {self.cusp}{within} could be proved")
 
-    def _promises(self, arc: Arc, wanted: Sequence[int]) -> bool:
-        """Whether J has its sign at some points of a loop, and their images seem to turn as wanted."""
+    def _check_limits(self) -> None:
+        """Refuse limits that exclude the cusp: what they allow is a rectangle, and no loop in it goes round a
+        point outside.
+
+        Raises:
+            InputError: naming ``limits``.
+        """
+        leg = self.slice_map.fixed_leg
+        if leg in outside(self.bounds, [self.length] * 3):
+            raise InputError.of(f"limits.l{leg}", f"exclude the slice L{leg} = {exact_str(self.length)}")
+        if PathLimits.of(self.slice_map, self.bounds).exclude(self.centres[0]):
+            message = f"exclude cusp {self.cusp}, so that every loop round it exceeds them"
+            raise InputError.of("limits", message)
+
+    def _promises(self, arc: Arc, wanted: Sequence[int], limits: PathLimits) -> bool:
+        """Whether J has its sign at some points of a loop, and their images keep the limits and seem to turn
+        as wanted."""
         image = []
         for k in range(_PROBES + 1):
             at = expanded(self.slice_map, arc, arb(k) / _PROBES, 0)
             if not at.singularity[0] * self.frame.sign > 0:
+                return False
+            if limits.exclude((at.first[0], at.second[0])):
                 return False
             image.append(complex(float(at.first[0].mid()), float(at.second[0].mid())))
         for (x, y), turns in zip(self.centres, wanted, strict=True):

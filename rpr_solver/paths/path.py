@@ -5,6 +5,7 @@ The document of :meth:`Path.to_json`::
     {"geometry": {…}, "geometry_hash": "sha256:…", "fixed_leg": 1, "digits": 15, "solver_version": "…",
      "l1": "27", "l2": "24.1", "l3": "16.8", "connected": true,
      "cusp": 1, "closed": true, "sign": -1, "winding": 1,
+     "between": null, "limits": {"l2": {"min": "5", "max": null}},
      "from": {"pose": 2, "alpha_deg": "…", "theta1_deg": "…"}, "to": {"pose": 4, …},
      "others": [{"from": {"pose": 1, …}, "to": {"pose": 1, …}, "fold": null},
                 {"from": {"pose": 3, …}, "to": null, "fold": {"l1": "27", "l2": "…", "l3": "…", …}}],
@@ -15,7 +16,7 @@ The document of :meth:`Path.to_json`::
                      "pieces": 32, "least_determinant": "…", "working_bits": 128}}
 
 ``closed`` says that the leg lengths at the end are those at the start. ``cusp`` and ``winding`` are null for
-a path that is no loop round a cusp.
+a path that is no loop round a cusp, ``between`` and ``limits`` where none are given.
 """
 
 from __future__ import annotations
@@ -46,6 +47,7 @@ from rpr_solver.paths.route import Route
 from rpr_solver.paths.samples import PathSample, sampled
 from rpr_solver.paths.timing import TIMINGS
 from rpr_solver.singular.singular_curves import SingularCurves
+from rpr_solver.slices.joint_limits import Bounds, limits_json
 
 
 class PathCertificate(TypedDict):
@@ -86,6 +88,8 @@ class Path:
         route: the exact path.
         certificate: how the path is proved.
         others: what becomes of the other poses meanwhile; None unless asked for (:meth:`with_others`).
+        between: the lengths between which the fixed leg was free; None if it was held.
+        limits: the joint limits that the path keeps, proved; by the legs' numbers.
 
     >>> from rpr_solver import EXAMPLES, cusp_loop
     >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "A")
@@ -111,6 +115,8 @@ class Path:
     route: Route = field(compare=False, repr=False)
     certificate: PathCertificate
     others: tuple[OtherPose, ...] | None = None
+    between: tuple[Fraction, Fraction] | None = None
+    limits: Mapping[int, Bounds] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         length = shortened(exact_str(self.lengths[self.fixed_leg - 1]))
@@ -175,6 +181,8 @@ class Path:
             "closed": True,
             "sign": self.sign,
             "winding": self.winding,
+            "between": span_json(self.between),
+            "limits": limits_json(self.limits) or None,
             "from": self.start.to_json(leg),
             "to": self.stop.to_json(leg),
             "others": None if self.others is None else [other.to_json(leg) for other in self.others],
@@ -235,6 +243,11 @@ class SamplingPlan:
         first, last = ((end.alpha_deg, end.theta_deg) for end in ends)
         samples = sampled(route, (first, last), digits, self.count, self.timing, self.duration)
         return {"samples": samples, "timing": self.timing, "duration": self.duration}
+
+
+def span_json(ends: tuple[Fraction, Fraction] | None) -> dict[str, str] | None:
+    """A closed range of lengths, exact."""
+    return ends and {"from": exact_str(ends[0]), "to": exact_str(ends[1])}
 
 
 def document_lengths(lengths: tuple[Fraction, Fraction, Fraction]) -> dict[str, str]:

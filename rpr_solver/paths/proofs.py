@@ -1,6 +1,7 @@
-"""The proofs about a path: J keeps its sign along it, and its image goes round a point of the (L2, L3) plane.
+"""The proofs about a path: J keeps its sign along it, the free legs keep their limits, and its image goes
+round a point of the (L2, L3) plane.
 
-A path is cut into pieces until balls decide both questions on each. On a piece of half-width r about τ the
+A path is cut into pieces until balls decide all questions on each. On a piece of half-width r about τ the
 values lie in F(τ) + F′(τ)[−r, r] + F″(piece)[0, r²]/2, which shrinks with the square of the width
 (mathematics.md#paths-without-a-singularity).
 """
@@ -9,12 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from flint import acb, arb
 
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.arcs import Arc, Expansion, bounded, expanded
 from rpr_solver.paths.isolated import Image
+from rpr_solver.paths.path_limits import NO_LIMITS, PathLimits
+from rpr_solver.paths.route import Route
 
 _FIRST_CUT = 4
 _SMALLEST = 2.0**-24
@@ -37,20 +41,27 @@ class PathProof:
     windings: tuple[int, ...]
 
 
+ProvedRoute: TypeAlias = tuple[Route, PathProof]
+
+
 def prove(
     slice_map: SliceMap,
     arcs: Sequence[Arc],
     sign: int,
     centres: Sequence[Image] = (),
     most_pieces: int = 4000,
+    limits: PathLimits = NO_LIMITS,
+    at_ends: tuple[bool, bool] = (True, True),
 ) -> PathProof | None:
     """Proves that J has this sign along the arcs, and how often their closed image winds round each centre.
 
     The arcs must follow one another; with a centre, the image of the first point must be that of the last.
-    Returns None if J changes its sign, the image meets a centre, or the balls do not decide it.
+    ``at_ends`` tells whether the first point is the start of the path, and the last one its end. Returns None
+    if J changes its sign, the image meets a centre, a leg exceeds its limits, or the balls do not decide it.
     """
     pieces, turns, least = 0, [arb(0)] * len(centres), arb("+inf")
-    for arc in arcs:
+    last = len(arcs) - 1
+    for number, arc in enumerate(arcs):
         stack = [(arb(2 * k + 1) / (2 * _FIRST_CUT), 0.5 / _FIRST_CUT) for k in reversed(range(_FIRST_CUT))]
         start = expanded(slice_map, arc, arb(0), 0)
         while stack:
@@ -59,12 +70,20 @@ def prove(
             near = expanded(slice_map, arc, tau, 1)
             if pieces > most_pieces or near.singularity[0] * sign < 0:
                 return None
+            if limits.exclude((near.first[0], near.second[0])):
+                return None
             wide = expanded(slice_map, arc, arb(tau, half), 2)
             radius = arb(half)
             value = bounded(near.singularity, wide.singularity, radius) * sign
             image = bounded(near.first, wide.first, radius), bounded(near.second, wide.second, radius)
             bends = None
-            if value > 0 and image[0] > 0 and image[1] > 0:
+            kept = limits.hold(
+                image,
+                (wide.first[1], wide.second[1]),
+                at_start=at_ends[0] and number == 0 and tau == half,
+                at_stop=at_ends[1] and number == last and tau + half == 1,
+            )
+            if value > 0 and image[0] > 0 and image[1] > 0 and kept:
                 end = expanded(slice_map, arc, tau + radius, 0)
                 bends = _bends(image, (start, end), centres)
             if bends is not None:

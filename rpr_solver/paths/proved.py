@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from fractions import Fraction
+
 from flint import ctx
 
 from rpr_solver.exact.decimals import round_down
@@ -11,6 +14,7 @@ from rpr_solver.paths.ends import numbered
 from rpr_solver.paths.path import Path, PathCertificate, SamplingPlan
 from rpr_solver.paths.proofs import PathProof
 from rpr_solver.paths.route import Route
+from rpr_solver.slices.joint_limits import Bounds
 from rpr_solver.slices.joint_points import free_legs
 
 PROOF_BITS = 160
@@ -25,8 +29,13 @@ def path_of(
     plan: SamplingPlan,
     digits: int,
     round_cusp: tuple[int, int] | None = None,
+    *,
+    between: tuple[Fraction, Fraction] | None = None,
+    limits: Mapping[int, Bounds] | None = None,
 ) -> Path:
     """The path in decimals; ``round_cusp`` is the number of the cusp and the winding of a loop.
+
+    ``between`` and ``limits`` are what it was to keep.
 
     Raises:
         SolverError: digits could not be proved.
@@ -59,5 +68,7 @@ def path_of(
         stop=stop,
         route=route,
         certificate=certificate,
+        between=between,
+        limits=dict(limits or {}),
         **plan.members(route, (start, stop), digits),
     )

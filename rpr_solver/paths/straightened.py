@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -14,7 +14,8 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.arcs import Arc
 from rpr_solver.paths.isolated import IsolatedPose
-from rpr_solver.paths.proofs import PathProof, prove
+from rpr_solver.paths.path_limits import NO_LIMITS, PathLimits
+from rpr_solver.paths.proofs import PathProof, ProvedRoute, prove
 from rpr_solver.paths.proved import PROOF_BITS
 from rpr_solver.paths.route import ControlPoint, Route
 
@@ -24,26 +25,16 @@ Corner = tuple[float, float, Fraction]
 _PLACES = 10**7
 _ROUNDINGS = (Fraction(1, 2), Fraction(1, 4), Fraction(1, 16))
 
-Allowed = Callable[[Sequence[Arc]], bool]
-"""Whether arcs keep what else is asked of a path, such as joint limits; proved."""
-
-
-def anything(_arcs: Sequence[Arc]) -> bool:
-    """Nothing else is asked."""
-    return True
-
 
 @dataclass(frozen=True)
 class Straightener:
-    """Makes routes of polylines, on which J has one sign."""
+    """Makes routes of polylines, on which J has one sign and the free legs keep their limits."""
 
     slice_map: SliceMap
     sign: int
-    allowed: Allowed = anything
+    limits: PathLimits = NO_LIMITS
 
-    def route(
-        self, start: IsolatedPose, stop: IsolatedPose, corners: Sequence[Corner]
-    ) -> tuple[Route, PathProof] | None:
+    def route(self, start: IsolatedPose, stop: IsolatedPose, corners: Sequence[Corner]) -> ProvedRoute | None:
         """A proved route along a polyline, its ends included, which are the poses; None without a proof."""
         points = [ControlPoint(_decimal(a), _decimal(t), length) for a, t, length in corners[1:-1]]
         inner: list[ControlPoint | None] = [None, *points, None]
@@ -91,13 +82,13 @@ class Straightener:
                     points.append((*pose.angles, ball_of(pose.legs[0])))
                 else:
                     points.append(corner.point(self.slice_map.scale))
+            at_ends = first == 0, last == len(corners) - 1
             arcs = [Arc.over(points)]
-            return prove(self.slice_map, arcs, self.sign) is not None and self.allowed(arcs)
+            return prove(self.slice_map, arcs, self.sign, limits=self.limits, at_ends=at_ends) is not None
 
     def _proof(self, route: Route) -> PathProof | None:
         with ctx.workprec(PROOF_BITS):
-            arcs = route.at(PROOF_BITS - 64)
-            return prove(self.slice_map, arcs, self.sign) if self.allowed(arcs) else None
+            return prove(self.slice_map, route.at(PROOF_BITS - 64), self.sign, limits=self.limits)
 
 
 def _rounded(

@@ -32,6 +32,7 @@ from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shor
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.degeneracy import Degeneracy
 from rpr_solver.slices.eliminant import Eliminant
+from rpr_solver.slices.joint_limits import Bounds
 from rpr_solver.slices.joint_points import JointPoint, free_legs
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.degenerate import degeneracies
@@ -39,7 +40,7 @@ from rpr_solver.transitions.event_systems import EventSystems, NotGeneric
 from rpr_solver.transitions.event_texts import length_text
 from rpr_solver.transitions.event_types import Event
 from rpr_solver.transitions.events import limit_events
-from rpr_solver.transitions.requirement import REFUSED, Bounds, Requirement
+from rpr_solver.transitions.requirement import REFUSED, Requirement
 from rpr_solver.transitions.survey import survey
 
 

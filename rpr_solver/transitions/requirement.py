@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from fractions import Fraction
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
 from rpr_solver.contract import check_integer, check_leg
 from rpr_solver.errors import FieldProblem, InputError, shown
-from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_or_none, parse_all, parse_exact
+from rpr_solver.exact.rationals import MAX_DIGITS, Exact, parse_exact
+from rpr_solver.slices.joint_limits import Bounds, ExactLimits, limits_json, read_limits
 from rpr_solver.slices.length_range import LengthRange
-
-Bounds: TypeAlias = tuple[Fraction | None, Fraction | None]
-ExactBounds: TypeAlias = tuple[Exact | None, Exact | None]
 
 ALLOWED, REFUSED = "allowed", "refused"
 
 _T = TypeVar("_T")
-_LEGS = {"l1": 1, "l2": 2, "l3": 3}
 
 
 @dataclass(frozen=True)
@@ -61,7 +58,7 @@ class Requirement:
         stop: Exact | None = None,
         max_cusps: int | None = None,
         min_cusps: int | None = None,
-        limits: Mapping[int, ExactBounds] | Mapping[str, ExactBounds] | None = None,
+        limits: ExactLimits | None = None,
         degenerate: str = ALLOWED,
     ) -> None:
         leg = check_leg(fixed_leg, "requirement.fixed_leg")
@@ -77,7 +74,7 @@ class Requirement:
         span = read(lambda: LengthRange.of(start, stop, ("requirement.start", "requirement.stop")))
         most = read(lambda: _count(max_cusps, "requirement.max_cusps"))
         least = read(lambda: _count(min_cusps, "requirement.min_cusps"))
-        bounds = read(lambda: _limits({} if limits is None else limits, leg))
+        bounds = read(lambda: read_limits({} if limits is None else limits, "requirement.limits", leg))
         if max_cusps is None and min_cusps is None:
             problems.append(FieldProblem("requirement.max_cusps", "is missing; give max_cusps or min_cusps"))
         if most is not None and least is not None and most < least:
@@ -144,10 +141,7 @@ class Requirement:
             "range": self.range.to_json(),
             "max_cusps": self.max_cusps,
             "min_cusps": self.min_cusps,
-            "limits": {
-                f"l{leg}": {"min": exact_or_none(low), "max": exact_or_none(high)}
-                for leg, (low, high) in sorted(self.limits.items())
-            },
+            "limits": limits_json(self.limits),
             "degenerate": self.degenerate,
         }
 
@@ -160,25 +154,3 @@ class Requirement:
 
 def _count(value: int | None, field: str) -> int | None:
     return None if value is None else check_integer(value, field, "a number of cusps, at least 0", 0)
-
-
-def _limits(limits: Mapping[Any, ExactBounds], fixed_leg: int) -> dict[int, Bounds]:
-    field = "requirement.limits"
-    if not isinstance(limits, Mapping):
-        raise InputError.of(field, f"is {shown(limits)}; its keys are the free legs, such as l2 and l3")
-
-    def read(bounds: ExactBounds, key: Any) -> tuple[int, Bounds]:
-        leg = _LEGS[key] if isinstance(key, str) and key in _LEGS else check_leg(key, field)
-        return leg, _bounds(bounds, leg, fixed_leg)
-
-    return dict(parse_all(limits, read).values())
-
-
-def _bounds(bounds: ExactBounds, leg: int, fixed_leg: int) -> Bounds:
-    field = f"requirement.limits.l{leg}"
-    if leg == fixed_leg:
-        raise InputError.of(field, "is the fixed leg; its limits are the range")
-    if isinstance(bounds, str | bytes) or not isinstance(bounds, Sequence) or len(bounds) != 2:
-        raise InputError.of(field, f"is {shown(bounds)}; give (min, max)")
-    span = LengthRange.of(*bounds, (f"{field}.min", f"{field}.max"))
-    return None if bounds[0] is None else span.start, span.stop

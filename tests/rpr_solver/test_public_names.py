@@ -85,6 +85,7 @@ CLASSES = {
     "RangeAspect",
     "Region",
     "Requirement",
+    "Resolution",
     "SingularComponent",
     "SingularCurves",
     "SliceTable",

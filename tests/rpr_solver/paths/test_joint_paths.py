@@ -1,6 +1,7 @@
 """Routes in a slice and in a range against a search on a dense grid."""
 
 import cmath
+from collections.abc import Mapping
 from fractions import Fraction
 from itertools import pairwise
 from math import pi
@@ -13,24 +14,36 @@ from rpr_solver import InputError, Manipulator, NoPath, Path, SolverError, joint
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.isolated import local_map
 from rpr_solver.paths.joint_paths import sign_at
+from rpr_solver.slices.joint_limits import Bounds
 from tests.support.motions import Mover, angles_of, apart, legs_of
 
 GRID = 400
 
 
-def joined_on_a_grid(ends: Path | NoPath, length: float) -> bool:
-    """Whether a flood on a grid of the slice leads from one pose to the other."""
+def joined_on_a_grid(
+    ends: Path | NoPath,
+    length: float,
+    limits: Mapping[int, Bounds] | None = None,
+) -> bool:
+    """Whether a flood on a grid of the slice, within the limits, leads from one pose to the other."""
     mover = Mover.of(ends.manipulator, ends.fixed_leg)
     fixed = ends.fixed_leg - 1
     turns = [cmath.rect(1, (k + 0.5) * 2 * pi / GRID - pi) for k in range(GRID)]
     legs = [(mover.platform[i] - mover.platform[fixed], mover.base[i] - mover.base[fixed]) for i in range(3)]
     (first, second) = (leg for i, leg in enumerate(legs) if i != fixed)
 
-    def positive(i: int, k: int) -> bool:
+    walls = [
+        (low or 0, float("inf") if high is None else high)
+        for low, high in ((limits or {}).get(leg, (None, None)) for leg in (1, 2, 3) if leg != fixed + 1)
+    ]
+
+    def positive(i: int, k: int) -> bool | None:
         slopes = []
-        for platform, base in (first, second):
+        for (platform, base), (low, high) in zip((first, second), walls, strict=True):
             arm, tip = turns[i] * platform, length * turns[k]
             vector = (tip + arm - base).conjugate()
+            if not low <= abs(vector) <= high:
+                return None
             slopes.append(((vector * 1j * arm).real, (vector * 1j * tip).real))
         (fa, ft), (ga, gt) = slopes
         return fa * gt - ft * ga > 0
@@ -39,13 +52,14 @@ def joined_on_a_grid(ends: Path | NoPath, length: float) -> bool:
         tuple(int(((x + pi) % (2 * pi)) / (2 * pi) * GRID) % GRID for x in angles_of(end))
         for end in (ends.start, ends.stop)
     )
-    sign, seen, queue = positive(*start), {start}, [start]
+    sign = mover.determinant(*angles_of(ends.start), length) > 0
+    seen, queue = {start}, [start]
     while queue and stop not in seen:
         x, y = queue.pop()
         for other in (((x + 1) % GRID, y), ((x - 1) % GRID, y), (x, (y + 1) % GRID), (x, (y - 1) % GRID)):
             if other not in seen:
                 seen.add(other)
-                if positive(*other) == sign:
+                if other == stop or positive(*other) == sign:
                     queue.append(other)
     return stop in seen
 

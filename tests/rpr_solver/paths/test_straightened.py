@@ -4,6 +4,7 @@ from fractions import Fraction
 from math import radians
 
 from rpr_solver import EXAMPLES, cusp_loop
+from rpr_solver.paths.path_limits import PathLimits
 from rpr_solver.paths.straightened import Corner, Straightener
 
 LOOP = cusp_loop(EXAMPLES["innocenti"], 27, "C", samples=2)
@@ -33,6 +34,9 @@ def test_no_route_has_the_other_sign() -> None:
     assert Straightener(LOOP.route.slice_map, -LOOP.sign).route(START, STOP, corners()) is None
 
 
-def test_what_is_not_allowed_is_refused() -> None:
-    strict = Straightener(LOOP.route.slice_map, LOOP.sign, lambda _arcs: False)
-    assert strict.route(START, STOP, corners()) is None
+def test_a_route_beyond_a_limit_is_refused() -> None:
+    legs = START.legs
+    for bounds, is_free in (({2: (None, Fraction(1))}, False), ({2: (Fraction(1), None)}, True)):
+        limits = PathLimits.of(LOOP.route.slice_map, bounds, legs)
+        found = Straightener(LOOP.route.slice_map, LOOP.sign, limits).route(START, STOP, corners())
+        assert (found is not None) is is_free

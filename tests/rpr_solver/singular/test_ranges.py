@@ -19,7 +19,7 @@ from tests.support.singular import manipulator
 Mask = NDArray[np.bool_]
 Found = list[tuple[int, int, int]]
 
-SIZES = (211, 523, 1021)
+SIZES = (211, 523, 1021, 2039)
 NEARLY_OPEN = Fraction(1, 10**9), Fraction(10**9)
 LONG = pytest.mark.long
 

@@ -1,0 +1,221 @@
+"""Boxes of poses: whether J has a sign, and the free legs keep their limits, everywhere in one, or nowhere.
+
+A box is a part of the torus of (α, θ), and of the range of the fixed leg if that is free. On it half the
+squared length of a free leg is a constant plus L²/2 and the real part of L A + L B + C, where A turns with
+α − θ, B with θ and C with α. Values at the middle and slopes over the whole box bound what is asked for
+(mean value theorem); A, B and C depend on one index each and are kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from fractions import Fraction
+from functools import cached_property
+from math import floor, log2, tau
+
+from flint import acb, arb, ctx
+
+from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.paths.path_limits import PathLimits
+
+Box = tuple[int, int, int, int]
+"""The level, and the numbers of the box along α, θ and L; a level higher, the box is half as wide."""
+Place = tuple[arb, arb, Fraction]
+"""α and θ in radians, and the scaled length, exact."""
+
+FIRST_LEVEL = 3
+"""At this level eight boxes make a turn, and one the whole range of the fixed leg."""
+_NEVER = 1000
+BITS = 80
+"""The working precision."""
+_ALPHA, _THETA = Fraction(47, 1021), Fraction(-31, 877)
+"""Where boxes begin, in turns: nothing special lies there."""
+
+
+class Verdict(IntEnum):
+    """What is proved about a box."""
+
+    OUT = -1
+    """No pose of it is allowed."""
+    UNDECIDED = 0
+    IN = 1
+    """All its poses are allowed."""
+
+
+@dataclass(frozen=True)
+class Boxes:
+    """The boxes of a slice, or of a range of the fixed leg (scaled), in which J shall have a sign.
+
+    All at the working precision :data:`BITS`.
+    """
+
+    slice_map: SliceMap
+    sign: int
+    limits: PathLimits
+    low: Fraction
+    high: Fraction
+    _known: dict[tuple[int, int, int, int], tuple[acb, acb]] = field(default_factory=dict, repr=False)
+
+    @property
+    def axes(self) -> tuple[int, ...]:
+        """The coordinates that are cut: 0 is α, 1 is θ, 2 is L."""
+        return (0, 1) if self.low == self.high else (0, 1, 2)
+
+    @cached_property
+    def _whole(self) -> int:
+        """The last level at which the range of L is one, so that boxes are about as long as they are wide."""
+        if self.low == self.high:
+            return _NEVER
+        return round(log2(float(tau * self.high / (self.high - self.low))))
+
+    def lengths(self, level: int) -> int:
+        """Into how many parts the range of the fixed leg is cut at a level."""
+        return 1 << max(0, level - self._whole)
+
+    def first(self) -> list[Box]:
+        """The boxes of the first level."""
+        turn, lengths = range(1 << FIRST_LEVEL), range(self.lengths(FIRST_LEVEL))
+        return [(FIRST_LEVEL, i, k, m) for i in turn for k in turn for m in lengths]
+
+    def parts(self, box: Box) -> list[Box]:
+        """The boxes into which one is cut."""
+        level, i, k, m = box
+        lengths = (2 * m, 2 * m + 1) if self.lengths(level + 1) > self.lengths(level) else (m,)
+        return [(level + 1, x, y, z) for x in (2 * i, 2 * i + 1) for y in (2 * k, 2 * k + 1) for z in lengths]
+
+    def whole(self, box: Box) -> Box:
+        """The box of which one is a part."""
+        level, i, k, m = box
+        return level - 1, i >> 1, k >> 1, m * self.lengths(level - 1) // self.lengths(level)
+
+    def beside(self, box: Box, axis: int, step: int) -> Box | None:
+        """The box of the same level next to one; None beyond an end of the range."""
+        level, *place = box
+        place[axis] += step
+        if axis < 2:
+            place[axis] %= 1 << level
+        elif not 0 <= place[axis] < self.lengths(level):
+            return None
+        return level, place[0], place[1], place[2]
+
+    def middle(self, box: Box) -> tuple[Fraction, Fraction, Fraction]:
+        """α and θ in turns, and the scaled length, in the middle of a box."""
+        level, i, k, m = box
+        half = Fraction(1, 1 << (level + 1))
+        length = self.low + (self.high - self.low) * Fraction(2 * m + 1, 2 * self.lengths(level))
+        return _ALPHA + (2 * i + 1) * half, _THETA + (2 * k + 1) * half, length
+
+    def sizes(self, box: Box) -> tuple[Fraction, Fraction, Fraction]:
+        """The widths of a box, likewise."""
+        turn = Fraction(1, 1 << box[0])
+        return turn, turn, (self.high - self.low) / self.lengths(box[0])
+
+    def holding(self, place: Place, level: int) -> Box | None:
+        """A box of a level that holds a place; None if it is too near to an edge."""
+        numbers = []
+        for angle, start in ((place[0], _ALPHA), (place[1], _THETA)):
+            share = (angle / (2 * arb.pi()) - ball_of(start)) * (1 << level)
+            numbers.append(share.floor().unique_fmpz())
+        i, k = numbers
+        if i is None or k is None:
+            return None
+        parts, m = self.lengths(level), 0
+        if 2 in self.axes:
+            m = min(floor((place[2] - self.low) / (self.high - self.low) * parts), parts - 1)
+        return level, int(i) % (1 << level), int(k) % (1 << level), m
+
+    def verdict(self, box: Box) -> Verdict:
+        """What balls prove about a box."""
+        *_, length_at = self.middle(box)
+        turn, _, size = self.sizes(box)
+        length = ball_of(length_at)
+        reach = (
+            arb(0, (arb.pi() * ball_of(turn)).abs_upper()),
+            arb(0, ball_of(size / 2).abs_upper()),
+        )
+        wide_length = length + reach[1]
+        legs = [self._leg(number, box, (length, wide_length), reach) for number in (0, 1)]
+        image = [leg.value for leg in legs]
+        if self.limits.exclude(image):
+            return Verdict.OUT
+        (f, g) = legs
+        j = f.along * g.across - f.across * g.along
+        slopes = [
+            df * g.wide_across + f.wide_along * dg_ - df_ * g.wide_along - f.wide_across * dg
+            for (df, df_), (dg, dg_) in zip(f.bends, g.bends, strict=True)
+        ]
+        j = (j + slopes[0] * reach[0] + slopes[1] * reach[0] + slopes[2] * reach[1]) * self.sign
+        if j < 0:
+            return Verdict.OUT
+        flat = arb(0), arb(0)
+        return Verdict.IN if j > 0 and self.limits.hold(image, flat) else Verdict.UNDECIDED
+
+    def _leg(self, number: int, box: Box, lengths: tuple[arb, arb], reach: tuple[arb, arb]) -> _LegOnBox:
+        level, i, k, _ = box
+        turn = (1 << level) - 1
+        (a, wide_a), (b, wide_b), (c, wide_c) = (
+            self._turned(number, which, level, index)
+            for which, index in ((0, (i - k) & turn), (1, k), (2, i))
+        )
+        length, wide = lengths
+        # half the squared length, its derivative by α, and that by θ, divided by L
+        value = (length * length + self._constants[number]) / 2 + length * (a.real + b.real) + c.real
+        along, across = -length * a.imag - c.imag, a.imag - b.imag
+        wide_along, wide_across = -wide * wide_a.imag - wide_c.imag, wide_a.imag - wide_b.imag
+        value += wide_along * reach[0] + wide * wide_across * reach[0]
+        value += (wide + wide_a.real + wide_b.real) * reach[1]
+        bends = (
+            (-wide * wide_a.real - wide_c.real, wide_a.real),
+            (wide * wide_a.real, -wide_a.real - wide_b.real),
+            (-wide_a.imag, arb(0)),
+        )
+        return _LegOnBox(value, along, across, wide_along, wide_across, bends)
+
+    def _turned(self, number: int, which: int, level: int, index: int) -> tuple[acb, acb]:
+        """A, B or C of a leg in the middle of boxes with an index, and over all of them."""
+        key = number, which, level, index
+        if key not in self._known:
+            centre = Fraction(index, 1 << level) + (_ALPHA - _THETA, _THETA, _ALPHA)[which]
+            half = Fraction(1, 1 << (level + 1))
+            centre += 0 if which == 0 else half
+            angle = 2 * arb.pi() * ball_of(centre)
+            radius = (2 * arb.pi() * ball_of(2 * half if which == 0 else half)).abs_upper()
+            factor = self._factors[number][which]
+            self._known[key] = factor * _circle(angle), factor * _circle(arb(angle, radius + angle.rad()))
+        return self._known[key]
+
+    @cached_property
+    def _factors(self) -> list[tuple[acb, acb, acb]]:
+        omega = omega_ball(self.slice_map.radicand, ctx.prec)
+
+        def factors(leg: Leg) -> tuple[acb, acb, acb]:
+            platform, base = acb(leg.m, omega * leg.n), acb(leg.ax, -leg.ay)
+            return platform, -base, -base * platform
+
+        return [factors(leg) for leg in (self.slice_map.f, self.slice_map.g)]
+
+    @cached_property
+    def _constants(self) -> list[int]:
+        return [leg.platform2 + leg.base2 for leg in (self.slice_map.f, self.slice_map.g)]
+
+
+@dataclass(frozen=True)
+class _LegOnBox:
+    """Half the squared length of a leg over a box, its slopes by α and (divided by L) by θ in the middle and
+    over the box, and the derivatives of both slopes by α, θ and L over the box."""
+
+    value: arb
+    along: arb
+    across: arb
+    wide_along: arb
+    wide_across: arb
+    bends: Sequence[tuple[arb, arb]]
+
+
+def _circle(angle: arb) -> acb:
+    sine, cosine = angle.sin_cos()
+    return acb(cosine, sine)

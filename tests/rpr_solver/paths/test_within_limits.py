@@ -1,0 +1,134 @@
+"""Paths that keep joint limits, against a search on a grid and against their own samples."""
+
+from fractions import Fraction
+from random import Random
+
+import pytest
+
+from rpr_solver import EXAMPLES, InputError, Manipulator, NoPath, Obstacle, Path, cusp_loop, joint_path
+from rpr_solver.slices.joint_limits import Bounds
+from tests.rpr_solver.paths.test_joint_paths import a_pair, joined_on_a_grid
+from tests.support.motions import arrives
+
+FIRST = EXAMPLES["innocenti"]
+Limits = dict[int, Bounds]
+
+
+def keeps(path: Path, limits: Limits, count: int = 100) -> bool:
+    """Whether samples keep the limits."""
+    return all(
+        (low is None or low <= Fraction(sample.lengths[leg - 1]))
+        and (high is None or Fraction(sample.lengths[leg - 1]) <= high)
+        for leg, (low, high) in limits.items()
+        for sample in path.resampled(count).samples
+    )
+
+
+@pytest.mark.parametrize(
+    ("poses", "limits", "obstacle"),
+    [
+        ((1, 2), {2: (Fraction(5), Fraction(21))}, Obstacle.SEPARATED_BY_LIMITS),
+        ((3, 4), {2: (Fraction(5), Fraction(21))}, None),
+        ((1, 2), {2: (Fraction(21), None)}, Obstacle.OUTSIDE_LIMITS),
+        ((1, 3), {2: (Fraction(5), Fraction(21))}, Obstacle.OPPOSITE_SIGNS),
+        # the joint vector lies on a limit
+        ((3, 4), {2: (None, Fraction(20))}, None),
+        ((1, 2), {2: (None, Fraction(20))}, Obstacle.SEPARATED_BY_LIMITS),
+    ],
+)
+def test_two_poses_within_limits(poses: tuple[int, int], limits: Limits, obstacle: Obstacle | None) -> None:
+    found = joint_path(FIRST, 27, 20, 20, *poses, limits=limits, samples=2)
+    if isinstance(found, Path):
+        assert obstacle is None
+        assert keeps(found, limits)
+        assert found.to_json()["limits"] == found.reversed().to_json()["limits"] is not None
+    else:
+        assert found.obstacle is obstacle
+        assert (found.resolution is not None) is (obstacle is Obstacle.SEPARATED_BY_LIMITS)
+
+
+def detour(random: Random) -> tuple[Manipulator, tuple[Fraction, ...], int, int, int, Limits]:
+    """A random pair of poses of one sign with random limits of the free legs."""
+    while (pair := a_pair(random)) is None:
+        pass
+    manipulator, lengths, leg, start, stop = pair
+    limits: Limits = {
+        free: (
+            round(length * Fraction(random.uniform(0.1, 0.95)), 2),
+            round(length * Fraction(random.uniform(1.05, 2.5)), 2),
+        )
+        for free, length in enumerate(lengths, 1)
+        if free != leg
+    }
+    return manipulator, lengths, leg, start, stop, limits
+
+
+def agrees(random: Random) -> str:
+    """What a random pair gives, having compared it with a grid."""
+    manipulator, (l1, l2, l3), leg, start, stop, limits = detour(random)
+    found = joint_path(manipulator, l1, l2, l3, start, stop, fixed_leg=leg, limits=limits, samples=2)
+    length = float((l1, l2, l3)[leg - 1])
+    if isinstance(found, Path):
+        assert keeps(found, limits, 1000)
+        assert arrives(found, 600) < 1e-6
+        return "path"
+    if found.obstacle is not Obstacle.UNDECIDED:
+        assert not joined_on_a_grid(found, length, limits)
+    return str(found.obstacle)
+
+
+def test_random_pairs_agree_with_a_grid() -> None:
+    assert {agrees(random) for random in (Random(2), Random(4))} <= {"path", "separated-by-limits"}
+
+
+@pytest.mark.long
+@pytest.mark.timeout(0)
+def test_a_hundred_random_pairs_agree_with_a_grid() -> None:
+    random = Random(8)
+    outcomes = [agrees(random) for _ in range(100)]
+    assert outcomes.count("path") > 20
+    assert outcomes.count("separated-by-limits") > 20
+    assert outcomes.count("undecided") < 5
+
+
+def test_another_way_is_found_where_the_shortest_exceeds_the_limits() -> None:
+
+    manipulator, (l1, l2, l3), leg, start, stop, limits = detour(Random(19))
+    free = joint_path(manipulator, l1, l2, l3, start, stop, fixed_leg=leg, samples=2)
+    within = joint_path(manipulator, l1, l2, l3, start, stop, fixed_leg=leg, limits=limits, samples=2)
+    assert isinstance(free, Path)
+    assert isinstance(within, Path)
+    assert not keeps(free, limits)
+    assert keeps(within, limits)
+
+
+def test_the_fixed_leg_keeps_its_limits_too() -> None:
+    island = (FIRST, 27, "25.7", "9.2", 2, 4)
+    limits = {1: (Fraction(27), Fraction(30)), 2: (Fraction(1), Fraction(100))}
+    free = joint_path(*island, between=(20, 30), samples=2, limits=limits)
+    assert isinstance(free, Path)
+    assert keeps(free, limits)
+    held = joint_path(*island, between=(20, 30), limits={"l1": (27, 28)})
+    assert isinstance(held, NoPath)
+    assert held.obstacle is Obstacle.OTHER_ASPECT
+
+
+@pytest.mark.parametrize("limits", [{2: (Fraction(8), Fraction(20))}, {2: (Fraction(12), Fraction(14))}])
+def test_a_loop_keeps_the_limits(limits: Limits) -> None:
+    loop = cusp_loop(FIRST, 27, "B", limits=limits, samples=2)
+    assert not keeps(cusp_loop(FIRST, 27, "B", samples=2), limits)
+    assert keeps(loop, limits)
+    assert loop.winding == 1
+
+
+@pytest.mark.parametrize(
+    ("limits", "message"),
+    [
+        ({"l2": (13, 20)}, "limits: exclude cusp 2"),
+        ({"l1": (28, None)}, "limits.l1: exclude the slice L1 = 27"),
+        ({"l2": (20, 8)}, "limits.l2.max: is 8"),
+    ],
+)
+def test_limits_that_exclude_the_cusp_are_refused(limits: object, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        cusp_loop(FIRST, 27, "B", limits=limits)  # type: ignore[arg-type]
