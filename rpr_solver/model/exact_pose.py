@@ -8,10 +8,11 @@ from fractions import Fraction
 from flint import arb, ctx
 
 from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.equal_numbers import same_number
 from rpr_solver.exact.factors import ExactRoot
 from rpr_solver.exact.number_field import Algebraic, common_roots, exact_omega
 from rpr_solver.exact.rationals import rational_sqrt
-from rpr_solver.model.classify import PoseKind, classify, cos_sin
+from rpr_solver.model.classify import PoseKind, classify, cos_sin, tan_half
 from rpr_solver.model.half_tangent import direction
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import SliceMap
@@ -52,6 +53,18 @@ class ExactPose:
         ball = square.ball(bits)
         with ctx.workprec(bits):
             return ball.sqrt() / self.local.slice_map.scale_ball()
+
+    def is_at(self, other: ExactPose) -> bool:
+        """Whether both poses have the same α and θ, also if their number fields differ."""
+        first, second = self.local.pose, other.local.pose
+        return _same_angle((first.cos_alpha, first.sin_alpha), (second.cos_alpha, second.sin_alpha)) and (
+            _same_angle((first.cos_theta, first.sin_theta), (second.cos_theta, second.sin_theta))
+        )
+
+
+def _same_angle(first: tuple[Algebraic, Algebraic], second: tuple[Algebraic, Algebraic]) -> bool:
+    x, y = tan_half(*first), tan_half(*second)
+    return x is None and y is None if x is None or y is None else same_number(x, y)
 
 
 def place(root: ExactRoot | None, radicand: int) -> tuple[Algebraic | None, Algebraic]:

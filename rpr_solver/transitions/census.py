@@ -41,9 +41,9 @@ class LengthKind(Kind):
 class CensusCertificate(TypedDict):
     """The proof of a census.
 
-    ``method`` is ``"events"`` if the degenerate poses of all slices are isolated, else ``"discriminant"``,
-    that of the eliminant in u, as for similar triangles. ``lengths_examined`` is the number of candidate
-    lengths from this method; the cusps are counted in exact slices between neighbouring ones.
+    ``method`` is ``"events"`` if the degenerate poses of all slices are isolated, else ``"components"``: as
+    for similar triangles, the events of the curves in α and θ that hold all cusps. ``lengths_examined`` is
+    the number of their lengths; the cusps are counted in exact slices between neighbouring ones.
     """
 
     method: str
@@ -261,8 +261,9 @@ def transition_at(result: Survey, k: int, digits: int) -> Transition | None:
     """The transition at one of the candidate lengths; None if no pose is degenerate and no count changes."""
     group = result.groups[k]
     before, after = result.slices[k].count, result.slices[k + 1].count
-    poses = [event.pose for event in group if event.pose]
-    if before == after and not poses:
+    poses = [event.pose for event in group if event.pose and not (event.lasting and before == after)]
+    # on components, only poses that cusps meet are events
+    if before == after and (not poses or (result.method == "components" and not before)):
         return None
     leg = result.eliminant.slice_map.fixed_leg
     events = tuple(TransitionEvent(pose.kind, event_point(pose, leg, digits)) for pose in poses)

@@ -36,12 +36,11 @@ from rpr_solver.slices.joint_limits import Bounds
 from rpr_solver.slices.joint_points import JointPoint, free_legs
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.degenerate import degeneracies
-from rpr_solver.transitions.event_systems import EventSystems, NotGeneric
+from rpr_solver.transitions.event_systems import NotGeneric
 from rpr_solver.transitions.event_texts import length_text
 from rpr_solver.transitions.event_types import Event
-from rpr_solver.transitions.events import limit_events
 from rpr_solver.transitions.requirement import REFUSED, Requirement
-from rpr_solver.transitions.survey import survey
+from rpr_solver.transitions.survey import LimitEvents, survey
 
 
 @dataclass(frozen=True)
@@ -172,7 +171,7 @@ def check(
 
     Raises:
         InputError: naming ``manipulator``, ``requirement`` or ``digits``.
-        SolverError: a cut could not be decided, or joint limits are not supported for a degenerate geometry.
+        SolverError: a cut could not be decided, or cusps keep the length of a joint limit over a range.
 
     >>> from rpr_solver import EXAMPLES
     >>> report = check(EXAMPLES["zein-flat"], Requirement(start=30, stop=40, max_cusps=6), digits=15)
@@ -191,9 +190,6 @@ def check(
         digits=digits,
         more=partial(_limit_cuts, requirement),
     )
-    limited = any(bound for bounds in requirement.limits.values() for bound in bounds)
-    if limited and result.method == "discriminant" and any(table.count for table in result.slices):
-        raise SolverError("joint limits are not supported for this degenerate geometry")
     slice_map = result.eliminant.slice_map
     cuts = [length_text(slice_map, group, digits) for group in result.groups]
     ends = [exact_str(low), *cuts, exact_or_none(high)]
@@ -205,16 +201,12 @@ def check(
     return CheckReport(manipulator, requirement, digits, tuple(_merged(intervals)), degenerate)
 
 
-def _limit_cuts(
-    requirement: Requirement, slice_map: SliceMap, systems: EventSystems | None
-) -> Iterator[Event]:
-    if systems is None:
-        return
+def _limit_cuts(requirement: Requirement, slice_map: SliceMap, events: LimitEvents) -> Iterator[Event]:
     for leg, bounds in requirement.limits.items():
         for bound in filter(None, bounds):
             seen = (slice_map.f, slice_map.g)[free_legs(requirement.fixed_leg).index(leg)]
             try:
-                yield from limit_events(systems, seen, (bound * slice_map.scale) ** 2)
+                yield from events(seen, (bound * slice_map.scale) ** 2)
             except NotGeneric:
                 raise SolverError(
                     f"l{leg} = {exact_str(bound)} is no isolated limit: cusps keep that length over a range"

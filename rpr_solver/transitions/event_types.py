@@ -37,6 +37,10 @@ class Event(Protocol):
     def exact_length(self) -> Algebraic | None:
         """L (scaled) as an algebraic number, or None if it is only known by balls."""
 
+    @property
+    def lasting(self) -> bool:
+        """Whether neighbouring slices have a degenerate pose of the same kind beside this one."""
+
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""
 
@@ -47,6 +51,7 @@ class Landmark:
 
     exact_length: Algebraic
     pose: ExactPose | None = None
+    lasting: bool = False
 
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""

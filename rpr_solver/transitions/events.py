@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Literal
 
 from flint import arb, ctx, fmpz_poly
 
@@ -66,6 +67,7 @@ class BallEvent:
     root: RealRoot
     kind: PoseKind | None
     exact_length: None = None
+    lasting: Literal[False] = False
     _known: list[Located] = field(default_factory=list, init=False, repr=False, compare=False)
 
     @property

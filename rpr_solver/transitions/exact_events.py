@@ -45,7 +45,7 @@ _APART_BITS = 512
 def events_above(system: System, root: ExactRoot | None) -> Iterator[Landmark]:
     """The events among the common zeros of a system above one root v; None is v = ∞."""
     for pose in located_poses(system, root):
-        yield from _event(system.slice_map, pose)
+        yield from event(system.slice_map, pose)
 
 
 def located_poses(system: System, root: ExactRoot | None) -> Iterator[Pose[Algebraic]]:
@@ -69,8 +69,23 @@ def permanent_events(permanent: System) -> Iterator[Landmark]:
         return
     for pose in _permanent_poses(permanent):
         for extension in _degenerate_lengths(permanent.slice_map, pose):
+            if extension is None:
+                raise NotGeneric
             for upright in _upright(replace(pose.mapped(extension.lift), length=extension.root)):
-                yield from _event(permanent.slice_map, upright)
+                yield from event(permanent.slice_map, upright)
+
+
+def special_lengths(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[Landmark]:
+    """The events at a pose that is singular for every L, also if it is degenerate for every L."""
+    for extension in _degenerate_lengths(slice_map, pose):
+        if extension is not None:
+            yield from event_at(slice_map, pose, extension)
+
+
+def event_at(slice_map: SliceMap, pose: Pose[Algebraic], length: Extension) -> Iterator[Landmark]:
+    """The event at a pose for an L over its field, if this L > 0 and the pose is degenerate and no cusp."""
+    if length.root.sign > 0:
+        yield from event(slice_map, replace(pose.mapped(length.lift), length=length.root))
 
 
 def _upright(pose: Pose[Algebraic]) -> Iterator[Pose[Algebraic]]:
@@ -96,20 +111,30 @@ def permanent_limits(permanent: System, leg: Leg, square: Fraction) -> Iterator[
 
     There are hardly ever any; mostly balls prove that there are none.
     """
-    index = (permanent.slice_map.f, permanent.slice_map.g).index(leg)
     for pose in _permanent_poses(permanent):
-        local, field = _in_length(permanent.slice_map, pose), pose.omega.field
-        # that of the direction counts: it is not 1
-        direction2 = pose.cos_theta * pose.cos_theta + pose.sin_theta * pose.sin_theta
-        beyond = _InLength([field(-square), field(0), direction2 - 1])
-        gap = local.squared_lengths()[index] + beyond
-        for moving in (local.f, local.g):
-            e = _without(local.along(moving, local.singularity()).value.coefficients, [field(0), field(1)])
-            if not _apart(e, gap.coefficients):
-                common = poly_gcd(e, gap.coefficients)
-                for extension in adjoin_real_roots(field, squarefree_part(common)):
-                    placed = replace(pose.mapped(extension.lift), length=extension.root)
-                    yield from (upright.length for upright in _upright(placed))
+        yield from limits_at(permanent.slice_map, pose, leg, square)
+
+
+def limits_at(slice_map: SliceMap, pose: Pose[Algebraic], leg: Leg, square: Fraction) -> Iterator[Algebraic]:
+    """The L > 0 at which a pose that is singular for every L may be a cusp with leg² = square.
+
+    Raises:
+        NotGeneric: it is degenerate and has leg² = square for every L.
+    """
+    index = (slice_map.f, slice_map.g).index(leg)
+    local, field = _in_length(slice_map, pose), pose.omega.field
+    # that of the direction counts: it need not be 1
+    direction2 = pose.cos_theta * pose.cos_theta + pose.sin_theta * pose.sin_theta
+    gap = local.squared_lengths()[index] + _InLength([field(-square), field(0), direction2 - 1])
+    for moving in (local.f, local.g):
+        e = _without(local.along(moving, local.singularity()).value.coefficients, [field(0), field(1)])
+        if not _apart(e, gap.coefficients):
+            common = poly_gcd(e, gap.coefficients)
+            if not common:
+                raise NotGeneric
+            for extension in adjoin_real_roots(field, squarefree_part(common)):
+                placed = replace(pose.mapped(extension.lift), length=extension.root)
+                yield from (upright.length for upright in _upright(placed))
 
 
 def _apart(p: Sequence[Algebraic], q: Sequence[Algebraic]) -> bool:
@@ -131,7 +156,8 @@ def _permanent_poses(permanent: System) -> Iterator[Pose[Algebraic]]:
         yield from _common_poses(permanent, root)
 
 
-def _event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[Landmark]:
+def event(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[Landmark]:
+    """The event at a pose and its L, if it is degenerate and no cusp."""
     exact = ExactPose.of(slice_map, pose)
     if exact.kind not in (PoseKind.ORDINARY, PoseKind.CUSP):
         yield Landmark(exact.length, exact)
@@ -155,8 +181,8 @@ def _singularity(slice_map: SliceMap, pose: Pose[Algebraic], length: int) -> Alg
     return LocalMap.at(slice_map, at, 1).singularity().value
 
 
-def _degenerate_lengths(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[Extension]:
-    """The L at which a pose that is always singular is degenerate as well."""
+def _degenerate_lengths(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[Extension | None]:
+    """The L at which a pose that is always singular is degenerate as well; None stands for every L."""
     field = pose.omega.field
     local = _in_length(slice_map, pose)
     j = local.singularity()
@@ -176,7 +202,8 @@ def _degenerate_lengths(slice_map: SliceMap, pose: Pose[Algebraic]) -> Iterator[
             first, second = _without(first, factor), _without(second, factor)
         common = poly_gcd(first, second)  # of degree 0 as a rule
         if not common:
-            raise NotGeneric
+            yield None
+            continue
         factors.append(common)
         yield from adjoin_real_roots(field, squarefree_part(common))
 

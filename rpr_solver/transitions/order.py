@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cmp_to_key
 
-from flint import acb, ctx, fmpq_mat, fmpq_poly
+from flint import acb, ctx
 
-from rpr_solver.exact.number_field import Algebraic
-from rpr_solver.exact.precision import LENGTH_BITS, decided, decided_or_none
-from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
-from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.exact.equal_numbers import same_number
+from rpr_solver.exact.precision import LENGTH_BITS, decided
+from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_types import Event
 from rpr_solver.transitions.events import BallEvent
@@ -58,38 +57,11 @@ def _compare(x: Event, y: Event, events: Sequence[Event]) -> int:
 
 def _equal(x: Event, y: Event, events: Sequence[Event]) -> bool:
     if x.exact_length is not None and y.exact_length is not None:
-        return _same_number(x.exact_length, y.exact_length)
+        return same_number(x.exact_length, y.exact_length)
     if isinstance(x, BallEvent) and isinstance(y, BallEvent):
         return _isosceles(x.system.slice_map) and _mirror_images(x, y, events)
     first, second = (e.exact().length if isinstance(e, BallEvent) else e.exact_length for e in (x, y))
-    return first is not None and second is not None and _same_number(first, second)
-
-
-def _same_number(x: Algebraic, y: Algebraic) -> bool:
-    """Whether two real algebraic numbers are equal: one minimal polynomial, and the same root of it."""
-    minimal = _minimal_polynomial(x)
-    if _minimal_polynomial(y) != minimal:
-        return False
-    roots = real_roots(QuadraticPoly.rational(minimal.numer()))
-
-    def same(bits: int) -> bool | None:
-        first, second = (
-            [i for i, root in enumerate(roots) if root.refined(bits).overlaps(z.ball(bits))] for z in (x, y)
-        )
-        return first == second if len(first) == len(second) == 1 else None
-
-    return bool(decided_or_none(same, _FIRST_BITS, LENGTH_BITS))
-
-
-def _minimal_polynomial(x: Algebraic) -> fmpq_poly:
-    n = x.field.degree
-    power, columns = x.field(1), []
-    for _ in range(n):
-        columns.append([(x * power).poly[i] for i in range(n)])
-        power = power * x.field.generator
-    characteristic = fmpq_poly(fmpq_mat(columns).charpoly())
-    common = characteristic.gcd(characteristic.derivative())
-    return characteristic / common
+    return first is not None and second is not None and same_number(first, second)
 
 
 def _isosceles(slice_map: SliceMap) -> bool:

@@ -1,8 +1,8 @@
 """Intervals of L with a constant number of cusps: the events in order, and a slice in each interval.
 
 Between two neighbouring events no pose of a slice is degenerate, so the number of cusps of one exact slice is
-that of the whole interval (mathematics.md#completeness-of-the-events). If events are not isolated, as
-for similar or congruent triangles, the discriminant of Q(u, L) takes their place (discriminant.py).
+that of the whole interval (mathematics.md#completeness-of-the-events). If events are not isolated, as for
+similar or congruent triangles, they are those of the curves on which all cusps lie (component_events.py).
 """
 
 from __future__ import annotations
@@ -10,36 +10,39 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from math import floor
 
 from flint import ctx
 
 from rpr_solver.contract import MIN_DIGITS, Progress
-from rpr_solver.errors import SolverError
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.real_roots import fraction_of
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.slice_table import SliceTable
-from rpr_solver.transitions.discriminant import candidate_lengths
+from rpr_solver.transitions.component_events import ComponentEvents, distinct
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS, EventSystems, NotGeneric
 from rpr_solver.transitions.event_types import Event, Landmark
-from rpr_solver.transitions.events import events
+from rpr_solver.transitions.events import events, limit_events
 from rpr_solver.transitions.order import grouped
 
 _FIRST_BITS = 128
 _WIDE = 16
+
+LimitEvents = Callable[[Leg, Fraction], Iterator[Event]]
+"""The lengths at which a cusp has, or may have, a squared free leg (scaled); NotGeneric if not isolated."""
 
 
 @dataclass(frozen=True)
 class Survey:
     """Events by ascending L, those of equal L together, and a slice before, between and after them.
 
-    ``slices`` has one entry more than ``groups``. ``method`` is ``"events"`` or ``"discriminant"``.
+    ``slices`` has one entry more than ``groups``. ``method`` is ``"events"`` or ``"components"``.
     """
 
     eliminant: Eliminant
@@ -56,7 +59,7 @@ def survey(
     start: Fraction = Fraction(0),
     stop: Fraction | None = None,
     digits: int = MIN_DIGITS,
-    more: Callable[[SliceMap, EventSystems | None], Iterable[Event]] | None = None,
+    more: Callable[[SliceMap, LimitEvents], Iterable[Event]] | None = None,
 ) -> Survey:
     """All events strictly within a range of lengths > 0, and the slices between.
 
@@ -66,7 +69,7 @@ def survey(
         progress: callback ``progress(done, total)``; ``total`` may grow.
         start, stop: the range in the user's unit; None is an open end.
         digits: the significant digits of the slices.
-        more: gives further events from the slice map and the event systems, None if events are not isolated.
+        more: gives further events, such as those of joint limits.
 
     Raises:
         InputError: ``fixed_leg`` is not 1, 2 or 3.
@@ -74,40 +77,37 @@ def survey(
     """
     eliminant = eliminate(manipulator, fixed_leg)
     slice_map = eliminant.slice_map
-    isolated, systems = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
+    found = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
     low, high = (Landmark(Field.rationals()(end * slice_map.scale)) if end else None for end in (start, stop))
     ends = [end for end in (low, high) if end is not None]
-    groups = grouped([*isolated, *ends, *(more(slice_map, systems) if more else ())])
+    groups = grouped([*found.events, *ends, *(more(slice_map, found.limit_events) if more else ())])
     first = 0 if low is None else _position(groups, low) + 1
     last = len(groups) if high is None else _position(groups, high)
-    inside = tuple(map(tuple, groups[first:last]))
+    inside = tuple(tuple(found.distinct(group)) for group in groups[first:last])
     slices = []
     for length in _sample_lengths(slice_map, low, [group[0] for group in inside], high):
-        table = solve_slice(eliminant, length, digits)
-        # the discriminant only shows where simple roots of Q meet
-        if systems is None and _cusps_at_multiple_roots(table):
-            raise SolverError(
-                "the census of this degenerate geometry is not supported: cusps at multiple roots"
-            )
-        slices.append(table)
+        slices.append(solve_slice(eliminant, length, digits))
         progress(ELIMINATION_STEPS + len(slices), ELIMINATION_STEPS + len(inside) + 1)
-    return Survey(eliminant, inside, tuple(slices), "discriminant" if systems is None else "events")
+    return Survey(eliminant, inside, tuple(slices), found.method)
 
 
-def _events(eliminant: Eliminant, progress: Progress) -> tuple[list[Event], EventSystems | None]:
-    """All events with their systems, or those of the discriminant and None if events are not isolated."""
+@dataclass(frozen=True)
+class _Found:
+    """All events of a manipulator, and how they were found."""
+
+    method: str
+    events: Sequence[Event]
+    limit_events: LimitEvents
+    distinct: Callable[[Sequence[Event]], Sequence[Event]]
+
+
+def _events(eliminant: Eliminant, progress: Progress) -> _Found:
     try:
         systems = EventSystems.of(eliminant.slice_map, progress)
-        return list(events(systems)), systems
+        return _Found("events", list(events(systems)), partial(limit_events, systems), lambda group: group)
     except NotGeneric:
-        return list(candidate_lengths(eliminant)), None
-
-
-def _cusps_at_multiple_roots(table: SliceTable) -> bool:
-    """Whether some cusp may lie above a multiple root: Q has one, and a cusp was decided exactly."""
-    certificate = table.certificate
-    multiple = any(x["origin"] == "cusps" and x["multiplicity"] > 1 for x in certificate["factors"])
-    return multiple and any("field_degree" in proof for proof in certificate["proofs"])
+        components = ComponentEvents.of(eliminant.slice_map)
+        return _Found("components", list(components.events()), components.limit_events, distinct)
 
 
 def _position(groups: Sequence[Sequence[Event]], landmark: Landmark) -> int:

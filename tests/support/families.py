@@ -21,3 +21,11 @@ FAMILIES = {
 def family(name: str) -> Manipulator:
     keys = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
     return Manipulator.from_json(dict(zip(keys, FAMILIES[name], strict=True)))
+
+
+MIRRORED_ISOSCELES = Manipulator.from_json(
+    {"a2x": 6, "a3x": 3, "a3y": 4, "d1": 6, "d2": 5, "d3": 5, "orientation": "cw"}
+)
+"""Congruent, mirrored and isosceles."""
+MIRRORED_RIGHT_BASE = Manipulator.from_json({"a2x": 7, "a3x": -9, "a3y": -12, "d1": 7, "d2": 20, "d3": 15})
+CONGRUENT_FLAT = Manipulator.from_json({"a2x": -7, "a3x": -4, "a3y": 0, "d1": 7, "d2": 3, "d3": 4})

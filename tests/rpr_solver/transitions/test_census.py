@@ -23,8 +23,8 @@ from rpr_solver import (
     restrict_census,
     solve_slice,
 )
-from rpr_solver.transitions.discriminant import candidate_lengths
 from rpr_solver.transitions.survey import survey
+from tests.support.discriminant import candidate_lengths
 from tests.support.families import FAMILIES, family
 from tests.support.shared import census_of, eliminant_of
 from tests.support.strategies import examples, lengths, manipulators, unless_refused

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from itertools import groupby
-from random import Random
 
 import mpmath as mp
 import pytest
-import sympy as sp
 from flint import arb, fmpq, fmpq_poly
 from hypothesis import given
 from hypothesis import strategies as st
@@ -24,10 +22,8 @@ from rpr_solver.transitions.event_types import Event, Landmark
 from rpr_solver.transitions.events import BallEvent, events
 from rpr_solver.transitions.order import (
     _isosceles,
-    _minimal_polynomial,
     _mirror_images,
     _mirrored,
-    _same_number,
     grouped,
 )
 from tests.support.definitions import DIGITS, Slices, number, real
@@ -96,33 +92,13 @@ def test_lengths_nearer_than_a_float_can_tell_are_told_apart(exponent: int) -> N
     assert grouped([beside, root]) == [[root], [beside]]
 
 
-def test_conjugates_are_not_the_same_number() -> None:
-    two, other = ROOT_TWO.generator, in_both("√2")
-    assert _same_number(two, other)
-    assert not _same_number(two, -other)
-    assert not _same_number(two, in_both("√3"))
-    assert _same_number(other * other, RATIONALS(2))
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_minimal_polynomials(seed: int) -> None:
-    """Against SymPy's; elements of subfields have one of lower degree."""
-    random = Random(seed)
-    a, b, c = (random.randint(-3, 3) * (k < 1 + seed % 3) for k in range(3))
-    ours = _minimal_polynomial(in_both("√2") * a + in_both("√3") * b + BOTH(c))
-    x = sp.Symbol("x")
-    theirs = sp.Poly(sp.minimal_polynomial(a * sp.sqrt(2) + b * sp.sqrt(3) + c, x), x)
-    assert [Fraction(str(k)) for k in ours.coeffs()] == [
-        Fraction(str(k)) for k in theirs.monic().all_coeffs()
-    ][::-1]
-
-
 @dataclass(frozen=True)
 class Blurred:
     """An event whose balls all hold 1."""
 
     pose: None = None
     exact_length: Algebraic | None = None
+    lasting: bool = False
 
     def scaled_length(self, bits: int) -> arb:
         return arb(1, arb(2) ** -bits)

@@ -14,7 +14,6 @@ from rpr_solver import (
     InputError,
     Manipulator,
     Requirement,
-    SolverError,
     check,
     solve_slice,
 )
@@ -113,7 +112,8 @@ def test_joint_limits(fixed_leg: int, limits: dict[int, tuple[Fraction | None, F
 
 
 @pytest.mark.parametrize(
-    ("name", "fixed_leg"), [slow("right angles", 1), ("right angles", 3), ("both flat", 2)]
+    ("name", "fixed_leg"),
+    [slow("right angles", 1), ("right angles", 3), ("both flat", 2), ("congruent, mirrored", 1)],
 )
 def test_joint_limits_of_degenerate_manipulators(name: str, fixed_leg: int) -> None:
     first, second = (leg for leg in (1, 2, 3) if leg != fixed_leg)
@@ -122,12 +122,6 @@ def test_joint_limits_of_degenerate_manipulators(name: str, fixed_leg: int) -> N
     report = check(family(name), requirement, digits=20)
     for length in (Fraction(n * n, 50) + Fraction(1, 997) for n in range(1, 40)):
         assert reported(report, length) == count_within(family(name), requirement, length)
-
-
-def test_unsupported_limits_are_refused() -> None:
-    requirement = Requirement(max_cusps=0, limits={2: (None, Fraction(9))})
-    with pytest.raises(SolverError, match="joint limits are not supported"):
-        check(family("congruent, mirrored"), requirement)
 
 
 @pytest.mark.slow

@@ -1,7 +1,6 @@
 """Intervals of lengths: a slice strictly inside each, short to write, whatever the range and its ends."""
 
 from collections.abc import Iterable
-from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
@@ -15,12 +14,11 @@ from rpr_solver.contract import silent
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.number_field import Field
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.transitions.event_systems import EventSystems
 from rpr_solver.transitions.event_types import Event, Landmark
 from rpr_solver.transitions.survey import (
+    LimitEvents,
     Survey,
     _bounds,
-    _cusps_at_multiple_roots,
     _gap,
     _short_between,
     survey,
@@ -127,9 +125,7 @@ def test_a_narrow_range_has_one_slice() -> None:
 def test_further_lengths_are_looked_at_on_both_sides() -> None:
     inside, outside = [Fraction(5, 2), Fraction(50)], Fraction(10**4)
 
-    def more(slice_map: SliceMap, systems: EventSystems | None) -> Iterable[Event]:
-        assert systems
-        assert systems.slice_map == slice_map
+    def more(slice_map: SliceMap, _: LimitEvents) -> Iterable[Event]:
         return [landmark(x * slice_map.scale) for x in (*inside, outside)]
 
     stop = Fraction(60)
@@ -138,16 +134,18 @@ def test_further_lengths_are_looked_at_on_both_sides() -> None:
     assert len(result.slices) == len(result.groups) + 1
 
 
-def test_the_discriminant_takes_the_place_of_events_that_are_not_isolated() -> None:
-    assert surveyed(ZEIN).method == "events"
-    systems: list[EventSystems | None] = []
+@pytest.mark.parametrize(("m", "method"), [(ZEIN, "events"), (family("similar"), "components")])
+def test_components_take_the_place_of_events_that_are_not_isolated(m: Manipulator, method: str) -> None:
+    found: list[Event] = []
 
-    def more(_: SliceMap, given: EventSystems | None) -> Iterable[Event]:
-        systems.append(given)
-        return ()
+    def more(slice_map: SliceMap, limit_events: LimitEvents) -> Iterable[Event]:
+        found.extend(limit_events(slice_map.f, Fraction(10**6)))
+        return found
 
-    assert survey(family("similar"), 1, silent, more=more).method == "discriminant"
-    assert systems == [None]
+    result = survey(m, 1, silent, more=more)
+    assert result.method == method
+    assert found
+    assert len(result.groups) >= (len(found) if method == "events" else 1)
 
 
 def test_progress_grows_to_its_end() -> None:
@@ -155,22 +153,6 @@ def test_progress_grows_to_its_end() -> None:
     result = survey(FOLDED, 1, lambda done, total: steps.append((done, total)), digits=15)
     assert [done for done, _ in steps] == list(range(1, len(steps) + 1))
     assert steps[-1][0] == steps[-1][1] == 4 + len(result.slices)
-
-
-def test_a_cusp_at_a_multiple_root_is_seen() -> None:
-    table = surveyed(FOLDED).slices[0]
-    simple, multiple = ({"origin": "cusps", "degree": 3, "multiplicity": n} for n in (1, 2))
-    spurious = {"origin": "spurious", "degree": 3, "multiplicity": 2}
-    by_balls, exact = {"rank_1": "1", "grad_J": "1", "v_grad_E": "1"}, {"field_degree": "3"}
-
-    def seen(factors: list[object], proofs: list[object]) -> bool:
-        certificate = {**table.certificate, "factors": factors, "proofs": proofs}
-        return _cusps_at_multiple_roots(replace(table, certificate=certificate))  # type: ignore[arg-type]
-
-    assert seen([simple, multiple], [by_balls, exact])
-    assert not seen([simple, spurious], [by_balls, exact])
-    assert not seen([simple, multiple], [by_balls])
-    assert not _cusps_at_multiple_roots(table)
 
 
 @given(st.fractions(0, 1000), st.fractions(0, 1000, max_denominator=10**30))

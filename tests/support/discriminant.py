@@ -1,8 +1,7 @@
-"""Candidate lengths from the discriminant of Q(u, L), for manipulators whose events are not isolated.
+"""A witness for censuses: the lengths at which two roots of Q(u, L) meet, from its discriminant in u.
 
-For similar, congruent and flat triangles Q(u, L) splits into factors of low degree over ℚ. Between lengths at
-which two of their real roots meet or one is infinite, the number of simple real roots, which are the cusps,
-is constant. mathematics.md#the-discriminant-in-place-of-events says what of this is proved, what checked.
+For similar, congruent and flat triangles Q(u, L) splits into factors of low degree over ℚ. The number of
+cusps above simple roots changes at these lengths only; those of a census must be among them.
 """
 
 from __future__ import annotations
