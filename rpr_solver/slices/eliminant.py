@@ -182,8 +182,8 @@ class _Sampling:
 
     def _values(self, circle: Circle, lengths: Sequence[Fraction], omega: arb) -> list[list[arb]]:
         """A row of values of Q for each length."""
-        j0, j1 = _by_length(self.singular, circle, omega)
-        e0, e1, e2 = _by_length(self.coalescence, circle, omega)
+        j0, j1 = _by_length(self.singular, 1, circle, omega)
+        e0, e1, e2 = _by_length(self.coalescence, 2, circle, omega)
         closed = [self.slice_map.f.closed(length) for length in lengths]
         factors = [QuadraticPoly.rational(p) for p in (self.along, *closed)]
         known = at_points(factors, 2, circle, omega)
@@ -197,7 +197,10 @@ class _Sampling:
         return [[value(k, i) for k in range(_POINTS)] for i in range(len(lengths))]
 
 
-def _by_length(form: BiForm, circle: Circle, omega: arb) -> list[list[list[arb]]]:
-    """For each power of L the coefficients of tⁱ at every point."""
-    powers = zip(*form.coefficients, strict=True)
+def _by_length(form: BiForm, degree: int, circle: Circle, omega: arb) -> list[list[list[arb]]]:
+    """For each power of L up to a degree the coefficients of tⁱ at every point."""
+    zero = QuadraticPoly.rational([], form.radicand)
+    powers = list(zip(*form.coefficients, strict=True))
+    # J/L of flat congruent triangles does not hold L
+    powers += [(zero,) * len(powers[0])] * (degree + 1 - len(powers))
     return [at_points(rows, form.degree_u, circle, omega) for rows in powers]

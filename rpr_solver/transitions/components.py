@@ -31,8 +31,8 @@ from rpr_solver.model.slice_map import Leg, SliceMap, half_angles, slopes
 class Component:
     """An irreducible curve of degenerate poses, those of the length L = −zeroth/first.
 
-    Its points with ``turning`` = 0 are critical for L along the curve; where one of ``crossing`` is 0 it meets
-    another such curve. If it is ``live``, its other points are cusps, else it has none but at resting poses.
+    Its points with ``turning`` = 0 are critical for L along the curve; where one of ``crossing`` is 0, it
+    meets another such curve. If it is ``live``, its cusps are other points, else only resting poses may be.
     """
 
     curve: BiForm
