@@ -1,7 +1,8 @@
 """The course of the arcs of a sweep, as samples in floats that keep a chord tolerance in both planes.
 
 An arc is parametrised by τ in [0, 1], with θ = θ₀ + (θ₁ − θ₀)(1 − cos πτ)/2, in which it is smooth also where
-it ends in a turning point. It is halved until the middle of a piece deviates little enough from its chord.
+it ends in a turning point. It is halved until the middle of a piece deviates little enough from its chord,
+which is no bound by proof (docs/singular-curves.md says what one would cost).
 The sign of ∂J/∂α tells neighbouring arcs apart; where Newton's iteration fails, the roots of J at a rational
 u are isolated again.
 """
