@@ -322,8 +322,14 @@ def _turn_order(x: tuple[Vector, Half], y: tuple[Vector, Half]) -> int:
 
 def _area(outline: Sequence[Exact]) -> Number:
     """Twice the signed area."""
-    ends = zip(outline, [*outline[1:], outline[0]], strict=True)
-    return sum((a[0] * b[1] - a[1] * b[0] for a, b in ends), 0)
+    whole, parts = 0, Fraction(0)  # apart, since most vertices are whole, and sums of fractions are slow
+    for a, b in zip(outline, [*outline[1:], outline[0]], strict=True):
+        term = a[0] * b[1] - a[1] * b[0]
+        if isinstance(term, int):
+            whole += term
+        else:
+            parts += term
+    return whole + parts
 
 
 def _holds(outline: Sequence[Exact], point: Exact) -> bool:

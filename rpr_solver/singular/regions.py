@@ -203,8 +203,11 @@ def _distance(point: Point, edges: Sequence[tuple[Point, Point]]) -> float:
     for (ax, ay), (bx, by) in edges:
         dx, dy = bx - ax, by - ay
         square = dx * dx + dy * dy
-        part = min(max(((px - ax) * dx + (py - ay) * dy) / square, 0.0), 1.0) if square else 0.0
-        best = min(best, hypot(ax + part * dx - px, ay + part * dy - py))
+        part = ((px - ax) * dx + (py - ay) * dy) / square if square else 0.0
+        part = 0.0 if part < 0 else 1.0 if part > 1 else part
+        away = hypot(ax + part * dx - px, ay + part * dy - py)
+        if away < best:
+            best = away
     return best
 
 
