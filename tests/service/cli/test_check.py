@@ -170,8 +170,8 @@ def test_reports_are_opened_before_the_work(run_here: Run, tmp_path: Path) -> No
         assert done.stderr.startswith(f"rpr-cusps check: {option}: {missing!r} cannot be written")
 
 
-def test_a_report_on_a_full_disk_is_one_line(run_here: Run) -> None:
-    done = run_here("check", "zein-flat", "--l1", "1", "--expect-cusps", "4", "--junit", "/dev/full")
+def test_a_report_on_a_full_disk_is_one_line() -> None:
+    done = run("check", "zein-flat", "--l1", "1", "--expect-cusps", "4", "--junit", "/dev/full")
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr == "rpr-cusps check: cannot write to '/dev/full': No space left on device\n"
 
