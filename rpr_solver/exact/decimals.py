@@ -17,6 +17,9 @@ from rpr_solver.exact.real_roots import fraction_of
 T = TypeVar("T")
 
 
+_HALF = arb(0.5)
+
+
 @lru_cache(maxsize=512)
 def _power_of_ten(n: int) -> fmpz:
     return fmpz(10) ** n
@@ -36,17 +39,18 @@ def round_ball(x: arb, digits: int) -> str | None:
         return None
     magnitude = abs(x)
     lead = _place(magnitude)
+    least, beyond = _power_of_ten(digits - 1), _power_of_ten(digits)
     # the estimate of the leading digit's place can be off by one
     for place in (lead, lead - 1, lead + 1):
         shift = digits - 1 - place
         power = _power_of_ten(abs(shift))
         scaled = magnitude * power if shift >= 0 else magnitude / power
-        rounded = (scaled + arb(0.5)).floor().unique_fmpz()
+        rounded = (scaled + _HALF).floor().unique_fmpz()
         if rounded is None:
             return None
-        if rounded == _power_of_ten(digits):
-            rounded, place = rounded // 10, place + 1
-        if _power_of_ten(digits - 1) <= rounded < _power_of_ten(digits):
+        if rounded == beyond:
+            rounded, place = least, place + 1
+        if least <= rounded < beyond:
             return place_digits(str(rounded), place, negative=bool(x < 0))
     raise Unproved("a number's leading digit could not be placed")
 

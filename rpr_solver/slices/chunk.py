@@ -69,9 +69,7 @@ class SliceChunk:
         poses = _finder(self.eliminant, self.bits).at(length).poses(guess.real)
         if poses is None:
             return None
-        on = GridSlice(self.eliminant.slice_map, length, self.digits, self.bits)
-        cusps = [on.point_at(*pose) for pose in poses]
-        return [x for x in cusps if x] if all(cusps) else None
+        return GridSlice(self.eliminant.slice_map, length, self.digits, self.bits).points(poses)
 
     def _guess(self, place: int) -> Guess:
         if len(self.lengths) < (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
@@ -98,25 +96,29 @@ def _finder(eliminant: Eliminant, bits: int) -> PoseFinder:
 
 def _is_generic(eliminant: Eliminant, length: Fraction) -> bool:
     """Proof modulo a prime that Q has 24 finite simple roots, none spurious, and w and q no common one."""
-    slice_map = eliminant.slice_map
-    p, omega = next(primes(slice_map.radicand))
-    matrix = eliminant.kept.get("residues")
-    if matrix is None:
-        pairs = zip(eliminant.a.entries(), eliminant.b.entries(), strict=True)
-        residues = [int((a + omega * b) % p) for a, b in pairs]
-        matrix = eliminant.kept["residues"] = nmod_mat(DEGREE_U + 1, DEGREE_L + 1, residues, p)
+    f = eliminant.slice_map.f
+    p, matrix = _residues(eliminant)
     if length.denominator % p == 0:
         return False
     x = nmod(length.numerator, p) / nmod(length.denominator, p)
-    powers = nmod_mat(DEGREE_L + 1, 1, [x**k for k in range(DEGREE_L + 1)], p)
-    q = nmod_poly((matrix * powers).entries(), p)
-    along, closed = nmod_poly(slice_map.f.collinear(), p), nmod_poly(slice_map.f.closed(length), p)
-    if (
-        q.degree() != DEGREE_U
-        or closed.degree() != 2
-        or along.degree() < 0
-        or along.gcd(closed).degree() != 0
-    ):
+    powers = [nmod(1, p)]
+    for _ in range(DEGREE_L):
+        powers.append(powers[-1] * x)
+    q = nmod_poly((matrix * nmod_mat(DEGREE_L + 1, 1, powers, p)).entries(), p)
+    along, closed = nmod_poly(f.collinear(), p), nmod_poly(f.closed(length), p)
+    if q.degree() != DEGREE_U or closed.degree() != 2:
         return False
     spurious = along * closed * nmod_poly([1, 0, 1], p)
-    return q.gcd(q.derivative()).degree() == 0 and q.gcd(spurious).degree() == 0
+    pairs = (along, closed), (q, q.derivative()), (q, spurious)
+    return all(first.gcd(second).degree() == 0 for first, second in pairs)
+
+
+def _residues(eliminant: Eliminant) -> tuple[int, nmod_mat]:
+    """The coefficients of Q modulo a prime, rows by powers of u."""
+    if "residues" not in eliminant.kept:
+        p, omega = next(primes(eliminant.slice_map.radicand))
+        pairs = zip(eliminant.a.entries(), eliminant.b.entries(), strict=True)
+        residues = [int((a + omega * b) % p) for a, b in pairs]
+        eliminant.kept["residues"] = p, nmod_mat(DEGREE_U + 1, DEGREE_L + 1, residues, p)
+    kept: tuple[int, nmod_mat] = eliminant.kept["residues"]
+    return kept

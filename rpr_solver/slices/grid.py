@@ -7,6 +7,7 @@ document says of a cusp is computed from this box, by one way: decimals, precisi
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -28,6 +29,9 @@ _PROOF_ACCURACY = 40
 """A proof with fewer correct bits is computed again at the working precision; five digits need 17."""
 
 
+_HALF, _ONE, _MIDDLE = arb(0.5), arb(1), arb(1.5)
+
+
 def first_bits(digits: int) -> int:
     """The working precision that is tried first."""
     return digit_bits(digits) + 192
@@ -40,19 +44,20 @@ def on_grid(x: HalfTangent, bits: int) -> HalfTangent | None:
     """
     steps = bits - GRID_GUARD
     n, d = x.numerator, x.denominator
-    if abs(n) < 1.5 * abs(d):
-        box = _rounded(n / d, steps)
+    t = n / d
+    if abs(t) < _MIDDLE:
+        box = _rounded(t, steps)
         if box is None or abs(box.mid()) <= 1:
-            return HalfTangent(box, arb(1)) if box is not None else None
+            return HalfTangent(box, _ONE) if box is not None else None
     box = _rounded(d / n, steps)
-    return HalfTangent(arb(1), box) if box is not None else None
+    return HalfTangent(_ONE, box) if box is not None else None
 
 
 def _rounded(x: arb, steps: int) -> arb | None:
     if x.is_zero():
         return x
     scale, step, half = _powers(steps)
-    nearest = (x * scale + 0.5).floor().unique_fmpz()
+    nearest = (x * scale + _HALF).floor().unique_fmpz()
     return None if nearest is None else arb(nearest * step, half)
 
 
@@ -118,42 +123,56 @@ class MapBalls:
 
 
 class GridSlice:
-    """The slice of one *scaled* L at one working precision: from boxes on the grid to cusps in decimals."""
+    """The slice of one *scaled* L at one working precision: from poses on the grid to cusps in decimals."""
 
     def __init__(self, slice_map: SliceMap, length: Fraction, digits: int, bits: int) -> None:
-        self.slice_map, self.length, self.digits, self.bits = slice_map, length, digits, bits
+        self.digits, self.bits, self._leg = digits, bits, slice_map.fixed_leg
+        self._maps, self._low = (MapBalls.of(slice_map, x) for x in (bits, _PROOF_BITS))
+        with ctx.workprec(bits):
+            self._length = ball_of(length)
 
-    def point_at(self, alpha: HalfTangent, theta: HalfTangent) -> ClassifiedPoint | None:
-        """The proved cusp at a pose; None if its balls are too wide, or its box decides too little."""
+    def points(self, poses: Iterable[tuple[HalfTangent, HalfTangent]]) -> list[ClassifiedPoint] | None:
+        """The proved cusps at some poses (α, θ); None if the balls of one decide too little."""
+        cusps = []
         with ctx.workprec(self.bits):
-            boxes = on_grid(alpha, self.bits), on_grid(theta, self.bits)
-        return self.point(boxes[0], boxes[1]) if boxes[0] and boxes[1] else None
+            for alpha, theta in poses:
+                boxes = on_grid(alpha, self.bits), on_grid(theta, self.bits)
+                cusp = self.point(boxes[0], boxes[1]) if boxes[0] and boxes[1] else None
+                if cusp is None:
+                    return None
+                cusps.append(cusp)
+        return cusps
 
     def point(self, alpha: HalfTangent, theta: HalfTangent) -> ClassifiedPoint | None:
-        """The proved cusp in a box of :func:`on_grid`, or None if the box decides too little."""
+        """The proved cusp in a box of :func:`on_grid`, or None if the box decides too little.
+
+        The precision must be the working precision.
+        """
         if alpha.denominator.contains(0) or theta.denominator.contains(0):
             return None  # a ball cannot decide between 180° and −180°
-        with ctx.workprec(self.bits):
-            at = (ball_of(self.length), *alpha.cos_sin(), *theta.cos_sin())
-            maps = MapBalls.of(self.slice_map, self.bits)
-            squares = [leg.squared_length(*at) for leg in (maps.f, maps.g)]
-            if not all(x > 0 for x in squares):
-                return None
-            degrees = alpha.degrees(), theta.degrees()
-            texts = round_all((*degrees, *(x.sqrt() / maps.scale for x in squares)), self.digits)
+        at, maps = (self._length, *alpha.cos_sin(), *theta.cos_sin()), self._maps
+        first, second = maps.f.squared_length(*at), maps.g.squared_length(*at)
+        if not (first > 0 and second > 0):
+            return None
+        degrees = alpha.degrees(), theta.degrees()
+        texts = round_all((*degrees, first.sqrt() / maps.scale, second.sqrt() / maps.scale), self.digits)
         proof = texts and self._proof(at)
         if not (texts and proof):
             return None
-        point, strings = joint_point(texts, self.slice_map.fixed_leg), {k: x.str(5) for k, x in proof.items()}
-        return ClassifiedPoint(PoseKind.CUSP, degrees[1], degrees[0], point, strings, self.bits)
+        strings = {name: x.str(5) for name, x in proof.items()}
+        return ClassifiedPoint(
+            PoseKind.CUSP, degrees[1], degrees[0], joint_point(texts, self._leg), strings, self.bits
+        )
 
     def _proof(self, at: tuple[arb, arb, arb, arb, arb]) -> dict[str, arb] | None:
         """What excludes 0 at a cusp (:class:`~rpr_solver.PoseKind`), by its names in the certificate."""
-        for bits in (_PROOF_BITS, self.bits):
-            with ctx.workprec(bits):
-                proof = cusp_proof(MapBalls.of(self.slice_map, bits), at)
-            if all(x.rel_accuracy_bits() >= _PROOF_ACCURACY for x in proof.values()):
-                return proof
+        try:
+            ctx.prec = _PROOF_BITS
+            proof = cusp_proof(self._low, at)
+        finally:
+            ctx.prec = self.bits
+        if any(x.rel_accuracy_bits() < _PROOF_ACCURACY for x in proof.values()):
+            proof = cusp_proof(self._maps, at)
         return None if any(x.contains(0) for x in proof.values()) else proof
 
 

@@ -96,7 +96,8 @@ class LoneSlice:
             return (alpha, theta) if alpha and theta else None
 
         pose = decided(boxes, bits, GREATEST_BITS, "the pose above a root could not be decided")
-        return self._grid(bits).point(*pose)
+        with ctx.workprec(bits):
+            return self._grid(bits).point(*pose)
 
     def _exactly(self, q: QuadraticPoly) -> SliceTable:
         """The table from the irreducible factors over ℚ(ω); balls still settle simple roots if they can."""

@@ -26,10 +26,12 @@ _REACHES = (2.0**-40, 2.0**-47, 2.0**-28)
 """Radii about a guess in which its root is looked for."""
 _SPARE = 64
 """The bits to which u is found beyond those of the grid."""
-_FIRST_TARGET = 72
+_FIRST_TARGET = 80
 _ABOVE_TARGET = 64
 """Precision of a Newton step beyond the bits that it is to find."""
 _STEPS = 4
+_NEAR = 8
+"""Roots beyond are found as 1/u."""
 _POWERS_OF_L = 3
 _J, _E = 5, 7
 """The coefficients of J and of E in t, and in u."""
@@ -49,6 +51,7 @@ class PoseFinder:
         while targets[-1] > _FIRST_TARGET:
             targets.append(targets[-1] // 2 + 12)
         self._targets = targets[::-1]
+        self._goals = [arb(2) ** -target for target in self._targets]
 
     def at(self, length: Fraction) -> SliceBalls:
         """The slice of a *scaled* length."""
@@ -58,7 +61,7 @@ class PoseFinder:
                 powers.append(powers[-1] * ball)
             q = (self._q * arb_mat(DEGREE_L + 1, 1, powers)).entries()
             forms = (self._forms * arb_mat(_POWERS_OF_L, 1, powers[:_POWERS_OF_L])).entries()
-        return SliceBalls(self.bits, self._targets, q, forms)
+        return SliceBalls(self.bits, self._targets, self._goals, q, forms)
 
 
 def _rows(form: BiForm, bits: int) -> Iterator[list[list[arb]]]:
@@ -74,56 +77,64 @@ def _rows(form: BiForm, bits: int) -> Iterator[list[list[arb]]]:
 class SliceBalls:
     """Q, J and E of one slice at one working precision."""
 
-    def __init__(self, bits: int, targets: Sequence[int], q: list[arb], forms: list[arb]) -> None:
-        self._bits, self._targets, self._q, self._forms = bits, targets, q, forms
+    def __init__(
+        self, bits: int, targets: Sequence[int], goals: Sequence[arb], q: list[arb], forms: list[arb]
+    ) -> None:
+        self._bits, self._targets, self._goals, self._q, self._forms = bits, targets, goals, q, forms
 
     def poses(self, guesses: Guesses) -> list[tuple[HalfTangent, HalfTangent]] | None:
         """The poses (α, θ) above different real roots of Q, one for each guess; None if a guess misleads."""
         near: list[tuple[float, float]] = []
         far: list[tuple[float, float]] = []
         for n, d in guesses:
-            (near if abs(n) <= abs(d) else far).append((n, d))
+            (near if abs(n) <= _NEAR * abs(d) else far).append((n, d))
         with ctx.workprec(self._bits):
-            us = [
-                *((x, False) for x in self._roots([n / d for n, d in near], self._q)),
-                *((x, True) for x in self._roots([d / n for n, d in far], self._q[::-1])),
-            ]
+            us = [(x, False) for x in self._roots([n / d for n, d in near], self._q)]
+            if far:
+                us += [(x, True) for x in self._roots([d / n for n, d in far], self._q[::-1])]
             if len(us) < len(near) + len(far) or not _are_different(us):
                 return None
             poses = [*self._above([x for x, far in us if not far], reverse=False)]
-            poses += self._above([x for x, far in us if far], reverse=True)
+            if far:
+                poses += self._above([x for x, far in us if far], reverse=True)
         return poses if len(poses) == len(us) else None
 
     def _roots(self, guesses: list[float], coefficients: list[arb]) -> list[arb]:
         """Balls of the roots about some guesses, without those that are not proved."""
+        if not guesses:
+            return []
+        whole = arb_poly(coefficients)
         roots: list[arb] = []
-        for target in self._targets if guesses else ():
+        for place, target in enumerate(self._targets):
             ctx.prec = min(target + _ABOVE_TARGET, self._bits)
-            p = arb_poly([+c for c in coefficients])
-            slope = p.derivative()
-            if target == self._targets[0]:
-                found = [_first_ball(p, slope, guess) for guess in guesses]
-                roots = [x for x in found if x is not None]
-            goal = arb(2) ** -target
-            found = [_sharpened(p, slope, x, goal) for x in roots]
-            roots = [x for x in found if x is not None]
+            p = whole * 1  # rounded
+            slope, goal = p.derivative(), self._goals[place]
+            found = [_first_ball(p, slope, x) for x in guesses] if place == 0 else roots
+            sharpened = (_sharpened(p, slope, x, goal) for x in found if x is not None)
+            roots = [x for x in sharpened if x is not None]
         ctx.prec = self._bits
         return roots
 
-    def _above(self, roots: list[arb], *, reverse: bool) -> Iterator[tuple[HalfTangent, HalfTangent]]:
+    def _above(self, roots: list[arb], *, reverse: bool) -> list[tuple[HalfTangent, HalfTangent]]:
         """The poses above roots u, or 1/u, without those that this precision does not decide."""
-        if not roots:
-            return
-        rows = [self._forms[_E * k : _E * (k + 1)] for k in range(_J + _E)]
-        if reverse:
-            rows = [row[:_J][::-1] + row[_J:] for row in rows[:_J]] + [row[::-1] for row in rows[_J:]]
-        powers = [[arb(1)] * len(roots)]
-        for _ in range(_E - 1):
-            powers.append([a * b for a, b in zip(powers[-1], roots, strict=True)])
-        for x, column in zip(roots, (arb_mat(rows) * arb_mat(powers)).transpose().tolist(), strict=True):
+        one, poses = arb(1), []
+        matrix = arb_mat(_J + _E, _E, self._reversed_forms() if reverse else self._forms)
+        for x in roots:
+            square = x * x
+            cube, fourth = square * x, square * square
+            powers = [one, x, square, cube, fourth, fourth * x, cube * cube]
+            column = (matrix * arb_mat(_E, 1, powers)).entries()
             alpha = _common_root(column[:_J], column[_J:])
             if alpha is not None:
-                yield alpha, HalfTangent(arb(1), x) if reverse else HalfTangent(x, arb(1))
+                poses.append((alpha, HalfTangent(one, x) if reverse else HalfTangent(x, one)))
+        return poses
+
+    def _reversed_forms(self) -> list[arb]:
+        """The coefficients in 1/u: J has degree 4 in u, E degree 6."""
+        forms, split = self._forms, _E * _J
+        rows = [forms[k : k + _J][::-1] + forms[k + _J : k + _E] for k in range(0, split, _E)]
+        rows += [forms[k : k + _E][::-1] for k in range(split, len(forms), _E)]
+        return [x for row in rows for x in row]
 
 
 def _first_ball(p: arb_poly, slope: arb_poly, guess: float) -> arb | None:
@@ -160,14 +171,14 @@ def _are_different(us: list[tuple[arb, bool]]) -> bool:
 
 def _common_root(j: list[arb], e: list[arb]) -> HalfTangent | None:
     """The common root t of two forms that share exactly one, by Euclid's algorithm; None if undecided."""
-    for first, second in ((j, e), (j[::-1], e[::-1])):
+    for inverse in (False, True):
         try:
-            a, b = arb_poly(first), arb_poly(second)
+            a, b = (arb_poly(x[::-1] if inverse else x) for x in (j, e))
             while a.degree() > 1:
                 a, b = b % a, a
         except ZeroDivisionError:
             continue
         if a.degree() == 1 and not a[1].contains(0):
-            n, d = (-a[0], a[1]) if first is j else (a[1], -a[0])
-            return HalfTangent(n, d)
+            n, d = -a[0], a[1]
+            return HalfTangent(d, n) if inverse else HalfTangent(n, d)
     return None

@@ -72,4 +72,4 @@ def test_the_proof_is_that_of_the_jets(leg: int) -> None:
 def test_a_half_turn_is_not_decided() -> None:
     slice_map = eliminant_of(EXAMPLES["zein-flat"]).slice_map
     slice_ = GridSlice(slice_map, Fraction(700), 15, BITS)
-    assert slice_.point(HalfTangent(ONE, arb(0, 1e-30)), HalfTangent(arb("0.5"), ONE)) is None
+    assert slice_.points([(HalfTangent(ONE, arb(0, 1e-90)), HalfTangent(arb("0.5"), ONE))]) is None
