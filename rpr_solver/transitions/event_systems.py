@@ -22,7 +22,7 @@ quotient. These are identities in the parameters (mathematics.md#the-eliminants-
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from flint import fmpz, fmpz_mpoly, fmpz_poly
@@ -43,6 +43,14 @@ class NotGeneric(Exception):  # noqa: N818 - a signal between modules; no error 
 
 
 @dataclass(frozen=True)
+class Limit:
+    """A leg and its squared length at a joint limit (scaled)."""
+
+    leg: Leg
+    square: Fraction
+
+
+@dataclass(frozen=True)
 class System:
     """Two forms in t = tan(α/2) and v = tan θ whose common zeros are events, and their eliminant P(v)."""
 
@@ -50,6 +58,7 @@ class System:
     first: BiForm
     second: BiForm
     eliminant: Form
+    limit: Limit | None = None
 
     @classmethod
     def of(cls, slice_map: SliceMap, first: BiForm, second: BiForm, known: Form | None = None) -> System:
@@ -149,11 +158,12 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
         + trig.j1**2 * (d * (leg.platform2 + leg.base2) - n - 2 * d * (leg.ax * x + leg.ay * y))
     )
     form = trig.form(on_surface, (4, 4))
-    cusps = systems.swallowtails.first
-    if systems.beside:
-        return System.of(slice_map, cusps, form)
-    known = systems.permanent.eliminant * systems.not_parallel
-    return System.of(slice_map, cusps, form, known * known * _circular(10, slice_map.radicand))
+    known = None
+    if not systems.beside:
+        factor = systems.permanent.eliminant * systems.not_parallel
+        known = factor * factor * _circular(10, slice_map.radicand)
+    system = System.of(slice_map, systems.swallowtails.first, form, known)
+    return replace(system, limit=Limit(leg, square))
 
 
 def _circular(exponent: int, radicand: int) -> Form:

@@ -1,11 +1,10 @@
 """The order of events: what is equal stands together, by proof, and what is not is told apart."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
 from itertools import groupby
 
-import mpmath as mp
 import pytest
 from flint import arb, fmpq, fmpq_poly
 from hypothesis import given
@@ -16,17 +15,13 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import EventSystems
 from rpr_solver.transitions.event_types import Event, Landmark
-from rpr_solver.transitions.events import BallEvent, events
-from rpr_solver.transitions.order import (
-    _isosceles,
-    _mirror_images,
-    _mirrored,
-    grouped,
-)
-from tests.support.definitions import DIGITS, Slices, number, real
+from rpr_solver.transitions.events import BallEvent, events, limit_events
+from rpr_solver.transitions.order import _is_image, grouped
+from rpr_solver.transitions.symmetries import symmetries
 from tests.support.families import family
 
 RATIONALS = Field.rationals()
@@ -114,22 +109,14 @@ def test_lengths_that_are_neither_equal_nor_apart_are_refused() -> None:
 @pytest.mark.parametrize(("m", "fixed_leg"), [(EXAMPLES["zein-flat"], 1), (family("isosceles"), 1)])
 def test_events_of_asymmetric_slices_have_lengths_of_their_own(m: Manipulator, fixed_leg: int) -> None:
     """Isosceles triangles too, where the leg that is held is not at the apex."""
-    assert not _isosceles(SliceMap.of(m, fixed_leg))
+    assert symmetries(SliceMap.of(m, fixed_leg)) == ()
     groups = grouped(events_of(m, fixed_leg))
     assert all(len(group) == 1 for group in groups)
-
-
-@pytest.mark.parametrize(("sides", "isosceles"), [((6, 5, 5), True), ((6, 4, 5), False)])
-def test_base_and_platform_must_both_be_isosceles(sides: tuple[int, ...], isosceles: bool) -> None:
-    for a3x in (3, 2):
-        m = Manipulator(*map(Fraction, (6, a3x, 7, *sides)))
-        assert _isosceles(SliceMap.of(m, 3)) == (isosceles and a3x == 3)
 
 
 def test_mirror_images_stand_together() -> None:
     """Held at the apex: each event off the mirror has an image, at the same length and of the same kind."""
     m = family("isosceles")
-    assert _isosceles(SliceMap.of(m, 3))
     groups = grouped(events_of(m, 3))
     pairs = [group for group in groups if len(group) > 1]
     assert pairs
@@ -152,32 +139,38 @@ def test_a_mirror_image_is_one_event_and_no_other() -> None:
     [first, second] = next(group for group in grouped(own) if len(group) == 2)
     assert isinstance(first, BallEvent)
     assert isinstance(second, BallEvent)
-    assert _mirror_images(first, second, own)
-    assert _mirror_images(second, first, own)
-    assert not _mirror_images(first, first, own)
-    assert not _mirror_images(first, second, [x for x in own if x is not second])
+    mirror = symmetries(SliceMap.of(family("isosceles"), 3))[0]
+    assert _is_image(mirror, first, second)
+    assert _is_image(mirror, second, first)
+    assert not _is_image(mirror, first, first)
+    assert not _is_image(mirror, replace(first, kind=PoseKind.HIGHER), second)
     others = (x for x in own if isinstance(x, BallEvent) and x not in (first, second))
-    assert not any(_mirror_images(first, x, own) for x in others)
+    assert not any(_is_image(mirror, first, x) for x in others)
 
 
-def test_the_mirror_image_of_a_pose_has_its_free_legs_exchanged() -> None:
-    m = family("isosceles")
-    slices = Slices.of(m, 3)
-    scale = SliceMap.of(m, 3).scale
-    for event in events_of(m, 3):
-        if isinstance(event, BallEvent):
-            alpha, theta = _mirrored(event, 256)
-            _, _, first, second = map(number, event.coordinates(256))
-            with mp.workdps(DIGITS):
-                angles = (mp.atan2(number(x.imag), number(x.real)) for x in (alpha, theta))
-                length = number(event.scaled_length(256)) / real(scale)
-                legs = slices.free_legs((*angles, length))
-                assert abs(legs[0] - second) + abs(legs[1] - first) < mp.mpf("1e-40")
+TWINS = [
+    (Manipulator(*map(Fraction, ("22.5", "-6.3", "-8.4", "15", "20", "7"))), 1),
+    (Manipulator(*map(Fraction, (5, 0, 12, 5, 12, 13)), orientation="cw"), 3),
+]
+"""Symmetries of another kind: a leg becomes a sum of both; base and platform change places."""
 
 
-def test_a_ball_event_and_a_number_are_compared_in_a_number_field() -> None:
-    m, fixed_leg = family("similar, mirrored"), 2
-    [lips] = [x for x in events_of(m, fixed_leg) if isinstance(x, BallEvent) and x.kind == "lips"]
-    exact = lips.exact().length
-    same, beside = Landmark(exact), Landmark(exact + exact.field(Fraction(1, 10**200)))
-    assert grouped([beside, lips, same]) == [[lips, same], [beside]]
+@pytest.mark.parametrize(("m", "fixed_leg"), TWINS)
+def test_twins_of_less_visible_symmetries_stand_together(m: Manipulator, fixed_leg: int) -> None:
+    groups = grouped(events_of(m, fixed_leg))
+    assert sum(len(group) == 2 for group in groups) >= 5
+    assert all(group[0].pose.kind is group[1].pose.kind for group in groups if len(group) == 2)  # type: ignore[union-attr]
+
+
+def test_equal_limits_of_mirrored_legs_are_met_together() -> None:
+    slice_map = SliceMap.of(family("isosceles"), 3)
+    systems = EventSystems.of(slice_map)
+    both = [list(limit_events(systems, leg, Fraction(10**4))) for leg in (slice_map.f, slice_map.g)]
+    assert both[0]
+    groups = grouped([*both[0], *both[1]])
+    assert all(len(group) == 2 for group in groups)
+    first, second = next(pair for pair in groups if all(isinstance(x, BallEvent) for x in pair))
+    assert isinstance(first, BallEvent)
+    assert isinstance(second, BallEvent)
+    unlike = replace(second, system=replace(second.system, limit=None))
+    assert not any(_is_image(symmetry, first, unlike) for symmetry in symmetries(slice_map))
