@@ -41,7 +41,7 @@ from rpr_solver.paths.route import ControlPoint, Route
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.joint_limits import Bounds, ExactLimits, read_limits
-from rpr_solver.slices.joint_points import JointPoint
+from rpr_solver.slices.joint_points import JointPoint, free_legs
 from rpr_solver.slices.lengths import slice_length
 from rpr_solver.slices.slice_table import SliceTable
 
@@ -175,14 +175,16 @@ class _Search:
         point outside.
 
         Raises:
-            InputError: naming ``limits``.
+            InputError: naming the leg of the limit at fault.
         """
         leg = self.slice_map.fixed_leg
         if leg in outside(self.bounds, [self.length] * 3):
             raise InputError.of(f"limits.l{leg}", f"exclude the slice L{leg} = {exact_str(self.length)}")
-        if PathLimits.of(self.slice_map, self.bounds).exclude(self.centres[0]):
-            message = f"exclude cusp {self.cusp}, so that every loop round it exceeds them"
-            raise InputError.of("limits", message)
+        message = f"exclude cusp {self.cusp}, so that every loop round it exceeds them"
+        free = free_legs(leg)
+        for wall in PathLimits.of(self.slice_map, self.bounds).walls:
+            if wall.room(self.centres[0][wall.leg]) < 0:
+                raise InputError.of(f"limits.l{free[wall.leg]}", message)
 
     def _promises(self, arc: Arc, wanted: Sequence[int], limits: PathLimits) -> bool:
         """Whether J has its sign at some points of a loop, and their images keep the limits and seem to turn

@@ -179,7 +179,10 @@ and round no other cusp of the slice.
 
 From pose to pose, the answer is a path in the slice or, with `between`, with the fixed leg free to move; or
 the reason why there is none: J has different signs at both poses, or they lie in different aspects of the
-slice. For the latter the answer names a range of the fixed leg within which they are joined.
+slice or of the range. For the latter the answer names a range of the fixed leg within which they are joined.
+
+With `limits` the path or the loop keeps joint limits, proved as well. There may be no path that does, which
+is proved by subdivision, or left undecided at a `resolution` that is told.
 
 Samples are points of that path at equal intervals of time, with the legs, the pose, the determinant and a
 bound of the distance to the nearest singular pose. A worker finds a path in a fraction of a second, so the

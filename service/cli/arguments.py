@@ -165,6 +165,24 @@ def fixed_leg_of(text: str) -> int:
         return part(_FIXED_LEG.validate_python, text, source())
 
 
+def joint_limits(given: Sequence[tuple[str, str]]) -> tuple[dict[str, object], dict[str, str]]:
+    """Returns joint limits by legs, and the options that give them, by members.
+
+    Raises:
+        InputError: naming an option that is given twice, or is no range.
+    """
+    limits: dict[str, object] = {}
+    names = {}
+    for option, text in given:
+        leg = option[2:4]
+        if leg in limits:
+            raise InputError.of(option, "is given twice")
+        names[f"limits.{leg}"] = option
+        with named(option):
+            limits[leg] = split_ends(text, ("min", "max"))
+    return limits, names
+
+
 def leg_and_range(args: argparse.Namespace) -> tuple[int, dict[str, str | None], str]:
     """Returns the fixed leg, the range (whose option implies the leg), and the name of that option."""
     if len(args.ranges) > 1:

@@ -28,7 +28,6 @@ from service.cli.expectation import Expectation
 from service.cli.pages import write_document
 from service.schemas.checks import RequirementDocument
 from service.schemas.document import named, part, read
-from service.schemas.lengths import split_ends
 from service.schemas.numbers import Digits, Length, whole_number
 from worker.process.os_limits import usable_cores
 
@@ -123,16 +122,11 @@ def _demand(args: argparse.Namespace) -> Demand:
         names |= {"max_cusps": "--expect-cusps", "min_cusps": "--expect-cusps"}
     elif most is None and least is None:
         raise InputError.of("--max-cusps", "is missing; give --max-cusps, --min-cusps or --expect-cusps")
-    limits: dict[str, object] = {}
-    for option, text in args.limits:
-        limited = option[2:4]
-        if limited in limits:
-            raise InputError.of(option, "is given twice")
-        if limited == f"l{leg}":
+    for option, _ in args.limits:
+        if option[2:4] == f"l{leg}":
             raise InputError.of(option, f"limits the fixed leg; its lengths are --l{leg}-range")
-        names[f"limits.{limited}"] = option
-        with named(option):
-            limits[limited] = split_ends(text, ("min", "max"))
+    limits, options = arguments.joint_limits(args.limits)
+    names |= options
     members = {"fixed_leg": leg, "range": ends, "limits": limits, "max_cusps": most, "min_cusps": least}
     members["degenerate"] = args.degenerate
     return read(RequirementDocument, members, arguments.source(names)).to_requirement()

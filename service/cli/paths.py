@@ -25,6 +25,7 @@ examples:
   rpr-cusps paths innocenti --l1 28.1 --cusp 7 --samples 501 --duration 10 --format csv
   rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4
   rpr-cusps paths innocenti --l1 27 --l2 25.7 --l3 9.2 --from 2 --to 4 --between 27:30
+  rpr-cusps paths innocenti --l1 27 --cusp B --l2-limits 8:20 --l3-limits :18
 """
 
 _SHOWN_ROWS = 25
@@ -39,6 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--between", metavar="FROM:TO", help="lengths between which the fixed leg may move (default: held)"
     )
+    arguments.add_options(parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of a leg on the way")
     parser.add_argument(
         "--cusp", metavar="CUSP", help="its number in the table of the slice, or its letter (default: A)"
     )
@@ -72,12 +74,14 @@ def _question(args: argparse.Namespace) -> PathRequest:
     leg = arguments.leg_of(lengths, args.fixed_leg, "lengths")
     with named("--between"):
         between = None if args.between is None else split_ends(args.between)
+    limits, names = arguments.joint_limits(args.limits)
     members = {
         "fixed_leg": leg,
         **{option[2:]: text for option, text in args.lengths},
         "from": args.start,
         "to": args.stop,
         "between": between,
+        "limits": limits or None,
         "cusp": args.cusp,
         "samples": args.samples,
         "timing": args.timing,
@@ -86,7 +90,8 @@ def _question(args: argparse.Namespace) -> PathRequest:
         **remote.deadline_of(args),
     }
     own = (*LEGS, "from", "to", "between", "cusp", "timing", "duration")
-    return arguments.ask(PathRequest, args, members, arguments.source({name: f"--{name}" for name in own}))
+    names |= {name: f"--{name}" for name in own}
+    return arguments.ask(PathRequest, args, members, arguments.source(names))
 
 
 def _page(document: Mapping[str, Any]) -> Page:
@@ -103,7 +108,8 @@ def _page(document: Mapping[str, Any]) -> Page:
     shown = [*samples[:-1:step], samples[-1]]
     least = document["certificate"]["least_determinant"]
     round_it = "" if cusp is None else "; once round the cusp, counter-clockwise"
-    notes = [f"Proved along the whole path: |determinant| ≥ {least}{round_it}."]
+    kept = "" if document["limits"] is None else "; all joint limits are kept"
+    notes = [f"Proved along the whole path: |determinant| ≥ {least}{round_it}{kept}."]
     if len(shown) < len(samples):
         notes.append(f"{counted(len(samples), 'sample')}, of which {len(shown)} are shown.")
     notes += [_fate(other) for other in document["others"] or ()]
@@ -121,13 +127,26 @@ def _fate(other: Mapping[str, Any]) -> str:
     return f"{pose} ends on a fold at {all_legs(fold)}."
 
 
+def _resolution(document: Mapping[str, Any]) -> list[str]:
+    size = document["resolution"]
+    if size is None:
+        return []
+    length = "" if size["length"] is None else f" × {size['length']}"
+    return [f"Poses were examined in boxes of {size['angle_deg']}° × {size['angle_deg']}°{length}."]
+
+
 def _advice(document: Mapping[str, Any]) -> list[str]:
     """What is said of two poses without a path."""
     leg, span = document["fixed_leg"], document["connecting_range"]
     if document["obstacle"] == rpr_solver.Obstacle.OPPOSITE_SIGNS:
         return ["J has different signs at both poses, so every path between them meets a singularity."]
     if document["obstacle"] == rpr_solver.Obstacle.UNDECIDED:
-        return ["No path was found, and none is excluded."]
+        return ["No path was found, and none is excluded.", *_resolution(document)]
+    if document["obstacle"] == rpr_solver.Obstacle.OUTSIDE_LIMITS:
+        return ["These lengths themselves exceed the joint limits."]
+    if document["obstacle"] == rpr_solver.Obstacle.SEPARATED_BY_LIMITS:
+        lines = ["Every path between the poses meets a singularity or exceeds a joint limit."]
+        return [*lines, *_resolution(document)]
     free = document["between"]
     where = "held" if free is None else f"between {free['from']} and {free['to']}"
     lines = [f"Every path with L{leg} {where} meets a singularity."]

@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement, exact_str
 from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
+from rpr_solver.slices.joint_limits import ExactLimits, limits_json, read_limits
 from service.schemas.census import Census, CensusRequest
 from service.schemas.checks import CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
@@ -177,6 +178,7 @@ def cusp_loop(
     length: Exact,
     cusp: int | str,
     *,
+    limits: ExactLimits | None = None,
     fixed_leg: int = 1,
     digits: int = PATH_DIGITS,
     samples: int = DEFAULT_SAMPLES,
@@ -195,6 +197,7 @@ def cusp_loop(
         "cusp": str(cusp),
         **_sampling(samples, timing, duration),
         "others": others,
+        **_limits(limits),
     }
     return _asked(PathRequest, Path, manipulator, digits, deadline, members)
 
@@ -252,6 +255,7 @@ def joint_path(
     stop: int,
     *,
     between: tuple[Exact, Exact] | None = None,
+    limits: ExactLimits | None = None,
     fixed_leg: int = 1,
     digits: int = PATH_DIGITS,
     samples: int = DEFAULT_SAMPLES,
@@ -268,6 +272,7 @@ def joint_path(
         "to": str(stop),
         **_sampling(samples, timing, duration),
         "others": others,
+        **_limits(limits),
     }
     if between is not None:
         members["between"] = _range(*between)
@@ -315,6 +320,10 @@ def _lengths(lengths: _Length) -> list[str]:
 
 def _range(start: Exact | None, stop: Exact | None) -> dict[str, str | None]:
     return {"from": None if start is None else _text(start), "to": None if stop is None else _text(stop)}
+
+
+def _limits(limits: ExactLimits | None) -> dict[str, object]:
+    return {} if limits is None else {"limits": limits_json(read_limits(limits, "limits"))}
 
 
 def _text(x: Exact) -> str:

@@ -9,33 +9,14 @@ from pydantic import ConfigDict, Field, model_validator
 
 from rpr_solver import CHECK_DIGITS, Requirement
 from service.schemas.document import Document, unnamed
+from service.schemas.joint_limits import JointLimits
 from service.schemas.lengths import Range, range_field
 from service.schemas.model import Model
-from service.schemas.numbers import Count, Digits, Exact, FixedLeg, digits_field
+from service.schemas.numbers import Count, Digits, FixedLeg, digits_field
 from service.schemas.points import DEGENERATE, Cusp, Degeneracy, FixedLength, GeometryText, Interval
 from service.schemas.questions import Examples, Question
 from worker.answers import checks
 from worker.answers.requests import Kind
-
-
-class JointLimit(Document):
-    """The joint limits of one leg; an end that is missing or null is open."""
-
-    expected: ClassVar[str] = 'give an object with "min" and "max"'
-
-    min: Exact | None = None
-    max: Exact | None = None
-
-
-class JointLimits(Document):
-    """Joint limits of the legs that are not fixed."""
-
-    expected: ClassVar[str] = "give an object with the free legs, such as l2 and l3"
-
-    l1: JointLimit | None = None
-    l2: JointLimit | None = None
-    l3: JointLimit | None = None
-
 
 # As a condition, since generators of clients drop the members beside an `anyOf`.
 _A_BOUND: dict[str, Any] = {
@@ -68,9 +49,7 @@ class RequirementDocument(Document):
 
     def to_requirement(self) -> Requirement:
         """Returns the requirement as the solver takes it."""
-        limits = {
-            int(leg[1]): (limit.min, limit.max) for leg, limit in self.limits or () if limit is not None
-        }
+        limits = {} if self.limits is None else self.limits.bounds()
         counts = self.max_cusps, self.min_cusps
         return Requirement(self.fixed_leg, *self.range.ends, *counts, limits, self.degenerate)
 

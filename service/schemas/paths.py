@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo
+from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, model_validator
 
 from rpr_solver import exact_str
 from rpr_solver.contract import (
@@ -18,8 +18,10 @@ from rpr_solver.contract import (
     number_of,
 )
 from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.slices.joint_limits import Bounds, limits_json, read_limits
 from service.schemas.document import Document, Source, given
 from service.schemas.exact_json import JsonNumber, json_kind
+from service.schemas.joint_limits import JointLimits, KeptLimits
 from service.schemas.lengths import LEGS, NEEDED, OneSlice, SlicesOfOneLeg
 from service.schemas.model import Model
 from service.schemas.numbers import (
@@ -134,6 +136,10 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
                 "samples": 5,
             },
         ),
+        "limits": (
+            "A loop that keeps joint limits",
+            {"l1": 27, "cusp": "B", "limits": {"l2": {"min": 8, "max": 20}, "l3": {"max": 18}}, "samples": 5},
+        ),
     }
 
     fixed_leg: FixedLeg = fixed_leg_field()
@@ -145,6 +151,9 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     )
     stop: PoseNumber = given("The number of the pose at the end.", alias="to")
     between: Between = given("Lengths between which the fixed leg may move; without them it is held.")
+    limits: JointLimits = given(
+        "Joint limits that the path keeps, of any legs: `min` and `max`, either of which may be missing."
+    )
     cusp: CuspNumber = cusp_field()
     samples: Annotated[int, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = Field(
         default=paths.USUAL["samples"], description="The number of samples, the ends included."
@@ -179,6 +188,14 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
         elif "between" in value:
             yield FieldProblem("between", "is for a path from pose to pose; give from and to as well")
 
+    @model_validator(mode="after")
+    def _limits_are_sound(self) -> Self:
+        self._bounds()
+        return self
+
+    def _bounds(self) -> dict[int, Bounds]:
+        return {} if self.limits is None else read_limits(self.limits.bounds(), "limits")
+
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
         own: dict[str, Any] = {"cusp": self.cusp}
@@ -195,6 +212,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
             "geometry": self.geometry.to_json(),
             "fixed_leg": self.fixed_leg,
             **own,
+            "limits": limits_json(self._bounds()) or None,
             "samples": self.samples,
             "timing": self.timing,
             "duration": exact_str(self.duration),
@@ -277,6 +295,13 @@ class PathCertificate(Model):
     working_bits: int
 
 
+class PathResolution(Model):
+    """The size of a box of poses, exact."""
+
+    angle_deg: str = Field(description="Its width in α and in the fixed leg's angle.")
+    length: str | None = Field(description="Its width in the fixed leg's length; null if that is held.")
+
+
 class Path(DocumentHead):
     """A path without a singularity; or, from pose to pose, the reason why there is none, without samples."""
 
@@ -288,8 +313,18 @@ class Path(DocumentHead):
     )
     obstacle: str | None = optional(
         "Why there is no path: `opposite-signs` of J at both poses, so that no path exists in any slices; "
-        "`other-aspect` of the slice, or of the range between the lengths of `between`; or `undecided`: the "
-        "singular curves at the ends of that range are not supported."
+        "`other-aspect` of the slice, or of the range between the lengths of `between`; `outside-limits`: "
+        "the joint vector itself exceeds the joint limits; `separated-by-limits`: every path meets a "
+        "singularity or exceeds a joint limit; or `undecided`: the singular curves at the ends of that range "
+        "are not supported, or the ways that the limits leave are too narrow for the `resolution`."
+    )
+    limits: KeptLimits | None = Field(
+        default=None, description="The joint limits that the path keeps, proved; null if none were given."
+    )
+    resolution: PathResolution | None = Field(
+        default=None,
+        description="Where joint limits separate the poses, or leave it undecided: the size of the smallest "
+        "boxes of poses that were examined.",
     )
     between: ClosedRange | None = Field(
         default=None, description="The lengths between which the fixed leg was free, as asked."

@@ -34,6 +34,7 @@ from service.client.questions import PATHS
 from service.errors import ServiceError
 from worker.jobs.queue import JobQueue
 
+FIRST = EXAMPLES["innocenti"]
 ZEIN = EXAMPLES["zein-flat"]
 TABLE = rpr_solver.table_document(ZEIN, 10, digits=15)
 AT_MOST_4 = Requirement(start=1, stop=10, max_cusps=4)
@@ -78,6 +79,14 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "path from pose to pose": (
         joint_path(ZEIN, 15, "61/2", 40, 1, 2, between=(14, 16), samples=3),
         lambda: rpr_solver.joint_path(ZEIN, 15, "61/2", 40, 1, 2, between=(14, 16), samples=3).to_json(),
+    ),
+    "path within limits": (
+        joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (5, 21)}),
+        lambda: rpr_solver.joint_path(FIRST, 27, 20, 20, 1, 2, limits={"l2": (5, 21)}).to_json(),
+    ),
+    "loop within limits": (
+        cusp_loop(FIRST, 27, 2, limits={3: (None, 18)}, samples=2),
+        lambda: rpr_solver.cusp_loop(FIRST, 27, 2, limits={3: (None, 18)}, samples=2).to_json(),
     ),
 }
 

@@ -8,6 +8,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver.contract import DEFAULT_SAMPLES, Progress
 from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.slices.joint_limits import read_limits
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 from worker.answers.tables import eliminant_of
@@ -51,10 +52,12 @@ def document(
 
     digits, others = content["digits"], content["others"]
     sampling = {name: content[name] for name in ("samples", "timing", "duration")}
+    limits = {leg: (ends["min"], ends["max"]) for leg, ends in (content["limits"] or {}).items()}
     if "cusp" in content:
         own = eliminant()
         table = slice_for_loops(own, content["length"])
-        path = loop_in_slice(own, table, content["cusp"], SamplingPlan.of(**sampling), digits)
+        plan = SamplingPlan.of(**sampling)
+        path = loop_in_slice(own, table, content["cusp"], plan, digits, read_limits(limits, "limits"))
         return (path.with_others() if others else path).to_json()
     ends = content["between"]
     try:
@@ -66,6 +69,7 @@ def document(
             content["from"],
             content["to"],
             between=ends and (ends["from"], ends["to"]),
+            limits=limits,
             fixed_leg=content["fixed_leg"],
             digits=digits,
             **sampling,

@@ -124,7 +124,7 @@ def test_a_loop_keeps_the_limits(limits: Limits) -> None:
 @pytest.mark.parametrize(
     ("limits", "message"),
     [
-        ({"l2": (13, 20)}, "limits: exclude cusp 2"),
+        ({"l2": (13, 20)}, "limits.l2: exclude cusp 2"),
         ({"l1": (28, None)}, "limits.l1: exclude the slice L1 = 27"),
         ({"l2": (20, 8)}, "limits.l2.max: is 8"),
     ],

@@ -90,6 +90,24 @@ def test_a_loop_is_answered_without_being_asked_to_wait(api: httpx.Client) -> No
     assert table.text == rpr_solver.path_csv(loop)
 
 
+def test_a_path_within_joint_limits(api: httpx.Client) -> None:
+    poses = {"geometry": GEOMETRY, "l1": 27, "l2": 20, "l3": 20, "from": 1, "to": 2}
+    limits = {"l2": {"min": 5, "max": 21.0}, "l3": None}
+    answer = api.post("/v1/paths", json={**poses, "limits": limits})
+    none = rpr_solver.joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 2, limits={"l2": (5, 21)})
+    expected = none.to_json()
+    assert (answer.status_code, answer.json()) == (200, expected)
+    assert answer.json()["limits"] == {"l2": {"min": "5", "max": "21"}}
+    assert is_whole("Path", expected)
+    refused = api.post("/v1/paths", json={**poses, "limits": {"l2": {"min": 5, "max": 4}, "l3": {"min": -1}}})
+    assert refused.status_code == 422
+    assert [error["field"] for error in refused.json()["errors"]] == ["limits.l2.max", "limits.l3.min"]
+    loop = {"geometry": GEOMETRY, "l1": 27, "cusp": "B", "limits": {"l2": {"min": 20}}}
+    excluded = api.post("/v1/paths", json=loop)
+    assert (excluded.status_code, excluded.json()["type"]) == (422, "/problems/job-input-error")
+    assert "limits.l2: exclude cusp 2" in excluded.text
+
+
 def test_a_cusp_that_a_slice_lacks_is_bad_input(api: httpx.Client) -> None:
     refused = api.post("/v1/paths", json={"geometry": GEOMETRY, "l1": 27, "cusp": "I"})
     assert (refused.status_code, refused.json()["type"]) == (422, "/problems/job-input-error")

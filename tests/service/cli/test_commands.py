@@ -81,6 +81,26 @@ def test_a_path_from_pose_to_pose_or_why_there_is_none(run_here: Run) -> None:
     assert document == joint_path(EXAMPLES["innocenti"], 27, "25.7", "9.2", 2, 1).to_json()
 
 
+def test_joint_limits_of_paths_and_loops(run_here: Run) -> None:
+    first, ends = (
+        EXAMPLES["innocenti"],
+        ("--l1", "27", "--l2", "20", "--l3", "20", "--from", "3", "--to", "4"),
+    )
+    for limits, asked, line in (
+        (("--l2-limits", "5:21"), {"l2": (5, 21)}, "; all joint limits are kept."),
+        (("--l2-limits", "21:"), {"l2": (21, None)}, "These lengths themselves exceed the joint limits."),
+        (("--l2-limits", "19:25"), {"l2": (19, 25)}, "Poses were examined in boxes of 2.8125° × 2.8125°."),
+    ):
+        expected = joint_path(first, 27, 20, 20, 3, 4, limits=asked).to_json()
+        args = ("paths", "innocenti", *ends, *limits)
+        assert json.loads(run_here(*args, "--format", "json").stdout) == expected
+        assert line in run_here(*args).stdout
+    loop = run_here(
+        "paths", "innocenti", "--l1", "27", "--cusp", "B", "--l2-limits", "8:20", "--samples", "3"
+    )
+    assert loop.stdout.splitlines()[-1].endswith("counter-clockwise; all joint limits are kept.")
+
+
 @pytest.mark.slow
 def test_the_articles_method_shows_its_factors(run_here: Run, base_url: str) -> None:
     args = ("solve", "innocenti", "--l1", "14.98", "--digits", "20", "--method", "article")
@@ -166,6 +186,19 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
         (
             ("paths", "innocenti", "--l1", "1", "--between", "1:2"),
             "--between: is for a path from pose to pose",
+        ),
+        (
+            ("paths", "innocenti", "--l1", "27", "--l2-limits", "20:8"),
+            "--l2-limits.max: is 8; it must exceed 20",
+        ),
+        (("paths", "innocenti", "--l1", "27", "--l2-limits", "8"), "--l2-limits: '8' is not FROM:TO"),
+        (
+            ("paths", "innocenti", "--l1", "27", "--l2-limits", ":9", "--l2-limits", ":8"),
+            "--l2-limits: is given twice",
+        ),
+        (
+            ("paths", "innocenti", "--l1", "27", "--cusp", "B", "--l2-limits", "20:"),
+            "limits.l2: exclude cusp 2",
         ),
         (("paths", "innocenti", "--l1", "27", "--cusp", "Z"), "--cusp: is 'Z'; give its number, 1 to 24"),
         (("paths", "innocenti", "--l1", "27", "--cusp", "9"), "cusp: is 9; give 1 to 8, or A to H"),
