@@ -270,8 +270,9 @@ def test_a_permanent_link(base_url: str, open_page: Open, inspect: Inspect) -> N
     page.get_by_role("button", name="Copy link").click()
     expect(page.locator("#live")).to_have_text("The link is copied.")
     assert page.evaluate("navigator.clipboard.readText()") == page.url
-    page.evaluate(f"location.hash = '{INNOCENTI}&l1=27'")
+    page.evaluate(f"location.hash = '{INNOCENTI}&l1=27&p=22.1,19.9,3'")
     count_is(page, "L1 = 27: 8 cusps")
+    expect(page.get_by_role("radio", name=re.compile("^3: α"))).to_be_checked()
 
 
 @pytest.mark.long

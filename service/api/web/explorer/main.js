@@ -224,17 +224,19 @@ class Explorer {
   }
 
   async #askPoses() {
-    const { geometry, l1, at } = this.#state;
     const state = this.#state;
+    const { geometry, l1, at } = state;
     if (!at) return;
     await this.#asking("poses", state, async (signal, onProgress) => {
       const question = { geometry, l1, l2: at.l2, l3: at.l3, digits: WHILE_MOVING };
       const table = await ask("v1/poses", question, { signal, onProgress });
-      if (!this.#isCurrent(state) || this.#state.at !== at) return;
+      const now = this.#state.at;
+      if (!this.#isCurrent(state) || now?.l2 !== at.l2 || now.l3 !== at.l3) return;
+      const pose = Math.min(now.pose, Math.max(table.count - 1, 0));
+      this.#state = { ...this.#state, at: { ...now, pose } };
       this.#fields.clear();
       this.#poseTable = table;
-      this.#state.at.pose = Math.min(at.pose, Math.max(table.count - 1, 0));
-      this.#poses.draw(table, at.pose);
+      this.#poses.draw(table, pose);
       say(byId("pose-count").textContent);
       this.#drawPoses();
     });
