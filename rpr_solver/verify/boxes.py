@@ -1,23 +1,20 @@
-"""Poses in boxes: trigonometric polynomials in intervals, and Krawczyk's proof that a box holds one zero.
-
-If K(X) = x₀ − Y F(x₀) + (1 − Y F′(X)) (X − x₀) lies in the interior of X, then X holds exactly one zero of
-F, it is in K(X), and F′ is invertible there (Krawczyk 1969, Moore 1977).
-"""
+"""Poses in boxes: trigonometric polynomials in intervals, and boxes that hold one zero of two of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
 from rpr_solver.verify.angles import cos_sin, pi, radians
 from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.krawczyk import proved_zero
 from rpr_solver.verify.printed import Printed
 from rpr_solver.verify.surds import ZERO, Surd
 from rpr_solver.verify.system import Trig, derivative
 
-_STEPS = 12
+_SPARE = 48
 Pair = tuple[Interval, Interval]
 
 
@@ -90,6 +87,16 @@ class Equations:
         rows = [(derivative(p, theta=False), derivative(p, theta=True)) for p in (first, second)]
         return cls((first, second), (rows[0], rows[1]), radicand)
 
+    def values(self, box: Sequence[Interval]) -> list[Interval]:
+        """The values of both functions."""
+        here = Directions.of(box[0], box[1], self.radicand)
+        return [here.value(p) for p in self.functions]
+
+    def jacobian(self, box: Sequence[Interval]) -> list[list[Interval]]:
+        """The derivatives of both functions."""
+        here = Directions.of(box[0], box[1], self.radicand)
+        return [[here.value(p) for p in row] for row in self.derivatives]
+
     @cached_property
     def coefficient_bits(self) -> int:
         """The size of the largest coefficient."""
@@ -125,82 +132,16 @@ def around(alpha: Printed, theta: Printed, bits: int, radicand: int) -> Box:
 
 def zero_near(equations: Equations, alpha: Fraction, theta: Fraction, bits: int) -> Box | None:
     """The zero near two angles in degrees, in a box of some 2^−``bits``; None if none is proved."""
-    for work in _precisions(bits + 48 + equations.coefficient_bits):
-        box = _proved(equations, radians(alpha, work), radians(theta, work), bits)
-        if box is not None:
-            return box
+    for work in precisions(bits + equations.coefficient_bits):
+        zero = proved_zero(equations, (radians(alpha, work), radians(theta, work)), bits)
+        if zero is not None:
+            return Box(zero[0], zero[1], equations.radicand)
     return None
 
 
-def _precisions(bits: int) -> Iterator[int]:
-    yield bits
-    yield 2 * bits + 128
-
-
-def _proved(equations: Equations, alpha: Interval, theta: Interval, bits: int) -> Box | None:
-    work = alpha.bits
-    x = [alpha.lower, theta.lower]
-    aim = 1 << (work - bits)
-    for _ in range(_STEPS):
-        step = _newton(equations, x, work)
-        if step is None or max(abs(s) for s in step) > 1 << (work - 3):
-            return None
-        x = [value - s for value, s in zip(x, step, strict=True)]
-        size = max(abs(s) for s in step)
-        if size < aim:
-            radius = 4 * size + (aim >> 2)
-            return _krawczyk(equations, x, radius, work)
-    return None
-
-
-def _newton(equations: Equations, x: list[int], work: int) -> tuple[int, int] | None:
-    here = Directions.of(Interval(x[0], x[0], work), Interval(x[1], x[1], work), equations.radicand)
-    inverse = _inverse(_jacobian(equations, here))
-    if inverse is None:
-        return None
-    f, g = (here.value(p) for p in equations.functions)
-    first, second = (row[0] * f + row[1] * g for row in inverse)
-    return (first.lower + first.upper) // 2, (second.lower + second.upper) // 2
-
-
-def _krawczyk(equations: Equations, x: list[int], radius: int, work: int) -> Box | None:
-    points = [Interval(v, v, work) for v in x]
-    centre = Directions.of(points[0], points[1], equations.radicand)
-    inverse = _inverse(_jacobian(equations, centre))
-    if inverse is None:
-        return None
-    wide = [Interval(v - radius, v + radius, work) for v in x]
-    slopes = _jacobian(equations, Directions.of(wide[0], wide[1], equations.radicand))
-    f, g = (centre.value(p) for p in equations.functions)
-    around, result = Interval(-radius, radius, work), []
-    for i, row in enumerate(inverse):
-        image = points[i] - (row[0] * f + row[1] * g)
-        for k in range(2):
-            product = row[0] * slopes[0][k] + row[1] * slopes[1][k]
-            image += (Interval.of(int(i == k), work) - product) * around
-        if not wide[i].lower < image.lower <= image.upper < wide[i].upper:
-            return None
-        result.append(image)
-    return Box(result[0], result[1], equations.radicand)
-
-
-def _jacobian(equations: Equations, at: Directions) -> list[list[Interval]]:
-    return [[at.value(p) for p in row] for row in equations.derivatives]
-
-
-def _inverse(matrix: list[list[Interval]]) -> list[list[Interval]] | None:
-    """An approximate inverse of the midpoints, as exact numbers; None if they are nearly dependent."""
-    work = matrix[0][0].bits
-    (a, b), (c, d) = ([x.middle for x in row] for row in matrix)
-    determinant = a * d - b * c
-    if determinant == 0:
-        return None
-    rows = ((d, -b), (-c, a))
-    result = []
-    for row in rows:
-        points = [int(x / determinant * (1 << work)) for x in row]
-        result.append([Interval(v, v, work) for v in points])
-    return result
+def precisions(bits: int) -> tuple[int, int]:
+    """The working precisions to try, for zeros that are well conditioned and others."""
+    return bits + _SPARE, 2 * bits + 4 * _SPARE
 
 
 def _bits(x: Surd) -> int:

@@ -7,18 +7,30 @@ from typing import Any
 
 from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import InputError, shown
+from rpr_solver.verify.censuses import census_claims
 from rpr_solver.verify.claims import Claim, ClaimStatus, Verification
+from rpr_solver.verify.curves import curve_claims
 from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.poses import pose_claims
 from rpr_solver.verify.tables import table_claims
 
 Claims = Callable[[Geometry, Mapping[str, Any], Progress], Iterator[Claim]]
 
-CLAIMS: Mapping[str, Claims] = {"cusp-table": table_claims, "poses": pose_claims}
+CLAIMS: Mapping[str, Claims] = {
+    "cusp-table": table_claims,
+    "poses": pose_claims,
+    "census": census_claims,
+    "cusp-curves": curve_claims,
+}
 """Kind of a document → its claims."""
 
-_MEMBERS: Mapping[str, str] = {"slices": "cusp-table", "poses": "poses"}
-"""The member by which a kind is known."""
+_MEMBERS: Mapping[str, str] = {
+    "slices": "cusp-table",
+    "poses": "poses",
+    "transitions": "census",
+    "curves": "cusp-curves",
+}
+"""The member by which a kind is known; poses have curves too."""
 
 
 def kind_of(document: Mapping[str, Any]) -> tuple[str, Geometry]:
@@ -29,7 +41,7 @@ def kind_of(document: Mapping[str, Any]) -> tuple[str, Geometry]:
     """
     if not isinstance(document, Mapping):
         raise InputError.of("document", f"{shown(document)} is not an object")
-    kinds = [kind for member, kind in _MEMBERS.items() if member in document]
+    kinds = [kind for member, kind in _MEMBERS.items() if member in document][:1]
     if len(kinds) != 1:
         raise InputError.of("document", f"is of no kind that can be verified; known are {', '.join(CLAIMS)}")
     return kinds[0], Geometry.of(document)
@@ -43,7 +55,7 @@ def verify_document(document: Mapping[str, Any], *, progress: Progress = silent)
     Nothing of the solver is used, and none of its libraries.
 
     Args:
-        document: a cusp table or a table of poses, as JSON reads it, its numbers that matter as texts.
+        document: a cusp table, a table of poses, a census or cusp curves, as JSON reads it, with its texts.
         progress: callback ``progress(done, total)``.
 
     Raises:

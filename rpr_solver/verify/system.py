@@ -16,7 +16,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import gcd, lcm
+from math import comb, gcd, lcm
 from typing import Any
 
 from rpr_solver.verify.manipulator import Geometry
@@ -91,11 +91,12 @@ class System:
 
 @dataclass(frozen=True)
 class Variables:
-    """SymPy's polynomial ring in the cosines and sines of two angles and ω, and the scaled corners in it."""
+    """SymPy's polynomial ring in the cosines and sines of two angles, ω and a length, with the corners."""
 
     alpha: tuple[Any, Any]
     theta: tuple[Any, Any]
     omega: Any
+    length: Any
     unit: int
     radicand: int
     base: tuple[tuple[int, int], ...]
@@ -111,7 +112,7 @@ def variables(geometry: Geometry, lengths: Iterable[Fraction], squares: Iterable
     numbers = (geometry.a2x, geometry.a3x, geometry.a3y, geometry.d1, geometry.foot, factor)
     unit = lcm(*(x.denominator for x in (*numbers, *lengths, *squares)))
     # Python's own integers, whatever else is installed
-    polynomials, ca, sa, ct, st, w = ring("ca, sa, ct, st, w", PythonIntegerRing())
+    polynomials, ca, sa, ct, st, w, ell = ring("ca, sa, ct, st, w, ell", PythonIntegerRing())
     omega = polynomials(1) if radicand == 1 else w
     platform = (
         (polynomials(0), polynomials(0)),
@@ -119,30 +120,53 @@ def variables(geometry: Geometry, lengths: Iterable[Fraction], squares: Iterable
         (polynomials(int(geometry.foot * unit)), int(factor * unit) * omega),
     )
     base = tuple((int(x * unit), int(y * unit)) for x, y in geometry.base)
-    return Variables((ca, sa), (ct, st), w, unit, radicand, base, platform)
+    return Variables((ca, sa), (ct, st), w, ell, unit, radicand, base, platform)
 
 
 def _reduced(symbols: Variables, p: Any) -> Any:
     """The normal form, in which sin² is 1 − cos² and ω² the radicand."""
-    (ca, sa), (ct, st), w = symbols.alpha, symbols.theta, symbols.omega
-    result = 0 * w
-    for (i, j, k, m, n), c in p.terms():
-        result += (
-            c * ca**i * sa ** (j % 2) * (1 - ca**2) ** (j // 2)
-            * ct**k * st ** (m % 2) * (1 - ct**2) ** (m // 2) * w ** (n % 2) * symbols.radicand ** (n // 2)
-        )  # fmt: skip
-    return result
+    result: dict[tuple[int, ...], int] = {}
+    for (i, j, k, m, n, power), c in p.terms():
+        c *= symbols.radicand ** (n // 2)
+        for a, x in enumerate(_alternating(j // 2)):
+            for b, y in enumerate(_alternating(m // 2)):
+                key = (i + 2 * a, j % 2, k + 2 * b, m % 2, n % 2, power)
+                result[key] = result.get(key, 0) + c * x * y
+    return symbols.omega.ring.from_dict({key: c for key, c in result.items() if c})
+
+
+def _alternating(power: int) -> list[int]:
+    """The coefficients of (1 − x)^power."""
+    return [(-1) ** k * comb(power, k) for k in range(power + 1)]
 
 
 def normal_form(symbols: Variables, p: Any) -> Trig:
-    """A polynomial of SymPy in normal form."""
-    return _trig(_reduced(symbols, p))
+    """A polynomial of SymPy without the length, in normal form."""
+    [trig] = graded(symbols, p)
+    return trig
 
 
-def _derived(geometry: Geometry, fixed: int, length: Fraction) -> System:
-    symbols = variables(geometry, (length,))
-    (ca, sa), (ct, st), unit = symbols.alpha, symbols.theta, symbols.unit
-    scaled = int(length * unit)
+def graded(symbols: Variables, p: Any) -> tuple[Trig, ...]:
+    """A polynomial of SymPy in normal form, by the powers of the length."""
+    result: dict[int, dict[Monomial, Surd]] = {0: {}}
+    for (i, j, k, m, n, power), c in _reduced(symbols, p).terms():
+        row = result.setdefault(power, {})
+        a, b = row.get((i, j, k, m), ZERO)
+        row[i, j, k, m] = (a, b + int(c)) if n else (a + int(c), b)
+    return tuple(result.get(power, {}) for power in range(max(result) + 1))
+
+
+@dataclass(frozen=True)
+class Derived:
+    """J, and for each free leg its squared length, the derivatives of it, v·∇J and v·∇(v·∇J): for SymPy."""
+
+    singular: Any
+    legs: tuple[tuple[Any, ...], tuple[Any, ...]]
+
+
+def derive(symbols: Variables, geometry: Geometry, fixed: int, length: Any) -> Derived:
+    """Derives the equations from the legs, for a scaled length that is a number or a variable."""
+    (ca, sa), (ct, st) = symbols.alpha, symbols.theta
 
     def normal(p: Any) -> Any:
         return _reduced(symbols, p)
@@ -157,36 +181,39 @@ def _derived(geometry: Geometry, fixed: int, length: Fraction) -> System:
         (bx, by), (ox, oy) = symbols.platform[leg - 1], symbols.platform[fixed - 1]
         (ax, ay), (px, py) = symbols.base[leg - 1], symbols.base[fixed - 1]
         mx, my = bx - ox, by - oy
-        x = px + scaled * ct + ca * mx - sa * my - ax
-        y = py + scaled * st + sa * mx + ca * my - ay
+        x = px + length * ct + ca * mx - sa * my - ax
+        y = py + length * st + sa * mx + ca * my - ay
         return normal(x**2 + y**2)
 
-    numbers = geometry.free_legs(fixed)
-    f, g = (squared(leg) for leg in numbers)
+    first, second = geometry.free_legs(fixed)
+    f, g = squared(first), squared(second)
     singular = normal(d_alpha(f) * d_theta(g) - d_theta(f) * d_alpha(g))
     content = gcd(*(int(c) for c in singular.coeffs())) or 1
     singular = singular.quo_ground(content)
+    if length == symbols.length:
+        singular = singular.quo(length)  # the derivatives in θ hold it
 
-    def leg_of(number: int, p: Any) -> Leg:
+    def leg_of(p: Any) -> tuple[Any, ...]:
         slopes = d_alpha(p), d_theta(p)
 
         def along(q: Any) -> Any:
             return normal(slopes[0] * d_theta(q) - slopes[1] * d_alpha(q))
 
         kernel = along(singular)
-        parts = (p, *slopes, kernel, along(kernel))
-        return Leg(number, *(_trig(part) for part in parts))
+        return (p, *slopes, kernel, along(kernel))
 
-    first, second = (leg_of(number, p) for number, p in zip(numbers, (f, g), strict=True))
-    return System(geometry, fixed, length, unit, Ring(symbols.radicand), first, second, _trig(singular))
+    return Derived(singular, (leg_of(f), leg_of(g)))
 
 
-def _trig(p: Any) -> Trig:
-    result: dict[Monomial, Surd] = {}
-    for (i, j, k, m, n), c in p.terms():
-        a, b = result.get((i, j, k, m), ZERO)
-        result[i, j, k, m] = (a, b + int(c)) if n else (a + int(c), b)
-    return result
+def _derived(geometry: Geometry, fixed: int, length: Fraction) -> System:
+    symbols = variables(geometry, (length,))
+    parts = derive(symbols, geometry, fixed, int(length * symbols.unit))
+    first, second = (
+        Leg(number, *(normal_form(symbols, part) for part in leg))
+        for number, leg in zip(geometry.free_legs(fixed), parts.legs, strict=True)
+    )
+    singular = normal_form(symbols, parts.singular)
+    return System(geometry, fixed, length, symbols.unit, Ring(symbols.radicand), first, second, singular)
 
 
 def derivative(p: Trig, *, theta: bool) -> Trig:

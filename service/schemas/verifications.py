@@ -69,7 +69,7 @@ class VerificationRequest(Question):
         dict[str, Any],
         PlainValidator(_document, json_schema_input_type=dict[str, Any]),
         Expected("give a document of this service, with its geometry"),
-    ] = Field(description="The document, its numbers as text: a cusp table, or a table of poses.")
+    ] = Field(description="The document, its numbers as text: a cusp table, poses, a census or cusp curves.")
 
     @model_validator(mode="before")
     @classmethod

@@ -73,9 +73,9 @@ def other_length(draw: random.Random, document: Document) -> str | None:
 
 
 def other_geometry(draw: random.Random, document: Document) -> str:
-    """Another side of the platform."""
+    """Another corner of the base."""
     geometry = document["geometry"]
-    name = draw.choice(["a2x", "a3y", "d1"])
+    name = draw.choice(["a2x", "a3y"])
     geometry[name] += "01" if "." in geometry[name] else ".001"
     return f"another {name}"
 
@@ -157,6 +157,147 @@ OF_POSES: tuple[Mutation, ...] = (
     other_multiplicity,
     other_leg,
     other_coefficient,
+    other_geometry,
+)
+
+
+def _move(document: Document, n: int, text: str) -> None:
+    """Gives a transition another length, in the intervals beside it too."""
+    document["transitions"][n][f"l{document['fixed_leg']}"] = text
+    document["intervals"][n]["to"] = document["intervals"][n + 1]["from"] = text
+
+
+def moved_transition(draw: random.Random, document: Document) -> str | None:
+    """Another digit of the length of a transition."""
+    if not document["transitions"]:
+        return None
+    n = draw.randrange(len(document["transitions"]))
+    _move(document, n, other_digit(draw, document["intervals"][n]["to"]))
+    return "a moved transition"
+
+
+def digit_of_an_event(draw: random.Random, document: Document) -> str | None:
+    """One digit of one coordinate of a degenerate pose."""
+    events = [event for row in document["transitions"] for event in row["events"]]
+    if not events:
+        return None
+    event = draw.choice(events)
+    name = draw.choice([name for name in COORDINATES if name in event and event[name] != "0"])
+    event[name] = other_digit(draw, event[name])
+    return f"a digit of {name} of an event"
+
+
+def missing_transition(draw: random.Random, document: Document) -> str | None:
+    """A transition left out, the intervals beside it made one, with the count of either."""
+    changes = [
+        n for n, row in enumerate(document["transitions"]) if row["count_before"] != row["count_after"]
+    ]
+    if not changes:
+        return None
+    n = draw.choice(changes)
+    del document["transitions"][n]
+    before, after = document["intervals"][n : n + 2]
+    document["intervals"][n : n + 2] = [
+        draw.choice([before, after]) | {"from": before["from"], "to": after["to"]}
+    ]
+    return "a missing transition"
+
+
+def other_kind(draw: random.Random, document: Document) -> str | None:
+    """Another kind of an event, and of its transition."""
+    rows = [row for row in document["transitions"] if len(row["events"]) == 1]
+    if not rows:
+        return None
+    row = draw.choice(rows)
+    kinds = [kind for kind in ("swallowtail", "lips", "beak-to-beak") if kind != row["kind"]]
+    row["kind"] = row["events"][0]["kind"] = draw.choice(kinds)
+    return "another kind"
+
+
+def other_interval_count(draw: random.Random, document: Document) -> str:
+    """Another number of cusps between two transitions, and beside them."""
+    n = draw.randrange(len(document["intervals"]))
+    change = draw.choice([-2, 2, 4])
+    document["intervals"][n]["count"] += change
+    if n:
+        document["transitions"][n - 1]["count_after"] += change
+    if n < len(document["transitions"]):
+        document["transitions"][n]["count_before"] += change
+    return "another number of cusps in an interval"
+
+
+OF_CENSUSES: tuple[Mutation, ...] = (
+    moved_transition,
+    digit_of_an_event,
+    missing_transition,
+    other_kind,
+    other_interval_count,
+    other_geometry,
+)
+
+
+def _curve(draw: random.Random, document: Document) -> Document | None:
+    curves = [curve for curve in document["curves"] if curve["points"]]
+    return draw.choice(curves) if curves else None
+
+
+def digit_of_a_curve(draw: random.Random, document: Document) -> str | None:
+    """One digit of one coordinate of a point of a curve."""
+    if (curve := _curve(draw, document)) is None:
+        return None
+    point = draw.choice(curve["points"])
+    name = draw.choice(
+        [x for x in COORDINATES if x in point and point[x] != "0" and x != f"l{document['fixed_leg']}"]
+    )
+    point[name] = other_digit(draw, point[name])
+    return f"a digit of {name} of a curve"
+
+
+def doubled_curve(draw: random.Random, document: Document) -> str | None:
+    """A curve twice, by another name."""
+    if (curve := _curve(draw, document)) is None:
+        return None
+    document["curves"].append(curve | {"name": f"C{len(document['curves']) + 1}"})
+    return "a doubled curve"
+
+
+def missing_curve(draw: random.Random, document: Document) -> str | None:
+    """A curve left out, and the cusps numbered anew."""
+    if (curve := _curve(draw, document)) is None:
+        return None
+    document["curves"].remove(curve)
+    length = f"l{document['fixed_leg']}"
+    lost = {point[length]: point["cusp"] for point in curve["points"]}
+    for other in document["curves"]:
+        for point in other["points"]:
+            point["cusp"] -= point["cusp"] > lost.get(point[length], 99)
+    return "a missing curve"
+
+
+def moved_end(draw: random.Random, document: Document) -> str | None:
+    """Another digit of the length at which a curve begins."""
+    curves = [curve for curve in document["curves"] if curve["from"]["events"]]
+    if not curves:
+        return None
+    end, name = draw.choice(curves)["from"], f"l{document['fixed_leg']}"
+    end[name] = other_digit(draw, end[name])
+    return "a moved end"
+
+
+def other_number(draw: random.Random, document: Document) -> str | None:
+    """Another number of a cusp."""
+    if (curve := _curve(draw, document)) is None:
+        return None
+    draw.choice(curve["points"])["cusp"] += 1
+    return "another number of a cusp"
+
+
+OF_CURVES: tuple[Mutation, ...] = (
+    digit_of_a_curve,
+    doubled_curve,
+    missing_curve,
+    moved_end,
+    other_number,
     other_geometry,
 )
 

@@ -7,11 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver.verify.intervals import Interval
+from tests.support.strategies import examples
 
 NUMBERS = st.fractions(-50, 50, max_denominator=1000)
 BITS = 40
 
 
+@examples(60)
 @given(NUMBERS, NUMBERS, st.fractions(0, 2, max_denominator=50))
 def test_operations_hold_their_results(x: Fraction, y: Fraction, radius: Fraction) -> None:
     a, b = Interval.of(x, BITS, radius), Interval.of(y, BITS)

@@ -1,0 +1,197 @@
+"""Censuses: every event, digit by digit, and the number of cusps in every interval between."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from random import Random
+from typing import Any
+
+from rpr_solver.contract import Progress, check_digits, check_leg
+from rpr_solver.errors import InputError
+from rpr_solver.verify.claims import Claim, ClaimStatus
+from rpr_solver.verify.counts import cusps_counted, simplest_between
+from rpr_solver.verify.events import event_finding
+from rpr_solver.verify.manipulator import Geometry, exact
+from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.surface import Surface
+
+
+def census_claims(geometry: Geometry, document: Mapping[str, Any], progress: Progress) -> Iterator[Claim]:
+    """The claims of a census.
+
+    Raises:
+        InputError: naming a member that cannot be read.
+    """
+    census = Census.of(geometry, document)
+    yield from census.consistent()
+    total = len(census.transitions) + len(census.intervals)
+    surface = Surface.of(geometry, census.fixed)
+    for n, transition in enumerate(census.transitions):
+        progress(n, total)
+        yield from _transition(surface, census, n, transition)
+    for n in range(len(census.intervals)):
+        progress(len(census.transitions) + n, total)
+        yield census.counted(n)
+    yield from census.unproved()
+    progress(total, total)
+
+
+@dataclass(frozen=True)
+class Census:
+    """A census as it is printed."""
+
+    geometry: Geometry
+    fixed: int
+    digits: int
+    transitions: list[Mapping[str, Any]]
+    lengths: list[Printed]
+    intervals: list[Mapping[str, Any]]
+    start: Fraction
+    stop: Fraction | None
+
+    @classmethod
+    def of(cls, geometry: Geometry, document: Mapping[str, Any]) -> Census:
+        """Reads a census.
+
+        Raises:
+            InputError: naming a member that cannot be read.
+        """
+        fixed, digits = check_leg(document.get("fixed_leg", 1)), check_digits(document.get("digits", 15))
+        for name in ("transitions", "intervals"):
+            rows = document.get(name)
+            if not isinstance(rows, list) or not all(isinstance(row, Mapping) for row in rows):
+                raise InputError.of(name, "is not a list of objects")
+        transitions: list[Mapping[str, Any]] = document["transitions"]
+        lengths = [
+            Printed.of(row.get(f"l{fixed}"), f"/transitions/{n}/l{fixed}")
+            for n, row in enumerate(transitions)
+        ]
+        span = document["range"]
+        start = exact(span["from"], "/range/from")
+        stop = None if span["to"] is None else exact(span["to"], "/range/to")
+        return cls(geometry, fixed, digits, transitions, lengths, document["intervals"], start, stop)
+
+    def consistent(self) -> Iterator[Claim]:
+        """Whether transitions and intervals fit together."""
+
+        def claim(at: str, text: str, right: bool) -> Claim:
+            status = ClaimStatus.PROVED if right else ClaimStatus.REFUSED
+            return Claim(at, text, status, "as printed" if right else "they contradict each other")
+
+        values = [self.start, *(x.value for x in self.lengths)] + ([] if self.stop is None else [self.stop])
+        ascending = all(a < b for a, b in pairwise(values))
+        yield claim("/transitions", "the transitions are ascending and within the range", ascending)
+        counts = [part.get("count") for part in self.intervals]
+        around = [(row.get("count_before"), row.get("count_after")) for row in self.transitions]
+        yield claim(
+            "/intervals",
+            "counts before and after are those of the intervals",
+            around == list(pairwise(counts)) and len(counts) == len(around) + 1,
+        )
+        texts = [x.text for x in self.lengths]
+        ends = [(part.get("from"), part.get("to")) for part in self.intervals]
+        inner = list(zip([None, *texts], [*texts, None], strict=True))
+        fits = len(ends) == len(inner) and all(
+            (n == 0 or end[0] == mine[0]) and (n == len(texts) or end[1] == mine[1])
+            for n, (end, mine) in enumerate(zip(ends, inner, strict=False))
+        )
+        if fits:
+            outer = exact(ends[0][0], "/intervals/0/from"), ends[-1][1]
+            last = None if outer[1] is None else exact(outer[1], "/intervals")
+            fits = (outer[0], last) == (self.start, self.stop)
+        yield claim("/intervals", "the intervals lie between the transitions", fits)
+
+    def bounds(self, n: int) -> tuple[Fraction, Fraction] | None:
+        """The ends of an interval, less what its printed ends may be off; None if nothing is left."""
+        low = self.start if n == 0 else self.lengths[n - 1].value + self.lengths[n - 1].half
+        if n < len(self.lengths):
+            high = self.lengths[n].value - self.lengths[n].half
+        else:
+            high = (
+                self.stop
+                if self.stop is not None
+                else 2 * low + max(self.geometry.d1, abs(self.geometry.a2x))
+            )
+        return (low, high) if low < high else None
+
+    def counted(self, n: int) -> Claim:
+        """The number of cusps in an interval, by two independent exact counts."""
+        at, count = f"/intervals/{n}/count", self.intervals[n].get("count")
+        claim = f"{count} cusps in every slice of this interval"
+        bounds = self.bounds(n)
+        if bounds is None:
+            reason = "no number of so many digits lies between the transitions"
+            return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
+        low, high = bounds
+        drawn = Random(n)
+        middle = low + (high - low) * Fraction(drawn.randint(1, 999), 1000)
+        spread = (high - low) / 1000
+        doubt = False
+        for length in (
+            simplest_between(low, high),
+            simplest_between(middle - spread / 2, middle + spread / 2),
+        ):
+            found = cusps_counted(self.geometry, self.fixed, length)
+            if found is None:
+                reason = "the resultant vanishes identically"
+                return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
+            number, proved = found
+            if number != count and (proved or number > int(count or 0)):
+                return Claim(at, claim, ClaimStatus.REFUSED, f"the slice at {length} has {number}")
+            doubt = doubt or not proved or number != count
+        if doubt:
+            reason = "simple roots of Q have no more; its multiple roots were not examined"
+            return Claim(
+                at, claim, ClaimStatus.CHECKED if number == count else ClaimStatus.NOT_CHECKED, reason
+            )
+        reason = (
+            "two slices have as many, by Descartes' rule of signs; that it is constant rests on completeness"
+        )
+        return Claim(at, claim, ClaimStatus.PROVED, reason)
+
+    def unproved(self) -> Iterator[Claim]:
+        """What is not proved here."""
+        reason = "no other length was found by two slices in each interval; the elimination was not repeated"
+        yield Claim("/transitions", "these are all transitions", ClaimStatus.CHECKED, reason)
+        if any("aspects" in part for part in self.intervals):
+            reason = "aspects are not counted by this verifier"
+            yield Claim("/intervals", "the numbers of aspects", ClaimStatus.NOT_CHECKED, reason)
+
+
+def _transition(surface: Surface, census: Census, n: int, row: Mapping[str, Any]) -> Iterator[Claim]:
+    at, printed = f"/transitions/{n}", census.lengths[n]
+    events = row.get("events")
+    if not isinstance(events, list) or not all(isinstance(event, Mapping) for event in events):
+        raise InputError.of(f"{at}/events", "is not a list of events")
+    kinds = {event.get("kind") for event in events}
+    kind = row.get("kind")
+    common = kinds.pop() if len(kinds) == 1 else "several" if kinds else "unclassified"
+    if kind != common:
+        yield Claim(f"{at}/kind", "the common kind of the events", ClaimStatus.REFUSED, f"it is {common}")
+    if not printed.is_zero and printed.digits != census.digits:
+        yield Claim(at, "the digits of the length", ClaimStatus.REFUSED, "it has more or fewer digits")
+    for k, event in enumerate(events):
+        status, reason = event_finding(surface, census.digits, printed, event, f"{at}/events/{k}")
+        yield Claim(f"{at}/events/{k}", f"a {event.get('kind')} at this length", status, reason)
+    if not events:
+        yield _bracketed(census, n, row)
+
+
+def _bracketed(census: Census, n: int, row: Mapping[str, Any]) -> Claim:
+    """A transition without a pose, by the counts on both sides of its last digit."""
+    at, claim = f"/transitions/{n}", "the number of cusps changes here"
+    length, unit = census.lengths[n].value, 2 * census.lengths[n].half
+    doubt = False
+    for side, member in ((-1, "count_before"), (1, "count_after")):
+        found = cusps_counted(census.geometry, census.fixed, length + side * unit)
+        if found is None:
+            return Claim(at, claim, ClaimStatus.NOT_CHECKED, "the resultant vanishes identically")
+        number, proved = found
+        if number != row.get(member):
+            return Claim(at, claim, ClaimStatus.REFUSED, f"{number} cusps are counted one unit beside it")
+        doubt = doubt or not proved
+    reason = "the counts one unit of the last digit beside it are these"
+    return Claim(at, claim, ClaimStatus.CHECKED if doubt else ClaimStatus.PROVED, reason)

@@ -1,0 +1,147 @@
+"""All slices of one fixed leg at once: the same equations with its length as a third unknown.
+
+Events are found as zeros of three equations: J = ∂J/∂α = ∂J/∂θ = 0 for lips and beaks, J = E = v·∇E = 0 for
+swallowtails. A box of Krawczyk's test has the length besides both angles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+from rpr_solver.verify.angles import radians
+from rpr_solver.verify.boxes import Directions, precisions
+from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.krawczyk import Matrix, proved_zero
+from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.surds import Ring
+from rpr_solver.verify.system import Trig, derivative, derive, graded, variables
+
+Graded = tuple[Trig, ...]
+"""A trigonometric polynomial in α and θ by the powers of the scaled length."""
+
+
+@dataclass(frozen=True)
+class SurfaceLeg:
+    """As :class:`~rpr_solver.verify.system.Leg`, for every length."""
+
+    number: int
+    squared: Graded
+    alpha: Graded
+    theta: Graded
+    kernel: Graded
+    kernel2: Graded
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A manipulator and its fixed leg; ``singular`` is J / L."""
+
+    geometry: Geometry
+    fixed: int
+    unit: int
+    ring: Ring
+    legs: tuple[SurfaceLeg, SurfaceLeg]
+    singular: Graded
+
+    @classmethod
+    def of(cls, geometry: Geometry, fixed: int) -> Surface:
+        """Derives the equations."""
+        symbols = variables(geometry, ())
+        parts = derive(symbols, geometry, fixed, symbols.length)
+        first, second = (
+            SurfaceLeg(number, *(graded(symbols, part) for part in leg))
+            for number, leg in zip(geometry.free_legs(fixed), parts.legs, strict=True)
+        )
+        singular = graded(symbols, parts.singular)
+        return cls(geometry, fixed, symbols.unit, Ring(symbols.radicand), (first, second), singular)
+
+    @property
+    def coefficient_bits(self) -> int:
+        """The size of the largest coefficient of J and E."""
+        graded = (self.singular, *(leg.kernel for leg in self.legs))
+        return max(part.bit_length() for p in graded for row in p for x in row.values() for part in x)
+
+    def hessian(self, here: Directions, length: Interval) -> Interval:
+        """The determinant of the second derivatives of J in α and θ."""
+        slopes = [_slope(self.singular, theta=side) for side in (False, True)]
+        rows = [[value(here, _slope(p, theta=side), length) for side in (False, True)] for p in slopes]
+        (a, b), (c, d) = rows
+        return a * d - b * c
+
+    def systems(self, kind: str) -> Iterator[tuple[str, Triple]]:
+        """The systems of three equations that may find an event of a kind, each with its name."""
+        f, g = self.legs
+        j = self.singular
+        if kind != "swallowtail":
+            slopes = (_slope(j, theta=False), _slope(j, theta=True))
+            yield "J = 0, grad J = 0", Triple((j, *slopes), self.ring.radicand)
+        if kind not in ("lips", "beak-to-beak"):
+            for leg in self.legs:
+                yield "J = E = v·grad E = 0", Triple((j, leg.kernel, leg.kernel2), self.ring.radicand)
+        if kind not in ("lips", "beak-to-beak", "swallowtail"):
+            for leg, other in ((f, g), (g, f)):
+                for third in (other.alpha, other.theta):
+                    triple = Triple((leg.alpha, leg.theta, third), self.ring.radicand)
+                    yield "grad f = 0, grad g = 0", triple
+
+
+@dataclass(frozen=True)
+class Triple:
+    """Three equations in α, θ and the scaled length."""
+
+    functions: tuple[Graded, Graded, Graded]
+    radicand: int
+
+    @cached_property
+    def _derivatives(self) -> list[tuple[Graded, Graded]]:
+        return [(_slope(p, theta=False), _slope(p, theta=True)) for p in self.functions]
+
+    @property
+    def coefficient_bits(self) -> int:
+        """The size of the largest coefficient."""
+        return max(part.bit_length() for p in self.functions for row in p for x in row.values() for part in x)
+
+    def values(self, box: Sequence[Interval]) -> list[Interval]:
+        """The values of the equations."""
+        here = Directions.of(box[0], box[1], self.radicand)
+        return [value(here, p, box[2]) for p in self.functions]
+
+    def jacobian(self, box: Sequence[Interval]) -> Matrix:
+        """Their derivatives in α, θ and the length."""
+        here = Directions.of(box[0], box[1], self.radicand)
+        rows = []
+        for p, slopes in zip(self.functions, self._derivatives, strict=True):
+            in_length = tuple(_multiple(row, k) for k, row in enumerate(p) if k) or ({},)
+            rows.append([value(here, q, box[2]) for q in (*slopes, in_length)])
+        return rows
+
+    def zero_near(
+        self, alpha: Fraction, theta: Fraction, length: Fraction, bits: int
+    ) -> list[Interval] | None:
+        """A proved box near angles in degrees and a scaled length."""
+        degree = max(len(p) for p in self.functions)
+        size = self.coefficient_bits + degree * (abs(length.numerator) // length.denominator).bit_length()
+        for work in precisions(bits + size):
+            start = radians(alpha, work), radians(theta, work), Interval.of(length, work)
+            if (zero := proved_zero(self, start, bits)) is not None:
+                return zero
+        return None
+
+
+def value(here: Directions, p: Graded, length: Interval) -> Interval:
+    """The values of a polynomial in a box, by Horner's scheme in the length."""
+    total = Interval(0, 0, length.bits)
+    for row in reversed(p):
+        total = total * length + here.value(row)
+    return total
+
+
+def _slope(p: Graded, *, theta: bool) -> Graded:
+    return tuple(derivative(row, theta=theta) for row in p)
+
+
+def _multiple(p: Trig, factor: int) -> Trig:
+    return {key: (a * factor, b * factor) for key, (a, b) in p.items()}

@@ -1,0 +1,41 @@
+"""One event: its digits and its kind."""
+
+from __future__ import annotations
+
+import pytest
+
+from rpr_solver import EXAMPLES, ClaimStatus, census
+from rpr_solver.verify.events import event_finding
+from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.surface import Surface
+
+
+def test_an_event_and_what_is_wrong_with_others() -> None:
+    document = census(EXAMPLES["zein-flat"], digits=15, start=37, stop=38).to_json()
+    surface = Surface.of(Geometry.of(document), 1)
+    [row] = document["transitions"]
+    [event] = row["events"]
+
+    def found(length: str = row["l1"], **change: str) -> tuple[ClaimStatus, str]:
+        return event_finding(surface, 15, Printed.of(length, "l1"), {**event, **change}, "/x")
+
+    assert found()[0] is ClaimStatus.PROVED
+    assert found(l2=event["l2"][:-1] + "0")[1] == "a digit of l2 is wrong" or event["l2"].endswith("0")
+    assert found("37.5")[0] is ClaimStatus.REFUSED
+    assert found(alpha_deg="12.3456789012345")[0] is ClaimStatus.REFUSED
+    assert "another kind" in found(kind="lips")[1]
+    assert found(kind="unheard-of")[1] == "there is no such kind"
+
+
+@pytest.mark.parametrize("digits", [15, 60])
+def test_lips_and_beaks_are_told_apart(digits: int) -> None:
+    document = census(EXAMPLES["zein-flat"], digits=digits, start="26.39", stop="26.45").to_json()
+    surface = Surface.of(Geometry.of(document), 1)
+    [row] = document["transitions"]
+    [event] = row["events"]
+    length = Printed.of(row["l1"], "l1")
+    assert event["kind"] == "beak-to-beak"
+    assert event_finding(surface, digits, length, event, "/x")[0] is ClaimStatus.PROVED
+    wrong = event_finding(surface, digits, length, {**event, "kind": "lips"}, "/x")
+    assert wrong == (ClaimStatus.REFUSED, "the Hessian of J is not that of lips")
