@@ -75,7 +75,7 @@ class Follower:
     def _next(self, low: arb, high: arb) -> Tube | None:
         if self._tube is None:
             around = Neighbourhood.at(self.forms, self._start(self._bits), ball_of(self._begin), self._bits)
-            return build(around, ALONG_L, self._upwards, self._reach, None)
+            return build(around, ALONG_L, self._upwards, self._reach)
         tube = self._tube
         around = Neighbourhood.at(self.forms, *tube.end(), self._bits)
         heading = around.heading(tube.axis, tube.forwards)
@@ -83,11 +83,9 @@ class Follower:
             return None
         axis, forwards, upwards = heading
         if axis == ALONG_L:
-            return build(around, axis, forwards, self._reach, None)
-        across = build(around, axis, forwards, self._reach, (low, high))
+            return build(around, axis, forwards, self._reach)
+        across = build(around, axis, forwards, self._reach, between=(low, high))
         if (across and across.reach * 4 > self._reach) or upwards is None:
             return across
-        along = build(around, ALONG_L, upwards, self._reach, None)
-        if across and along and along.advance(axis) < across.reach:
-            return across
-        return along or across
+        worth = (axis, across.reach) if across else None
+        return build(around, ALONG_L, upwards, self._reach, worth=worth) or across

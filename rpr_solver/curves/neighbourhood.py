@@ -120,8 +120,10 @@ class Frame:
         """Forms by powers of z, those of x down and of y across."""
         left, right = _moved(self.alpha).transpose(), _moved(self.theta)
         for form in forms:
-            c0, c1, c2 = [c * self.length**k for k, c in enumerate((*form, form[0] * 0)[:3])]
-            yield [left * c * right for c in (c0 + c1 + c2, c1 + c2 * 2, c2)]
+            none = form[0] * 0
+            c0, c1, c2 = [c * self.length**k for k, c in enumerate((*form, none)[:3])]
+            third = left * c2 * right if len(form) > 2 else none
+            yield [left * (c0 + c1 + c2) * right, left * (c1 + c2 * 2) * right, third]
 
 
 def _moved(origin: Two) -> arb_mat:
@@ -131,8 +133,8 @@ def _moved(origin: Two) -> arb_mat:
     for _ in range(ORDER):
         ups.append(ups[-1] * arb_poly([s, c]))
         downs.append(downs[-1] * arb_poly([c, -s]))
-    rows = (up * down for up, down in zip(ups, reversed(downs), strict=True))
-    return arb_mat([[row[p] for p in range(ORDER + 1)] for row in rows])
+    rows = ((up * down).coeffs() for up, down in zip(ups, reversed(downs), strict=True))
+    return arb_mat([row + [arb(0)] * (ORDER + 1 - len(row)) for row in rows])
 
 
 @dataclass(frozen=True)
@@ -175,7 +177,7 @@ class Neighbourhood:
     def _gradient(self, form: Expansion) -> Three:
         x, y, z = self.box
         [table] = values([at_parameter(form, z)], x, y)
-        slope = value(form[1] + form[2] * (2 * z), x, y)
+        [slope] = value_of_each([form[1] + form[2] * (2 * z)], x, y)
         return table[1, 0], table[0, 1], slope
 
 
@@ -187,11 +189,11 @@ def at_parameter(form: Expansion, r: arb) -> arb_mat:
     return total
 
 
-def value(form: arb_mat, p: arb, q: arb) -> arb:
-    """The value at (p, q)."""
-    rows, columns = form.nrows(), form.ncols()
-    product = arb_mat(1, rows, _powers(p, rows)) * form * arb_mat(columns, 1, _powers(q, columns))
-    return product[0, 0]
+def value_of_each(forms: Sequence[arb_mat], p: arb, q: arb) -> list[arb]:
+    """The values at (p, q) of forms of one size."""
+    rows, columns = forms[0].nrows(), forms[0].ncols()
+    left, right = arb_mat(1, rows, _powers(p, rows)), arb_mat(columns, 1, _powers(q, columns))
+    return [(left * form * right)[0, 0] for form in forms]
 
 
 def values(forms: Sequence[arb_mat], p: arb, q: arb) -> list[arb_mat]:

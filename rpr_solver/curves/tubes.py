@@ -25,14 +25,18 @@ from rpr_solver.curves.neighbourhood import (
     Place,
     Two,
     at_parameter,
-    value,
+    value_of_each,
     values,
 )
 from rpr_solver.exact.real_roots import ball_of
 
 _BOUND_BITS = 64
-_NEWTON_STEPS = 4
+_NEWTON_STEPS = 6
+_NEAR = arb(2) ** -40
+"""A step that is smaller by this factor than its box is the last one: the next would be beyond all bits."""
 _TRIALS = 3
+_MOST_HALVINGS = 8
+_EITHER_SIGN = arb(0, 1)
 
 
 @dataclass(frozen=True)
@@ -79,10 +83,6 @@ class Tube:
         radius = self.radii[1]
         return all(low < height - radius and height + radius < high for height in heights)
 
-    def advance(self, axis: int) -> arb:
-        """The approximate extent of the tube in another coordinate."""
-        return abs(self.slopes[axis] * self.reach).mid()
-
     def _last(self) -> arb:
         r: arb = (self.reach * 0.999).mid()
         return r if self.forwards else -r
@@ -93,11 +93,19 @@ class Tube:
         return _contracted(self.nonlinear, r, (p, q))
 
 
-def build(around: Neighbourhood, axis: int, forwards: bool, reach: arb, between: Two | None) -> Tube | None:
+def build(
+    around: Neighbourhood,
+    axis: int,
+    forwards: bool,
+    reach: arb,
+    *,
+    between: Two | None = None,
+    worth: tuple[int, arb] | None = None,
+) -> Tube | None:
     """A tube with one coordinate as parameter, of the given reach or less.
 
-    With ``between`` the curve in the tube stays strictly between two lengths. None if no tube can be built at
-    this precision.
+    With ``between`` the curve in the tube stays strictly between two lengths; with ``worth`` it advances at
+    least so far in another coordinate. None if no such tube can be built at this precision.
     """
     first, second = (_by_power(form, axis) for form in around.forms)
     nonlinear = _preconditioned(first, second)
@@ -114,25 +122,37 @@ def build(around: Neighbourhood, axis: int, forwards: bool, reach: arb, between:
     with ctx.workprec(_BOUND_BITS):
         bounds = _Bounds.of(nonlinear, slopes, bends)
         least = max(abs(r).abs_upper(), arb(2) ** -(around.bits // 3))
+        if worth is not None:
+            advance = slopes[others.index(worth[0])]
+            least = max(least, (worth[1] / advance).abs_lower()) if not advance.is_zero() else reach
         reach = reach.mid()
         while reach > least:
-            radii = bounds.radii(reach, off)
+            radii, steepness = bounds.radii(reach, off)
             if radii is not None:
                 tube = Tube(around.frame, axis, forwards, nonlinear, slopes, bends, reach, radii)
                 if planes is None or tube.stays_between(r, *planes):
                     return tube
-            reach /= 2
+            reach /= _shortening(steepness)
     return None
+
+
+def _shortening(steepness: arb) -> int:
+    """By what to divide a reach with this bound of the derivatives, which fall with it or with its square."""
+    if not steepness.is_finite():
+        return 1 << _MOST_HALVINGS
+    halvings = min(int(steepness.upper().floor().unique_fmpz() or 0).bit_length() // 2, _MOST_HALVINGS)
+    return 1 << max(1, halvings)
 
 
 def _by_power(form: Expansion, axis: int) -> Expansion:
     """An expansion by powers of z as one by powers of the chosen parameter."""
     if axis == ALONG_L:
         return form
-    size, powers = range(ORDER + 1), range(len(form))
+    layers = [m.tolist() for m in form]
+    size = range(ORDER + 1)
     if axis == 0:
-        return [arb_mat([[form[k][i, j] for k in powers] for j in size]) for i in size]
-    return [arb_mat([[form[k][i, j] for k in powers] for i in size]) for j in size]
+        return [arb_mat([[layer[i][j] for layer in layers] for j in size]) for i in size]
+    return [arb_mat([[layer[i][j] for layer in layers] for i in size]) for j in size]
 
 
 def _preconditioned(j: Expansion, e: Expansion) -> tuple[Expansion, Expansion] | None:
@@ -172,57 +192,63 @@ def _on_parabola(slopes: Two, bends: Two, r: arb) -> Two:
 
 @dataclass(frozen=True)
 class _Bounds:
-    """Absolute values of the coefficients, to bound all terms in a tube by sums."""
+    """Coefficients with either sign, [−c, c], to bound all terms in a tube by sums."""
 
     sizes: tuple[Expansion, Expansion]
     slopes: Two
     bends: Two
+    cancelled: tuple[Two, ...]
+    """The bounds of the terms in r and in r² on the parabola, which in fact cancel,"""
     errors: tuple[Two, ...]
-    """The residues of the terms in r and r² on the parabola."""
+    """and what is left of them."""
 
     @classmethod
     def of(cls, nonlinear: tuple[Expansion, Expansion], slopes: Two, bends: Two) -> _Bounds:
-        first, second = ([_sizes(m) for m in n] for n in nonlinear)
+        steep = _absolute(slopes)
+        first, second = ([m * _EITHER_SIGN for m in n] for n in nonlinear)
+        cancelled = tuple(
+            (size[1][0, 0].abs_upper(), _second_order(size, *steep).abs_upper()) for size in (first, second)
+        )
         errors = tuple(
             (abs(n[1][0, 0] + slope), abs(_second_order(n, *slopes) + bend))
             for n, slope, bend in zip(nonlinear, slopes, bends, strict=True)
         )
-        return cls((first, second), _absolute(slopes), _absolute(bends), errors)
+        return cls((first, second), steep, _absolute(bends), cancelled, errors)
 
-    def radii(self, reach: arb, off: Two) -> Two | None:
-        """Radii of p and q, greater than ``off``, that pass Krawczyk's test; None if no trial passes."""
+    def radii(self, reach: arb, off: Two) -> tuple[Two | None, arb]:
+        """Radii of p and q, greater than ``off``, that pass Krawczyk's test; None if no trial passes.
+
+        Also a sum of the bounds of the derivatives.
+        """
         p, q = _on_parabola(self.slopes, self.bends, reach)
         sizes = [at_parameter(size, reach) for size in self.sizes]
         least = []
-        for size, at_reach, (error, second_error), beside in zip(
-            self.sizes, sizes, self.errors, off, strict=True
+        for whole, (once, twice), (error, second_error), beside in zip(
+            value_of_each(sizes, p, q), self.cancelled, self.errors, off, strict=True
         ):
-            cancelled = reach * (size[1][0, 0] + reach * _second_order(size, *self.slopes))
-            residue = value(at_reach, p, q) - cancelled + reach * (error + reach * second_error)
+            residue = (
+                whole.abs_upper() - reach * (once + reach * twice) + reach * (error + reach * second_error)
+            )
             least.append((residue + beside).abs_upper())
         wide = [2 * x for x in least]
         for _ in range(_TRIALS):
             first, second = values(sizes, p + wide[0], q + wide[1])
-            a, b, c, d = first[1, 0], first[0, 1], second[1, 0], second[0, 1]
+            a, b, c, d = (x.abs_upper() for x in (first[1, 0], first[0, 1], second[1, 0], second[0, 1]))
             if (
                 least[0] + a * wide[0] + b * wide[1] < wide[0]
                 and least[1] + c * wide[0] + d * wide[1] < wide[1]
             ):
-                return wide[0], wide[1]
+                return (wide[0], wide[1]), a + d
             # 3/2 times the radii that would just pass if the derivatives did not change
             det = (1 - a) * (1 - d) - b * c
             if not (a < 1 and det > 0):
-                return None
+                return None, a + b + c + d
             factor = arb(3) / (2 * det)
             wide = [
                 (factor * ((1 - d) * least[0] + b * least[1])).abs_upper(),
                 (factor * (c * least[0] + (1 - a) * least[1])).abs_upper(),
             ]
-        return None
-
-
-def _sizes(m: arb_mat) -> arb_mat:
-    return arb_mat(m.nrows(), m.ncols(), [x.abs_upper() for x in m.entries()])
+        return None, a + d
 
 
 def _absolute(pair: Two) -> Two:
@@ -230,22 +256,35 @@ def _absolute(pair: Two) -> Two:
 
 
 def _contracted(nonlinear: tuple[Expansion, Expansion], r: arb, box: Two) -> Two:
-    """The part of a box that can contain zeros, by interval Newton steps."""
+    """The part of a box that can contain zeros, by an interval Newton step from a point near them.
+
+    With bounds G′ of the derivatives over the box, every zero is at x − G′⁻¹ G(x), for any point x in it.
+    """
     forms = [at_parameter(n, r) for n in nonlinear]
+    p, q = x, y = box[0].mid(), box[1].mid()
     for _ in range(_NEWTON_STEPS):
-        p, q = box
-        mid_p, mid_q = p.mid(), q.mid()
-        first, second = (value(form, mid_p, mid_q) for form in forms)
-        a, b = values(forms, p, q)
-        jacobian = arb_mat([[1 + a[1, 0], a[0, 1]], [b[1, 0], 1 + b[0, 1]]])
-        try:
-            move = jacobian.solve(arb_mat([[mid_p + first], [mid_q + second]]))
-        except ZeroDivisionError:
+        step = _newton_step(values(forms, x, y), x, y)
+        if step is None:
             break
-        new = mid_p - move[0, 0], mid_q - move[1, 0]
-        if not all(w.is_finite() for w in new):
+        x, y = (x - step[0]).mid(), (y - step[1]).mid()
+        if abs(step[0]) + abs(step[1]) < _NEAR * (box[0].rad() + box[1].rad()):
             break
-        box = p.intersection(new[0]), q.intersection(new[1])
-        if not 2 * box[0].rad().max(box[1].rad()) < p.rad().max(q.rad()):
-            break
-    return box
+    if not (box[0].contains(x) and box[1].contains(y)):
+        x, y = p, q
+    at_point, over_box = values(forms, x, y), values(forms, *box)
+    for point, wide in zip(at_point, over_box, strict=True):
+        wide[0, 0] = point[0, 0]
+    move = _newton_step(over_box, x, y)
+    if move is None:
+        return box
+    return box[0].intersection(x - move[0]), box[1].intersection(y - move[1])
+
+
+def _newton_step(tables: list[arb_mat], p: arb, q: arb) -> Two | None:
+    """G′⁻¹ G, where the tables have N at (p, q) and its derivatives."""
+    first, second = tables
+    a, b, c, d = 1 + first[1, 0], first[0, 1], second[1, 0], 1 + second[0, 1]
+    g, h = p + first[0, 0], q + second[0, 0]
+    det = a * d - b * c
+    step = (d * g - b * h) / det, (a * h - c * g) / det
+    return step if all(w.is_finite() for w in step) else None

@@ -50,7 +50,7 @@ class Limit:
     square: Fraction
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class System:
     """Two forms in t = tan(α/2) and v = tan θ whose common zeros are events, and their eliminant P(v)."""
 

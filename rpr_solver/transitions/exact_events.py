@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 from flint import arb, arb_mat, ctx
@@ -111,8 +112,8 @@ def permanent_limits(permanent: System, leg: Leg, square: Fraction) -> Iterator[
 
     There are hardly ever any; mostly balls prove that there are none.
     """
-    for pose in _permanent_poses(permanent):
-        yield from limits_at(permanent.slice_map, pose, leg, square)
+    for in_length in _in_lengths(permanent):
+        yield from _limits(permanent.slice_map, in_length, leg, square)
 
 
 def limits_at(slice_map: SliceMap, pose: Pose[Algebraic], leg: Leg, square: Fraction) -> Iterator[Algebraic]:
@@ -121,19 +122,43 @@ def limits_at(slice_map: SliceMap, pose: Pose[Algebraic], leg: Leg, square: Frac
     Raises:
         NotGeneric: it is degenerate and has leg² = square for every L.
     """
-    index = (slice_map.f, slice_map.g).index(leg)
+    yield from _limits(slice_map, _coalescences(slice_map, pose), leg, square)
+
+
+@dataclass(frozen=True, eq=False)
+class _Coalescences:
+    """A pose with its jets as polynomials in L, and E / L along either leg."""
+
+    pose: Pose[Algebraic]
+    local: LocalMap[Any]
+    along: list[Polynomial]
+
+
+@lru_cache(maxsize=2)
+def _in_lengths(permanent: System) -> list[_Coalescences]:
+    """Those of the permanent poses, for all limits."""
+    return [_coalescences(permanent.slice_map, pose) for pose in _permanent_poses(permanent)]
+
+
+def _coalescences(slice_map: SliceMap, pose: Pose[Algebraic]) -> _Coalescences:
     local, field = _in_length(slice_map, pose), pose.omega.field
+    j, length = local.singularity(), [field(0), field(1)]
+    along = [_without(local.along(leg, j).value.coefficients, length) for leg in (local.f, local.g)]
+    return _Coalescences(pose, local, along)
+
+
+def _limits(slice_map: SliceMap, at: _Coalescences, leg: Leg, square: Fraction) -> Iterator[Algebraic]:
+    index, field = (slice_map.f, slice_map.g).index(leg), at.pose.omega.field
     # that of the direction counts: it need not be 1
-    direction2 = pose.cos_theta * pose.cos_theta + pose.sin_theta * pose.sin_theta
-    gap = local.squared_lengths()[index] + _InLength([field(-square), field(0), direction2 - 1])
-    for moving in (local.f, local.g):
-        e = _without(local.along(moving, local.singularity()).value.coefficients, [field(0), field(1)])
+    direction2 = at.pose.cos_theta * at.pose.cos_theta + at.pose.sin_theta * at.pose.sin_theta
+    gap = at.local.squared_lengths()[index] + _InLength([field(-square), field(0), direction2 - 1])
+    for e in at.along:
         if not _apart(e, gap.coefficients):
             common = poly_gcd(e, gap.coefficients)
             if not common:
                 raise NotGeneric
             for extension in adjoin_real_roots(field, squarefree_part(common)):
-                placed = replace(pose.mapped(extension.lift), length=extension.root)
+                placed = replace(at.pose.mapped(extension.lift), length=extension.root)
                 yield from (upright.length for upright in _upright(placed))
 
 

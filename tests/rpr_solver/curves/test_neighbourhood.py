@@ -20,7 +20,7 @@ from rpr_solver.curves.neighbourhood import (
     Frame,
     Neighbourhood,
     at_parameter,
-    value,
+    value_of_each,
     values,
 )
 from rpr_solver.model.half_tangent import HalfTangent
@@ -70,7 +70,7 @@ class TestExpansions:
                 weight = ((1 + mp.mpf(x) ** 2) * (1 + mp.mpf(y) ** 2)) ** 3 / point[2]
                 expected = j * weight, *(w * weight for w in e)
                 for ratio, form, truth in zip(ratios, (singular, *coalescence), expected, strict=True):
-                    local = value(at_parameter(*frame.expanded(form), arb(z)), arb(x), arb(y))
+                    [local] = value_of_each([at_parameter(*frame.expanded(form), arb(z))], arb(x), arb(y))
                     ratio.append(number(local) / truth)
         for ratio in ratios:
             assert len(ratio) == 28
@@ -95,7 +95,7 @@ class TestExpansions:
             return sum(c * a**i * b**k * p ** (a - i) * q ** (b - k) for a, b, c in powers)
 
         form = arb_mat(rows)
-        assert value(form, arb(p), arb(q)) == total(0, 0)
+        assert value_of_each([form], arb(p), arb(q)) == [total(0, 0)]
         [table] = values([form], arb(p), arb(q))
         assert [[table[i, k] for k in (0, 1)] for i in (0, 1)] == [
             [total(i, k) for k in (0, 1)] for i in (0, 1)

@@ -23,7 +23,7 @@ from rpr_solver.curves.neighbourhood import (
     Place,
     Three,
     at_parameter,
-    value,
+    value_of_each,
     values,
 )
 from rpr_solver.curves.tubes import Tube, build
@@ -56,7 +56,7 @@ def tubes_of_cusps() -> list[tuple[Slices, Point, Tube]]:
         for cusp in cusps_of(eliminant_of(FLAT, fixed_leg), Fraction(length), 40):
             around = neighbourhood(FLAT, cusp, BITS, fixed_leg)
             for axis in range(3):
-                tube = build(around, axis, True, REACH, None)
+                tube = build(around, axis, True, REACH)
                 if tube is not None:
                     tubes.append((slices, cusp, tube))
     return tubes
@@ -121,7 +121,7 @@ class TestOnCuspCurves:
                 r = tube.reach * share
                 p, q = (r * (s + r * b) for s, b in zip(tube.slopes, tube.bends, strict=True))
                 forms = [at_parameter(n, r) for n in tube.nonlinear]
-                residues = [abs(value(form, p, q) + w) for form, w in zip(forms, (p, q), strict=True)]
+                residues = [abs(x + w) for x, w in zip(value_of_each(forms, p, q), (p, q), strict=True)]
                 tables = values(forms, arb(p, widths[0]), arb(q, widths[1]))
                 for residue, table, width in zip(residues, tables, widths, strict=True):
                     assert residue + abs(table[1, 0]) * widths[0] + abs(table[0, 1]) * widths[1] < width
@@ -133,7 +133,8 @@ class TestOnCuspCurves:
             r = ball(local.pop(tube.axis))
             p, q = map(ball, local)
             for number_of, n in enumerate(tube.nonlinear):
-                assert abs(value(at_parameter(n, r), p, q) + (p, q)[number_of]) < 1e-35
+                [x] = value_of_each([at_parameter(n, r)], p, q)
+                assert abs(x + (p, q)[number_of]) < 1e-35
                 assert abs(n[0][1, 0]) < 1e-35
                 assert abs(n[0][0, 1]) < 1e-35
 
@@ -154,7 +155,7 @@ class TestOnCuspCurves:
         others = cusps_of(eliminant, length, 40)
         met = []
         for cusp in cusps_of(eliminant, Fraction("26.39"), 40):
-            tube = build(neighbourhood(FLAT, cusp, BITS), ALONG_L, True, REACH, None)
+            tube = build(neighbourhood(FLAT, cusp, BITS), ALONG_L, True, REACH)
             assert tube is not None
             box = tube.place_at(target)
             _, point = slices.trace(cusp, mp.mpf(26), mp.mpf("26.3901"), upwards=True, step=0.001)
@@ -171,7 +172,7 @@ class TestOnCuspCurves:
                 continue
             slice_map = eliminant_of(FLAT).slice_map
             for axis, forwards in product(range(3), (True, False)):
-                tube = build(neighbourhood(FLAT, cusp, BITS), axis, forwards, REACH, None)
+                tube = build(neighbourhood(FLAT, cusp, BITS), axis, forwards, REACH)
                 if tube is None:
                     continue
                 point, local = on_curve(tube, slices, 0.999 if forwards else -0.999)
@@ -241,7 +242,7 @@ class TestCurvesInClosedForm:
             (1, 1, 0): f, (1, 0, 1): -slope * f, (1, 0, 2): -bend * f,
         }  # fmt: skip
         j, e_ = ({power(*k): v for k, v in form.items()} for form in (first, second))
-        tube = build(artificial(j, e_), axis, True, REACH, None)
+        tube = build(artificial(j, e_), axis, True, REACH)
         assert tube is not None
         for share in WHOLE:
             r = tube.reach * share
@@ -253,7 +254,7 @@ class TestCurvesInClosedForm:
     @pytest.mark.parametrize("axis", [0, 1, 2])
     def test_where_two_branches_cross_there_is_no_tube(self, axis: int) -> None:
         """y² = z², x = 0: at the origin no coordinate tells the branches apart."""
-        assert build(artificial({X: 1}, {(0, 2, 0): 1, (0, 0, 2): -1}), axis, True, REACH, None) is None
+        assert build(artificial({X: 1}, {(0, 2, 0): 1, (0, 0, 2): -1}), axis, True, REACH) is None
 
     @pytest.mark.parametrize("swapped", [False, True])
     @pytest.mark.parametrize("where", [Fraction(1, 50), Fraction(1, 1000)])
@@ -262,7 +263,7 @@ class TestCurvesInClosedForm:
         j, e = {X: 1}, {Y: 2 * where, Z: -2 * where, (0, 2, 0): 1, (0, 0, 2): -1}
         if swapped:
             j, e = ({(y, x, z): c for (x, y, z), c in form.items()} for form in (j, e))
-        tube = build(artificial(j, e), ALONG_L, True, REACH, None)
+        tube = build(artificial(j, e), ALONG_L, True, REACH)
         assert tube is not None
         assert tube.reach < ball_of(where)
         i = 0 if swapped else 1
@@ -275,9 +276,7 @@ class TestCurvesInClosedForm:
     def test_every_curve_of_wide_coefficients_is_held(self, first: float, second: float) -> None:
         """x = a z + b z², y = c z + d z², with a, b, c, d in balls."""
         a, b, c, d = arb(1, first), arb(-2, second), arb(0.5, first), arb(3, second)
-        tube = build(
-            artificial({X: 1, Z: -a, (0, 0, 2): -b}, {Y: 1, Z: -c, (0, 0, 2): -d}), 2, True, REACH, None
-        )
+        tube = build(artificial({X: 1, Z: -a, (0, 0, 2): -b}, {Y: 1, Z: -c, (0, 0, 2): -d}), 2, True, REACH)
         assert tube is not None
         r = tube.reach
         for s, t, slope, bend, radius in zip(
@@ -289,20 +288,20 @@ class TestCurvesInClosedForm:
     def test_where_there_is_no_curve_there_is_no_tube(self) -> None:
         """1 + y + 2 y² has no zero."""
         around = artificial({X: 1}, {(0, 0, 0): 1, Y: 1, (0, 2, 0): 2})
-        assert build(around, ALONG_L, True, REACH, None) is None
+        assert build(around, ALONG_L, True, REACH) is None
 
     def test_a_tube_holds_the_box_that_it_starts_from(self) -> None:
         """y (y − w) = 0: from a box on the branch y = w no tube follows y = 0."""
         w = Fraction(1, 100)
         for radius in (1e-50, 1e-3):
             box = arb(0, radius), arb(ball_of(w).mid(), radius), arb(0, radius)
-            tube = build(artificial({X: 1}, {Y: -w, (0, 2, 0): 1}, box), ALONG_L, True, REACH, None)
+            tube = build(artificial({X: 1}, {Y: -w, (0, 2, 0): 1}, box), ALONG_L, True, REACH)
             assert tube is None or tube.radii[1] > ball_of(w)
 
     def test_a_curve_beside_the_origin_is_held(self) -> None:
         box = arb(0, 0.03), arb(0, 0.03), arb(0, 1e-9)
         j, e = {X: 1, (0, 0, 0): Fraction(-1, 100)}, {Y: 1, (0, 0, 0): Fraction(1, 50)}
-        tube = build(artificial(j, e, box), ALONG_L, True, REACH, None)
+        tube = build(artificial(j, e, box), ALONG_L, True, REACH)
         assert tube is not None
         assert tube.radii[0] > arb(1) / 100
         assert tube.radii[1] > arb(1) / 50
@@ -310,14 +309,14 @@ class TestCurvesInClosedForm:
     def test_the_start_lies_within_reach(self) -> None:
         small = arb(0, 1e-50)
         around = artificial({X: 1}, {Y: 1}, (small, small, arb(0.01, 1e-9)))
-        tube = build(around, ALONG_L, True, REACH, None)
+        tube = build(around, ALONG_L, True, REACH)
         assert tube is not None
         assert tube.reach > 0.01
-        assert build(around, ALONG_L, True, arb(0.005), None) is None
+        assert build(around, ALONG_L, True, arb(0.005)) is None
 
     def test_balls_without_bound_give_no_tube(self) -> None:
         around = artificial({X: 1}, {Y: 1}, (arb("nan"), arb(0), arb(0)))
-        assert build(around, ALONG_L, True, REACH, None) is None
+        assert build(around, ALONG_L, True, REACH) is None
 
 
 class TestBetweenTwoLengths:
@@ -326,7 +325,7 @@ class TestBetweenTwoLengths:
     @staticmethod
     def along(s: Fraction | int, b: int, forwards: bool, low: float, high: float) -> Tube | None:
         around = artificial({Y: 1}, {Z: 1, X: -s, (2, 0, 0): -b})
-        return build(around, 0, forwards, REACH, (arb(low), arb(high)))
+        return build(around, 0, forwards, REACH, between=(arb(low), arb(high)))
 
     def test_it_ends_before_the_next_slice(self) -> None:
         for forwards, low, high in ((True, 0.5, 1.01), (False, 0.99, 1.5)):
@@ -357,7 +356,7 @@ class TestBetweenTwoLengths:
         """With L as parameter, within reach and on the way; no other tube meets slices."""
         low, high = Fraction(99, 100), Fraction(101, 100)
         for forwards, expected in ((True, high), (False, low)):
-            tube = build(artificial({X: 1}, {Y: 1}), ALONG_L, forwards, REACH, None)
+            tube = build(artificial({X: 1}, {Y: 1}), ALONG_L, forwards, REACH)
             assert tube is not None
             assert tube.meets(low, high) == expected
             assert tube.meets(Fraction(24, 25), Fraction(26, 25)) is None
@@ -365,8 +364,11 @@ class TestBetweenTwoLengths:
         assert across is not None
         assert across.meets(low, high) is None
 
-    def test_its_advance_in_another_coordinate(self) -> None:
-        tube = self.along(Fraction(-1, 4), 0, True, 0.5, 1.5)
-        assert tube is not None
-        assert abs(tube.advance(1) - tube.reach / 4) < 1e-9
-        assert tube.advance(0) == 0
+    def test_a_tube_that_must_advance_so_far_in_another_coordinate(self) -> None:
+        """p = −r/4 and q = 0."""
+        around = artificial({X: 1, Z: Fraction(1, 4)}, {Y: 1})
+        for share in (0.01, 0.2, 0.24):
+            assert build(around, ALONG_L, True, REACH, worth=(0, REACH * share)) is not None
+        for share in (0.26, 0.5, 2):
+            assert build(around, ALONG_L, True, REACH, worth=(0, REACH * share)) is None
+        assert build(around, ALONG_L, True, REACH, worth=(1, REACH / 1000)) is None
