@@ -75,7 +75,7 @@ def divides(curve: BiForm, form: BiForm) -> bool:
     if curve.a.is_one():
         t, u, *_ = form.a.degrees()
         return bool(form.degree_t > t if curve.degree_t else form.degree_u > u)
-    return not form.a % curve.a
+    return not (form.a % curve.a or form.b % curve.a)
 
 
 def value(form: BiForm, t: Algebraic | None, u: Algebraic | None, one: Algebraic) -> Algebraic:

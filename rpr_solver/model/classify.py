@@ -52,7 +52,8 @@ class PoseKind(Kind):
     HIGHER = "higher"
     """Degenerate, but of none of these kinds: more poses coalesce, or more conditions hold."""
     CURVE = "curve"
-    """A whole curve of degenerate poses, given by its equation; its poses are not listed."""
+    """A whole curve of degenerate poses, given by its equation; of its poses only those are listed at which
+    other parts of the singular curve cross it, or ∇f = ∇g = 0."""
 
 
 def classify(local: LocalMap[Algebraic]) -> PoseKind:

@@ -28,6 +28,7 @@ from rpr_solver.slices.grid import GridSlice, first_bits, on_grid
 from rpr_solver.slices.joint_points import ClassifiedPoint, point_of_pose
 from rpr_solver.slices.shared_curves import SliceForms, without_shared_curves
 from rpr_solver.slices.slice_table import SliceTable
+from rpr_solver.slices.special_points import special_poses
 
 
 class LoneSlice:
@@ -124,6 +125,7 @@ class LoneSlice:
             if cusps is None:
                 cusps = [point_of_pose(pose, self.digits) for pose in poses_above(plane, root)]
             points += cusps
+        points += (point_of_pose(pose, self.digits) for pose in special_poses(plane))
         shapes: dict[int, int] = {at_infinity: 1} if at_infinity and not plane.shared else {}
         for degree, multiplicity in (shape for factor in factors for shape in factor.shape):
             shapes[multiplicity] = shapes.get(multiplicity, 0) + degree

@@ -14,8 +14,9 @@ from flint import fmpz_mpoly
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import RING, BiForm, T, U, leading_coefficient, without_common_factors
-from rpr_solver.exact.number_field import Algebraic, evaluate
+from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.torus_forms import rational_form, value
 from rpr_solver.model.classify import tan_half
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import SliceMap
@@ -30,14 +31,18 @@ class Curve:
 
     polynomial: fmpz_mpoly | None
 
+    @property
+    def form(self) -> BiForm:
+        """The curve of one slice as a form."""
+        if self.polynomial is None:
+            return rational_form(T**0, 1, 0)
+        degree_t, degree_u, *_ = self.polynomial.degrees()
+        return rational_form(self.polynomial, degree_t, degree_u)
+
     def holds(self, pose: Pose[Algebraic]) -> bool:
         """Whether a pose lies on the curve."""
-        t = tan_half(pose.cos_alpha, pose.sin_alpha)
-        if self.polynomial is None or t is None:
-            return self.polynomial is None and t is None
-        degree_t, degree_u, *_ = self.polynomial.degrees()
-        form, u = BiForm.of(self.polynomial, 1, degree_t, degree_u), tan_half(pose.cos_theta, pose.sin_theta)
-        return evaluate(form.above(u, t.field(1)), t).is_zero
+        t, u = tan_half(pose.cos_alpha, pose.sin_alpha), tan_half(pose.cos_theta, pose.sin_theta)
+        return value(self.form, t, u, pose.omega).is_zero
 
     def equation(self, fixed_leg: int) -> str:
         """The equation of the curve in angles or half tangents, as documents print it."""

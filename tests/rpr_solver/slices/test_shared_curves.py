@@ -209,9 +209,10 @@ def test_a_pose_lies_on_a_curve_where_its_equation_holds(t: Fraction, u: Fractio
         assert Curve(T * U - 6).holds(at(t, 6 / t))
 
 
-def test_a_half_turn_lies_on_its_own_curve_alone() -> None:
+def test_a_half_turn_lies_on_its_own_curve_and_where_the_highest_power_of_t_vanishes() -> None:
     assert Curve(None).holds(at(None, Fraction(3)))
-    assert not Curve(U - 3).holds(at(None, Fraction(3)))
+    assert not Curve(T * U - 1).holds(at(None, Fraction(3)))
+    assert Curve(T * (U - 3) - 1).holds(at(None, Fraction(3)))
 
 
 def test_where_the_fixed_leg_has_turned_by_a_half_the_highest_power_of_u_counts() -> None:
