@@ -57,10 +57,6 @@ class Room:
         crossed = sum((self._crossed[row] & ~self._boxed[row] & columns).bit_count() for row in rows)
         return _TAKEN * boxed + crossed
 
-    def is_free(self, box: Box) -> bool:
-        """Whether a box hides nothing and lies within the area."""
-        return self._holds(box) and not self.hidden(box)
-
     def near(self, point: Point, words: str, size: float, gap: float, role: str = "ink") -> Text:
         """The label of a point, where it hides least near the point; its box is taken."""
         best: tuple[float, Text] | None = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
 
@@ -13,9 +14,8 @@ from rpr_solver.figures.plane import Box, Line, Point, clipped, simplified
 from rpr_solver.figures.scales import angle_ticks
 from rpr_solver.figures.scene import Disc, Group, Paint, Path, Shape, Text
 from rpr_solver.figures.sheet import WIDTH, sheet
-from rpr_solver.figures.sign_areas import Area, areas
 from rpr_solver.figures.slice_floats import Angles, SliceFloats
-from rpr_solver.figures.strands import cusps_of, drawn, strands_of
+from rpr_solver.figures.strands import Place, cusps_of, drawn, strands_of
 from rpr_solver.figures.wording import box_of, letters, number, short, width
 
 HEIGHT = 736.0
@@ -39,18 +39,8 @@ def torus_figure(document: Mapping[str, Any]) -> Figure:
     def place(pose: Angles) -> Point:
         return frame.place((pose[1], pose[0]))
 
-    def sign(at: Point) -> int:
-        theta, alpha = 360 * (at[0] - _PLOT.x0) / _PLOT.width, 360 * (_PLOT.y1 - at[1]) / _PLOT.height
-        return 1 if floats.singular((alpha - 180, theta - 180))[0] > 0 else -1
-
     curves = [line for strand in strands for line in drawn(strand, floats, place)]
-    turns = [
-        place(strand.poses[vertex["index"]])[0]
-        for strand in strands
-        for vertex in strand.vertices
-        if vertex["kind"] not in ("cusp", "closed-leg")
-    ]
-    aspects = areas(curves, turns, _PLOT, sign)
+    aspects = [_Area.of(aspect, f"theta{leg}_deg", place) for aspect in document["aspects"]]
     lines = [piece for line in curves for piece in _wrapped(line, _PLOT)]
     cusps = [place((number(c["alpha_deg"]), number(c[f"theta{leg}_deg"]))) for c in cusps_of(strands)]
     room = Room(_PLOT.grown(-4))
@@ -60,7 +50,10 @@ def torus_figure(document: Mapping[str, Any]) -> Figure:
         room.add_box(Box(x - 8, y - 8, x + 8, y + 8))
     names = [room.near(cusp, letters(k), 15, 16, "cusp") for k, cusp in enumerate(cusps, 1)]
     shapes = [
-        *(_shaded(area, role) for area, role in _roles(aspects)),
+        *(
+            Group((Path(area.rings, Paint(role), closed=True),), f"aspect with {area.words}")
+            for area, role in _roles(aspects)
+        ),
         *frame.shapes(f"θ{leg}", "α", angle_ticks(), angle_ticks()),
         Group((Path(tuple(simplified(x, 0.06) for x in lines), Paint(stroke="curve", width=1.7)),), "curves"),
         *_signs(aspects, room),
@@ -71,7 +64,7 @@ def torus_figure(document: Mapping[str, Any]) -> Figure:
         *names,
         *_legend(aspects),
     ]
-    signs = [aspect["sign"] for aspect in document["aspects"]]
+    signs = [area.sign for area in aspects]
     numbers = {word: signs.count(sign) for word, sign in (("> 0", 1), ("< 0", -1))}
     counted = " and ".join(f"{n} with J {word}" for word, n in numbers.items())
     title = f"Aspects at L{leg} = {short(length, 8)}: {counted}"
@@ -82,25 +75,35 @@ def torus_figure(document: Mapping[str, Any]) -> Figure:
     return sheet(title, document["geometry"], text, shapes, HEIGHT)
 
 
-def _roles(aspects: Sequence[Area]) -> Iterator[tuple[Area, str]]:
+@dataclass(frozen=True)
+class _Area:
+    """An aspect in the picture: the sign of J, and rings that together cover it."""
+
+    sign: int
+    rings: tuple[Line, ...]
+
+    @classmethod
+    def of(cls, aspect: Mapping[str, Any], theta: str, place: Place) -> _Area:
+        """The area of an aspect of the document."""
+        rings = tuple(
+            [place(pose) for pose in zip(polygon["alpha_deg"], polygon[theta], strict=True)]
+            for polygon in aspect["polygons"]
+        )
+        return cls(aspect["sign"], rings)
+
+    @property
+    def words(self) -> str:
+        """The sign of J."""
+        return "J > 0" if self.sign > 0 else "J < 0"
+
+
+def _roles(aspects: Sequence[_Area]) -> Iterator[tuple[_Area, str]]:
     """Yields each aspect with its colour: that of its sign, in shades for several."""
     seen = {1: 0, -1: 0}
     for area in aspects:
         shade = min(seen[area.sign], _SHADES - 1) + 1
         seen[area.sign] += 1
         yield area, f"{'plus' if area.sign > 0 else 'minus'}{shade}"
-
-
-def _shaded(area: Area, role: str) -> Shape:
-    name = f"aspect with J {'>' if area.sign > 0 else '<'} 0"
-    rings = tuple([*_thinned(ring)] for ring in area.rings)
-    return Group((Path(rings, Paint(role), closed=True),), name)
-
-
-def _thinned(ring: Sequence[Point]) -> list[Point]:
-    """A ring with fewer points, which keeps its first and its farthest corner."""
-    half = len(ring) // 2
-    return [*simplified(ring[:half], 0.2), *simplified(ring[half:], 0.2)]
 
 
 def _wrapped(line: Line, box: Box) -> Iterator[list[Point]]:
@@ -114,17 +117,19 @@ def _wrapped(line: Line, box: Box) -> Iterator[list[Point]]:
             yield from clipped(moved, box)
 
 
-def _signs(aspects: Sequence[Area], room: Room) -> Iterator[Shape]:
+def _signs(aspects: Sequence[_Area], room: Room) -> Iterator[Shape]:
+    """The signs of J, written in the aspects that have room for them."""
     for area in aspects:
-        text = Text(area.middle, "J > 0" if area.sign > 0 else "J < 0", 14, "ink", "middle")
-        if room.is_free(box_of(text).grown(3)):
+        spot = room.inside(area.rings, 40)
+        if spot is not None:
+            text = Text(spot, area.words, 14, "ink", "middle")
             room.add_box(box_of(text))
             yield text
 
 
-def _legend(aspects: Sequence[Area]) -> Iterator[Shape]:
+def _legend(aspects: Sequence[_Area]) -> Iterator[Shape]:
     items = [
-        (role, f"J {'>' if area.sign > 0 else '<'} 0{'' if role.endswith('1') else ', another aspect'}")
+        (role, f"{area.words}{'' if role.endswith('1') else ', another aspect'}")
         for area, role in _roles(aspects)
     ]
     shown = dict(items)

@@ -31,7 +31,7 @@ def test_a_free_box_is_the_nearest_one() -> None:
     room.add_box(Box(0, 0, 300, 100))
     box = room.free_box(80, 60, (150, 0))
     assert box is not None
-    assert room.is_free(box)
+    assert room.hidden(box) == 0
     assert 100 < box.y0 < 124
     assert abs(box.centre[0] - 150) < 12
     assert room.hidden(Box(0, 0, 20, 20)) > 0

@@ -3,6 +3,8 @@
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, singular_curves
+from rpr_solver.figures.plane import area
+from rpr_solver.figures.scene import Group, Path
 from rpr_solver.figures.torus import torus_figure
 from tests.support.pictures import check, words
 
@@ -15,6 +17,22 @@ def test_aspects_and_cusps() -> None:
     assert {"A", "H", "θ1", "α", "−180°", "180°", "J > 0", "J < 0"} <= set(words(figure))
     assert "2 with J > 0 and 1 with J < 0" in figure.scene.description
     assert CURVES.figure("torus") == figure
+
+
+def test_what_is_coloured_are_the_aspects_of_the_document() -> None:
+    document = CURVES.to_json()
+    figure = torus_figure(document)
+    groups = [shape for shape in figure.scene.shapes if isinstance(shape, Group) and "aspect" in shape.name]
+    names = {1: "aspect with J > 0", -1: "aspect with J < 0"}
+    assert [group.name for group in groups] == [names[aspect["sign"]] for aspect in document["aspects"]]
+    whole = 0.0
+    for group, aspect in zip(groups, document["aspects"], strict=True):
+        [path] = group.shapes
+        assert isinstance(path, Path)
+        covered = sum(abs(area(ring)) for ring in path.lines)
+        whole += covered
+        assert covered / (634 * 582) == pytest.approx(aspect["share"], abs=1e-6)
+    assert whole == pytest.approx(634 * 582)
 
 
 def test_another_leg() -> None:
