@@ -1,6 +1,9 @@
-"""Elimination and slices compared with the naive route.
+"""Elimination and slices compared with the naive route, and slices in a chunk with slices alone.
 
     python benchmarks/solver.py
+
+In a chunk means 501 slices by `solve_slices`; alone means each by the polynomials of its slice, the way of
+the referee in `slices/lone_slice.py`, in turns with the chunk. A row holds the slices with so many cusps.
 
 The naive route uses FLINT directly: one multivariate resultant in t, u, h and L1, reduced and divided; for a
 slice, the same resultant at its L1, its factors, and `roots(tol)` of the factor of degree 24.
@@ -17,9 +20,11 @@ from functools import partial
 
 from flint import acb_poly, arb, ctx, fmpz_mpoly
 
-from rpr_solver import EXAMPLES, eliminate, solve_slice
-from rpr_solver.exact.biform import OMEGA, BiForm, L, U
+from rpr_solver import EXAMPLES, Eliminant, eliminate, solve_slice
+from rpr_solver.exact.biform import OMEGA, L, U
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.slices.chunk import BLOCK, SliceChunk
+from rpr_solver.slices.lone_slice import LoneSlice
 
 REPEATS = 7
 MANIPULATOR = EXAMPLES["innocenti"]
@@ -47,10 +52,7 @@ def naive_elimination(slice_map: SliceMap) -> fmpz_mpoly:
 
 def naive_slice(slice_map: SliceMap, length: Fraction) -> list[arb]:
     """Returns the real roots u of a slice: resultant at this L1, division, FLINT's roots to 90 digits."""
-    j, e = (
-        BiForm.of_rows(form.at(length), form.degree_u).joined
-        for form in (slice_map.singular, slice_map.coalescence)
-    )
+    j, e = (form.sliced(length).joined for form in (slice_map.singular, slice_map.coalescence))
     resultant = j.resultant(e, "t") % (OMEGA**2 - slice_map.radicand)
     closed = slice_map.f.closed(length)
     known = U**2 * (U**2 + 1) ** 9 * (closed[0] + closed[1] * U + closed[2] * U**2)
@@ -63,6 +65,29 @@ def naive_slice(slice_map: SliceMap, length: Fraction) -> list[arb]:
         balls = [arb(a) + omega * arb(b) for a, b in zip(*parts, strict=True)]
         roots = acb_poly(balls).roots(tol=arb(10) ** -90)
     return [r.real for r in roots if r.imag.contains(0)]
+
+
+def in_chunks(eliminant: Eliminant, digits: int) -> None:
+    """Print what a slice costs in a chunk and alone, by the number of its cusps."""
+    lengths = [Fraction(k, 10) for k in range(1, 502)]
+    chunk = SliceChunk(eliminant, lengths, digits)
+    groups: dict[int, list[tuple[float, float]]] = {}
+    for place, length in enumerate(lengths):
+        if place % BLOCK == 0:
+            begin = time.process_time()
+            chunk.guess_from(place)
+            shared = 1000 * (time.process_time() - begin) / BLOCK
+        start = time.process_time()
+        count = chunk.table(place).count
+        mine = shared + 1000 * (time.process_time() - start)
+        if place % 5 == 0:
+            start = time.process_time()
+            LoneSlice(eliminant, length, digits).solve()
+            groups.setdefault(count, []).append((mine, 1000 * (time.process_time() - start)))
+    for count, times in [*sorted(groups.items()), (-1, [pair for x in groups.values() for pair in x])]:
+        ours, peer = (statistics.mean(x) for x in zip(*times, strict=True))
+        label = f"{digits} digits, {'all' if count < 0 else count} cusps, {len(times)} slices [ms]"
+        print(f"{label:<42}{ours:10.3f}{peer:10.3f}{peer / ours:9.1f}")
 
 
 def main() -> None:
@@ -80,6 +105,9 @@ def main() -> None:
         count = solve_slice(eliminant, length).count
         label = f"slice L1 = {float(length)}, {count} cusps [ms]"
         print(f"{label:<34}{ours:10.2f}{peer:10.2f}{peer / ours:9.1f}")
+    print(f"\n{'slices in a chunk, alone':<42}{'chunk':>10}{'alone':>10}{'ratio':>9}")
+    for digits in (15, 90, 1000):
+        in_chunks(eliminant, digits)
 
 
 if __name__ == "__main__":

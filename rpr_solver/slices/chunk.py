@@ -28,7 +28,7 @@ from rpr_solver.slices.slice_table import SliceTable
 _FEWEST, _FEWEST_TO_IMPORT = 4, 64
 """Fewer slices do not repay the work of numpy, or its import."""
 _GUESS_BITS = 64
-_BLOCK = 64
+BLOCK = 64
 """Slices whose roots are guessed at once: progress is told, and memory bounded, in between."""
 
 
@@ -75,10 +75,13 @@ class SliceChunk:
         if len(self.lengths) < (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
             return _proved_guess(self.eliminant, self._scaled[place])
         if place not in self._guesses:
-            first = place - place % _BLOCK
-            block = guesses(self.eliminant, self._scaled[first : first + _BLOCK])
-            self._guesses = dict(enumerate(block, first))
+            self.guess_from(place - place % BLOCK)
         return self._guesses[place]
+
+    def guess_from(self, first: int) -> None:
+        """Guess the roots of a block of slices at once; :meth:`table` does so when it needs them."""
+        block = guesses(self.eliminant, self._scaled[first : first + BLOCK])
+        self._guesses = dict(enumerate(block, first))
 
 
 def _proved_guess(eliminant: Eliminant, length: Fraction) -> Guess:
