@@ -58,6 +58,10 @@ class RangeAspect:
     at_start: int
     at_stop: int
 
+    def to_json(self) -> dict[str, int]:
+        """The document's aspect object."""
+        return {"sign": self.sign, "at_start": self.at_start, "at_stop": self.at_stop}
+
 
 def range_aspects(
     manipulator: Manipulator, start: Exact | None = None, stop: Exact | None = None, *, fixed_leg: int = 1

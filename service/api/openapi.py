@@ -29,10 +29,11 @@ Certified cusp points in the joint space of planar 3-RPR parallel manipulators.
 Post a manipulator and its slices L1 to `/v1/cusp-tables`. `/v1/censuses` finds every length at which the
 number of cusps changes, `/v1/cusp-curves` follows each cusp from one such length to another, `/v1/checks`
 proves or refutes a requirement on the number of cusps, `/v1/poses` computes all poses for three leg lengths,
-`/v1/singular-curves` draws the singular curves of a slice with the number of poses in each region, and
-`/v1/paths` leads to another pose without a singularity. `/v1/batches` takes thousands of such questions at
-once. Known answers are returned immediately; all others are computed by a job. Every number in an answer is a
-decimal string with proved digits, and every number in a request is taken exactly as written.
+`/v1/singular-curves` draws the singular curves of a slice with the number of poses in each region,
+`/v1/aspects` tells which poses are joined while a leg varies, and `/v1/paths` leads to another pose without a
+singularity. `/v1/batches` takes thousands of such questions at once. Known answers are returned immediately;
+all others are computed by a job. Every number in an answer is a decimal string with proved digits, and every
+number in a request is taken exactly as written.
 
 Errors are `application/problem+json` (RFC 9457); the `type` of a problem is an address that documents it.
 """

@@ -13,6 +13,7 @@ from pydantic import BaseModel
 import rpr_solver
 from service.api.negotiation import CSV, JSON, JSON_FORM, NDJSON, SVG, Form, Forms
 from service.api.table_forms import csv_pieces, ndjson_bytes, ndjson_pieces, ndjson_size
+from service.schemas.aspects import RangeAspects, RangeAspectsRequest
 from service.schemas.census import Census, CensusRequest
 from service.schemas.checks import CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
@@ -218,6 +219,26 @@ A worker draws a slice in a fraction of a second, so the response waits for it, 
     implied_wait=10,
 )
 
+ASPECTS = Operation(
+    path="/v1/aspects",
+    name="post_aspects",
+    tag=("aspects", "Connected sets of poses without a singularity."),
+    summary="The aspects of a manipulator while the length of one leg varies within a range",
+    description="""\
+Aspects of different slices join if the fixed leg may vary, too. The answer has those of a range of lengths,
+each with its sign of J and the number of aspects of the slices at both ends that belong to it. An open end is
+the limit of slices, of length 0 or without bound.
+
+Their number is exact, and so two poses in different aspects are not joined by any motion without a
+singularity within the range. The response waits for a worker, which takes a fraction of a second, up to 10
+seconds unless `Prefer` says otherwise; after that it is 202 with a job.
+""",
+    question=RangeAspectsRequest,
+    answer=RangeAspects,
+    known="The aspects.",
+    implied_wait=10,
+)
+
 PLOTS = Operation(
     path="/v1/plots",
     name="post_plot",
@@ -267,6 +288,7 @@ OPERATIONS = (
     POSES,
     PATHS,
     SINGULAR_CURVES,
+    ASPECTS,
     PLOTS,
     VERIFICATIONS,
 )

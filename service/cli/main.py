@@ -30,6 +30,7 @@ COMMANDS = {
     "plot": "draw slices, censuses, curves of cusps, loops and poses",
     "paths": "find a motion to another pose without a singularity",
     "singular": "draw the singular curves of a slice, its regions and aspects",
+    "aspects": "find the aspects while a leg varies within a range",
     "submit": "send a batch of questions to a service and print their answers",
     "status": "print the state of a job or a batch of a service",
     "fetch": "wait for a job or a batch of a service and print its result",

@@ -13,6 +13,7 @@ from pydantic import BaseModel
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement, exact_str
 from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
 from rpr_solver.slices.joint_limits import ExactLimits, limits_json, read_limits
+from service.schemas.aspects import RangeAspects, RangeAspectsRequest
 from service.schemas.census import Census, CensusRequest
 from service.schemas.checks import CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
@@ -36,6 +37,7 @@ PATHS: Mapping[type[Question], tuple[str, type[BaseModel]]] = {
     PosesRequest: ("/v1/poses", PoseTable),
     PathRequest: ("/v1/paths", Path),
     SingularCurvesRequest: ("/v1/singular-curves", SingularCurves),
+    RangeAspectsRequest: ("/v1/aspects", RangeAspects),
     PlotRequest: ("/v1/plots", Plot),
     VerificationRequest: ("/v1/verifications", Verification),
 }
@@ -214,6 +216,19 @@ def singular_curves(
     """The singular curves of a slice, the number of poses in each region, and the aspects."""
     members = {f"l{fixed_leg}": _text(length), "fixed_leg": fixed_leg, "tolerance": _text(tolerance)}
     return _asked(SingularCurvesRequest, SingularCurves, manipulator, digits, deadline, members)
+
+
+def range_aspects(
+    manipulator: Manipulator,
+    start: Exact | None = None,
+    stop: Exact | None = None,
+    *,
+    fixed_leg: int = 1,
+    deadline: float | None = None,
+) -> Asked[RangeAspects]:
+    """The aspects while the length of one leg varies within a range; an end that is missing is open."""
+    members = {"range": _range(start, stop), "fixed_leg": fixed_leg}
+    return _asked(RangeAspectsRequest, RangeAspects, manipulator, MIN_DIGITS, deadline, members)
 
 
 def plot(

@@ -212,7 +212,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
             "geometry": self.geometry.to_json(),
             "fixed_leg": self.fixed_leg,
             **own,
-            "limits": limits_json(self._bounds()) or None,
+            **({"limits": limits_json(bounds)} if (bounds := self._bounds()) else {}),
             "samples": self.samples,
             "timing": self.timing,
             "duration": exact_str(self.duration),

@@ -15,6 +15,7 @@ import pytest
 
 import rpr_solver
 from rpr_solver import EXAMPLES, InputError, Requirement
+from rpr_solver.contract import document_head
 from service.api.operations import OPERATIONS
 from service.client import (
     Asked,
@@ -27,6 +28,7 @@ from service.client import (
     cusp_table,
     joint_path,
     poses,
+    range_aspects,
     singular_curves,
     verify_document,
 )
@@ -68,6 +70,14 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "singular curves": (
         singular_curves(ZEIN, "69/2", fixed_leg=2, tolerance="0.01"),
         lambda: rpr_solver.singular_curves(ZEIN, "69/2", fixed_leg=2, tolerance="0.01").to_json(),
+    ),
+    "aspects": (
+        range_aspects(FIRST, 27, fixed_leg=3),
+        lambda: {
+            **document_head(FIRST, 15, 3),
+            "range": {"from": "27", "to": None},
+            "aspects": [x.to_json() for x in rpr_solver.range_aspects(FIRST, 27, fixed_leg=3)],
+        },
     ),
     "verification": (
         verify_document(TABLE, deadline=60),

@@ -14,6 +14,7 @@ from typing import Any
 
 from worker.answers import (
     article,
+    aspects,
     censuses,
     checks,
     curves,
@@ -202,6 +203,7 @@ _COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {
     checks.KIND: lambda size: Cost(0.0, _events(size)),
     paths.KIND: lambda size: Cost(0.0, _path(size)),
     singular.KIND: lambda size: Cost(0.0, _singular(size)),
+    aspects.KIND: lambda size: Cost(0.0, _singular(size)),
     verifications.KIND: lambda size: Cost(0.0, _verification(size)),
     plots.KIND: lambda size: Cost(0.0, _plot(size)),
     curves.KIND: lambda size: Cost(0.0, 2.5 + _events(size) + _slice(size) * size.count),

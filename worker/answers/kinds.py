@@ -10,6 +10,7 @@ from typing import Any
 from rpr_solver.contract import Progress
 from worker.answers import (
     article,
+    aspects,
     batches,
     censuses,
     checks,
@@ -53,6 +54,7 @@ COMPUTATIONS: Mapping[Kind, Computation] = {
     curves.KIND: Computation(curves.compute, curves.derive),
     paths.KIND: Computation(paths.compute),
     singular.KIND: Computation(singular.compute),
+    aspects.KIND: Computation(aspects.compute),
     plots.KIND: Computation(plots.compute),
     verifications.KIND: Computation(verifications.compute),
 }

@@ -52,7 +52,7 @@ def document(
 
     digits, others = content["digits"], content["others"]
     sampling = {name: content[name] for name in ("samples", "timing", "duration")}
-    limits = {leg: (ends["min"], ends["max"]) for leg, ends in (content["limits"] or {}).items()}
+    limits = {leg: (ends["min"], ends["max"]) for leg, ends in (content.get("limits") or {}).items()}
     if "cusp" in content:
         own = eliminant()
         table = slice_for_loops(own, content["length"])

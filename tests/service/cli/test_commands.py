@@ -17,6 +17,7 @@ from rpr_solver import (
     joint_path,
     path_csv,
     poses,
+    range_aspects,
     restrict_census,
     singular_csv,
     singular_curves,
@@ -47,6 +48,20 @@ def test_singular_curves_in_every_form(run_here: Run) -> None:
     assert lines[2] == "L1 = 27: 3 components"
     assert any(line.startswith("Joint space: ") for line in lines)
     assert "Poses: 3 aspects" in lines
+
+
+def test_aspects_of_a_range(run_here: Run) -> None:
+    args = ("aspects", "innocenti", "--l1-range", "27:30")
+    document = json.loads(run_here(*args, "--format", "json").stdout)
+    assert document["range"] == {"from": "27", "to": "30"}
+    assert document["aspects"] == [x.to_json() for x in range_aspects(EXAMPLES["innocenti"], 27, 30)]
+    lines = run_here(*args).stdout.splitlines()
+    assert lines[2:5] == [
+        "L1 from 27 up to 30: 2 aspects",
+        "sign of J  aspects at 27  aspects at 30",
+        "+          2              1",
+    ]
+    assert "L3 from 0: 2 aspects" in run_here("aspects", "innocenti", "--l3-range", ":").stdout
 
 
 def test_a_loop_round_a_cusp_in_every_form(run_here: Run) -> None:

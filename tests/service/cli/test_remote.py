@@ -33,6 +33,7 @@ ZEIN = EXAMPLES["zein-flat"]
         ("poses", "zein-flat", "--l1", "15", "--l2", "61/2", "--l3", "40", "--format", "json"),
         ("paths", "zein-flat", "--l1", "10", "--cusp", "b", "--samples", "40"),
         ("singular", "zein-flat", "--l2", "10", "--tolerance", "0.02"),
+        ("aspects", "zein-flat", "--l2-range", "10:"),
         ("check", "zein-flat", "--l1-range", "1:10", "--max-cusps", "3", "--format", "json"),
         ("check", "zein-flat", "--l1", "1", "--l1", "69/2", "--expect-cusps", "8", "--format", "json"),
     ],
@@ -61,7 +62,9 @@ def test_checks_end_at_once_if_there_is_no_service(run_here: Run) -> None:
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (3, "", 1)
 
 
-@pytest.mark.parametrize("name", ["solve", "census", "curves", "check", "poses", "paths", "singular"])
+@pytest.mark.parametrize(
+    "name", ["solve", "census", "curves", "check", "poses", "paths", "singular", "aspects"]
+)
 def test_a_deadline_needs_a_service(run_here: Run, name: str) -> None:
     options = {
         "check": ("--l1", "1", "--expect-cusps", "1"),

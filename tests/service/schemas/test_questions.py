@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, exact_str
 from service.api.operations import OPERATIONS
+from service.schemas.aspects import RangeAspectsRequest
 from service.schemas.census import CensusRequest
 from service.schemas.checks import CheckRequest
 from service.schemas.curves import CuspCurvesRequest
@@ -128,7 +129,8 @@ def test_the_digits_are_those_of_the_limits(question: type[Question]) -> None:
     assert isinstance(body, dict)
     del body["digits"]
     digits = read(question, body, Source(Limits(default_digits=50))).job_request().digits
-    expected = {CheckRequest: 30, PathRequest: 15, SingularCurvesRequest: 15, PlotRequest: 15}
+    of_15 = PathRequest, SingularCurvesRequest, RangeAspectsRequest, PlotRequest
+    expected = {CheckRequest: 30, **dict.fromkeys(of_15, 15)}
     assert digits == expected.get(question, 50)
 
 

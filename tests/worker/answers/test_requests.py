@@ -9,7 +9,19 @@ import pytest
 
 import rpr_solver
 from rpr_solver import EXAMPLES
-from worker.answers import article, censuses, checks, curves, paths, plots, poses, requests, singular, tables
+from worker.answers import (
+    article,
+    aspects,
+    censuses,
+    checks,
+    curves,
+    paths,
+    plots,
+    poses,
+    requests,
+    singular,
+    tables,
+)
 from worker.answers.kinds import COMPUTATIONS, KINDS, kind_of_job, request_from_json
 from worker.answers.requests import JobRequest
 
@@ -71,6 +83,10 @@ OF_VERSION_2 = {
     "sc-40cd71f380ef9daf3dde9e521c5d369bf81c06ee": JobRequest(
         singular.KIND,
         {"geometry": GEOMETRY, "fixed_leg": 1, "length": "27", "tolerance": "0.001", "digits": 15},
+    ),
+    "as-ad47bad0a7c329912824c6f91b4aa55cd0ed3c2a": JobRequest(
+        aspects.KIND,
+        {"geometry": GEOMETRY, "fixed_leg": 1, "range": {"from": "27", "to": None}, "digits": 15},
     ),
     "pl-57a43c56985e0f1eda50dd035565f48f5493e5e2": JobRequest(
         plots.KIND,
