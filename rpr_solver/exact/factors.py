@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypedDict
 
 from flint import ctx, fmpq_poly, fmpz_poly
@@ -38,15 +39,14 @@ def shapes_json(shapes: Iterable[tuple[int, int]]) -> list[FactorShape]:
 class NormFactor:
     """An irreducible factor M over ℚ of the norm of A + ω B, and how it divides A + ω B.
 
-    M divides both parts ``common`` times. Where ``extra`` > 0, M = P P̄ splits over ℚ(ω), P divides
-    ``extra`` times more, and ω is a polynomial in a root of P, given as ``omega``.
+    M divides both parts ``common`` times, and ``rest`` is the quotient. Where ``extra`` > 0, M = P P̄ splits
+    over ℚ(ω), and P divides ``extra`` times more.
     """
 
     polynomial: fmpz_poly
-    radicand: int
     common: int
     extra: int
-    omega: fmpq_poly | None
+    rest: QuadraticPoly
 
     @property
     def shape(self) -> list[tuple[int, int]]:
@@ -57,24 +57,31 @@ class NormFactor:
         parts = [(degree // 2, self.common + self.extra), (degree // 2, self.common)]
         return [part for part in parts if part[1]]
 
+    @cached_property
+    def omega(self) -> fmpq_poly:
+        """ω as a polynomial in a root of P; its coefficients are as long as a resultant."""
+        modulus = fmpq_poly(self.polynomial)
+        _, inverse, _ = (fmpq_poly(self.rest.b) % modulus).xgcd(modulus)
+        return -(fmpq_poly(self.rest.a) * inverse) % modulus
+
 
 @dataclass(frozen=True)
 class ExactRoot:
     """A real root u of a polynomial over ℤ[ω], as a root of an irreducible rational polynomial.
 
-    ``omega`` is ω as a polynomial in u where u determines it, else None.
+    ``determines`` is the factor by which u determines ω, else None.
     """
 
     root: RealRoot
     radicand: int
     multiplicity: int
-    omega: fmpq_poly | None
+    determines: NormFactor | None
 
     def in_field(self) -> tuple[Algebraic, Algebraic]:
         """The root and ω as elements of one real field."""
         field = Field(self.root)
-        if self.omega is not None:
-            return field.generator, field(self.omega)
+        if self.determines is not None:
+            return field.generator, field(self.determines.omega)
         if self.radicand == 1:
             return field.generator, field(1)
         square = [field(-self.radicand), field(0), field(1)]
@@ -123,7 +130,7 @@ def exact_counterparts(roots: Sequence[RealRoot], polynomial: QuadraticPoly) -> 
 
 
 def _is_root(polynomial: QuadraticPoly, root: RealRoot) -> bool:
-    """Whether a simple root of the norm is a root of A + ω B rather than of A − ω B."""
+    """Whether a root of the norm at which not both parts vanish is one of A + ω B rather than of A − ω B."""
     if not polynomial.b:
         return True
     conjugate = polynomial.conjugate
@@ -138,27 +145,19 @@ def _is_root(polynomial: QuadraticPoly, root: RealRoot) -> bool:
 
 
 def _norm_factor(polynomial: QuadraticPoly, factor: fmpz_poly, exponent: int) -> NormFactor:
-    a, b, radicand = polynomial.a, polynomial.b, polynomial.radicand
+    a, b = polynomial.a, polynomial.b
     if not b:
-        return NormFactor(factor, radicand, exponent, 0, None)
+        return NormFactor(factor, exponent, 0, polynomial)
     common = 0
     while not a % factor and not b % factor:
         a, b, common = a / factor, b / factor, common + 1
-    extra = exponent - 2 * common
-    omega = None
-    if extra:
-        modulus = fmpq_poly(factor)
-        _, inverse, _ = (fmpq_poly(b) % modulus).xgcd(modulus)
-        omega = -(fmpq_poly(a) * inverse) % modulus
-    return NormFactor(factor, radicand, common, extra, omega)
+    return NormFactor(factor, common, exponent - 2 * common, QuadraticPoly(a, b, polynomial.radicand))
 
 
 def exact_roots(factors: list[NormFactor]) -> Iterator[ExactRoot]:
     """The real roots u ≠ ∞ of A + ω B with their multiplicities."""
     for factor in factors:
         for root in real_roots(QuadraticPoly.rational(factor.polynomial)):
-            omega = factor.omega
-            if omega is not None and Algebraic(Field(root), omega).sign < 0:
-                omega = None  # a root of the conjugate P̄
-            if multiplicity := factor.common + (factor.extra if omega is not None else 0):
-                yield ExactRoot(root, factor.radicand, multiplicity, omega)
+            determines = factor if factor.extra and _is_root(factor.rest, root) else None
+            if multiplicity := factor.common + (factor.extra if determines else 0):
+                yield ExactRoot(root, factor.rest.radicand, multiplicity, determines)

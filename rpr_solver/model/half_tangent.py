@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, arb_poly
 
 from rpr_solver.exact.modular import sylvester
 from rpr_solver.model.jets import Pose
@@ -47,7 +47,25 @@ def pose_of(alpha: HalfTangent, theta: HalfTangent, length: arb, omega: arb) -> 
 
 def common_root(j: Sequence[arb], e: Sequence[arb]) -> HalfTangent | None:
     """The common root t of two forms that share exactly one; None if the precision is insufficient."""
-    return _finite_common_root(j, e) or _inverse(_finite_common_root(j[::-1], e[::-1]))
+    found = _by_remainders(j, e) or _finite_common_root(j, e)
+    return found or _inverse(_finite_common_root(j[::-1], e[::-1]))
+
+
+def _by_remainders(j: Sequence[arb], e: Sequence[arb]) -> HalfTangent | None:
+    """From the last remainder but one of Euclid's algorithm, if it has degree 1; else None.
+
+    The forms have no common root at infinity if a leading coefficient is not 0.
+    """
+    longer, shorter = (j, e) if len(j) >= len(e) else (e, j)
+    first, second, degree = arb_poly(list(longer)), arb_poly(list(shorter)), len(shorter) - 1
+    while degree >= 1:
+        lead = second[degree]
+        if not lead.is_finite() or lead.contains(0):
+            return None
+        if degree == 1:
+            return HalfTangent(-second[0], lead)
+        first, second, degree = second, first % second, degree - 1
+    return None
 
 
 def _finite_common_root(j: Sequence[arb], e: Sequence[arb]) -> HalfTangent | None:
