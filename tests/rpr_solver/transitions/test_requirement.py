@@ -14,6 +14,7 @@ from rpr_solver import (
     InputError,
     Manipulator,
     Requirement,
+    census,
     check,
     solve_slice,
 )
@@ -122,6 +123,18 @@ def test_joint_limits_of_degenerate_manipulators(name: str, fixed_leg: int) -> N
     report = check(family(name), requirement, digits=20)
     for length in (Fraction(n * n, 50) + Fraction(1, 997) for n in range(1, 40)):
         assert reported(report, length) == count_within(family(name), requirement, length)
+
+
+def test_windows_narrower_than_any_sampling_are_found() -> None:
+    """Limits 1e-25 round the leg at a swallowtail: two cusps are within them for lengths of 1e-25."""
+    document = census(EXAMPLES["zein-flat"], start=37, stop=38, digits=50)
+    [swallowtail] = [event for t in document.transitions for event in t.events]
+    leg, little = Fraction(swallowtail.point.l2), Fraction(1, 10**25)
+    limits = {2: (leg - little, leg + little)}
+    report = check(EXAMPLES["zein-flat"], Requirement(1, 37, 38, max_cusps=1, limits=limits), digits=60)
+    [window] = report.violations
+    assert window.count == 2
+    assert 0 < Fraction(window.stop or 0) - Fraction(window.start) < Fraction(1, 10**24)
 
 
 @pytest.mark.slow
