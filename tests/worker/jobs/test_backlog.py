@@ -10,6 +10,7 @@ from redis import Redis
 
 from tests.support.jobs import a_census, a_document, a_request
 from tests.worker.jobs.test_queue import finish, refs, work
+from worker.jobs import scripts
 from worker.jobs.lanes import Place, QueueFullError
 from worker.jobs.queue import JobQueue
 from worker.jobs.roster import Roster
@@ -75,6 +76,12 @@ def test_the_place_of_a_job(queue: JobQueue) -> None:
     assert (third.position, third.seconds) == (1, pytest.approx(each, abs=0.01))
     queue.cancel(views[1].id)
     assert place(queue, views[2].id) == Place(0, 0.0)
+
+
+def test_jobs_of_one_millisecond_have_an_order(redis: Redis) -> None:
+    script = scripts.PRELUDE + "return rank('heavy-batch', ARGV[1])"
+    ranks = [float(redis.eval(script, 0, f"1790000000.1234{k}0")) for k in range(10)]
+    assert ranks == sorted(set(ranks))
 
 
 def test_twice_the_workers_halve_the_wait(queue: JobQueue) -> None:

@@ -1,0 +1,85 @@
+"""What HTTP, queue, store and work horse add to an answer: time, and processor time by process.
+
+    python -m benchmarks.overhead [--jobs 200]
+
+Starts the real stack with one worker, asks for the poses of so many joint vectors one after the other, each
+of which is a job of its own, and then for a cached table. The computation itself is measured in this process.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import httpx
+
+from benchmarks.stack import GEOMETRY, Stack, serving
+from rpr_solver import Manipulator, poses
+
+TICK = os.sysconf("SC_CLK_TCK")
+WAIT = {"Prefer": "wait=30"}
+CACHED = {"geometry": GEOMETRY, "l1": "14.98"}
+
+
+def processor_seconds(stack: Stack) -> dict[str, float]:
+    """Returns the seconds that each child of the service and its ended children have used."""
+    found = {}
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = path.read_text().rpartition(")")[2].split()
+            words = path.with_name("cmdline").read_bytes()
+        except OSError:
+            continue
+        if int(fields[1]) == stack.pid:
+            name = next(name for name in ("valkey", "worker", "api") if name.encode() in words)
+            found[name] = sum(map(int, fields[11:15])) / TICK
+    return found
+
+
+def milliseconds(calls: list[Callable[[], object]]) -> float:
+    """Returns the median time of calls."""
+    samples = []
+    for call in calls:
+        start = time.perf_counter()
+        call()
+        samples.append(time.perf_counter() - start)
+    return 1000 * statistics.median(samples)
+
+
+def main() -> None:
+    """Print the figures."""
+    form = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
+    parser.add_argument("--jobs", type=int, default=200, help="default: 200")
+    jobs = parser.parse_args().jobs
+    manipulator = Manipulator.from_json(GEOMETRY)
+    lengths = [f"15.{k:06}" for k in range(jobs)]
+    alone = milliseconds([lambda x=x: poses(manipulator, 15, x, 30) for x in lengths])  # type: ignore[misc]
+    with serving("--workers", "1") as stack, httpx.Client(base_url=stack.url, timeout=60) as client:
+
+        def ask(path: str, body: object) -> None:
+            answer = client.post(path, json=body, headers=WAIT)
+            assert answer.status_code == 200, answer.text
+
+        ask("/v1/cusp-tables", CACHED)
+        ask("/v1/poses", {"geometry": GEOMETRY, "l1": "15", "l2": "16", "l3": "30"})
+        legs = [{"geometry": GEOMETRY, "l1": "15", "l2": x, "l3": "30"} for x in lengths]
+        for what, computed, calls in (
+            ("a cold job", alone, [lambda body=body: ask("/v1/poses", body) for body in legs]),  # type: ignore[misc]
+            ("a cached table", 0.0, [lambda: ask("/v1/cusp-tables", CACHED)] * jobs),
+            ("GET /healthz", 0.0, [lambda: client.get("/healthz")] * jobs),
+        ):
+            before = processor_seconds(stack)
+            median = milliseconds(calls)
+            used = processor_seconds(stack)
+            each = ", ".join(f"{x} {1000 * (used[x] - before[x]) / jobs:.2f}" for x in sorted(used))
+            of = f", of which {computed:.2f} ms are the computation" if computed else ""
+            print(f"{what}: {median:.2f} ms{of}; processor: {each} ms", flush=True)
+
+
+if __name__ == "__main__":
+    main()
