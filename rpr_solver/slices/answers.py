@@ -18,12 +18,17 @@ from rpr_solver.contract import (
     document_head,
     silent,
 )
-from rpr_solver.errors import InputError, SolverError
+from rpr_solver.errors import InputError, SolverError, shown
 from rpr_solver.exact.rationals import Exact, exact_str, one_or_more, parse_all, parse_exact
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.chunk import SliceChunk
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices.full_certificate import full_certificate
+
+SHORT, FULL = "short", "full"
+CERTIFICATES = (SHORT, FULL)
+"""What a certificate holds: the usual, or all that a checker needs."""
 
 Solve = Callable[[Fraction], dict[str, Any]]
 """The contract's slice object for a length of the fixed leg, in the user's unit."""
@@ -35,6 +40,7 @@ def table_document(
     *,
     fixed_leg: int = 1,
     digits: int = DEFAULT_DIGITS,
+    certificate: str = SHORT,
     progress: Progress = silent,
 ) -> dict[str, Any]:
     """Solves slices of one manipulator and returns the contract's cusp table document.
@@ -46,11 +52,14 @@ def table_document(
         lengths: one length of the fixed leg or several, exact, in the user's unit.
         fixed_leg: the leg that is held, 1, 2 or 3.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
+        certificate: ``"full"`` adds what somebody else needs to check a slice: its polynomial, the prime that
+            proves this squarefree, isolating intervals of its real roots, and boxes of its cusps; or
+            ``"short"``.
         progress: callback ``progress(done, total)``.
 
     Raises:
-        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, or each length that is not an exact
-            number.
+        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, ``certificate``, or each length that is
+            not an exact number.
 
     >>> from rpr_solver import EXAMPLES
     >>> document = table_document(EXAMPLES["zein-flat"], [10, "34.5", 0], digits=15)
@@ -60,7 +69,7 @@ def table_document(
     digits, leg = check_digits(digits), check_leg(fixed_leg)
     exact = list(parse_all(one_or_more(lengths, f"l{leg}"), parse_exact).values())
     eliminant = eliminate(manipulator, leg)
-    slices = slices_json(SliceAnswers(eliminant, exact, digits), exact, leg, progress)
+    slices = slices_json(SliceAnswers(eliminant, exact, digits, certificate), exact, leg, progress)
     return table_json(manipulator, leg, digits, slices)
 
 
@@ -91,10 +100,14 @@ class SliceAnswers:
         eliminant: of the manipulator and its fixed leg.
         lengths: that will be asked for, exact, in the user's unit; others can be, too, but take longer.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
+        certificate: ``"short"`` or ``"full"``, see :func:`table_document`.
     """
 
-    def __init__(self, eliminant: Eliminant, lengths: Iterable[Fraction], digits: int) -> None:
+    def __init__(
+        self, eliminant: Eliminant, lengths: Iterable[Fraction], digits: int, certificate: str = SHORT
+    ) -> None:
         self._eliminant, self._digits = eliminant, digits
+        self._is_full = _check_certificate(certificate) == FULL
         positive = [x for x in dict.fromkeys(lengths) if x > 0]
         self._places = {x: place for place, x in enumerate(positive)}
         self._chunk = SliceChunk(eliminant, positive, digits)
@@ -108,7 +121,17 @@ class SliceAnswers:
         table = (
             solve_slice(self._eliminant, length, self._digits) if place is None else self._chunk.table(place)
         )
-        return table.to_json()
+        part = table.to_json()
+        if self._is_full:
+            part["certificate"]["full"] = full_certificate(self._eliminant, length, part["cusps"])
+        return part
+
+
+def _check_certificate(certificate: str) -> str:
+    if certificate not in CERTIFICATES:
+        expected = " or ".join(f'"{name}"' for name in CERTIFICATES)
+        raise InputError.of("certificate", f"is {shown(certificate)}; give {expected}")
+    return certificate
 
 
 def slices_json(

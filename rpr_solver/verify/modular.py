@@ -16,14 +16,27 @@ _TRIES = 4
 def simple_and_apart(ring: Ring, p: Poly, other: Poly) -> bool:
     """Whether some prime proves that ``p`` has only simple roots, and none in common with ``other``."""
     for prime, omega in _places(ring.radicand):
-        image = [(a + b * omega) % prime for a, b in p]
-        if not image[-1]:
-            continue
-        slope = [k * x % prime for k, x in enumerate(image)][1:]
-        beside = [(a + b * omega) % prime for a, b in other]
-        if _coprime(image, slope, prime) and _coprime(image, beside, prime):
+        image, beside = ([(a + b * omega) % prime for a, b in form] for form in (p, other))
+        if _simple(image, prime) and _coprime(image, beside, prime):
             return True
     return False
+
+
+def proves_simple(ring: Ring, p: Poly, prime: int, omega: int) -> bool:
+    """Whether a prime, with a square root of the radicand modulo it, proves that ``p`` has only simple roots.
+
+    The prime must be below 2^64, where SymPy's test of primes is a proof.
+    """
+    from sympy.ntheory import isprime
+
+    if not 2 < prime < 1 << 64 or not isprime(prime) or (omega * omega - ring.radicand) % prime:
+        return False
+    return _simple([(a + b * omega) % prime for a, b in p], prime)
+
+
+def _simple(image: Sequence[int], prime: int) -> bool:
+    """Whether the image keeps the degree and is prime to its derivative."""
+    return bool(image[-1]) and _coprime(image, [k * x % prime for k, x in enumerate(image)][1:], prime)
 
 
 def _places(radicand: int) -> Iterator[tuple[int, int]]:

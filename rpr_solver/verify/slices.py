@@ -11,6 +11,7 @@ from rpr_solver.verify.angles import pi
 from rpr_solver.verify.boxes import Box, Pair
 from rpr_solver.verify.claims import Claim, ClaimStatus
 from rpr_solver.verify.eliminant import Eliminant
+from rpr_solver.verify.full import full_claims
 from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.lines import direction, opposite, unlisted
 from rpr_solver.verify.manipulator import Geometry, exact
@@ -122,7 +123,7 @@ class _Slice:
             yield self._claim("count", claim, ClaimStatus.NOT_CHECKED, reason)
             return
         if eliminant.form:
-            yield from self._certificate(eliminant)
+            yield from self._certificate(eliminant, [found.point for found in cusps])
         if len(boxes) < len(cusps):
             yield self._claim("count", claim, ClaimStatus.REFUSED, "not every listed cusp is one")
             return
@@ -149,10 +150,12 @@ class _Slice:
             reason = f"J and E vanish identically on {equation}, which is not listed"
             yield self._claim("degenerate_points", claim, ClaimStatus.REFUSED, reason)
 
-    def _certificate(self, eliminant: Eliminant) -> Iterator[Claim]:
+    def _certificate(self, eliminant: Eliminant, cusps: Sequence[Point]) -> Iterator[Claim]:
         certificate = self.part.get("certificate")
         if not isinstance(certificate, Mapping):
             return
+        if "full" in certificate:
+            yield from full_claims(eliminant, certificate["full"], cusps, f"{self.at}/certificate/full")
         claim = "the factors of the resultant of J and E, with multiplicities"
         listed = certificate.get("factors")
         right = sorted(map(str, listed if isinstance(listed, list) else [])) == sorted(

@@ -14,7 +14,7 @@ from service.schemas.document import Source, at, part
 from service.schemas.limits import Limits
 from service.schemas.price import check_price
 from service.schemas.questions import Question
-from worker.answers import article, tables
+from worker.answers import article, certified, tables
 from worker.answers.items import Item
 from worker.answers.requests import JobRequest
 
@@ -49,6 +49,8 @@ def _job_request(item: BatchItem, limits: Limits) -> JobRequest:
         raise InputError.of("request.callback_url", "is not for items; give it with the batch")
     if item.kind == article.KIND.name:
         sent.setdefault("method", "article")
+    if item.kind == certified.KIND.name:
+        sent.setdefault("certificate", "full")
     try:
         request = part(_QUESTIONS[item.kind].model_validate, sent, Source(limits)).job_request()
         if request.kind.name != item.kind and item.kind != tables.KIND.name:

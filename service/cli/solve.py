@@ -15,7 +15,7 @@ from service.cli import arguments, output, remote
 from service.cli.pages import failures, write_table
 from service.cli.progress import progress_bar
 from service.schemas.forms import csv_header, csv_lines, ndjson_line
-from service.schemas.tables import ARTICLE, METHODS, CuspTableRequest
+from service.schemas.tables import ARTICLE, CERTIFICATES, METHODS, CuspTableRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
@@ -51,6 +51,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=METHODS,
         default=METHODS[0],
         help="article: the article's own algorithm with an audit; slower, leg 1 only (default: fast)",
+    )
+    parser.add_argument(
+        "--certificate",
+        choices=CERTIFICATES,
+        default=CERTIFICATES[0],
+        help="full: with all that a checker needs, see verify; in JSON only (default: short)",
     )
     remote.add_url(parser)
 
@@ -90,7 +96,7 @@ def _solve(
             return lambda x: _by_article(manipulator, [x], digits)["slices"][0]
         from rpr_solver.slices.answers import SliceAnswers  # a start is to be quick
 
-        return SliceAnswers(rpr_solver.eliminate(manipulator, leg), slices, digits)
+        return SliceAnswers(rpr_solver.eliminate(manipulator, leg), slices, digits, question.certificate)
 
     def solved() -> Iterator[dict[str, Any]]:
         solve = solver()
@@ -140,7 +146,13 @@ def _question(args: argparse.Namespace) -> CuspTableRequest:
         slices += arguments.range_values(text, option, origin) if option.endswith("-range") else [text]
     if not slices:
         raise InputError.of(f"--{name}", f"is missing; give a slice, for example --{name} 14.98")
-    members = {"fixed_leg": leg, name: slices, "method": args.method, **remote.deadline_of(args)}
+    members = {
+        "fixed_leg": leg,
+        name: slices,
+        "method": args.method,
+        "certificate": args.certificate,
+        **remote.deadline_of(args),
+    }
     return arguments.ask(CuspTableRequest, args, members, origin)
 
 

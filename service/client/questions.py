@@ -107,6 +107,7 @@ def cusp_table(
     digits: int = DEFAULT_DIGITS,
     fixed_leg: int = 1,
     method: str = "fast",
+    certificate: str = "short",
     deadline: float | None = None,
 ) -> Asked[CuspTable]:
     """The cusps of slices; `deadline` is the time in seconds after which the answer is of no use.
@@ -114,7 +115,12 @@ def cusp_table(
     Raises:
         InputError: naming every fault.
     """
-    members = {f"l{fixed_leg}": _lengths(lengths), "fixed_leg": fixed_leg, "method": method}
+    members = {
+        f"l{fixed_leg}": _lengths(lengths),
+        "fixed_leg": fixed_leg,
+        "method": method,
+        "certificate": certificate,
+    }
     return _asked(CuspTableRequest, CuspTable, manipulator, digits, deadline, members)
 
 

@@ -17,11 +17,13 @@ from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
 from service.schemas.points import Cusp, DocumentHead, FixedLength, Point, optional
 from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
-from worker.answers import article, tables
+from worker.answers import article, certified, tables
 from worker.answers.requests import Kind
 
 ARTICLE = "article"
 METHODS = ("fast", ARTICLE)
+FULL = "full"
+CERTIFICATES = ("short", FULL)
 
 _SCAN = {"from": "0.1", "to": "50.1", "step": "0.1"}
 _TURNED = {**EXAMPLE_GEOMETRY, "d1": "426/25", "orientation": "ccw"}
@@ -37,7 +39,7 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     model_config = ConfigDict(json_schema_extra=NEEDED)
 
     expected: ClassVar[str] = "send an object with geometry and l1"
-    kinds: ClassVar[Sequence[Kind]] = (tables.KIND, article.KIND)
+    kinds: ClassVar[Sequence[Kind]] = (tables.KIND, article.KIND, certified.KIND)
     needs_slices: ClassVar[bool] = True
     examples: ClassVar[Examples] = {
         "slice": ("The article's first manipulator, one slice", {"l1": 14.98}),
@@ -46,6 +48,10 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
         "article": (
             "By the article's own algorithm, with its audit",
             {"l1": 14.98, "digits": 30, "method": "article"},
+        ),
+        "full": (
+            "With all that a checker of the proof needs",
+            {"l1": 14.98, "digits": 30, "certificate": "full"},
         ),
     }
 
@@ -63,6 +69,20 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
         description="`article` uses and audits the article's own algorithm, with its eliminant of degree 96; "
         "it takes a second or more per slice and requires `fixed_leg` 1.",
     )
+
+    certificate: Literal["short", "full"] = Field(
+        default="short",
+        description="`full` adds to the certificate of each slice what somebody else needs to check it: its "
+        "polynomial, a prime that proves this squarefree, isolating intervals of its real roots, boxes of "
+        "its cusps. Not with method `article`.",
+    )
+
+    @field_validator("certificate")
+    @classmethod
+    def _full_is_for_the_fast_method(cls, certificate: str, info: ValidationInfo) -> str:
+        if certificate == FULL and info.data.get("method") == ARTICLE:
+            raise InputError.of("", "is full, which goes with method fast, but method is article")
+        return certificate
 
     @field_validator("method")
     @classmethod
@@ -82,12 +102,19 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
 
     @property
     def kind(self) -> Kind:
-        """The kind of the document; tables by the article's algorithm have a separate one."""
-        return article.KIND if self.method == ARTICLE else tables.KIND
+        """The kind of the document; the article's algorithm and full certificates have one each."""
+        if self.method == ARTICLE:
+            return article.KIND
+        return certified.KIND if self.certificate == FULL else tables.KIND
 
     def _asked(self) -> dict[str, Any]:
         content = self.content()
-        return {f"l{self.fixed_leg}": content.pop("l1"), **content, "method": self.method}
+        return {
+            f"l{self.fixed_leg}": content.pop("l1"),
+            **content,
+            "method": self.method,
+            "certificate": self.certificate,
+        }
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question; duplicate slices are removed."""
@@ -118,6 +145,25 @@ class Factor(Model):
     origin: str = Field(description="`cusps`, or the reason why its roots are not cusps.")
 
 
+class FullCertificate(Model):
+    """What somebody else needs to check a slice; present with `certificate` `full`."""
+
+    model_config = ConfigDict(extra="allow")
+
+    polynomial: dict[str, Any] = Field(
+        description="Q of the slice, exact: integer coefficients as text, from the constant one on, and "
+        "those of the square root `omega`."
+    )
+    squarefree: dict[str, str] | None = Field(
+        description="A prime, and the square root modulo it, that prove Q of degree 24 and squarefree; null "
+        "if it is not."
+    )
+    real_roots: list[dict[str, Any]] = Field(
+        description="An isolating interval of each finite real root, exact, with its multiplicity."
+    )
+    boxes: list[dict[str, Any]] = Field(description="For each cusp the centre and the radius of a box.")
+
+
 class Certificate(Model):
     """The proof of the answer."""
 
@@ -131,6 +177,7 @@ class Certificate(Model):
     proofs: list[dict[str, str]] = Field(
         description="For each cusp the enclosing balls, none of which contains zero."
     )
+    full: FullCertificate | None = optional("Present with `certificate` `full`.")
 
 
 class Slice(FixedLength):

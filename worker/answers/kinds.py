@@ -13,6 +13,7 @@ from worker.answers import (
     aspects,
     batches,
     censuses,
+    certified,
     checks,
     curves,
     paths,
@@ -56,6 +57,7 @@ COMPUTATIONS: Mapping[Kind, Computation] = {
     singular.KIND: Computation(singular.compute),
     aspects.KIND: Computation(aspects.compute),
     plots.KIND: Computation(plots.compute),
+    certified.KIND: Computation(certified.compute),
     verifications.KIND: Computation(verifications.compute),
 }
 KINDS = (tables.KIND, *COMPUTATIONS)
