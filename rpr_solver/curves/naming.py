@@ -66,9 +66,13 @@ def tracks(survey: Survey, tracker: Tracker, progress: Progress) -> Tracks:
         born = [index for index in range(above.count) if index not in taken]
         first = len(everything)
         begin(k + 1, born)
-        for track, index in zip(everything[first:], born, strict=True):
-            sibling = _sibling(tracker, below.length, (above.length, index))
-            track.born_with = None if sibling is None else first + born.index(sibling)
+        for name, index in enumerate(born, first):
+            # a curve that turns back from one cusp to another does so from the other to the one
+            if everything[name].born_with is None:
+                sibling = _sibling(tracker, below.length, (above.length, index))
+                if sibling is not None:
+                    other = first + born.index(sibling)
+                    everything[name].born_with, everything[other].born_with = other, name
         unpaired = any(track.born_with is None for track in everything[first:])
         if unpaired and len(met) < len(names) and not _only(tracker, survey.groups[k], len(taken)):
             undecided.add(k)
