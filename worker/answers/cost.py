@@ -32,6 +32,8 @@ _INTERVALS = 20  # between two transitions, of a typical manipulator
 _BALLS_SPREAD = 1000  # bits; beyond, the balls of a slice with few digits do not decide it
 _KNOWN = 0.001  # seconds, to find that an answer is known
 _SLICES_OF_PLOTS = {"census": _INTERVALS, "locus": _INTERVALS * plots.SAMPLES}
+_SUBDIVISION = 0.5  # seconds, of a slice within joint limits
+_RANGE_OF_SLICES = 6  # as many slices does the subdivision of a range take
 _SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 
@@ -68,6 +70,8 @@ class Sizes:
     count: int
     censuses: int = 0
     """How many censuses the answer may need beside its own computation."""
+    limited: int = 0
+    """How many slices are subdivided within joint limits."""
 
 
 def sizes(request: JobRequest) -> Sizes:
@@ -80,6 +84,8 @@ def sizes(request: JobRequest) -> Sizes:
     common = gcd(*whole).bit_length() - 1
     bits = [abs(x).bit_length() - common for x in whole if x]
     scales = [_scale(x) for x in (*sides, *legs) if x]
+    of_poses = request.kind is paths.KIND and "from" in content
+    is_limited = content.get("limits") is not None
     per_interval = 1 if request.kind is paths.KIND else _INTERVALS
     points = len(content.get("lengths", ())) + per_interval * (content.get("samples") or 0)
     if request.kind is plots.KIND:
@@ -91,7 +97,8 @@ def sizes(request: JobRequest) -> Sizes:
         lengths=max((max(x.numerator.bit_length(), x.denominator.bit_length()) for x in legs), default=1),
         spread=max(scales) - min(scales),
         digits=request.digits,
-        censuses=int(request.kind is paths.KIND and "from" in content),
+        censuses=int(of_poses and not is_limited),
+        limited=(_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0,
         count=len(content["l1"]) if isinstance(content.get("l1"), list) else max(1, points),
     )
 
@@ -188,7 +195,8 @@ def _verification(size: Sizes) -> float:
 def _path(size: Sizes) -> float:
     """The slice, the search of the path, and its samples."""
     sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits)
-    return 0.05 + _elimination(size) + _slice(size) + sample * size.count + size.censuses * _events(size)
+    search = 0.05 + size.limited * _SUBDIVISION
+    return search + _elimination(size) + _slice(size) + sample * size.count + size.censuses * _events(size)
 
 
 def _singular(size: Sizes) -> float:

@@ -1,7 +1,7 @@
 """Routes in a slice and in a range against a search on a dense grid."""
 
 import cmath
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from math import pi
@@ -10,7 +10,7 @@ from random import Random
 import pytest
 from flint import arb, ctx
 
-from rpr_solver import InputError, Manipulator, NoPath, Path, SolverError, joint_path, poses
+from rpr_solver import EXAMPLES, InputError, Manipulator, NoPath, Path, SolverError, joint_path, poses
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.isolated import local_map
 from rpr_solver.paths.joint_paths import sign_at
@@ -22,10 +22,11 @@ GRID = 400
 
 def joined_on_a_grid(
     ends: Path | NoPath,
-    length: float,
+    lengths: Sequence[float],
     limits: Mapping[int, Bounds] | None = None,
 ) -> bool:
-    """Whether a flood on a grid of the slice, within the limits, leads from one pose to the other."""
+    """Whether a flood on a grid, within the limits, leads from one pose to the other, where J has its sign in
+    one of the slices; the first is that of the poses."""
     mover = Mover.of(ends.manipulator, ends.fixed_leg)
     fixed = ends.fixed_leg - 1
     turns = [cmath.rect(1, (k + 0.5) * 2 * pi / GRID - pi) for k in range(GRID)]
@@ -37,29 +38,29 @@ def joined_on_a_grid(
         for low, high in ((limits or {}).get(leg, (None, None)) for leg in (1, 2, 3) if leg != fixed + 1)
     ]
 
-    def positive(i: int, k: int) -> bool | None:
+    def has_sign(i: int, k: int, length: float) -> bool:
         slopes = []
         for (platform, base), (low, high) in zip((first, second), walls, strict=True):
             arm, tip = turns[i] * platform, length * turns[k]
             vector = (tip + arm - base).conjugate()
             if not low <= abs(vector) <= high:
-                return None
+                return False
             slopes.append(((vector * 1j * arm).real, (vector * 1j * tip).real))
         (fa, ft), (ga, gt) = slopes
-        return fa * gt - ft * ga > 0
+        return (fa * gt - ft * ga > 0) == sign
 
     start, stop = (
         tuple(int(((x + pi) % (2 * pi)) / (2 * pi) * GRID) % GRID for x in angles_of(end))
         for end in (ends.start, ends.stop)
     )
-    sign = mover.determinant(*angles_of(ends.start), length) > 0
+    sign = mover.determinant(*angles_of(ends.start), lengths[0]) > 0
     seen, queue = {start}, [start]
     while queue and stop not in seen:
         x, y = queue.pop()
         for other in (((x + 1) % GRID, y), ((x - 1) % GRID, y), (x, (y + 1) % GRID), (x, (y - 1) % GRID)):
             if other not in seen:
                 seen.add(other)
-                if other == stop or positive(*other) == sign:
+                if other == stop or any(has_sign(*other, length) for length in lengths):
                     queue.append(other)
     return stop in seen
 
@@ -102,7 +103,7 @@ def agrees(random: Random) -> bool | None:
     manipulator, (l1, l2, l3), leg, start, stop = pair
     found = joint_path(manipulator, l1, l2, l3, start, stop, fixed_leg=leg, samples=2)
     length = float((l1, l2, l3)[leg - 1])
-    assert joined_on_a_grid(found, length) == isinstance(found, Path)
+    assert joined_on_a_grid(found, [length]) == isinstance(found, Path)
     if isinstance(found, Path):
         mover, samples = Mover.of(manipulator, leg), found.resampled(2001).samples
         for sample in samples:
@@ -123,6 +124,21 @@ def test_a_hundred_random_pairs_agree_with_a_dense_grid() -> None:
             outcomes.append(outcome)
     assert sum(outcomes) > 50
     assert outcomes.count(False) > 1
+
+
+@pytest.mark.long
+@pytest.mark.timeout(0)
+def test_ranges_agree_with_a_dense_grid() -> None:
+    """Two poses of the island at L1 = 27, with leg 1 free in a range."""
+    random, outcomes = Random(0), set()
+    for _ in range(24):
+        other = Fraction(random.randint(200, 340), 10)
+        low, high = sorted((Fraction(27), other))
+        between = (low, high if high > low else high + 1)
+        found = joint_path(EXAMPLES["innocenti"], 27, "25.7", "9.2", 2, 4, between=between, samples=2)
+        assert joined_on_a_grid(found, [27.0, float(other)]) == isinstance(found, Path)
+        outcomes.add(isinstance(found, Path))
+    assert outcomes == {True, False}
 
 
 def test_the_sign_is_that_of_j() -> None:

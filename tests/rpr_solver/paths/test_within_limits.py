@@ -73,7 +73,7 @@ def agrees(random: Random) -> str:
         assert arrives(found, 600) < 1e-6
         return "path"
     if found.obstacle is not Obstacle.UNDECIDED:
-        assert not joined_on_a_grid(found, length, limits)
+        assert not joined_on_a_grid(found, [length], limits)
     return str(found.obstacle)
 
 
