@@ -9,7 +9,7 @@ from rpr_solver.contract import Progress
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 
-KIND = Kind("certified-table", "ce-", unit="slices")
+KIND = Kind("certified-table", "cf-", unit="slices")
 
 
 def compute(request: JobRequest, _store: ResultStore, progress: Progress) -> dict[str, Any]:

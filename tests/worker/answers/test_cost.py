@@ -7,7 +7,20 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, Requirement
-from worker.answers import article, aspects, censuses, checks, curves, paths, plots, poses, singular, tables
+from worker.answers import (
+    article,
+    aspects,
+    censuses,
+    certified,
+    checks,
+    curves,
+    paths,
+    plots,
+    poses,
+    singular,
+    tables,
+    verifications,
+)
 from worker.answers.cost import Sizes, cost, seconds, seconds_after, sizes
 from worker.answers.kinds import KINDS
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
@@ -38,6 +51,8 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
     singular.KIND: {"length": "27", "tolerance": "0.001"},
     aspects.KIND: {"range": {"from": "27", "to": "30"}},
     plots.KIND: {"plot": "loop", "theme": "auto", "length": "27", "cusp": 1},
+    certified.KIND: {"l1": ["14.98"]},
+    verifications.KIND: {"document": {"slices": []}},
 }
 
 

@@ -13,6 +13,7 @@ from worker.answers import (
     article,
     aspects,
     censuses,
+    certified,
     checks,
     curves,
     paths,
@@ -21,6 +22,7 @@ from worker.answers import (
     requests,
     singular,
     tables,
+    verifications,
 )
 from worker.answers.kinds import COMPUTATIONS, KINDS, kind_of_job, request_from_json
 from worker.answers.requests import JobRequest
@@ -97,6 +99,17 @@ OF_VERSION_2 = {
             "fixed_leg": 1,
             "digits": 15,
             "length": "27",
+        },
+    ),
+    "cf-6924f9c1ad41e6ef48ee366a9f16c77c2f6037ad": JobRequest(
+        certified.KIND, {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 30, "l1": ["14.98", "27"]}
+    ),
+    "ve-8f9ded9c446b06058ff1c37bc730ad24253c23d8": JobRequest(
+        verifications.KIND,
+        {
+            "geometry": GEOMETRY,
+            "document": {"geometry": GEOMETRY, "digits": 15, "slices": []},
+            "digits": 15,
         },
     ),
 }
