@@ -25,6 +25,7 @@ from .errors import Unproved as Unproved
 from .exact.rationals import Exact as Exact
 from .exact.rationals import exact_str as exact_str
 from .exact.rationals import parse_exact as parse_exact
+from .exports.export import export as export
 from .figures.figure import Figure as Figure
 from .kinematics.pose_table import DirectPolynomial as DirectPolynomial
 from .kinematics.pose_table import PlatformPose as PlatformPose

@@ -27,9 +27,10 @@ MAY_IMPORT = {
     "rpr_solver.article": "errors contract notebook exact model slices",
     "rpr_solver.curves": "errors contract notebook figures exact model slices transitions",
     "rpr_solver.paths": "errors contract notebook figures exact model kinematics slices transitions singular",
+    "rpr_solver.exports": "errors exact model slices",
     "rpr_solver.verify": "errors contract",
     "rpr_solver": "errors contract figures exact model kinematics slices documents transitions article "
-    "curves paths singular verify",
+    "curves paths singular verify exports",
     # worker: jobs in Redis, and the processes that compute
     "worker.logs": "",
     "worker.tracing": "",

@@ -27,6 +27,7 @@ COMMANDS = {
     "check": "prove or refute a requirement on the number of cusps",
     "poses": "compute all poses for given leg lengths",
     "verify": "check a document by independent means",
+    "export": "write a document as a script for another system",
     "plot": "draw slices, censuses, curves of cusps, loops and poses",
     "paths": "find a motion to another pose without a singularity",
     "singular": "draw the singular curves of a slice, its regions and aspects",

@@ -5,15 +5,12 @@ solver and its libraries."""
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import rpr_solver
-from rpr_solver.errors import InputError
 from service.cli import arguments, remote
+from service.cli.document_file import read_document
 from service.cli.pages import Page, Section, counted, write_document
 from service.cli.progress import progress_bar
 from service.schemas.document import read
@@ -43,7 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    members = {"document": _read(args.document), **remote.deadline_of(args)}
+    members = {"document": read_document(args.document), **remote.deadline_of(args)}
     question = read(VerificationRequest, members, arguments.source())
 
     def here() -> dict[str, Any]:
@@ -54,20 +51,6 @@ def run(args: argparse.Namespace) -> int:
     answer = remote.here_or_there(args.url, question, here)
     write_document(answer, _page(answer), args.format)
     return 0 if answer["verdict"] == "accepted" else REFUSED
-
-
-def _read(name: str) -> Mapping[str, Any]:
-    shown = arguments.shown_name(name)
-    try:
-        body = sys.stdin.buffer.read() if name == arguments.STANDARD_INPUT else Path(name).read_bytes()
-        document = json.loads(body)
-    except OSError as error:
-        raise InputError.of("FILE", f"{shown} cannot be read: {error.strerror}") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError.of("FILE", f"{shown} is not JSON: {error}") from None
-    if not isinstance(document, dict):
-        raise InputError.of("FILE", f"{shown} holds no object; give a document of rpr-cusps")
-    return document
 
 
 def _page(answer: Mapping[str, Any]) -> Page:

@@ -30,6 +30,7 @@ FUNCTIONS = {
     "cusp_table",
     "eliminate",
     "exact_str",
+    "export",
     "joint_path",
     "parse_exact",
     "path_csv",

@@ -1,0 +1,28 @@
+"""Scripts of documents for other systems: what cannot be written is named."""
+
+import json
+from typing import Any
+
+import pytest
+
+from rpr_solver import InputError, census, export, table_document
+from tests.support.families import family
+from tests.support.scripts import RATIONAL
+
+
+@pytest.mark.parametrize(
+    ("document", "system", "field"),
+    [
+        ({}, "pari", "document"),
+        ({"geometry": RATIONAL.to_json(), "fixed_leg": 1}, "pari", "document"),
+        (table_document(family("congruent"), 5, digits=15), "pari", "document.slices[0]"),
+        (table_document(RATIONAL, [0], digits=15), "pari", "document.slices[0]"),
+        (census(family("congruent"), digits=15).to_json(), "pari", "document"),
+        (table_document(RATIONAL, [3], digits=15), "mathematica", "system"),
+    ],
+    ids=["nothing", "half", "curve", "error", "census", "system"],
+)
+def test_what_cannot_be_exported_is_named(document: dict[str, Any], system: str, field: str) -> None:
+    with pytest.raises(InputError) as caught:
+        export(json.loads(json.dumps(document)), system)
+    assert [p.field for p in caught.value.problems] == [field]
