@@ -15,6 +15,7 @@ from functools import cached_property
 
 from flint import fmpq, fmpz_mpoly
 
+from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import BiForm, L, leading_coefficient
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import (
@@ -33,7 +34,7 @@ from rpr_solver.model.exact_pose import ExactPose, common_poses
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import TRIG, Leg, SliceMap, half_angles
 from rpr_solver.transitions.components import Component, Components
-from rpr_solver.transitions.event_systems import NotGeneric, System
+from rpr_solver.transitions.event_systems import System
 from rpr_solver.transitions.event_types import Event, Landmark
 from rpr_solver.transitions.exact_events import event, event_at, limits_at, special_lengths
 
@@ -135,7 +136,9 @@ def _zeros(slice_map: SliceMap, first: BiForm, second: BiForm) -> Iterator[Pose[
     for root in roots:
         poses = common_poses(first, second, root, 1)
         if poses is None:
-            raise NotGeneric
+            raise SolverError(
+                "a curve of degenerate poses holds a line theta = const; please report this geometry"
+            )
         yield from poses
 
 
