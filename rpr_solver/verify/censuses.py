@@ -139,14 +139,12 @@ class Census:
                 reason = "the resultant vanishes identically"
                 return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
             number, proved = found
-            if number != count and (proved or number > int(count or 0)):
+            if number != count:
                 return Claim(at, claim, ClaimStatus.REFUSED, f"the slice at {length} has {number}")
-            doubt = doubt or not proved or number != count
+            doubt = doubt or not proved
         if doubt:
-            reason = "simple roots of Q have no more; its multiple roots were not examined"
-            return Claim(
-                at, claim, ClaimStatus.CHECKED if number == count else ClaimStatus.NOT_CHECKED, reason
-            )
+            reason = "Q has multiple roots in these slices, and the cusps above them were searched for"
+            return Claim(at, claim, ClaimStatus.CHECKED, reason)
         reason = (
             "two slices have as many, by Descartes' rule of signs; that it is constant rests on completeness"
         )

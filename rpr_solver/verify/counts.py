@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import atan2, degrees
 
+from rpr_solver.verify.boxes import Equations, Pair, zero_near
 from rpr_solver.verify.eliminant import Eliminant
+from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.lines import special_lines, unlisted
 from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.surds import Indivisible
-from rpr_solver.verify.system import System
+from rpr_solver.verify.system import Leg, System
+
+_BITS = 60
+_MOST = 12
+"""The most poses that are looked at on one line; J has degree 4 there."""
 
 
 def cusps_counted(geometry: Geometry, fixed: int, length: Fraction) -> tuple[int, bool] | None:
-    """The number of cusps on lines that hold one pose each, and whether these are certainly all.
+    """The number of cusps, and whether it is proved. None if the resultant says nothing.
 
-    They are all where every root of Q is simple and apart from the spurious ones; else cusps may lie on other
-    lines too. None if the resultant says nothing.
+    It is where every root of Q is simple and apart from the spurious ones: one cusp is on each line. On other
+    lines the cusps are those that a search finds.
     """
     return count_of(System.of(geometry, fixed, length))
 
@@ -27,7 +35,27 @@ def count_of(system: System) -> tuple[int, bool] | None:
         return None
     if not eliminant.form:
         return None
-    return len(eliminant.single_roots), eliminant.generic
+    single = len(eliminant.single_roots)
+    if eliminant.generic:
+        return single, True
+    return single + sum(_cusps_on(system, line) for line in special_lines(system, eliminant)), False
+
+
+def _cusps_on(system: System, line: Pair) -> int:
+    """The cusps that are found on a line: where J = E = 0 cannot be excluded, a regular zero is one."""
+    found = 0
+    holes: list[Interval] = []
+    theta = Fraction(degrees(atan2(float(line[1].middle), float(line[0].middle))))
+    while (alpha := unlisted(system, line, holes)) is not None and len(holes) < _MOST:
+        holes.append(Interval.of(alpha, line[0].bits))
+        found += any(_is_cusp(system, leg, Fraction(degrees(float(alpha))), theta) for leg in system.legs)
+    return found
+
+
+def _is_cusp(system: System, leg: Leg, alpha: Fraction, theta: Fraction) -> bool:
+    equations = Equations.of(system.singular, leg.kernel, system.ring.radicand)
+    box = zero_near(equations, alpha, theta, _BITS)
+    return box is not None and any(box.directions.value(slope).sign for slope in (leg.alpha, leg.theta))
 
 
 def simplest_between(low: Fraction, high: Fraction) -> Fraction:

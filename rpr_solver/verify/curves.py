@@ -185,9 +185,11 @@ def _all(system: System, count: int) -> Finding:
     if found is None:
         return ClaimStatus.NOT_CHECKED, "the resultant vanishes identically"
     number, proved = found
-    if number == count:
-        status = ClaimStatus.PROVED if proved else ClaimStatus.CHECKED
-        return status, f"Q has {number} simple real roots" + ("" if proved else ", and others not examined")
-    if proved or number > count:
+    if number != count:
         return ClaimStatus.REFUSED, f"the slice has {number}"
-    return ClaimStatus.NOT_CHECKED, f"Q has {number} simple real roots, and others not examined"
+    if proved:
+        return ClaimStatus.PROVED, f"Q has {number} simple real roots, one cusp above each"
+    return (
+        ClaimStatus.CHECKED,
+        "Q has multiple roots in this slice, and the cusps above them were searched for",
+    )

@@ -58,6 +58,8 @@ def event_finding(
         for name, triple in surface.systems(other):
             if triple.zero_near(numbers[0].value, numbers[1].value, printed.value * surface.unit, bits):
                 return ClaimStatus.REFUSED, f"it is another kind of pose: a regular zero of {name}"
+    if kind in ("lips", "beak-to-beak"):  # regular zeros by their definition
+        return ClaimStatus.REFUSED, "no zero of J = 0, grad J = 0 is proved near the pose"
     work = 2 * bits + surface.coefficient_bits
     box = around(numbers[0], numbers[1], work, surface.ring.radicand)
     length = Interval.of(printed.value * surface.unit, work, printed.half * surface.unit)

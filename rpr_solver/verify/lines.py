@@ -6,17 +6,19 @@ the three excludes 0 on each.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from rpr_solver.verify.angles import cos_sin, pi
 from rpr_solver.verify.boxes import Directions, Pair
+from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.roots import Root, refined
+from rpr_solver.verify.roots import Root, real_roots, refined
 from rpr_solver.verify.surds import Poly, Ring
 from rpr_solver.verify.system import System, Trig, derivative
 
+_LINE_BITS = 128
 _PIECES = 48
 _DEPTH = 40
 NEARBY = 20
@@ -37,6 +39,22 @@ def direction(ring: Ring, form: Poly, root: Root, bits: int) -> Pair:
 def opposite(bits: int) -> Pair:
     """The line θ = 180°."""
     return Interval.of(-1, bits), Interval.of(0, bits)
+
+
+def special_lines(system: System, eliminant: Eliminant) -> Iterator[Pair]:
+    """The real lines that may hold several poses with J = E = 0, or spurious ones."""
+    sizes = (
+        part.bit_length()
+        for p in (system.singular, *(leg.kernel for leg in system.legs))
+        for x in p.values()
+        for part in x
+    )
+    bits = _LINE_BITS + max(sizes)
+    if len(eliminant.special) > 1:
+        for root in real_roots(system.ring, eliminant.special):
+            yield direction(system.ring, eliminant.special, root, bits)
+    if eliminant.special_at_infinity:
+        yield opposite(bits)
 
 
 @dataclass(frozen=True)

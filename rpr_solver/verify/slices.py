@@ -13,14 +13,11 @@ from rpr_solver.verify.claims import Claim, ClaimStatus
 from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.full import full_claims
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.lines import direction, opposite, unlisted
+from rpr_solver.verify.lines import special_lines, unlisted
 from rpr_solver.verify.manipulator import Geometry, exact
 from rpr_solver.verify.points import Point, Points, read
-from rpr_solver.verify.roots import real_roots
 from rpr_solver.verify.surds import Indivisible
 from rpr_solver.verify.system import System
-
-_LINE_BITS = 128
 
 
 @dataclass(frozen=True)
@@ -190,7 +187,7 @@ class _Slice:
         self, eliminant: Eliminant, cusps: Sequence[Box], others: Sequence[Found]
     ) -> tuple[ClaimStatus, str]:
         """Whether the listed poses are all in which three or more coalesce."""
-        lines = list(self._special_lines(eliminant))
+        lines = list(special_lines(self.system, eliminant))
         on_special: set[int] = set()
         doubts = 0
         if any(not any(_on(x.box, line) for line in lines) for x in others if x.box):
@@ -232,14 +229,6 @@ class _Slice:
             ClaimStatus.PROVED,
             f"Q has {single} simple real roots, one cusp above each; spurious roots have none",
         )
-
-    def _special_lines(self, eliminant: Eliminant) -> Iterator[Pair]:
-        bits = _LINE_BITS + self.points.coefficient_bits
-        if len(eliminant.special) > 1:
-            for root in real_roots(self.system.ring, eliminant.special):
-                yield direction(self.system.ring, eliminant.special, root, bits)
-        if eliminant.special_at_infinity:
-            yield opposite(bits)
 
 
 def _on(box: Box, line: Pair) -> bool:
