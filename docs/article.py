@@ -65,8 +65,9 @@ FEW = {
     "base and platform flat": Manipulator(20, 6, 0, 7, 9, 16),
     "similar triangles": Manipulator(30, 0, 40, 15, 25, 20),
     "congruent triangles": Manipulator(30, 0, 40, 30, 50, 40),
+    "A2 = (53, 0), A3 = (9, 34), d = 1, 1, 2": Manipulator(53, 9, 34, 1, 1, 2),
 }
-"""Manipulators without cusps at any length of any leg."""
+"""Manipulators with few cusps at all lengths."""
 
 
 @cache
@@ -181,14 +182,14 @@ def maxima() -> Iterator[str]:
 
 
 def few() -> Iterator[str]:
-    """Manipulators without a cusp, whichever leg is fixed."""
-    yield "| manipulator | cusps with leg 1, 2, 3 fixed | degenerate, with leg 1 fixed |"
+    """The greatest numbers of cusps of these, whichever leg is fixed."""
+    yield "| manipulator | most cusps with leg 1, 2, 3 fixed | degenerate, with leg 1 fixed |"
     yield "|---|---|---|"
     for what, m in FEW.items():
         found = [census(m, fixed_leg=leg, digits=15) for leg in (1, 2, 3)]
         most = ", ".join(str(max(table.counts)) for table in found)
         degenerate = "; ".join(repr(part)[12:-1] for part in found[0].degenerate)
-        yield f"| {what} | {most} | {degenerate} |"
+        yield f"| {what} | {most} | {degenerate or '–'} |"
 
 
 def factors() -> Iterator[str]:
