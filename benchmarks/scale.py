@@ -1,0 +1,185 @@
+"""What a slice costs as its question grows, and what a long job takes in time, memory and store.
+
+    python -m benchmarks.scale [--plot FILE.svg] [--job 20000]
+
+Costs are processor time of a slice in a chunk of the first manipulator, by digits of the answer, and by
+digits of the input numbers at 30 digits of the answer. `--job` adds one job with so many slices at 15 digits,
+sent to a service with one worker in an empty data directory, and the greatest memory of its processes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import httpx
+
+from rpr_solver import EXAMPLES, Manipulator, eliminate, solve_slices
+
+DIGITS = {15: 300, 30: 300, 90: 300, 300: 150, 1000: 100, 3000: 64, 10_000: 64}
+"""Digits of the answer → slices."""
+INPUTS = {3: 300, 10: 200, 30: 100, 100: 64, 200: 64}
+"""Digits of each input number → slices."""
+NAMES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+
+
+def milliseconds(
+    manipulator: Manipulator, lengths: Sequence[Fraction], digits: int
+) -> tuple[float, float, int]:
+    """Processor time of the elimination and of a slice, and the cusps of all."""
+    begin = time.process_time()
+    eliminant = eliminate(manipulator)
+    middle = time.process_time()
+    count = sum(table.count for table in solve_slices(eliminant, lengths, digits))  # type: ignore[union-attr]
+    return 1000 * (middle - begin), 1000 * (time.process_time() - middle) / len(lengths), count
+
+
+def spread(count: int, places: int = 3) -> list[Fraction]:
+    """Lengths over the whole range, with so many decimals."""
+    rng = random.Random(7)
+    return [Fraction(rng.randint(10**places // 10, 50 * 10**places), 10**places) for _ in range(count)]
+
+
+def longer(places: int) -> Manipulator:
+    """The first manipulator, its lengths changed at a distant decimal."""
+    rng = random.Random(places)
+    first = EXAMPLES["innocenti"]
+    sides = {name: getattr(first, name) + Fraction(rng.randint(1, 9), 10**places) for name in NAMES}
+    return replace(first, **sides)
+
+
+def costs() -> Iterator[tuple[str, int, float]]:
+    """Print the tables; yields what each point of the plot shows."""
+    first = EXAMPLES["innocenti"]
+    print(f"{'digits of the answer':<24}{'ms a slice':>12}{'ms a cusp':>12}")
+    for digits, count in DIGITS.items():
+        _, each, cusps = milliseconds(first, spread(count), digits)
+        print(f"{digits:<24}{each:12.2f}{each * count / cusps:12.2f}", flush=True)
+        yield "answer", digits, each
+    print(f"\n{'digits of each input':<24}{'elimination':>12}{'ms a slice':>12}")
+    for digits, count in INPUTS.items():
+        once, each, _ = milliseconds(longer(digits), spread(count, digits), 30)
+        print(f"{digits:<24}{once:12.1f}{each:12.2f}", flush=True)
+        yield "input", digits, each
+
+
+def plot(points: Sequence[tuple[str, int, float]], path: Path) -> None:
+    """Draw the costs over the digits, both logarithmic."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6, 3.6), layout="constrained")
+    axes = figure.subplots()
+    labels = {"answer": "digits of the answer", "input": "digits of each input number (30 of the answer)"}
+    for kind, marker in (("answer", "o"), ("input", "s")):
+        x, y = zip(*((digits, each) for name, digits, each in points if name == kind), strict=True)
+        axes.loglog(x, y, marker=marker, label=labels[kind])
+    axes.set(xlabel="decimal digits", ylabel="ms of one core for a slice")
+    axes.grid(visible=True, which="major", alpha=0.3)
+    axes.legend()
+    figure.savefig(path, metadata={"Date": None})
+
+
+def job(slices: int) -> None:
+    """Print what one job of so many slices takes."""
+    limits = {"RPR_CUSPS_MAX_SLICES": str(slices), "RPR_CUSPS_MAX_COST_SECONDS": str(slices)}
+    environment = {**os.environ, **limits}
+    step = Fraction(50, slices)
+    body = {
+        "geometry": EXAMPLES["innocenti"].to_json(),
+        "digits": 15,
+        "l1": {"start": str(step), "stop": "50", "step": str(step)},
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        command = [
+            sys.executable,
+            "-m",
+            "service",
+            "serve",
+            "--port",
+            "0",
+            "--workers",
+            "1",
+            "--data-dir",
+            folder,
+        ]
+        serve = subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment
+        )
+        try:
+            assert serve.stdout is not None
+            url = next(found[0] for x in serve.stdout if (found := re.search(r"http://[\d.]+:\d+", x)))
+            with httpx.Client(base_url=url, timeout=60) as client:
+                begin = time.perf_counter()
+                sent = client.post("/v1/cusp-tables", json=body)
+                sent.raise_for_status()
+                link, peaks = sent.headers["location"], {serve.pid: 0}
+                while (state := client.get(link).json())["status"] not in ("succeeded", "failed"):
+                    peaks = greatest(peaks, serve.pid)
+                    time.sleep(0.2)
+                print(f"\n{slices} slices: {state['status']} after {time.perf_counter() - begin:.0f} s")
+                size = 0
+                with client.stream(
+                    "GET", state["links"]["result"], headers={"Accept": "application/x-ndjson"}
+                ) as r:
+                    for part in r.iter_bytes():
+                        size += len(part)
+                print(f"read again as NDJSON: {size / slices:.0f} bytes a slice")
+                peaks = greatest(peaks, serve.pid)
+                print(
+                    f"{len(peaks)} processes, work horses among them; the largest: {max(peaks.values())} MiB"
+                )
+        finally:
+            serve.terminate()
+            serve.wait()
+
+
+def greatest(peaks: dict[int, int], root: int) -> dict[int, int]:
+    """The greatest memory of a process and its descendants so far, in MiB."""
+    children: dict[int, list[int]] = {}
+    for status in Path("/proc").glob("[0-9]*/status"):
+        try:
+            fields = dict(
+                x.split(":", 1) for x in status.read_text(encoding="utf-8").splitlines() if ":" in x
+            )
+        except OSError:
+            continue
+        children.setdefault(int(fields["PPid"]), []).append(int(fields["Pid"]))
+    todo, found = [root], dict(peaks)
+    while todo:
+        pid = todo.pop()
+        todo += children.get(pid, [])
+        try:
+            text = Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
+        except OSError:
+            continue
+        if peak := re.search(r"VmHWM:\s+(\d+) kB", text):
+            found[pid] = max(found.get(pid, 0), int(peak[1]) // 1024)
+    return found
+
+
+def main() -> None:
+    """Print the tables."""
+    form = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
+    parser.add_argument("--plot", type=Path, help="where the plot goes")
+    parser.add_argument("--job", type=int, help="slices of one long job")
+    args = parser.parse_args()
+    points = list(costs())
+    if args.plot:
+        plot(points, args.plot)
+    if args.job:
+        job(args.job)
+
+
+if __name__ == "__main__":
+    main()
