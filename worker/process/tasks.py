@@ -20,6 +20,7 @@ from worker.answers.kinds import compute, known_document
 from worker.answers.requests import JobRequest
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore
+from worker.answers.stored_tables import in_groups
 from worker.answers.tables import INTERNAL, SliceSolver, eliminant_of
 from worker.jobs.attempts import Chunk, ChunkRef
 from worker.jobs.batches import Batches, ItemsLostError
@@ -112,20 +113,23 @@ def _work_of(chunk: Chunk) -> Callable[[ChunkRef, Chunk, JobRecords, ResultStore
 
 def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
     solve: SliceSolver | None = None
-    for offset in range(chunk.offset, len(chunk.parts)):
-        l1 = chunk.parts[offset]
-        value = store.get_slices(chunk.request, [l1]).get(l1)
-        if value is None:
-            if solve is None:
-                with tracing.span("elimination"):
-                    eliminant = eliminant_of(chunk.request, store)
-                if not records.begin_slices(ref):
-                    return
-                solve = SliceSolver(eliminant, chunk.request, chunk.parts[offset:])
-            with tracing.span("slice", attributes={"l1": l1}):
-                value = solve(l1)
-        if not records.put_slice(ref, chunk, offset, value):
-            return
+    offset = chunk.offset
+    for group in in_groups(chunk.parts[offset:]):
+        known = store.get_slices(chunk.request, group)
+        for l1 in group:
+            value = known.get(l1)
+            if value is None:
+                if solve is None:
+                    with tracing.span("elimination"):
+                        eliminant = eliminant_of(chunk.request, store)
+                    if not records.begin_slices(ref):
+                        return
+                    solve = SliceSolver(eliminant, chunk.request, chunk.parts[offset:])
+                with tracing.span("slice", attributes={"l1": l1}):
+                    value = solve(l1)
+            if not records.put_slice(ref, chunk, offset, value):
+                return
+            offset += 1
 
 
 def _answer_items(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
