@@ -13,6 +13,7 @@ HEAVY = {
     "rpr_solver.slices.eliminant",
     "flint",
     "numpy",
+    "sympy",
     "pydantic",
     "redis",
     "rq",

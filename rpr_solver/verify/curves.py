@@ -55,6 +55,7 @@ class _Curves:
         self.name = f"l{self.fixed}"
         if not isinstance(self.curves, list) or not all(isinstance(x, Mapping) for x in self.curves):
             raise InputError.of("curves", "is not a list of curves")
+        self.ends = [self._printed_ends(n, curve) for n, curve in enumerate(self.curves)]
         self.slices: dict[Fraction, list[_Listed]] = {}
         for n, curve in enumerate(self.curves):
             for k, point in enumerate(curve["points"]):
@@ -111,6 +112,8 @@ class _Curves:
                 reason = "the end of all lengths" if right else "an open end is at 0 or has no length"
             elif kind not in _LENGTH_ONLY:
                 status, reason = ClaimStatus.REFUSED, f"a {kind} without a pose"
+            elif Printed.of(length, f"{at}/{self.name}").digits != self.digits:
+                status, reason = ClaimStatus.REFUSED, "the length has more or fewer digits"
             yield Claim(at, f"an end: {kind}", status, reason)
             return
         printed = Printed.of(length, f"{at}/{self.name}")
@@ -126,18 +129,32 @@ class _Curves:
                 f"{at}/kind", "the kind of the pose", ClaimStatus.REFUSED, "the pose is of another kind"
             )
 
-    def _span(self, curve: Mapping[str, Any]) -> tuple[Fraction, Fraction | None]:
+    def _printed_ends(self, n: int, curve: Mapping[str, Any]) -> tuple[Printed, Printed | None]:
         start, stop = (curve[side].get(self.name) for side in _ENDS)
-        return exact(start, self.name), None if stop is None else exact(stop, self.name)
+        at = f"/curves/{n}"
+        return Printed.of(start, f"{at}/from/{self.name}"), (
+            None if stop is None else Printed.of(stop, f"{at}/to/{self.name}")
+        )
+
+    def _passes(self, n: int, length: Fraction) -> bool | None:
+        """Whether a length lies between the ends of a curve; None if their digits leave that open."""
+        start, stop = self.ends[n]
+        sides = start.below(length), stop is None or stop.above(length)
+        return False if False in sides else None if None in sides else True
 
     def _ordered(self, n: int, curve: Mapping[str, Any]) -> Claim:
-        start, stop = self._span(curve)
+        at, claim = f"/curves/{n}/points", "the points ascend between the ends"
+        start, stop = self.ends[n]
         lengths = [exact(point[self.name], self.name) for point in curve["points"]]
-        inside = all(start < x and (stop is None or x < stop) for x in lengths)
-        right = inside and lengths == sorted(set(lengths)) and (stop is None or start < stop)
-        status = ClaimStatus.PROVED if right else ClaimStatus.REFUSED
-        reason = "as printed" if right else "a point lies beyond an end, or they are not ascending"
-        return Claim(f"/curves/{n}/points", "the points ascend between the ends", status, reason)
+        inside = [self._passes(n, x) for x in lengths]
+        apart = stop is None or start.lower < stop.upper
+        if False in inside or not apart or lengths != sorted(set(lengths)):
+            reason = "a point lies beyond an end, or they are not ascending"
+            return Claim(at, claim, ClaimStatus.REFUSED, reason)
+        if None in inside or not (lengths or stop is None or start.upper < stop.lower):
+            reason = "up to half a unit of the last digit of an end"
+            return Claim(at, claim, ClaimStatus.CHECKED, reason)
+        return Claim(at, claim, ClaimStatus.PROVED, "as printed")
 
     def _slice(self, length: Fraction, listed: list[_Listed]) -> Iterator[Claim]:
         """All points of one length: different cusps, numbered as in the table, and as many as there are."""
@@ -150,7 +167,7 @@ class _Curves:
             if any(not x.is_zero and x.digits != self.digits for x in point.numbers):
                 status, reason = ClaimStatus.REFUSED, "a number has more or fewer digits"
             boxes.append(box)
-            order.append((point.theta.value, point.alpha.value))
+            order.append((point.theta.value, item.cusp if isinstance(item.cusp, int) else 0))
             yield Claim(item.at, "a cusp with these digits", status, reason)
         where = ", ".join(item.at for item in listed[:2])
         at = listed[0].at
@@ -158,22 +175,23 @@ class _Curves:
             reason = "two curves have one and the same cusp in this slice"
             yield Claim(at, "different curves are different cusps", ClaimStatus.REFUSED, reason)
             return
-        numbers = [sorted(order).index(key) + 1 for key in order]
-        alive = {n for n, curve in enumerate(self.curves) if self._holds(curve, length)}
+        ranked = sorted(range(len(order)), key=order.__getitem__)  # any order where angles are printed alike
+        numbers = [ranked.index(n) + 1 for n in range(len(order))]
+        passes = [self._passes(n, length) for n in range(len(self.curves))]
         there = {item.curve for item in listed}
-        if alive != there:
+        claim = "every curve of this length has a point"
+        if any(known is not None and known != (n in there) for n, known in enumerate(passes)):
             reason = "a curve that passes this length has no point there, or one that does not pass has one"
-            yield Claim(at, "every curve of this length has a point", ClaimStatus.REFUSED, reason)
+            yield Claim(at, claim, ClaimStatus.REFUSED, reason)
             return
+        if None in passes:
+            reason = "up to half a unit of the last digit of an end"
+            yield Claim(at, claim, ClaimStatus.CHECKED, reason)
         if [item.cusp for item in listed] != numbers:
             reason = f"they are {numbers}, at {where}, …"
             yield Claim(at, "the numbers of the cusps", ClaimStatus.REFUSED, reason)
         claim = f"the {len(listed)} curves of {self.name} = {length} have all cusps of the slice"
         yield Claim(at, claim, *_all(system, len(listed)))
-
-    def _holds(self, curve: Mapping[str, Any], length: Fraction) -> bool:
-        start, stop = self._span(curve)
-        return start < length and (stop is None or length < stop)
 
 
 def _doubled(boxes: list[Box]) -> bool:

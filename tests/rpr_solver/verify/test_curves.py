@@ -6,21 +6,37 @@ import random
 
 import pytest
 
-from rpr_solver import EXAMPLES, ClaimStatus, InputError, SolverError, cusp_curves, verify_document
-from tests.rpr_solver.long_run import manipulator
-from tests.support.families import FAMILIES, family
-from tests.support.mutations import OF_CURVES, mutated
+from rpr_solver import (
+    EXAMPLES,
+    ClaimStatus,
+    CuspCurves,
+    InputError,
+    Manipulator,
+    cusp_curves,
+    verify_document,
+)
+from tests.support.mutations import OF_CURVES
 from tests.support.shared import curves_of
+from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
 
 
 def test_a_part_of_the_curves_and_its_mutations() -> None:
-    document = curves_of(EXAMPLES["zein-flat"]).part(36, 38, lengths=["36.5"]).to_json()
-    verification = verify_document(document)
-    assert verification.accepted
+    document = curves_of(EXAMPLES["zein-flat"]).part("0.9", "1.2", lengths=[1]).to_json()
+    verification = accepted_but_no_mutation(document, OF_CURVES, 2, seed=4)
     open_claims = [claim.at for claim in verification.claims if claim.status is ClaimStatus.NOT_CHECKED]
     assert open_claims == ["/curves"]
-    for done, wrong in mutated(document, OF_CURVES, 2, seed=4):
-        assert not verify_document(wrong).accepted, done
+
+
+def test_a_point_between_an_end_and_its_printed_digits() -> None:
+    beyond = "1.247573993999232881854424244988"  # greater than the end itself, which was rounded up
+    document = curves_of(EXAMPLES["zein-flat"]).part(1, "1.3", lengths=[beyond]).to_json()
+    born = document["curves"][2]
+    assert born["from"]["l1"] == "1.24757399399923288185442424499"
+    checked = [claim.at for claim in accepted(document).claims if claim.status is ClaimStatus.CHECKED]
+    assert checked == ["/curves/2/points", "/curves/3/points", "/curves/0/points/0"]
+    born["from"]["l1"] = "1.24757399399923288185442424500"
+    wrong = verify_document({**document, "curves": [born]})
+    assert "/curves/0/points" in [claim.at for claim in wrong.refused]
 
 
 @pytest.mark.parametrize(
@@ -35,13 +51,8 @@ def test_what_are_no_curves_is_bad_input(change: dict[str, object]) -> None:
 @pytest.mark.long
 @pytest.mark.timeout(480)
 def test_random_curves() -> None:
-    rng = random.Random(12)
-    for n in range(25):
-        m = family(rng.choice(list(FAMILIES))) if n % 5 == 0 else manipulator(rng)
-        try:
-            document = cusp_curves(m, digits=15, fixed_leg=n % 3 + 1).to_json()
-        except SolverError:
-            continue
-        assert verify_document(document).accepted, document["geometry"]
-        for done, wrong in mutated(document, OF_CURVES, 2, n):
-            assert not verify_document(wrong).accepted, (done, document["geometry"])
+    def curves(m: Manipulator, n: int, _: random.Random) -> CuspCurves:
+        return cusp_curves(m, digits=15, fixed_leg=n % 3 + 1)
+
+    for n, document in random_documents(12, 25, curves, degenerate_every=5):
+        accepted_but_no_mutation(document, OF_CURVES, 2, n)

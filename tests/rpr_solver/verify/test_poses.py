@@ -7,10 +7,18 @@ from fractions import Fraction
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, SolverError, poses, poses_of_squares, verify_document
-from tests.rpr_solver.long_run import manipulator
-from tests.support.families import FAMILIES, family
-from tests.support.mutations import OF_POSES, mutated
+from rpr_solver import (
+    EXAMPLES,
+    InputError,
+    Manipulator,
+    PoseTable,
+    poses,
+    poses_of_squares,
+    verify_document,
+)
+from tests.support.families import family
+from tests.support.mutations import OF_POSES
+from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
 
 
 @pytest.mark.parametrize(
@@ -26,19 +34,16 @@ from tests.support.mutations import OF_POSES, mutated
 )
 def test_degenerate_joint_vectors_are_accepted(name: str, lengths: tuple[int, int, int]) -> None:
     document = poses(family(name), *lengths, digits=20).to_json()
-    assert verify_document(document).accepted
+    accepted(document)
     assert not verify_document(
         {**document, "curves": [] if document["curves"] else [{"alpha_deg": "0"}]}
     ).accepted
 
 
 def test_irrational_lengths_and_mutations() -> None:
-    document = poses_of_squares(EXAMPLES["innocenti"], 225, 200, 900, digits=15).to_json()
-    assert verify_document(document).accepted
+    accepted(poses_of_squares(EXAMPLES["innocenti"], 225, 200, 900, digits=15).to_json())
     document = poses(EXAMPLES["innocenti"], "14.98", 15, 12, digits=15).to_json()
-    assert verify_document(document).accepted
-    for done, wrong in mutated(document, OF_POSES, 6, seed=3):
-        assert not verify_document(wrong).accepted, done
+    accepted_but_no_mutation(document, OF_POSES, 6, seed=3)
 
 
 @pytest.mark.parametrize("change", [{"l1": "sqrt(x)"}, {"l2": "-1"}, {"poses": [1]}, {"certificate": 1}])
@@ -51,14 +56,9 @@ def test_what_is_no_table_of_poses_is_bad_input(change: dict[str, object]) -> No
 @pytest.mark.long
 @pytest.mark.timeout(480)
 def test_random_joint_vectors() -> None:
-    rng = random.Random(7)
-    for n in range(100):
-        m = family(rng.choice(list(FAMILIES))) if n % 4 == 0 else manipulator(rng)
+    def table(m: Manipulator, _: int, rng: random.Random) -> PoseTable:
         lengths = [Fraction(rng.randint(5, 200), rng.choice([1, 10])) for _ in range(3)]
-        try:
-            document = poses(m, *lengths, digits=rng.choice([15, 40])).to_json()
-        except SolverError:
-            continue
-        assert verify_document(document).accepted, document
-        for done, wrong in mutated(document, OF_POSES, 6, n):
-            assert not verify_document(wrong).accepted, (done, document)
+        return poses(m, *lengths, digits=rng.choice([15, 40]))
+
+    for n, document in random_documents(7, 100, table, degenerate_every=4):
+        accepted_but_no_mutation(document, OF_POSES, 6, n)

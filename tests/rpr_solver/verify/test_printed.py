@@ -27,3 +27,21 @@ def test_rounding() -> None:
     assert x.rounds(Interval.of(Fraction("14.986"), BITS)) is False
     assert x.rounds(Interval.of(Fraction("14.985"), BITS)) is None
     assert Printed.of("179.9", "alpha").rounds(Interval.of(Fraction("-180.1"), BITS), 360) is True
+
+
+def test_a_text_stands_for_all_numbers_that_round_to_it() -> None:
+    x = Printed.of("14.98", "l2")
+    assert (x.lower, x.upper) == (Fraction("14.975"), Fraction("14.985"))
+    for text, below, above in (
+        ("14.974", False, True),
+        ("14.975", None, None),
+        ("14.985", None, None),
+        ("14.986", True, False),
+    ):
+        assert (x.below(Fraction(text)), x.above(Fraction(text))) == (below, above), text
+    zero = Printed.of("0", "l2")
+    assert (zero.below(Fraction(0)), zero.above(Fraction(0)), zero.below(Fraction(1, 10**9))) == (
+        False,
+        False,
+        True,
+    )

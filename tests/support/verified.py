@@ -1,0 +1,41 @@
+"""What every verification must do: accept a right document, and refuse it with any one fault."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from rpr_solver import Manipulator, SolverError, Verification, verify_document
+from tests.rpr_solver.long_run import manipulator
+from tests.support.families import FAMILIES, family
+from tests.support.mutations import Document, Mutation, mutated
+
+
+def accepted(document: Document) -> Verification:
+    """The verification of a right document."""
+    verification = verify_document(document)
+    assert verification.accepted, (document["geometry"], verification.refused)
+    return verification
+
+
+def accepted_but_no_mutation(
+    document: Document, mutations: tuple[Mutation, ...], count: int, seed: int
+) -> Verification:
+    """The verification of a right document, after its mutations were refused."""
+    for done, wrong in mutated(document, mutations, count, seed):
+        assert not verify_document(wrong).accepted, (done, document["geometry"])
+    return accepted(document)
+
+
+def random_documents(
+    seed: int, count: int, make: Callable[[Manipulator, int, random.Random], Any], *, degenerate_every: int
+) -> Iterator[tuple[int, Document]]:
+    """Documents of random manipulators, some of degenerate families; failures are left out."""
+    rng = random.Random(seed)
+    for n in range(count):
+        m = family(rng.choice(list(FAMILIES))) if n % degenerate_every == 0 else manipulator(rng)
+        try:
+            yield n, make(m, n, rng).to_json()
+        except SolverError:
+            continue
