@@ -6,11 +6,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rpr_solver.errors import InputError, shown
-from rpr_solver.exports import to_maple, to_pari, to_sage, to_sympy
+from rpr_solver.exports import to_maple, to_msolve, to_pari, to_sage, to_sympy
 from rpr_solver.exports.problem import Problem, problem_of
 
 _SCRIPTS: Mapping[str, Callable[[Problem], str]] = {
     "maple": to_maple.script,
+    "msolve": to_msolve.script,
     "pari": to_pari.script,
     "sage": to_sage.script,
     "sympy": to_sympy.script,
@@ -23,10 +24,11 @@ def export(document: Mapping[str, Any], system: str) -> str:
 
     The script derives J and E from the geometry, eliminates, and finds the cusps of each slice by the means
     of that system. It compares them with those of the document; its last line is ``agrees`` or ``differs``.
+    msolve gets a system of equations instead, whose real solutions are the cusps.
 
     Args:
-        document: a cusp table or a census, as JSON.
-        system: ``"maple"``, ``"pari"``, ``"sage"`` or ``"sympy"``.
+        document: a cusp table or a census, as JSON; for msolve a table of one slice.
+        system: ``"maple"``, ``"msolve"``, ``"pari"``, ``"sage"`` or ``"sympy"``.
 
     Raises:
         InputError: naming ``document`` or ``system``.

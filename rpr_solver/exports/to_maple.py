@@ -6,13 +6,14 @@ from rpr_solver.exports.problem import Leg, Problem
 from rpr_solver.exports.text import filled
 
 _SCRIPT = r"""
-restart: Digits := @PRECISION@:
+Digits := @PRECISION@:
 ZERO := Float(1, -iquo(@PRECISION@, 4)):
 
 # c, s: cosine and sine of alpha; d, e: of theta. A moving leg, seen from the fixed one, has the base point
 # (ax, ay) and the platform point (x, y*h); h is the height of the platform.
 SQUARE := @SQUARE@: ROOT := @SIGN@*sqrt(evalf(SQUARE)):
-reduced := F -> rem(rem(rem(expand(F), c^2 + s^2 - 1, c), d^2 + e^2 - 1, d), h^2 - SQUARE, h):
+modulo := (F, G, x) -> expand(rem(expand(F), G, x)):
+reduced := F -> modulo(modulo(modulo(F, c^2 + s^2 - 1, c), d^2 + e^2 - 1, d), h^2 - SQUARE, h):
 da := F -> reduced(c*diff(F, s) - s*diff(F, c)):
 dt := F -> reduced(d*diff(F, e) - e*diff(F, d)):
 along := (F, G) -> reduced(da(F)*dt(G) - dt(F)*da(G)):
@@ -27,7 +28,7 @@ halved := F -> numer(normal(subs(places(t, u), F))):
 
 small := (x, k, l) -> evalb(abs(x) < (@SIZE@ + l)^k*ZERO):
 near := (x, y) -> evalb(abs(x - y) <= Float(1, 2 - @DIGITS@)*max(1, abs(y))):
-degrees := proc(x, y)
+in_degrees := proc(x, y)
   local a;
   a := evalf(arctan(y, x)*180/Pi);
   if a < Float(1, 2 - @DIGITS@) - 180 then a + 360 else a end if
@@ -40,8 +41,8 @@ cusps := proc(l)
   J := along(f, g): Ef := along(f, J): Eg := along(g, J): Vf := along(f, Ef): Vg := along(g, Eg):
   j := halved(J):
   # the norm is rational; roots of the conjugate are no common zeros of J and E
-  r := rem(resultant(j, halved(Ef), t), h^2 - SQUARE, h):
-  r := rem(expand(r*subs(h = -h, r)), h^2 - SQUARE, h):
+  r := modulo(resultant(j, halved(Ef), t), h^2 - SQUARE, h):
+  r := modulo(r*subs(h = -h, r), h^2 - SQUARE, h):
   if r = 0 then error "J and E share a curve of poses" end if:
   found := []:
   at := F -> evalf(subs(p, h = ROOT, F)):
@@ -55,7 +56,7 @@ cusps := proc(l)
       if not small(at(J), 4, l) then next end if:
       if not small(at(`if`(along_g, Eg, Ef)), 6, l) then next end if:
       if small(at(`if`(along_g, Vg, Vf)), 8, l) then next end if:
-      a := [degrees(at(c), at(s)), degrees(at(d), at(e)), sqrt(abs(at(f))), sqrt(abs(at(g)))]:
+      a := [in_degrees(at(c), at(s)), in_degrees(at(d), at(e)), sqrt(abs(at(f))), sqrt(abs(at(g)))]:
       found := [op(found), a]:
     end do:
   end do:
@@ -64,15 +65,16 @@ end proc:
 
 same := (x, y) -> andmap(k -> near(x[k], y[k]), [1, 2, 3, 4]):
 right_ones := 0:
-check_slice := proc(name, l, count, expected)
+check_slice := proc(label, l, wanted, expected)
   global right_ones; local found, right, y;
-  found := cusps(l): right := evalb(nops(found) = count):
+  found := cusps(l): right := evalb(nops(found) = wanted):
   for y in expected do right := right and evalb(nops(select(same, found, y)) = 1) end do:
   if right then right_ones := right_ones + 1 end if:
-  printf("%s: %d cusps, %d expected: %s\n", name, nops(found), count, `if`(right, "agrees", "differs"))
+  printf("%s: %d cusps, %d expected: %s\n", label, nops(found), wanted, `if`(right, "agrees", "differs"))
 end proc:
 @CHECKS@
 printf("%s\n", `if`(right_ones = @SLICES@, "agrees", "differs")):
+`quit`(`if`(right_ones = @SLICES@, 0, 1)):
 """
 
 

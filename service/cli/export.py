@@ -1,5 +1,6 @@
 """Write a cusp table or a census as a script for another system, which computes the same anew from the
-geometry and compares: its last line is "agrees" or "differs"."""
+geometry and compares: its last line is "agrees" or "differs". For msolve, a slice is written as a system of
+equations."""
 
 from __future__ import annotations
 
@@ -25,7 +26,9 @@ examples:
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("document", metavar="FILE", help="a cusp table or a census as JSON, or -")
-    parser.add_argument("--to", required=True, choices=SYSTEMS, help="the system that runs the script")
+    parser.add_argument(
+        "--to", required=True, choices=SYSTEMS, help="the system that runs it; msolve takes one slice only"
+    )
     parser.add_argument(
         "-o", "--output", metavar="SCRIPT", help="the file to write (default: standard output)"
     )

@@ -9,7 +9,7 @@ from typing import Any
 
 from rpr_solver import Manipulator, export, table_document
 
-PROGRAMS = {"pari": ["gp", "-q"], "sympy": [sys.executable]}
+PROGRAMS = {"pari": ["gp", "-q"], "sage": ["sage", "-python"], "sympy": [sys.executable]}
 RATIONAL = Manipulator("4", "1", "3", "3", "4", "5")
 """With a rational height, so that SymPy is quick."""
 

@@ -19,8 +19,10 @@ from tests.support.scripts import RATIONAL
         (table_document(RATIONAL, [0], digits=15), "pari", "document.slices[0]"),
         (census(family("congruent"), digits=15).to_json(), "pari", "document"),
         (table_document(RATIONAL, [3], digits=15), "mathematica", "system"),
+        (table_document(RATIONAL, [2, 3], digits=15), "msolve", "document"),
+        (census(RATIONAL, digits=15, start=2, stop=4).to_json(), "msolve", "document"),
     ],
-    ids=["nothing", "half", "curve", "error", "census", "system"],
+    ids=["nothing", "half", "curve", "error", "census", "system", "two slices", "census for msolve"],
 )
 def test_what_cannot_be_exported_is_named(document: dict[str, Any], system: str, field: str) -> None:
     with pytest.raises(InputError) as caught:

@@ -7,7 +7,7 @@ from rpr_solver.exports.export import SYSTEMS
 from tests.support.scripts import table
 
 
-@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("system", sorted({*SYSTEMS} - {"msolve"}))
 def test_every_script_has_the_expected_cusps_as_comments_and_no_place_left_open(system: str) -> None:
     document = table(EXAMPLES["innocenti"], "14.98")
     script = export(document, system)

@@ -10,3 +10,9 @@ def test_brackets_procedures_and_loops_are_closed() -> None:
     assert script.count(" do") - script.count("end do") == script.count("end do") > 0
     assert script.count(" if ") - script.count("end if") >= 0
     assert all(script.count(a) == script.count(b) > 0 for a, b in ("()", "[]"))
+
+
+def test_it_ends_with_the_exit_status() -> None:
+    *_, said, status = export(table(EXAMPLES["innocenti"], "14.98", "27"), "maple").splitlines()
+    assert said == 'printf("%s\\n", `if`(right_ones = 2, "agrees", "differs")):'
+    assert status == "`quit`(`if`(right_ones = 2, 0, 1)):"
