@@ -15,7 +15,7 @@ from flint import arb, ctx, fmpz_poly
 
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.modular import simple_and_finite
-from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, all_decided, decided
+from rpr_solver.exact.precision import GREATEST_BITS, all_decided, decided
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.classify import PoseKind
@@ -29,6 +29,9 @@ from rpr_solver.slices.joint_points import ClassifiedPoint, point_of_pose
 from rpr_solver.slices.shared_curves import SliceForms, without_shared_curves
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.slices.special_points import special_poses
+
+_TIMES_BEFORE_EXACT = 32
+"""How many times the first precision is tried for a simple root, which enough of it always decides."""
 
 
 class LoneSlice:
@@ -85,7 +88,7 @@ class LoneSlice:
         start = first_bits(self.digits)
         finder = cache(partial(SlicePoses, self.slice_map, self.scaled))
         return all_decided(
-            lambda root, bits: self._cusp(finder, root, bits), roots, start, TIMES_BEFORE_EXACT * start
+            lambda root, bits: self._cusp(finder, root, bits), roots, start, _TIMES_BEFORE_EXACT * start
         )
 
     def _cusp(self, finder: Callable[[int], SlicePoses], root: RealRoot, bits: int) -> ClassifiedPoint | None:

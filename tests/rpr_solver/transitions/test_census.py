@@ -227,9 +227,9 @@ def test_ranges_without_lengths_are_refused() -> None:
 def test_csv_has_a_line_for_every_interval() -> None:
     document = census_of(EXAMPLES["zein-flat"]).to_json()
     lines = census_csv(document).splitlines()
-    assert lines[0] == "from,to,count,transition_at_end"
+    assert lines[0] == "from,to,count,transition_at_end,degenerate"
     assert len(lines) == 1 + len(document["intervals"])  # type: ignore[arg-type]
-    assert lines[-1].endswith(",,4,")
+    assert lines[-1].endswith(",,4,,")
 
 
 def test_progress_is_told() -> None:
