@@ -26,6 +26,7 @@ from rpr_solver.article.audit import article_document
 from worker.answers import article, censuses, checks, curves, poses, tables
 from worker.answers.cost import seconds, sizes
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
+from worker.process.preload import load_numpy, load_solver
 
 Case = tuple[str, Manipulator, Kind, dict[str, Any]]
 
@@ -117,6 +118,8 @@ def main() -> None:
     )
     parser.add_argument("--cap", type=int, default=10, help="seconds for one question (default: 10)")
     cap = parser.parse_args().cap
+    load_solver()
+    load_numpy()
     quotients: dict[str, list[float]] = defaultdict(list)
     print(f"{'question':<40}{'bits':>6}{'estimate [s]':>14}{'measured [s]':>14}{'quotient':>10}")
     for name, m, kind, content in cases():

@@ -9,8 +9,9 @@ import httpx
 from redis import Redis
 
 from service.api.settings import Settings
+from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.jobs import a_census, a_request, ended
+from tests.support.jobs import a_heavy_document, a_request, ended
 from tests.support.processes import PATIENCE, Workers, until
 from tests.support.service_server import GEOMETRY, serving
 from worker.jobs.queue import JobQueue
@@ -35,7 +36,7 @@ def test_small_questions_pass_heavy_ones(valkey: EmbeddedValkey, redis: Redis, w
     queue = blocking(redis)
     workers.start_odd("worker", "--duty", "light")
     workers.start()
-    heavy = [queue.submit(a_census(digits)).id for digits in (30, 31, 32)]
+    heavy = [queue.submit(a_heavy_document(digits)).id for digits in (30, 31, 32)]
     until(lambda: redis.llen("begun") == 1)
     with (
         serving(Settings(redis_url=valkey.url)) as url,
@@ -56,7 +57,7 @@ def test_heavy_and_bulk_chunks_take_turns(redis: Redis, workers: Workers) -> Non
     """Heavy and long jobs come to one worker. It serves both in turns, and neither waits for ever."""
     queue = blocking(redis)
     table = queue.submit(a_request(*map(str, range(1, 201)))).id
-    censuses = [queue.submit(a_census(digits)).id for digits in (30, 31, 32)]
+    censuses = [queue.submit(a_heavy_document(digits)).id for digits in (30, 31, 32)]
     redis.set("gate", "open")
     workers.start()
     assert {ended(queue, job).status for job in censuses} == {"succeeded"}
@@ -70,10 +71,11 @@ def test_heavy_and_bulk_chunks_take_turns(redis: Redis, workers: Workers) -> Non
 
 
 def test_what_would_hold_the_workers_is_not_queued(valkey: EmbeddedValkey, redis: Redis) -> None:
-    """Requests of 150 bytes would take minutes. They are refused before anything is queued."""
+    """Requests of 150 bytes would take longer than one request may. They are refused before anything is
+    queued."""
     body = {"geometry": EXTREME, "l1": "1e-200", "digits": 15}
     with (
-        serving(Settings(redis_url=valkey.url)) as url,
+        serving(Settings(redis_url=valkey.url, limits=Limits(max_cost_seconds=8))) as url,
         httpx.Client(base_url=url, timeout=PATIENCE) as client,
     ):
         answers = [client.post("/v1/cusp-tables", json={**body, "digits": digits}) for digits in (15, 16)]

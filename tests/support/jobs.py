@@ -7,7 +7,7 @@ from typing import Any
 
 from rpr_solver import EXAMPLES
 from tests.support.processes import until
-from worker.answers import censuses, poses, tables
+from worker.answers import curves, poses, tables
 from worker.answers.batches import new_batch
 from worker.answers.items import Item
 from worker.answers.requests import ALL_LENGTHS, JobRequest
@@ -28,9 +28,9 @@ def a_document() -> JobRequest:
     return JobRequest(poses.KIND, {**content, "digits": 20})
 
 
-def a_census(digits: int = 30) -> JobRequest:
+def a_heavy_document(digits: int = 30) -> JobRequest:
     content = {"geometry": EXAMPLES["innocenti"].to_json(), "fixed_leg": 1, "digits": digits}
-    return JobRequest(censuses.KIND, {**content, "range": ALL_LENGTHS})
+    return JobRequest(curves.KIND, {**content, "range": ALL_LENGTHS, "lengths": [], "samples": None})
 
 
 def table_of(queue: JobQueue, job_id: str) -> dict[str, Any]:

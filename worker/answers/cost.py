@@ -147,27 +147,28 @@ def _scale(x: Fraction) -> int:
 
 
 def _elimination(size: Sizes) -> float:
-    """Modulo so many primes, and the coefficients from their residues."""
-    return 0.016 * size.geometry + 1.4e-5 * size.geometry**2
+    """In balls at so many lengths, whose precision grows with the coefficients."""
+    return 0.02 + 0.003 * size.geometry + 4e-6 * size.geometry**2
 
 
 def _slice(size: Sizes) -> float:
     """In balls; lengths of very different sizes need a higher precision, and at last number fields."""
-    balls = 0.005 + 2e-5 * size.geometry + 6e-6 * size.lengths + 1.2e-5 * size.digits + 4e-6 * size.spread**2
+    numbers = 1e-5 * size.geometry + 5e-6 * size.lengths + 4e-6 * size.spread**2
+    balls = 0.002 + numbers + 2e-6 * size.digits + 8e-10 * size.digits**2
     return balls + (_exact_slice(size) if size.spread > _BALLS_SPREAD else 0.0)
 
 
 def _exact_slice(size: Sizes) -> float:
-    return 0.1 + 1e-3 * size.geometry**2
+    return 0.1 + 5e-6 * size.geometry**2
 
 
 def _article(size: Sizes) -> float:
-    return (0.3 + 0.03 * size.geometry + 0.0012 * size.geometry**2) * size.count
+    return (0.15 + 0.015 * size.geometry + 0.0006 * size.geometry**2) * size.count
 
 
 def _events(size: Sizes) -> float:
     """All transitions of a manipulator."""
-    return 2.0 + 0.15 * size.geometry + 0.003 * size.geometry**2 + 0.001 * size.digits
+    return 0.35 + 0.009 * size.geometry + 2.5e-5 * size.geometry**2 + 2e-4 * size.digits
 
 
 def _poses(size: Sizes) -> float:
@@ -176,8 +177,8 @@ def _poses(size: Sizes) -> float:
 
 def _plot(size: Sizes) -> float:
     """A slice that is traced, or all transitions, and curves sampled between them."""
-    drawing = 0.3 + _elimination(size) + 20 * _slice(size)
-    return drawing if size.count == 1 else 2.5 + _events(size) + _slice(size) * size.count
+    drawing = 0.15 + _elimination(size) + 2 * _slice(size)
+    return drawing if size.count == 1 else 1.4 + _events(size) + _slice(size) * size.count
 
 
 def parts_to_verify(document: Mapping[str, Any]) -> int:
@@ -216,5 +217,5 @@ _COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {
     certified.KIND: lambda size: Cost(0.0, _elimination(size) + 2 * _slice(size) * size.count),
     verifications.KIND: lambda size: Cost(0.0, _verification(size)),
     plots.KIND: lambda size: Cost(0.0, _plot(size)),
-    curves.KIND: lambda size: Cost(0.0, 2.5 + _events(size) + _slice(size) * size.count),
+    curves.KIND: lambda size: Cost(0.0, 1.4 + _events(size) + _slice(size) * size.count),
 }

@@ -70,15 +70,15 @@ def test_each_kind_has_a_cost_that_grows_with_each_size(kind: Kind) -> None:
     ("kind", "content", "geometry", "low", "high"),
     [
         # measured by benchmarks/cost.py; within a factor of three
-        (tables.KIND, {"l1": ["14.98"], "digits": 15}, INNOCENTI, 0.06, 0.6),
-        (tables.KIND, {"l1": [str(n) for n in range(1, 2001)], "digits": 15}, INNOCENTI, 2.5, 22),
-        (tables.KIND, {"l1": [str(n) for n in range(1, 2001)], "digits": 1000}, INNOCENTI, 10, 90),
-        (tables.KIND, {"l1": ["14.98"], "digits": 10_000}, INNOCENTI, 0.15, 1.4),
-        (tables.KIND, {"l1": ["1"], "digits": 15}, EXTREME, 4, 35),
-        (tables.KIND, {"l1": [TINY], "digits": 15}, EXTREME, 150, 1500),
-        (censuses.KIND, WHOLE, INNOCENTI, 0.7, 6),
-        (censuses.KIND, WHOLE, LONG, 600, 1e5),
-        (curves.KIND, CONTENTS[curves.KIND], LONG, 600, 1e5),
+        (tables.KIND, {"l1": ["14.98"], "digits": 15}, INNOCENTI, 0.02, 0.16),
+        (tables.KIND, {"l1": [str(n) for n in range(1, 2001)], "digits": 15}, INNOCENTI, 1, 9),
+        (tables.KIND, {"l1": [str(n) for n in range(1, 2001)], "digits": 1000}, INNOCENTI, 4, 30),
+        (tables.KIND, {"l1": ["14.98"], "digits": 10_000}, INNOCENTI, 0.05, 0.4),
+        (tables.KIND, {"l1": ["1"], "digits": 15}, EXTREME, 1.2, 11),
+        (tables.KIND, {"l1": [TINY], "digits": 15}, EXTREME, 1.5, 14),
+        (censuses.KIND, WHOLE, INNOCENTI, 0.15, 1.4),
+        (censuses.KIND, WHOLE, LONG, 10, 1e5),
+        (curves.KIND, CONTENTS[curves.KIND], LONG, 10, 1e5),
     ],
 )
 def test_estimates(

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from redis import Redis
 
-from tests.support.jobs import a_census, a_document, a_request
+from tests.support.jobs import a_document, a_heavy_document, a_request
 from tests.worker.jobs.test_queue import finish, refs, work
 from worker.jobs import scripts
 from worker.jobs.lanes import Place, QueueFullError
@@ -39,12 +39,12 @@ def test_chunks_go_to_the_lane_of_their_cost(queue: JobQueue) -> None:
     assert depths(queue) == {"small": 2}
     queue.submit(a_request("1", "2", "3", "4", fixed_leg=2))
     assert depths(queue) == {"small": 2, "bulk": 2}
-    queue.submit(a_census())
+    queue.submit(a_heavy_document())
     assert depths(queue) == {"small": 2, "bulk": 2, "heavy": 1}
 
 
 def test_a_known_eliminant_makes_a_table_lighter(redis: Redis) -> None:
-    queue = JobQueue(redis, WorkerSettings(chunk_seconds=0.1, heavy_seconds=0.1))
+    queue = JobQueue(redis, WorkerSettings(chunk_seconds=0.05, heavy_seconds=0.05))
     request = a_request("1", "2")
     assert queue.plan(request, 2).lane == "heavy"
     redis.set(queue.store.keys.eliminant(request.geometry_hash, 1), "{}")
@@ -52,7 +52,7 @@ def test_a_known_eliminant_makes_a_table_lighter(redis: Redis) -> None:
 
 
 def test_an_attempt_that_was_lost_goes_back_to_its_own_lane(queue: JobQueue) -> None:
-    queue.submit(a_census())
+    queue.submit(a_heavy_document())
     queue.redis.delete(queue.chunks.queues["heavy"].key)
     sweeper = Sweeper(queue.redis, queue.settings)
     while not depths(queue):
@@ -63,7 +63,7 @@ def test_an_attempt_that_was_lost_goes_back_to_its_own_lane(queue: JobQueue) -> 
 
 def test_the_place_of_a_job(queue: JobQueue) -> None:
     views = [queue.submit(a_request(str(n))) for n in (1, 2, 3)]
-    queue.submit(a_census())
+    queue.submit(a_heavy_document())
     each = queue.plan(a_request("1"), 1).seconds
     for i, view in enumerate(views):
         spot = place(queue, view.id)
@@ -94,11 +94,11 @@ def test_twice_the_workers_halve_the_wait(queue: JobQueue) -> None:
     assert alone is not None
     assert shared is not None
     assert shared.seconds == pytest.approx(alone.seconds / 2, abs=0.002)
-    first, second = (queue.submit(a_census(digits)) for digits in (30, 31))
+    first, second = (queue.submit(a_heavy_document(digits)) for digits in (30, 31))
     assert (first.status, second.status) == ("queued", "queued")
     heavy = place(queue, second.id)
     assert heavy is not None
-    assert heavy.seconds == pytest.approx(queue.plan(a_census(), 1).seconds, abs=0.01), (
+    assert heavy.seconds == pytest.approx(queue.plan(a_heavy_document(), 1).seconds, abs=0.01), (
         "one takes heavy chunks"
     )
 
@@ -143,14 +143,16 @@ def test_a_full_lane_refuses_jobs_and_others_do_not(redis: Redis) -> None:
     assert (full.value.lane, full.value.seconds) == ("small", pytest.approx(3 * each, abs=0.01))
     assert queue.get(a_request("4").job_id) is None
     assert queue.submit(a_request("2")) == accepted[1], "joining costs nothing"
-    assert queue.submit(a_census()).status == "queued", "another lane; a single job may be of any size"
+    assert queue.submit(a_heavy_document()).status == "queued", (
+        "another lane; a single job may be of any size"
+    )
     finish(queue)
     assert queue.submit(a_request("4")).status == "queued"
 
 
 def test_more_workers_have_more_room(redis: Redis) -> None:
     each = JobQueue(redis).plan(a_request("1"), 1).seconds
-    queue = JobQueue(redis, WorkerSettings(max_backlog=1.5 * each))
+    queue = JobQueue(redis, WorkerSettings(max_backlog=1.6 * each))
     for name in ("a", "b"):
         Roster(redis, queue.settings).beat(name)
     for n in (1, 2, 3):
