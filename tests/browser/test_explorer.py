@@ -65,6 +65,29 @@ def test_each_example(base_url: str, open_page: Open, photograph: Inspect) -> No
         photograph(page, name)
 
 
+def test_what_is_degenerate_throughout_is_said(base_url: str, open_page: Open, photograph: Inspect) -> None:
+    """Nor does it spoil the pictures: its curves have points at 180 degrees, and no cusp decides the view."""
+    page = open_page(f"{base_url}#g=3,0,4,3,5,4,ccw&l1=5&c=A&v=joint")
+    expect(page.locator("#census-degenerate li")).to_have_text(
+        [
+            "Degenerate: a curve of degenerate poses in every slice: alpha = 0 deg",
+            "Degenerate: 2 poses of kind node in every slice for L1 from 0 to 10",
+        ]
+    )
+    rows = [re.compile("curve.*alpha = 0 deg"), re.compile("^node"), re.compile("^node")]
+    expect(page.locator("#cusp-rows tr.degenerate")).to_have_text(rows)
+    photograph(page, "degenerate")
+    box = page.locator("#mechanism-board").bounding_box()
+    for name in ("Platform point B2", "Platform point B3"):
+        x, y = middle(page.get_by_label(name))
+        assert box["x"] < x < box["x"] + box["width"]
+        assert box["y"] < y < box["y"] + box["height"]
+    script = (
+        "import('/static/explorer/curves.js').then(({wrapped}) => wrapped([[172, 5], [180, 5], [187, 5]]))"
+    )
+    assert page.evaluate(script) == [[172, 5], [180, 5], None, [-180, 5], [-173, 5]]
+
+
 def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{INNOCENTI}&l1=14.98")
     count_is(page, "L1 = 14.98: 6 cusps")

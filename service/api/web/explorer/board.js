@@ -106,16 +106,26 @@ export function put(point, [x, y]) {
 export function fit(board, points, { room = ROOM, keepAspect = false } = {}) {
   const known = points.filter((point) => point && point.every(Number.isFinite));
   if (known.length === 0) return;
-  const [left, right] = extent(known.map(([x]) => x), board.canvasWidth, room.left, room.right);
-  const [low, high] = extent(known.map(([, y]) => y), board.canvasHeight, room.bottom, room.top);
+  const across = extent(known.map(([x]) => x), board.canvasWidth, room.left, room.right);
+  const upward = extent(known.map(([, y]) => y), board.canvasHeight, room.bottom, room.top);
+  const unit = keepAspect ? Math.max(across.unit, upward.unit) : null;
+  const [left, right] = ends(across, unit);
+  const [low, high] = ends(upward, unit);
   board.setBoundingBox([left, high, right, low], keepAspect);
 }
 
+/** The interval of the values, and the length of a pixel that shows it with room at both sides. */
 function extent(values, pixels, before, after) {
   let [low, high] = [Math.min(...values), Math.max(...values)];
   if (low === high) [low, high] = [low - Math.abs(low || 1) / 10, high + Math.abs(high || 1) / 10];
-  const unit = (high - low) / Math.max(pixels - before - after, 1);
-  return [low - before * unit, high + after * unit];
+  return { low, high, before, after, pixels, unit: (high - low) / Math.max(pixels - before - after, 1) };
+}
+
+/** The ends of an axis with that length of a pixel, or its own; what is left over is shared by both sides. */
+function ends({ low, high, before, after, pixels, unit: own }, unit) {
+  const length = unit ?? own;
+  const spare = (pixels * length - (high - low) - (before + after) * length) / 2;
+  return [low - before * length - spare, high + after * length + spare];
 }
 
 /** Buttons that zoom about a place, or show all again. */
@@ -130,5 +140,5 @@ export function bindZoom(toolbar, { zoom, showAll }) {
 export function zoomAbout(board, [x, y], factor) {
   const [left, high, right, low] = board.getBoundingBox();
   const [wide, tall] = [(right - left) / factor / 2, (high - low) / factor / 2];
-  board.setBoundingBox([x - wide, y + tall, x + wide, y - tall]);
+  board.setBoundingBox([x - wide, y + tall, x + wide, y - tall], board.keepaspectratio);
 }

@@ -32,6 +32,7 @@ export class CensusStrip {
     this.#windows = census ? windowsOf(census.intervals) : [];
     this.#slider.disabled = !census;
     fillTable(census);
+    fillDegenerate(census);
     this.#paint();
   }
 
@@ -161,6 +162,26 @@ function fillTable(census) {
     return row;
   });
   document.getElementById("census-rows").replaceChildren(...rows);
+}
+
+/** What is degenerate in every slice of a range, which no transition tells. */
+function fillDegenerate(census) {
+  const lines = (census?.degenerate ?? []).map((part) => {
+    const line = document.createElement("li");
+    line.textContent = `Degenerate: ${degenerateText(part)}`;
+    return line;
+  });
+  const list = document.getElementById("census-degenerate");
+  list.replaceChildren(...lines);
+  list.hidden = lines.length === 0;
+}
+
+function degenerateText({ kind, from, to, count, equation }) {
+  const range = `for L1 from ${shortened(from)}${to === null ? "" : ` to ${shortened(to)}`}`;
+  const throughout = from === "0" && to === null ? "in every slice" : `in every slice ${range}`;
+  const where = from === to ? `at L1 = ${shortened(from)}` : throughout;
+  if (kind !== "curve") return `${count} pose${count === 1 ? "" : "s"} of kind ${kind} ${where}`;
+  return `a curve of degenerate poses ${where}${equation === undefined ? "" : `: ${equation}`}`;
 }
 
 function shape(name, attributes, text = "") {

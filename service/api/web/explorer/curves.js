@@ -95,30 +95,35 @@ export function sliceOf(document, l1) {
 
 /** A line in continuous angles, cut where it leaves the square from −180 to 180 degrees. */
 export function wrapped(places) {
+  if (places.length < 2) return places.map((place) => place.map(inTurn));
   const out = [];
-  places.forEach((place, k) => {
-    if (k > 0) out.push(...crossings(places[k - 1], place));
-    out.push(place.map(inTurn));
+  places.slice(1).forEach((place, k) => {
+    for (const [start, end] of cutAtSeams(places[k], place)) {
+      const cell = start.map((x, axis) => 360 * Math.round((x + end[axis]) / 720)); // that of the middle: ends may lie on a seam
+      const [first, last] = [start, end].map((point) => point.map((x, axis) => x - cell[axis]));
+      if (!isAt(out.at(-1), first)) out.push(...(out.length > 0 ? [null, first] : [first]));
+      out.push(last);
+    }
   });
   return out;
 }
 
-function crossings(from, to) {
-  const shares = [0, 1].flatMap((axis) => {
-    const [low, high] = [Math.min(from[axis], to[axis]), Math.max(from[axis], to[axis])];
+/** The pieces of a segment between the seams at ±180°, ±540°, … of either angle. */
+function cutAtSeams(from, to) {
+  const shares = from.flatMap((start, axis) => {
+    const [low, high] = [Math.min(start, to[axis]), Math.max(start, to[axis])];
     const seams = [];
     for (let seam = Math.ceil((low - 180) / 360) * 360 + 180; seam < high; seam += 360) {
-      if (seam > low) seams.push((seam - from[axis]) / (to[axis] - from[axis]));
+      if (seam > low) seams.push((seam - start) / (to[axis] - start));
     }
     return seams;
   });
-  return shares.sort((a, b) => a - b).flatMap((share) => {
-    const at = (s) => from.map((x, axis) => x + s * (to[axis] - x));
-    const cell = (s) => at(s).map((x) => 360 * Math.round(x / 360));
-    const [before, after] = [cell(share - 1e-9), cell(share + 1e-9)];
-    return [at(share).map((x, axis) => x - before[axis]), null, at(share).map((x, axis) => x - after[axis])];
-  });
+  const at = (share) => from.map((x, axis) => x + share * (to[axis] - x));
+  const ends = [from, ...shares.sort((a, b) => a - b).map(at), to];
+  return ends.slice(1).map((end, k) => [ends[k], end]);
 }
+
+const isAt = (place, other) => Boolean(place) && Math.hypot(place[0] - other[0], place[1] - other[1]) < 1e-6;
 
 const inTurn = (degrees) => degrees - 360 * Math.round(degrees / 360);
 

@@ -65,7 +65,6 @@ export class JointSpace {
     while (this.#points.length > cusps.length) this.#board.removeObject(this.#points.pop());
     while (this.#points.length < cusps.length) this.#points.push(this.#point(this.#points.length));
     cusps.forEach((cusp, k) => put(this.#points[k], PLACES[view](cusp)));
-    this.#others.set((slice?.degenerate_points ?? []).flatMap((point) => crossAt(this.#board, PLACES[view](point))));
     this.#name(cusps.length > 0);
     this.select(selected);
     this.#finish();
@@ -90,7 +89,14 @@ export class JointSpace {
   #finish() {
     if (this.#unfitted > 0) this.showAll();
     this.#unfitted -= 1;
+    this.#crossOthers();
     this.#board.update();
+  }
+
+  /** Crosses the points that are no cusps; the strokes depend on the size of a pixel. */
+  #crossOthers() {
+    const places = (this.#slice?.degenerate_points ?? []).map(PLACES[this.#view]);
+    this.#others.set(places.flatMap((place) => crossAt(this.#board, place)));
   }
 
   select(index) {
@@ -154,6 +160,7 @@ export class JointSpace {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {
       this.#layer.set(this.#curves); // its labels depend on the size
+      this.#crossOthers();
       this.#board.update();
       this.#onZoom((this.#whole * this.#board.unitX) / this.#board.canvasWidth);
     }, REST);
@@ -175,6 +182,7 @@ export class JointSpace {
     this.#others = makeLine(this.#board, "degenerate", 8);
     this.#loop = makeLine(this.#board, "loop", 6);
     this.#here = makePoint(this.#board, "", { cssClass: "here-point", size: 5, layer: 8 });
+    this.#here.setAttribute({ visible: false });
     this.#here.rendNode.setAttribute("aria-hidden", "true");
     this.#group = this.#board.renderer.layer[9];
     this.#group.addEventListener("keydown", (event) => this.#key(event), true);

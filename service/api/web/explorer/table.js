@@ -94,7 +94,13 @@ function degenerateRow(point) {
   head.scope = "row";
   head.textContent = point.kind;
   row.append(head);
-  for (const name of COLUMNS) row.insertCell().textContent = point[name] === undefined ? "" : shortened(point[name], 8);
+  if (point.equation === undefined) {
+    for (const name of COLUMNS) row.insertCell().textContent = point[name] === undefined ? "" : shortened(point[name], 8);
+  } else {
+    const cell = row.insertCell();
+    cell.colSpan = COLUMNS.length;
+    cell.textContent = point.equation;
+  }
   return row;
 }
 
