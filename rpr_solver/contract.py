@@ -25,6 +25,10 @@ MOST_CUSPS = 24
 MOST_POSES = 6
 """No joint vector has more poses."""
 
+SHORT, FULL = "short", "full"
+CERTIFICATES = (SHORT, FULL)
+"""What a certificate holds: the usual, or all that a checker needs."""
+
 PATH_DIGITS = 15
 """The default number of significant digits of a path."""
 DEFAULT_SAMPLES = 101
@@ -55,6 +59,18 @@ def check_leg(fixed_leg: int, field: str = "fixed_leg") -> int:
     if isinstance(fixed_leg, bool) or not isinstance(fixed_leg, Integral) or fixed_leg not in (1, 2, 3):
         raise InputError.of(field, f"{shown(fixed_leg)} is not a leg; give 1, 2 or 3")
     return int(fixed_leg)
+
+
+def check_certificate(certificate: str) -> str:
+    """Returns what a certificate is to hold.
+
+    Raises:
+        InputError: naming ``certificate``: neither ``"short"`` nor ``"full"``.
+    """
+    if certificate not in CERTIFICATES:
+        expected = " or ".join(f'"{name}"' for name in CERTIFICATES)
+        raise InputError.of("certificate", f"is {shown(certificate)}; give {expected}")
+    return certificate
 
 
 def check_integer(value: int, field: str, expected: str, least: int, most: float = inf) -> int:

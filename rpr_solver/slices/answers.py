@@ -11,24 +11,23 @@ from typing import Any
 
 from rpr_solver.contract import (
     DEFAULT_DIGITS,
+    FULL,
+    SHORT,
     Progress,
+    check_certificate,
     check_digits,
     check_leg,
     check_type,
     document_head,
     silent,
 )
-from rpr_solver.errors import InputError, SolverError, shown
+from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.rationals import Exact, exact_str, one_or_more, parse_all, parse_exact
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.chunk import SliceChunk
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.full_certificate import full_certificate
-
-SHORT, FULL = "short", "full"
-CERTIFICATES = (SHORT, FULL)
-"""What a certificate holds: the usual, or all that a checker needs."""
 
 Solve = Callable[[Fraction], dict[str, Any]]
 """The contract's slice object for a length of the fixed leg, in the user's unit."""
@@ -107,7 +106,7 @@ class SliceAnswers:
         self, eliminant: Eliminant, lengths: Iterable[Fraction], digits: int, certificate: str = SHORT
     ) -> None:
         self._eliminant, self._digits = eliminant, digits
-        self._is_full = _check_certificate(certificate) == FULL
+        self._is_full = check_certificate(certificate) == FULL
         positive = [x for x in dict.fromkeys(lengths) if x > 0]
         self._places = {x: place for place, x in enumerate(positive)}
         self._chunk = SliceChunk(eliminant, positive, digits)
@@ -125,13 +124,6 @@ class SliceAnswers:
         if self._is_full:
             part["certificate"]["full"] = full_certificate(self._eliminant, length, part["cusps"])
         return part
-
-
-def _check_certificate(certificate: str) -> str:
-    if certificate not in CERTIFICATES:
-        expected = " or ".join(f'"{name}"' for name in CERTIFICATES)
-        raise InputError.of("certificate", f"is {shown(certificate)}; give {expected}")
-    return certificate
 
 
 def slices_json(

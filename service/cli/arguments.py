@@ -14,6 +14,7 @@ from typing import TypeVar
 from pydantic import TypeAdapter
 
 from rpr_solver import EXAMPLES, Manipulator
+from rpr_solver.contract import CERTIFICATES, SHORT
 from rpr_solver.errors import InputError
 from service.schemas.document import Source, named, part, read
 from service.schemas.exact_json import JsonError, parse_json
@@ -79,6 +80,12 @@ def add_slice(parser: argparse.ArgumentParser, text: str) -> None:
 def add_digits(parser: argparse.ArgumentParser, default: int) -> None:
     """Add `--digits`."""
     parser.add_argument("--digits", metavar="N", help=f"significant digits, 15 to 1000 (default: {default})")
+
+
+def add_certificate(parser: argparse.ArgumentParser) -> None:
+    """Add `--certificate`."""
+    text = f"full: with all that a checker needs, see verify; in JSON only (default: {SHORT})"
+    parser.add_argument("--certificate", choices=CERTIFICATES, default=SHORT, help=text)
 
 
 def add_format(parser: argparse.ArgumentParser, *more: str) -> None:

@@ -15,7 +15,7 @@ from service.cli import arguments, output, remote
 from service.cli.pages import failures, write_table
 from service.cli.progress import progress_bar
 from service.schemas.forms import csv_header, csv_lines, ndjson_line
-from service.schemas.tables import ARTICLE, CERTIFICATES, METHODS, CuspTableRequest
+from service.schemas.tables import ARTICLE, METHODS, CuspTableRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
@@ -52,12 +52,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=METHODS[0],
         help="article: the article's own algorithm with an audit; slower, leg 1 only (default: fast)",
     )
-    parser.add_argument(
-        "--certificate",
-        choices=CERTIFICATES,
-        default=CERTIFICATES[0],
-        help="full: with all that a checker needs, see verify; in JSON only (default: short)",
-    )
+    arguments.add_certificate(parser)
     remote.add_url(parser)
 
 

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from rpr_solver import exact_str
+from rpr_solver.contract import FULL
 from rpr_solver.errors import InputError
 from service.schemas.article_audit import Audit
 from service.schemas.document import Source
@@ -22,8 +23,6 @@ from worker.answers.requests import Kind
 
 ARTICLE = "article"
 METHODS = ("fast", ARTICLE)
-FULL = "full"
-CERTIFICATES = ("short", FULL)
 
 _SCAN = {"from": "0.1", "to": "50.1", "step": "0.1"}
 _TURNED = {**EXAMPLE_GEOMETRY, "d1": "426/25", "orientation": "ccw"}
