@@ -122,13 +122,21 @@ class Triple:
         self, alpha: Fraction, theta: Fraction, length: Fraction, bits: int
     ) -> list[Interval] | None:
         """A proved box near angles in degrees and a scaled length."""
-        degree = max(len(p) for p in self.functions)
-        size = self.coefficient_bits + degree * (abs(length.numerator) // length.denominator).bit_length()
-        for work in precisions(bits + size):
-            start = radians(alpha, work), radians(theta, work), Interval.of(length, work)
-            if (zero := proved_zero(self, start, bits)) is not None:
-                return zero
+        shift = (abs(length.numerator) // length.denominator).bit_length()
+        near_one = self._in_units_of(shift)
+        for work in precisions(bits + shift + near_one.coefficient_bits):
+            start = radians(alpha, work), radians(theta, work), Interval.of(length / (1 << shift), work)
+            zero = proved_zero(near_one, start, bits + shift)
+            if zero is not None:
+                return [*zero[:2], zero[2].scaled(1 << shift)]
         return None
+
+    def _in_units_of(self, shift: int) -> Triple:
+        """The same equations, the length being a multiple of 2^shift: of the size of the angles."""
+        first, second, third = (
+            tuple(_multiple(row, 1 << (shift * k)) for k, row in enumerate(p)) for p in self.functions
+        )
+        return Triple((first, second, third), self.radicand)
 
 
 def value(here: Directions, p: Graded, length: Interval) -> Interval:

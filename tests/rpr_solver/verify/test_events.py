@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rpr_solver import EXAMPLES, ClaimStatus, census
+from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, census
 from rpr_solver.verify.events import event_finding
 from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.printed import Printed
@@ -39,3 +39,14 @@ def test_lips_and_beaks_are_told_apart(digits: int) -> None:
     assert event_finding(surface, digits, length, event, "/x")[0] is ClaimStatus.PROVED
     wrong = event_finding(surface, digits, length, {**event, "kind": "lips"}, "/x")
     assert wrong == (ClaimStatus.REFUSED, "the Hessian of J is not that of lips")
+
+
+def test_an_event_where_inputs_have_as_many_digits_as_it_is_printed_with() -> None:
+    sides = ("10.50574108981997", "-12.01173661051592", "-5.30692247377106")
+    m = Manipulator(*sides, "13.26111964865003", "11.59790153732381", "9.30259012975855")
+    document = census(m, digits=15, fixed_leg=3, start="4.26", stop="4.27").to_json()
+    [row] = document["transitions"]
+    [event] = row["events"]
+    surface = Surface.of(Geometry.of(document), 3)
+    assert event["kind"] == "beak-to-beak"
+    assert event_finding(surface, 15, Printed.of(row["l3"], "l3"), event, "/x")[0] is ClaimStatus.PROVED

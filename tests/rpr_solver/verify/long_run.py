@@ -1,0 +1,159 @@
+"""The long run of the verifier: random documents are accepted, and mutations of them refused.
+
+    python -m tests.rpr_solver.verify.long_run [KIND ...] [--documents 100] [--first 0] [--mutations 2]
+
+Kinds are tables, censuses and curves. Document n of a kind is the same in every run with the same seed, so
+that a run may be done in parts (``--first``) and a failure be repeated alone. The manipulators are general,
+of every degenerate family, with long decimals, and very large or small. Prints every failure as it is
+found, then the numbers, and exits with status 1 if there was a failure.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+from rpr_solver import (
+    InputError,
+    Manipulator,
+    SolverError,
+    census,
+    cusp_curves,
+    table_document,
+    verify_document,
+)
+from tests.rpr_solver.long_run import NAMES, manipulator
+from tests.support.families import FAMILIES, family
+from tests.support.mutations import OF_CENSUSES, OF_CURVES, OF_TABLES, Document, Mutation, mutated
+
+_SCALES = (Fraction(1, 10**6), Fraction(1, 1000), Fraction(1000), Fraction(10**6))
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A random manipulator with what is asked of it."""
+
+    sort: str
+    manipulator: Manipulator
+    scale: Fraction
+    leg: int
+    draw: random.Random
+
+
+def drawn(seed: int, kind: str, n: int) -> Drawn:
+    """The question of document n."""
+    draw = random.Random(f"{seed} {kind} {n}")
+    scale = Fraction(1)
+    match n % 5:
+        case 0:
+            sort = list(FAMILIES)[n // 5 % len(FAMILIES)]
+            m = family(sort)
+        case 1:
+            sort, scale = "scaled", draw.choice(_SCALES)
+            m = manipulator(draw)
+            m = replace(m, **{name: getattr(m, name) * scale for name in NAMES})
+        case 2:
+            sort, m = "long", _long(draw)
+        case _:
+            sort, m = "general", manipulator(draw)
+    return Drawn(sort, m, scale, n // 5 % 3 + 1 if n % 5 == 0 else draw.choice([1, 2, 3]), draw)
+
+
+def _long(draw: random.Random) -> Manipulator:
+    """Sides of 15 to 30 digits."""
+    while True:
+        places = draw.choice([14, 20, 28])
+        low = (5, -15, -15, 5, 5, 5)
+        values = [Fraction(draw.randint(x * 10**places, 15 * 10**places), 10**places) for x in low]
+        try:
+            return Manipulator(*values, orientation=draw.choice(["ccw", "cw"]))
+        except InputError:
+            continue
+
+
+def table(question: Drawn) -> Document:
+    """A table of two slices."""
+    lengths = [question.scale * Fraction(question.draw.randint(1, 400), 10) for _ in range(2)]
+    digits = question.draw.choice([15, 30, 90])
+    return table_document(question.manipulator, lengths, digits=digits, fixed_leg=question.leg)
+
+
+def whole_census(question: Drawn) -> Document:
+    """A census of all lengths."""
+    digits = question.draw.choice([15, 30])
+    return census(question.manipulator, digits=digits, fixed_leg=question.leg).to_json()
+
+
+def some_curves(question: Drawn) -> Document:
+    """The curves of a small window."""
+    start = question.scale * Fraction(question.draw.randint(1, 400), 10)
+    curves = cusp_curves(question.manipulator, digits=15, fixed_leg=question.leg)
+    stop = start + question.scale * question.draw.choice([1, 4])
+    lengths = [start + (stop - start) * Fraction(k, 3) for k in (1, 2)]
+    return curves.part(start, stop, lengths=lengths).to_json()
+
+
+KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Mutation, ...]]] = {
+    "tables": (table, OF_TABLES),
+    "censuses": (whole_census, OF_CENSUSES),
+    "curves": (some_curves, OF_CURVES),
+}
+
+
+def run(kind: str, n: int, arguments: Any, counts: Counter[str]) -> None:
+    """Document n: a failure is printed and counted."""
+    make, mutations = KINDS[kind]
+    question = drawn(arguments.seed, kind, n)
+    about = f"{kind} {n}: {question.sort}, {question.manipulator}, leg {question.leg}"
+    try:
+        document = json.loads(json.dumps(make(question)))
+    except SolverError as error:
+        print(f"{about}: no document: {error}", flush=True)
+        counts["no document"] += 1
+        return
+    answer = verify_document(document)
+    counts["documents accepted" if answer.accepted else "DOCUMENTS REFUSED"] += 1
+    counts.update(f"claims {claim.status.value}" for claim in answer.claims)
+    for claim in answer.refused:
+        print(f"{about}: REFUSED at {claim.at}: {claim.claim}: {claim.reason}", flush=True)
+    chosen = mutations[n % len(mutations) :] + mutations[: n % len(mutations)]
+    for done, wrong in mutated(document, chosen, arguments.mutations, n):
+        refused = not verify_document(wrong).accepted
+        counts["mutations refused" if refused else "MUTATIONS ACCEPTED"] += 1
+        counts[f"{kind}: {done.split(' of ')[0]}"] += 1
+        if not refused:
+            print(f"{about}: ACCEPTED with {done}", flush=True)
+
+
+def main() -> int:
+    """Runs a part of the long run."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("kinds", nargs="*", default=[*KINDS], metavar="KIND", help="tables, censuses, curves")
+    parser.add_argument("--documents", type=int, default=100, help="of each kind")
+    parser.add_argument("--first", type=int, default=0, help="number of the first document")
+    parser.add_argument("--mutations", type=int, default=2, help="of each document")
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    failed = False
+    for kind in arguments.kinds:
+        counts: Counter[str] = Counter()
+        start = time.process_time()
+        for n in range(arguments.first, arguments.first + arguments.documents):
+            run(kind, n, arguments, counts)
+            if n % 10 == 9:
+                print(f"{kind}: {n + 1} in {time.process_time() - start:.0f} s", flush=True)
+        print(kind, *(f"  {number:5} {name}" for name, number in sorted(counts.items())), sep="\n")
+        failed = failed or bool(counts["DOCUMENTS REFUSED"] or counts["MUTATIONS ACCEPTED"])
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
