@@ -50,6 +50,7 @@ function makeAxis(board, name, k) {
       majorTickEndings: [1, 1],
       ticksPerLabel: 1,
       insertTicks: true,
+      generateLabelText: (tick, zero) => tickText(tick.usrCoords[k + 1] - zero.usrCoords[k + 1]),
       minTicksDistance: k === 0 ? 60 : 40,
       label: {
         ...PLAIN,
@@ -61,6 +62,14 @@ function makeAxis(board, name, k) {
       },
     },
   });
+}
+
+/** A number on an axis: short, also if it is large or small. */
+function tickText(value) {
+  const rounded = Number(value.toPrecision(6));
+  const size = Math.abs(rounded);
+  const text = size === 0 || (size >= 1e-3 && size < 1e5) ? String(rounded) : rounded.toExponential();
+  return text.replaceAll("-", "−").replace("e+", "e");
 }
 
 /** A line through points, or the area within; `set` moves it, and gaps are points that are null. */
