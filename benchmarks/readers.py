@@ -68,7 +68,7 @@ def running_job(queue: JobQueue, slices: int, digits: int) -> tuple[str, Callabl
             chunk = queue.records.start(ref)
             assert chunk is not None
             for offset, x in enumerate(chunk.parts):
-                queue.records.put_slice(ref, chunk, offset, {**one, "l1": x})
+                queue.records.put_slices(ref, chunk, offset, [{**one, "l1": x}])
                 time.sleep(0.005)
 
     return request.job_id, run

@@ -49,7 +49,7 @@ class WorkerSettings(BaseSettings):
         default="worker.process.tasks.run_chunk", description="dotted name of the function that runs a chunk"
     )
 
-    chunk_size: PositiveInt = Field(default=40, description="maximum number of slices or items in one chunk")
+    chunk_size: PositiveInt = Field(default=128, description="maximum number of slices or items in one chunk")
     chunk_seconds: PositiveFloat = Field(
         default=1.0, description="estimated work in one chunk of a table or a batch, in seconds of one core"
     )

@@ -134,7 +134,7 @@ def test_a_slice_whose_horse_dies_each_time_is_an_error_among_others(
     redis: Redis, workers: Workers, task: str, kind: str
 ) -> None:
     """One slice's work horse crashes, is killed, leaves or runs out of memory at every attempt. That slice is
-    an error in the table; the others are computed, none twice.
+    an error in the table; the others are computed, and none twice that was kept.
     """
     worker = workers.start(max_losses=1, memory_limit_mb=1024, task=f"tests.support.hard_tasks.{task}")
     queue = jobs(redis, task)

@@ -170,7 +170,7 @@ def test_slices_that_are_known_wait_for_no_worker(idle_url: str, idle_queue: Job
     eliminant = rpr_solver.eliminate(ZEIN)
     known = {l1: rpr_solver.slice_json(eliminant, Fraction(l1), 15) for l1 in ("3", "5")}
     for l1, part in known.items():
-        idle_queue.store.put_slice(asked.question.job_request(), l1, part)
+        idle_queue.store.put_slices(asked.question.job_request(), {l1: part})
 
     async def main() -> list[Any]:
         parts: list[Any] = []

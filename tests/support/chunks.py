@@ -11,17 +11,19 @@ def refs(queue: JobQueue) -> list[ChunkRef]:
     return sorted((entry.ref for entry in queue.records.open_chunks()), key=lambda ref: ref.index)
 
 
-def work(queue: JobQueue, ref: ChunkRef, slices: int = 100, *, error: str = "") -> None:
+def work(
+    queue: JobQueue, ref: ChunkRef, slices: int = 100, *, error: str = "", one_by_one: bool = True
+) -> None:
     """Process a chunk, or its first slices, as a worker does."""
     chunk = queue.records.start(ref)
     assert chunk is not None
-    assert queue.records.begin_slices(ref)
+    assert queue.records.begin_slices(ref, one_by_one=one_by_one)
     for offset in range(chunk.offset, min(chunk.offset + slices, len(chunk.parts))):
         l1 = chunk.parts[offset]
         value: dict[str, object] = {"l1": l1, "count": 0, "cusps": []}
         if l1 == error:
             value = {"l1": l1, "error": {"type": "solver-error", "detail": "undecided"}}
-        queue.records.put_slice(ref, chunk, offset, value)
+        queue.records.put_slices(ref, chunk, offset, [value])
 
 
 def finish(queue: JobQueue) -> None:

@@ -46,5 +46,5 @@ def run_job(queue: JobQueue, count: int) -> Iterator[str]:
         chunk = queue.records.start(ref)
         assert chunk is not None
         for offset, l1 in enumerate(chunk.parts):
-            queue.records.put_slice(ref, chunk, offset, {**_slice(), "l1": l1})
+            queue.records.put_slices(ref, chunk, offset, [{**_slice(), "l1": l1}])
             yield request.job_id

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,8 +11,8 @@ import rpr_solver
 from worker.answers.kinds import compute, known_document, missing_parts, request_from_json
 from worker.answers.requests import JobRequest
 from worker.answers.single_flight import single_flight
-from worker.answers.store import ResultStore, dump
-from worker.answers.tables import SliceSolver, eliminant_of, look_up
+from worker.answers.store import ResultStore, SliceJson, dump
+from worker.answers.tables import Group, SliceSolver, eliminant_of, look_up
 
 
 @dataclass(frozen=True)
@@ -110,11 +110,18 @@ class ItemSolver:
         if not absent:
             return errors
         solve = SliceSolver(self._eliminant_of(request), request, absent)
+
+        def keep(values: Sequence[tuple[str, SliceJson]]) -> bool:
+            self.store.put_slices(request, dict(values))
+            return True
+
+        group = Group(keep)
         for l1 in absent:
             value = solve(l1)
-            self.store.put_slice(request, l1, value)
             if "error" in value:
                 errors[l1] = value
+            group.add((l1, value))
+        group.close()
         return errors
 
     def _eliminant_of(self, request: JobRequest) -> rpr_solver.Eliminant:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
@@ -31,25 +31,34 @@ end
 return measured
 """
 
-KEEP_SLICE = """
--- Keeps a slice; an answer that is known has its lifetime renewed, and is never replaced by an error.
-local function keep_slice(slice, known_digits, json, is_error, digits, ttl)
-    if not redis.call('SET', slice, json, 'EX', ttl, 'NX') and not is_error then
-        redis.call('EXPIRE', slice, ttl)
+KEEP_SLICES = """
+-- Keeps slices: their keys are KEYS[keys + 1], …; of each, ARGV has from args + 1 on its length, its JSON and
+-- whether this is an error. A known answer has its lifetime renewed, and is never replaced by an error.
+local function keep_slices(keys, args, known_digits, digits, ttl, error_ttl)
+    local slices, is_one_known = {}, false
+    for i = 1, #KEYS - keys do
+        local l1, json, is_error = unpack(ARGV, args + 3 * i - 2, args + 3 * i)
+        is_error = is_error == '1'
+        if not redis.call('SET', KEYS[keys + i], json, 'EX', is_error and error_ttl or ttl, 'NX')
+                and not is_error then
+            redis.call('EXPIRE', KEYS[keys + i], ttl)
+        end
+        is_one_known = is_one_known or not is_error
+        slices[i] = {l1 = l1, json = json, is_error = is_error}
     end
-    if not is_error then
+    if is_one_known then
         redis.call('SADD', known_digits, digits)
         redis.call('EXPIRE', known_digits, ttl)
     end
+    return slices
 end
 """
-"""The Lua function that keeps a slice."""
+"""The Lua function that keeps slices."""
 
 _KEEP = (
-    KEEP_SLICE
+    KEEP_SLICES
     + """
-local json, is_error, digits, ttl = unpack(ARGV)
-keep_slice(KEYS[1], KEYS[2], json, is_error == '1', digits, ttl)
+keep_slices(1, 3, KEYS[1], unpack(ARGV, 1, 3))
 """
 )
 
@@ -154,14 +163,13 @@ class ResultStore:
                 self._note_digits(pipe, request)
                 pipe.execute()
 
-    def put_slice(self, request: JobRequest, l1: str, value: SliceJson) -> None:
-        """Keep a slice of a request, or the error in its place."""
-        geometry = request.geometry_hash, request.fixed_leg
-        failed = "error" in value
-        ttl = self.settings.error_ttl if failed else self.settings.result_ttl
+    def put_slices(self, request: JobRequest, slices: Mapping[str, SliceJson]) -> None:
+        """Keep slices of a request, or the errors in their place."""
+        known_digits = self.keys.digits(request.geometry_hash, request.fixed_leg)
+        settings = self.settings
         self._keep(
-            keys=[self.keys.slice(*geometry, request.digits, l1), self.keys.digits(*geometry)],
-            args=[dump(value), int(failed), request.digits, ttl],
+            keys=[known_digits, *self.slice_keys(request, list(slices))],
+            args=[request.digits, settings.result_ttl, settings.error_ttl, *told(slices.items())],
         )
 
     def get_eliminant(self, request: JobRequest) -> rpr_solver.Eliminant | None:
@@ -259,9 +267,17 @@ class ResultStore:
         pipe.expire(key, self.settings.result_ttl)
 
 
+_encode = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False).encode
+
+
 def dump(value: object) -> str:
     """Returns compact JSON, as it is stored."""
-    return json.dumps(value, separators=(",", ":"), ensure_ascii=False)
+    return _encode(value)
+
+
+def told(slices: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str | int]:
+    """Returns slices as arguments of a script with :data:`KEEP_SLICES`."""
+    return [said for l1, value in slices for said in (l1, dump(value), int("error" in value))]
 
 
 def _parse(l1: Sequence[str], values: Sequence[bytes | None]) -> dict[str, SliceJson]:

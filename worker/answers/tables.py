@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Sequence
+import time
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from typing import Generic, TypeVar
 
 import rpr_solver
 from worker.answers.requests import JobRequest, Kind
@@ -12,9 +14,16 @@ from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore, SliceJson
 from worker.answers.stored_tables import in_groups
 
+T = TypeVar("T")
+
 log = logging.getLogger("rpr_cusps.worker")
 
 KIND = Kind("cusp-table", "ct-", unit="slices", by_slices=True)
+
+GROUP_SECONDS = 0.04
+"""Seconds of work on slices that are kept together; so much, at most, is repeated if a work horse dies."""
+
+GROUP_SLICES = 64
 
 INTERNAL = "An unexpected error; the worker's log has the details."
 
@@ -71,6 +80,35 @@ class SliceSolver:
         except Exception:
             log.exception("slice l1=%s of %s failed", l1, self._request.geometry_hash)
             return error(self._request, l1, "internal-error", INTERNAL)
+
+
+class Group(Generic[T]):
+    """Slices that are solved and not kept yet: together they cost the store a fraction of one by one.
+
+    Args:
+        keep: keeps slices in the order in which they were added; gives False if the others are not wanted.
+        one_by_one: whether each slice is kept as soon as it is solved.
+    """
+
+    def __init__(self, keep: Callable[[Sequence[T]], bool], *, one_by_one: bool = False) -> None:
+        self._keep = keep
+        self._most = 1 if one_by_one else GROUP_SLICES
+        self._slices: list[T] = []
+        self._began = time.monotonic()
+
+    def add(self, value: T) -> bool:
+        """Add a slice, and keep the group if it is large or old enough; False if no more are wanted."""
+        self._slices.append(value)
+        if len(self._slices) < self._most and time.monotonic() - self._began < GROUP_SECONDS:
+            return True
+        return self.close()
+
+    def close(self) -> bool:
+        """Keep what is left, and begin a new group; returns False if no more are wanted."""
+        kept, self._slices = self._slices, []
+        is_wanted = self._keep(kept) if kept else True
+        self._began = time.monotonic()
+        return is_wanted
 
 
 def error(request: JobRequest, l1: str, kind: str, detail: str) -> SliceJson:

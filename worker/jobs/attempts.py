@@ -44,13 +44,16 @@ class ChunkEntry:
 class Chunk:
     """Some parts of a request, the position of the first one in the job, and how many of them are done.
 
-    `origin` has the id of the HTTP request that made the job, if one did, and its trace.
+    Attributes:
+        has_losses: whether a work horse, or its worker, was lost since the last part was done.
+        origin: the id of the HTTP request that made the job, if one did, and its trace.
     """
 
     request: JobRequest
     parts: tuple[str, ...]
     first_position: int
     offset: int = 0
+    has_losses: bool = False
     origin: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -61,9 +64,11 @@ def entry_of(job_id: str, run: bytes, index: bytes, entry: bytes) -> ChunkEntry:
 
 
 def chunk_of(
-    ref: ChunkRef, offset: int, request: bytes, todo: bytes, size: bytes, origin: bytes | None = None
+    entry: ChunkEntry, request: bytes, todo: bytes, size: bytes, origin: bytes | None = None
 ) -> Chunk:
-    """Reads a chunk from fields of the record of its job."""
-    first = ref.index * int(size)
+    """Reads a chunk from its entry and fields of the record of its job."""
+    first = entry.ref.index * int(size)
     parts = tuple(json.loads(todo)[first : first + int(size)])
-    return Chunk(request_from_json(request), parts, first, offset, json.loads(origin or "{}"))
+    has_losses = entry.horses_lost + entry.workers_lost > 0
+    question = request_from_json(request)
+    return Chunk(question, parts, first, entry.offset, has_losses, json.loads(origin or "{}"))

@@ -40,7 +40,7 @@ if redis.call('SETBIT', bits, item, 1) == 1 then return 1 end
 if outcome ~= '' then redis.call('HSET', errors, item, outcome) end
 if is_failed == '1' then redis.call('HINCRBY', record, 'failed', 1) end
 local event = {'type', 'item', 'item', item, 'status', is_failed == '1' and 'failed' or 'succeeded'}
-return count_part(record, chunks, bits, errors, events, active, ends, job_id, job_ttl, event)
+return count_parts(record, chunks, bits, errors, events, active, ends, job_id, job_ttl, {event})
 """
 
 ItemState = Literal["open", "succeeded", "failed"]

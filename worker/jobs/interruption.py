@@ -25,14 +25,23 @@ def run_again(
 def give_up(records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, kind: str, detail: str) -> bool:
     """Give up the slice or item at which a chunk is, and have the others computed; False when none is left.
 
-    A chunk that was at none, such as a document, fails its job. `kind` and `detail` say why.
+    A chunk that was at none, such as a document, fails its job. One that was ahead of what it had kept runs
+    again, slice by slice, until it is known which one to give up. `kind` and `detail` say why.
     """
+    if is_ahead(records, ref):
+        return _enqueue(records, chunks, records.reopen(ref, "horses"))
     batches = Batches(records.redis, records.settings)
     put = batches.give_up_item if is_batch(ref.job_id) else records.put_slice_error
     if put(ref, kind, detail):
         return _enqueue(records, chunks, records.reopen(ref))
     fail(records, chunks, ref, kind, detail)
     return False
+
+
+def is_ahead(records: JobRecords, ref: ChunkRef) -> bool:
+    """Whether the chunk solves slices of which it has not kept the one before."""
+    current = records.current(ref)
+    return current is not None and current[0].state == "ahead"
 
 
 def place(records: JobRecords, ref: ChunkRef) -> int:

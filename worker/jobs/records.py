@@ -18,12 +18,13 @@ from worker.answers import tables
 from worker.answers.keys import ResultKeys
 from worker.answers.kinds import request_from_json
 from worker.answers.requests import JobRequest
-from worker.answers.store import dump
+from worker.answers.store import dump, told
 from worker.jobs import scripts
 from worker.jobs.announcements import VIEW_FIELDS
 from worker.jobs.attempts import Chunk, ChunkEntry, ChunkRef, Lost, chunk_of, entry_of
 from worker.jobs.keys import Keys
 from worker.jobs.lanes import Lane, Place, Plan, QueueFullError
+from worker.jobs.slices import SLICES
 from worker.logs import subject
 from worker.settings import WorkerSettings
 
@@ -79,7 +80,7 @@ class JobRecords:
         self._end_beat = self._script(scripts.END_BEAT)
         self._start = self._script(scripts.START)
         self._solve = self._script(scripts.SOLVE)
-        self._slice = self._script(scripts.SLICE)
+        self._slices = self._script(SLICES)
         self._progress = self._script(scripts.PROGRESS)
         self._document = self._script(scripts.DOCUMENT)
         self._end = self._script(scripts.END)
@@ -160,28 +161,34 @@ class JobRecords:
         )
         if not reply:
             return None
-        return chunk_of(ref, *reply)
+        return chunk_of(_entry(ref, reply[0]), *reply[1:])
 
-    def begin_slices(self, ref: ChunkRef) -> bool:
-        """Record that the chunk solves single slices from now on; returns False if this attempt is over."""
+    def begin_slices(self, ref: ChunkRef, *, one_by_one: bool) -> bool:
+        """Record that the chunk solves slices from now on; returns False if this attempt is over.
+
+        `one_by_one`: each is kept before the next is solved, so that a loss is due to the one at hand.
+        """
         keys = self.keys.job(ref.job_id)
-        return bool(self._solve(keys=[keys.record, keys.chunks], args=[ref.run, ref.index, ref.attempt]))
+        args = (ref.run, ref.index, ref.attempt, "solving" if one_by_one else "ahead")
+        return bool(self._solve(keys=[keys.record, keys.chunks], args=args))
 
-    def put_slice(self, ref: ChunkRef, chunk: Chunk, offset: int, value: Mapping[str, Any]) -> bool:
-        """Keep and count the result of the chunk's slice `offset`; returns False if this attempt is over."""
-        settings, request, l1 = self.settings, chunk.request, chunk.parts[offset]
+    def put_slices(
+        self, ref: ChunkRef, chunk: Chunk, offset: int, values: Sequence[Mapping[str, Any]]
+    ) -> bool:
+        """Keep and count results of the chunk, from its slice `offset` on; False if this attempt is over."""
+        settings, request = self.settings, chunk.request
+        parts = chunk.parts[offset : offset + len(values)]
         keys = self.keys.job(ref.job_id)
         geometry = request.geometry_hash, request.fixed_leg
-        failed = "error" in value
-        reply = self._slice(
-            keys=[
-                self.result_keys.slice(*geometry, request.digits, l1), self.result_keys.digits(*geometry),
-                *keys, self.keys.active, self.keys.ends,
-            ],
+        slices = [self.result_keys.slice(*geometry, request.digits, l1) for l1 in parts]
+        reply = self._slices(
+            keys=[self.result_keys.digits(*geometry), *keys, self.keys.active, self.keys.ends, *slices],
             args=[
-                ref.job_id, ref.run, ref.index, ref.attempt, offset, int(offset == len(chunk.parts) - 1),
-                chunk.first_position + offset, l1, dump(value), int(failed), request.digits,
-                settings.error_ttl if failed else settings.result_ttl, settings.job_ttl,
+                ref.job_id, ref.run, ref.index, ref.attempt,
+                offset, int(offset + len(values) == len(chunk.parts)), chunk.first_position + offset,
+                request.digits,
+                settings.result_ttl, settings.error_ttl, settings.job_ttl,
+                *told(zip(parts, values, strict=True)),
             ],
         )  # fmt: skip
         return bool(reply == 1)
@@ -193,7 +200,7 @@ class JobRecords:
             return False
         entry, chunk = current
         error = tables.error(chunk.request, chunk.parts[entry.offset], kind, detail)
-        self.put_slice(ref, chunk, entry.offset, error)
+        self.put_slices(ref, chunk, entry.offset, [error])
         return True
 
     def current(self, ref: ChunkRef) -> tuple[ChunkEntry, Chunk] | None:
@@ -203,10 +210,10 @@ class JobRecords:
             pipe.hget(keys.chunks, str(ref.index))
             pipe.hmget(keys.record, ["request", "todo", "chunk_size"])
             raw, fields = pipe.execute()
-        entry = raw and entry_of(ref.job_id, ref.run.encode(), b"%d" % ref.index, raw)
+        entry = raw and _entry(ref, raw)
         if not entry or entry.ref != ref or None in fields:
             return None
-        return entry, chunk_of(ref, entry.offset, *fields)
+        return entry, chunk_of(entry, *fields)
 
     def put_progress(self, ref: ChunkRef, done: int, total: int) -> bool:
         """Record the progress of the job of a document; returns False if this attempt is over."""
@@ -339,6 +346,10 @@ class JobRecords:
         if not reply:
             return None
         return [entry_of(job_id, reply[0], *pair) for pair in zip(reply[1::2], reply[2::2], strict=True)]
+
+
+def _entry(ref: ChunkRef, raw: bytes) -> ChunkEntry:
+    return entry_of(ref.job_id, ref.run.encode(), b"%d" % ref.index, raw)
 
 
 def _origin() -> dict[str, str]:

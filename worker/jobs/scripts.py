@@ -6,8 +6,9 @@ record has moved on or the job has ended; so a late caller (an old worker, a sec
 overwrite a newer state.
 
 A chunk's entry is `state:attempt:horses_lost:workers_lost:offset`; it is deleted when the chunk is done. The
-state is `queued`, `running`, or `solving` while it solves the slice `offset`; the slices before it are done.
-Losses are counted since the last slice was done. Entries of version 0.1.0 end after the first count.
+slices before `offset` are done, and losses are counted since the last one was. The state is `queued`,
+`running`, `solving` while it solves the slice `offset`, or `ahead` while it solves this or one of the next,
+some of which are not kept yet. Entries of version 0.1.0 end after the first count.
 
 Beside the set of active jobs, and named after it, there are: `:queued`, the queued jobs by lane and age;
 `:deadlines`, the jobs with a deadline by its time; `:work`, the milliseconds of estimated work that each lane
@@ -19,7 +20,6 @@ Each script begins with the names of its keys and arguments, in the order in whi
 
 from __future__ import annotations
 
-from worker.answers.store import KEEP_SLICE
 from worker.jobs.announcements import ANNOUNCE
 from worker.jobs.ends import COUNT_END
 
@@ -129,22 +129,27 @@ local function advance(chunks, index, chunk, offset, is_last)
     end
 end
 
--- Counts a part that is done, and ends the job with the last one; `event` is what to tell of it.
+-- Counts parts that are done, and ends the job with the last one; `events` are what to tell of each.
 -- Returns 1 if more parts remain, 2 if the job is done.
-local function count_part(record, chunks, bits, errors, events, active, ends, job_id, job_ttl, event)
-    local done, total = redis.call('HINCRBY', record, 'done', 1), redis.call('HGET', record, 'total')
-    for _, value in ipairs({'done', done, 'total', total}) do table.insert(event, value) end
-    redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', unpack(event))
+local function count_parts(record, chunks, bits, errors, stream, active, ends, job_id, job_ttl, events)
+    local total, before = unpack(redis.call('HMGET', record, 'total', 'done'))
+    local done = tonumber(before)
+    for _, event in ipairs(events) do
+        done = done + 1
+        for _, value in ipairs({'done', done, 'total', total}) do table.insert(event, value) end
+        redis.call('XADD', stream, 'MAXLEN', '~', 20000, '*', unpack(event))
+    end
+    redis.call('HSET', record, 'done', done)
     if done < tonumber(total) then
         local lane, left = unpack(redis.call('HMGET', record, 'lane', 'left'))
         if left then
-            local share = math.floor(left / (total - done + 1))
+            local share = math.floor(left * #events / (total - before))
             redis.call('HSET', record, 'left', left - share)
             add_work(active, lane, 'done', share)
         end
         return 1
     end
-    finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', job_ttl)
+    finish(record, chunks, bits, errors, stream, active, ends, job_id, 'succeeded', '', job_ttl)
     return 2
 end
 """
@@ -252,7 +257,7 @@ redis.call('DEL', beat, locks, unpack(redis.call('SMEMBERS', locks)))
 return open_chunk(record, chunks, run, index, attempt) and 1 or 0
 """
 
-# Returns {offset, request, todo, chunk_size, origin} if the chunk may start, nothing if it is out of date.
+# Returns {entry, request, todo, chunk_size, origin} if the chunk may start, nothing if it is out of date.
 START = """
 local record, chunks, events, active = unpack(KEYS)
 local run, index, attempt, job_id = unpack(ARGV)
@@ -266,41 +271,22 @@ if redis.call('HGET', record, 'status') == 'queued' then
     redis.call('ZREM', active .. ':queued', job_id)
     redis.call('XADD', events, '*', 'type', 'status', 'status', 'running')
 end
-return {chunk.offset, unpack(redis.call('HMGET', record, 'request', 'todo', 'chunk_size', 'origin'))}
+return {redis.call('HGET', chunks, index),
+    unpack(redis.call('HMGET', record, 'request', 'todo', 'chunk_size', 'origin'))}
 """
 
-# From now on the work horse, if it dies, dies of the slice `offset`. Returns 0 if the attempt is out of date.
+# From now on the work horse, if it dies, dies of the slice `offset`, or in the state `ahead` maybe of a later
+# one. Returns 0 if the attempt is out of date.
 SOLVE = """
 local record, chunks = unpack(KEYS)
-local run, index, attempt = unpack(ARGV)
+local run, index, attempt, state = unpack(ARGV)
 
 local chunk = open_chunk(record, chunks, run, index, attempt)
 if not chunk then return 0 end
-chunk.state = 'solving'
+chunk.state = state
 put_chunk(chunks, index, chunk)
 return 1
 """
-
-# Keeps the result in any case, since it is valid whatever the state of the job, then counts it once.
-# Returns 0 if the attempt is out of date, 1 if more slices remain, 2 if the job is done.
-SLICE = (
-    KEEP_SLICE
-    + """
-local slice, known_digits, record, chunks, bits, errors, events, active, ends = unpack(KEYS)
-local job_id, run, index, attempt = unpack(ARGV)
-local offset, is_last, position, l1, json, is_error, digits, slice_ttl, job_ttl = unpack(ARGV, 5)
-is_last, is_error = is_last == '1', is_error == '1'
-
-keep_slice(slice, known_digits, json, is_error, digits, slice_ttl)
-local chunk = open_chunk(record, chunks, run, index, attempt)
-if not chunk then return 0 end
-if is_error then redis.call('HSET', errors, l1, json) end
-advance(chunks, index, chunk, offset, is_last)
-if redis.call('SETBIT', bits, position, 1) == 1 then return 1 end
-local event = {'type', 'slice', 'l1', l1}
-return count_part(record, chunks, bits, errors, events, active, ends, job_id, job_ttl, event)
-"""
-)
 
 # Records the progress of a job of one chunk that counts its own steps; after an interruption, only once the
 # new attempt is as far as the last one. Returns 0 if the attempt is out of date.
@@ -355,7 +341,7 @@ return open
 """
 
 # Opens the next attempt at a chunk; `lost` is 'horses', 'workers' or empty. A loss is counted only for a
-# chunk that had started.
+# chunk that had started. One that was ahead is never lost too often, since it is not known by which slice.
 # Returns the new attempt's number, -1 if the chunk is out of date, -2 if it was lost too often.
 REOPEN = """
 local record, chunks, ends = unpack(KEYS)
@@ -366,7 +352,7 @@ if not chunk then return -1 end
 if lost ~= '' and chunk.state ~= 'queued' then
     redis.call('HINCRBY', ends, 'lost:' .. lost, 1)
     chunk[lost] = chunk[lost] + 1
-    if chunk[lost] > tonumber(max_losses) then return -2 end
+    if chunk[lost] > tonumber(max_losses) and chunk.state ~= 'ahead' then return -2 end
 end
 chunk.state, chunk.attempt = 'queued', attempt + 1
 put_chunk(chunks, index, chunk)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,13 +19,13 @@ from worker.answers.items import ItemSolver, Outcome
 from worker.answers.kinds import compute, known_document
 from worker.answers.requests import JobRequest
 from worker.answers.single_flight import single_flight
-from worker.answers.store import ResultStore
+from worker.answers.store import ResultStore, SliceJson
 from worker.answers.stored_tables import in_groups
-from worker.answers.tables import INTERNAL, SliceSolver, eliminant_of
+from worker.answers.tables import INTERNAL, Group, SliceSolver, eliminant_of
 from worker.jobs.attempts import Chunk, ChunkRef
 from worker.jobs.batches import Batches, ItemsLostError
 from worker.jobs.chunks import ChunkQueue
-from worker.jobs.interruption import fail, give_up
+from worker.jobs.interruption import fail, give_up, is_ahead
 from worker.jobs.records import INCOMPLETE, JobRecords
 from worker.logs import about
 from worker.process.os_limits import lift_memory_limit
@@ -112,24 +112,45 @@ def _work_of(chunk: Chunk) -> Callable[[ChunkRef, Chunk, JobRecords, ResultStore
 
 
 def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
-    solve: SliceSolver | None = None
-    offset = chunk.offset
-    for group in in_groups(chunk.parts[offset:]):
-        known = store.get_slices(chunk.request, group)
-        for l1 in group:
-            value = known.get(l1)
-            if value is None:
-                if solve is None:
-                    with tracing.span("elimination"):
-                        eliminant = eliminant_of(chunk.request, store)
-                    if not records.begin_slices(ref):
-                        return
-                    solve = SliceSolver(eliminant, chunk.request, chunk.parts[offset:])
-                with tracing.span("slice", attributes={"l1": l1}):
-                    value = solve(l1)
-            if not records.put_slice(ref, chunk, offset, value):
+    kept = chunk.offset
+
+    def keep(values: Sequence[SliceJson]) -> bool:
+        nonlocal kept
+        first, kept = kept, kept + len(values)
+        return records.put_slices(ref, chunk, first, values)
+
+    group = Group(keep, one_by_one=chunk.has_losses)
+    try:
+        for value in _slices(ref, chunk, records, store):
+            if not group.add(value):
                 return
-            offset += 1
+        group.close()
+    except MemoryError:
+        lift_memory_limit()
+        if group.close() and is_ahead(records, ref):
+            records.begin_slices(ref, one_by_one=True)  # at the one that needs too much
+        raise
+
+
+def _slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> Iterator[SliceJson]:
+    """Yields the slices of a chunk that are not done, each solved unless it is known."""
+    solve: SliceSolver | None = None
+    left = chunk.parts[chunk.offset :]
+    for some in in_groups(left):
+        known = store.get_slices(chunk.request, some)
+        for l1 in some:
+            if l1 in known:
+                yield known[l1]
+                continue
+            if solve is None:
+                with tracing.span("elimination"):
+                    eliminant = eliminant_of(chunk.request, store)
+                if not records.begin_slices(ref, one_by_one=chunk.has_losses):
+                    raise AttemptOver
+                solve = SliceSolver(eliminant, chunk.request, left)
+            with tracing.span("slice", attributes={"l1": l1}):
+                value = solve(l1)
+            yield value
 
 
 def _answer_items(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:

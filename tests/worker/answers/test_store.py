@@ -19,7 +19,7 @@ from worker.settings import WorkerSettings
 def keep(store: ResultStore, request: JobRequest, l1: str, value: Mapping[str, object]) -> None:
     """Keep a slice as a worker does, for a job that no longer exists."""
     ref, chunk = ChunkRef(request.job_id, "gone", 0, 0), Chunk(request, (l1,), 0)
-    assert not JobRecords(store.redis, store.settings).put_slice(ref, chunk, 0, value)
+    assert not JobRecords(store.redis, store.settings).put_slices(ref, chunk, 0, [value])
 
 
 def slice_of(l1: str, mark: int = 0) -> dict[str, object]:

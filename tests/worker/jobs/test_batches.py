@@ -177,7 +177,7 @@ def test_an_answer_is_computed_once_and_renewed(queue: JobQueue) -> None:
 
 def test_a_slice_without_an_answer_is_an_error_of_its_table(queue: JobQueue) -> None:
     error = {"l1": "5", "error": {"type": "solver-error", "detail": "undecided"}}
-    queue.store.put_slice(a_request("5"), "5", error)
+    queue.store.put_slices(a_request("5"), {"5": error})
     assert ItemSolver(queue.store).answer(a_request("14.98", "5")) == Outcome(slices={"5": error})
 
 

@@ -74,7 +74,7 @@ def test_what_an_active_job_has_found_or_computed_is_kept(queue: JobQueue, inven
     ref = ChunkRef(view.id, view.run, 0, 0)
     chunk = queue.records.start(ref)
     assert chunk
-    queue.records.put_slice(ref, chunk, 0, {"l1": "4", "cusps": []})
+    queue.records.put_slices(ref, chunk, 0, [{"l1": "4", "cusps": []}])
     assert queue.get(view.id).status == "succeeded"
     assert queue.result(view.id) is not None
     assert inventory.prune(older_than=-1).needed == 0

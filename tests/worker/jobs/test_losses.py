@@ -6,6 +6,7 @@ import time
 from dataclasses import replace
 
 import pytest
+from redis import Redis
 
 from tests.support.chunks import entry, finish, refs, work
 from tests.support.jobs import a_document, a_request, table_of
@@ -13,9 +14,10 @@ from tests.support.processes import until
 from worker.answers.requests import JobRequest
 from worker.jobs import sweeper as sweeper_module
 from worker.jobs.attempts import ChunkRef, Lost
-from worker.jobs.interruption import run_again
+from worker.jobs.interruption import give_up, run_again
 from worker.jobs.queue import JobQueue
 from worker.jobs.sweeper import Sweeper
+from worker.settings import WorkerSettings
 
 
 def test_a_chunk_that_no_worker_runs_is_put_back(queue: JobQueue, table_request: JobRequest) -> None:
@@ -165,6 +167,36 @@ def test_the_last_slice_of_a_job_can_be_given_up(queue: JobQueue) -> None:
     done = queue.get(view.id)
     assert done is not None
     assert done.status == "succeeded"
+
+
+@pytest.mark.parametrize("lost", ["horses", "workers"])
+def test_no_slice_is_given_up_for_one_of_its_group(redis: Redis, lost: Lost) -> None:
+    """A chunk that was lost while it was ahead goes on one by one, even if no loss is forgiven."""
+    queue = JobQueue(redis, WorkerSettings(max_losses=0, max_worker_losses=0))
+    queue.submit(a_request("1", "2", "3"))
+    work(queue, refs(queue)[0], 0, one_by_one=False)
+    assert lose(queue, lost)
+    (ref,) = refs(queue)
+    chunk = queue.records.start(ref)
+    assert chunk is not None
+    assert chunk.has_losses
+    work(queue, ref, 1)
+    assert lose(queue, lost)
+    finish(queue)
+    table = table_of(queue, a_request("1", "2", "3").job_id)
+    assert ["error" in part for part in table["slices"]] == [False, True, False]
+
+
+def test_exhaustion_of_a_group_is_due_to_none_of_its_slices_yet(queue: JobQueue) -> None:
+    queue.submit(a_request("1", "2"))
+    work(queue, refs(queue)[0], 0, one_by_one=False)
+    for is_left in (True, True, False):
+        give_up(queue.records, queue.chunks, refs(queue)[0], "resource-exhausted", "too much")
+        assert bool(refs(queue)) == is_left
+        if is_left:
+            work(queue, refs(queue)[0], 0)
+    table = table_of(queue, a_request("1", "2").job_id)
+    assert all("error" in part for part in table["slices"])
 
 
 @pytest.mark.parametrize("lost", ["horses", "workers"])

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from redis import Redis
 
-from tests.support.chunks import finish, refs, work
+from tests.support.chunks import entry, finish, refs, work
 from tests.support.jobs import a_document, a_request, table_of
 from worker.answers.requests import JobRequest
 from worker.jobs.attempts import ChunkRef
@@ -124,13 +124,28 @@ def test_late_results_change_nothing(queue: JobQueue, table_request: JobRequest)
     assert chunk is not None
     queue.cancel(table_request.job_id)
     queue.submit(table_request)
-    assert not queue.records.put_slice(old, chunk, 0, {"l1": "1", "count": 0, "cusps": []})
+    assert not queue.records.put_slices(old, chunk, 0, [{"l1": "1", "count": 0, "cusps": []}])
     assert queue.records.fail(old, "worker-lost", "late") is None
     assert queue.records.reopen(old, "workers") == "stale"
     view = queue.get(table_request.job_id)
     assert view is not None
     assert (view.status, view.done, view.error) == ("queued", 0, None)
     assert "1" in queue.store.get_slices(table_request)  # a valid result is kept
+
+
+def test_slices_that_come_in_groups_are_counted_and_told_once(queue: JobQueue) -> None:
+    view = queue.submit(a_request("1", "2", "3"))
+    (ref,) = refs(queue)
+    chunk = queue.records.start(ref)
+    assert chunk is not None
+    slices = [{"l1": l1, "count": 0, "cusps": []} for l1 in chunk.parts]
+    assert queue.records.put_slices(ref, chunk, 0, slices[:2])
+    assert entry(queue).offset == 2
+    assert not queue.records.put_slices(ref, chunk, 1, slices[1:])  # the last one ends the job
+    events = queue.redis.xrange(queue.records.keys.job(view.id).events)
+    told = [(fields[b"l1"], fields[b"done"]) for _, fields in events if b"l1" in fields]
+    assert told == [(b"1", b"1"), (b"2", b"2"), (b"3", b"3")]
+    assert table_of(queue, view.id)["slices"] == slices
 
 
 def test_an_attempt_that_was_followed_by_another_changes_nothing(
@@ -146,8 +161,8 @@ def test_an_attempt_that_was_followed_by_another_changes_nothing(
     assert isinstance(following, ChunkRef)
     assert not queue.records.beat(old, "worker")
     assert queue.records.beat(following, "worker")
-    assert not queue.records.put_slice(old, chunk, 1, {"l1": "2", "count": 0, "cusps": []})
-    assert not queue.records.put_slice(old, chunk, 2, {"l1": "3", "error": {"type": "x", "detail": "y"}})
+    assert not queue.records.put_slices(old, chunk, 1, [{"l1": "2", "count": 0, "cusps": []}])
+    assert not queue.records.put_slices(old, chunk, 2, [{"l1": "3", "error": {"type": "x", "detail": "y"}}])
     assert queue.records.fail(old, "worker-lost", "late") is None
     view = queue.get(table_request.job_id)
     assert view is not None

@@ -1,0 +1,32 @@
+"""The script that keeps and counts slices of a job."""
+
+from __future__ import annotations
+
+from worker.answers.store import KEEP_SLICES
+
+# The slices are valid whatever the state of the job, so they are kept in any case; then each is counted once.
+# `offset` and `position` are those of the first of them.
+# Returns 0 if the attempt is out of date, 1 if more slices remain, 2 if the job is done.
+SLICES = (
+    KEEP_SLICES
+    + """
+local known_digits, record, chunks, bits, errors, stream, active, ends = unpack(KEYS)
+local job_id, run, index, attempt = unpack(ARGV)
+local offset, is_last, position, digits, ttl, error_ttl, job_ttl = unpack(ARGV, 5)
+
+local slices = keep_slices(8, 11, known_digits, digits, ttl, error_ttl)
+local chunk = open_chunk(record, chunks, run, index, attempt)
+if not chunk then return 0 end
+advance(chunks, index, chunk, offset + #slices - 1, is_last == '1')
+local events = {}
+for i, slice in ipairs(slices) do
+    if slice.is_error then redis.call('HSET', errors, slice.l1, slice.json) end
+    if redis.call('SETBIT', bits, position + i - 1, 1) == 0 then
+        table.insert(events, {'type', 'slice', 'l1', slice.l1})
+    end
+end
+if #events == 0 then return 1 end
+return count_parts(record, chunks, bits, errors, stream, active, ends, job_id, job_ttl, events)
+"""
+)
+"""It follows `scripts.PRELUDE`."""
