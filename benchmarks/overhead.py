@@ -26,17 +26,20 @@ CACHED = {"geometry": GEOMETRY, "l1": "14.98"}
 
 
 def processor_seconds(stack: Stack) -> dict[str, float]:
-    """Returns the seconds that each child of the service and its ended children have used."""
-    found = {}
+    """Returns the seconds that the children of the service have used, with their own children."""
+    seen: dict[int, tuple[int, bytes, float]] = {}
     for path in Path("/proc").glob("[0-9]*/stat"):
         try:
             fields = path.read_text().rpartition(")")[2].split()
             words = path.with_name("cmdline").read_bytes()
         except OSError:
             continue
-        if int(fields[1]) == stack.pid:
+        seen[int(path.parent.name)] = int(fields[1]), words, sum(map(int, fields[11:15])) / TICK
+    found: dict[str, float] = {}
+    for parent, words, seconds in seen.values():
+        if stack.pid in (parent, seen.get(parent, (0,))[0]):
             name = next(name for name in ("valkey", "worker", "api") if name.encode() in words)
-            found[name] = sum(map(int, fields[11:15])) / TICK
+            found[name] = found.get(name, 0.0) + seconds
     return found
 
 

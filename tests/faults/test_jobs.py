@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from redis import Redis
 
-from tests.support.jobs import a_document, a_request, ended, table_of
+from tests.support.jobs import a_document, a_pose_table, a_request, ended, table_of
 from tests.support.processes import (
     PATIENCE,
     Workers,
@@ -145,6 +145,53 @@ def test_a_slice_whose_horse_dies_each_time_is_an_error_among_others(
     pids = [s["certificate"]["pid"] for s in table["slices"] if "error" not in s]
     assert pids[0] == pids[1] != pids[2]  # what was done is not done again
     assert worker.poll() is None
+
+
+@pytest.mark.parametrize("task", ["crash", "broken", "endless", "canceled"])
+def test_what_ends_a_work_horse_ends_one_chunk(redis: Redis, workers: Workers, task: str) -> None:
+    """A work horse that has run chunks of other jobs crashes, meets an unexpected error or the deadline, or
+    its job is canceled. That ends one chunk; another work horse runs the next ones.
+    """
+    worker = workers.start(max_losses=0, deadline=PATIENCE if task == "canceled" else 1)
+
+    def horse_after(l1: str) -> list[int]:
+        queue = jobs(redis)
+        assert ended(queue, queue.submit(a_pose_table(l1)).id).status == "succeeded"
+        until(lambda: not redis.keys("*:beat:*"))
+        return descendants(worker.pid)
+
+    first = horse_after("14")
+    assert first == horse_after("15") != []
+    queue = jobs(redis, "endless" if task == "canceled" else task)
+    view = queue.submit(a_document())
+    if task == "canceled":
+        until(lambda: is_at_work(queue, view))
+        assert descendants(worker.pid) == first
+        queue.cancel(view.id)
+    assert ended(queue, view.id).status == ("canceled" if task == "canceled" else "failed")
+    until(lambda: not is_running(first[0]))
+    second = horse_after("16")
+    assert second == horse_after("17") != first
+    assert worker.poll() is None
+
+
+@pytest.mark.parametrize("victim", ["horse", "worker"])
+def test_a_work_horse_or_its_worker_is_killed_between_two_chunks(
+    redis: Redis, workers: Workers, victim: str
+) -> None:
+    """A work horse that waits for its next chunk is killed, or its worker. No work horse outlives its worker;
+    the next chunk runs in another one, without a loss counted.
+    """
+    worker = workers.start(max_losses=0, max_worker_losses=0)
+    queue = jobs(redis)
+    assert ended(queue, queue.submit(a_pose_table("14")).id).status == "succeeded"
+    (horse,) = descendants(worker.pid)
+    os.kill(horse if victim == "horse" else worker.pid, signal.SIGKILL)
+    until(lambda: not is_running(horse))
+    if victim == "worker":
+        workers.start(max_losses=0, max_worker_losses=0)
+    assert ended(queue, queue.submit(a_pose_table("15")).id).status == "succeeded"
+    assert not redis.hexists(queue.records.keys.ends, "lost:horses")
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,11 @@ def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:
 
 
 def a_document() -> JobRequest:
-    content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": "14.98", "l2": "15", "l3": "30"}
+    return a_pose_table("14.98")
+
+
+def a_pose_table(l1: str) -> JobRequest:
+    content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": l1, "l2": "15", "l3": "30"}
     return JobRequest(poses.KIND, {**content, "digits": 20})
 
 

@@ -12,6 +12,7 @@ from typing import Any, Literal, cast
 
 from redis import Redis
 from redis.commands.core import Script
+from rq.job import Job
 
 from worker import tracing
 from worker.answers import tables
@@ -152,12 +153,12 @@ class JobRecords:
         raw = cast("bytes | None", self.redis.hget(self.keys.job(job_id).record, "origin"))
         return json.loads(raw) if raw else {}
 
-    def start(self, ref: ChunkRef) -> Chunk | None:
-        """Start a chunk; returns None if it is out of date."""
+    def start(self, ref: ChunkRef, worker: str = "") -> Chunk | None:
+        """Start a chunk, with the first heartbeat of its worker; returns None if it is out of date."""
         keys = self.keys.job(ref.job_id)
         reply = self._start(
-            keys=[keys.record, keys.chunks, keys.events, self.keys.active],
-            args=[ref.run, ref.index, ref.attempt, ref.job_id],
+            keys=[keys.record, keys.chunks, keys.events, self.keys.active, self.keys.beat(ref.rq_id)],
+            args=[ref.run, ref.index, ref.attempt, ref.job_id, worker, _ms(self.settings.beat_ttl)],
         )
         if not reply:
             return None
@@ -275,12 +276,13 @@ class JobRecords:
         return bool(self._beat(keys=names, args=[ref.run, ref.index, ref.attempt, worker, ttl]))
 
     def end_beat(self, ref: ChunkRef) -> bool:
-        """Record that nobody runs this attempt any more, and free its locks.
+        """Record that nobody runs this attempt any more: free its locks, and delete its RQ job.
 
         Returns whether it is still open, as for `beat`.
         """
         keys = self.keys.job(ref.job_id)
         names = [keys.record, keys.chunks, self.keys.beat(ref.rq_id), self.result_keys.locks(ref.rq_id)]
+        names.append(Job.key_for(ref.rq_id))
         return bool(self._end_beat(keys=names, args=[ref.run, ref.index, ref.attempt]))
 
     def open_chunks(self) -> list[ChunkEntry]:

@@ -248,22 +248,25 @@ end
 return open_chunk(record, chunks, run, index, attempt) and 1 or 0
 """
 
-# Records that nobody runs the attempt any more, and frees the locks that it held. Returns 1 if it is open.
+# Records that nobody runs the attempt any more, frees the locks that it held, and deletes its RQ job.
+# Returns 1 if the attempt is open.
 END_BEAT = """
-local record, chunks, beat, locks = unpack(KEYS)
+local record, chunks, beat, locks, rq_job = unpack(KEYS)
 local run, index, attempt = unpack(ARGV)
 
-redis.call('DEL', beat, locks, unpack(redis.call('SMEMBERS', locks)))
+redis.call('DEL', rq_job, beat, locks, unpack(redis.call('SMEMBERS', locks)))
 return open_chunk(record, chunks, run, index, attempt) and 1 or 0
 """
 
+# Starts a chunk, with a first heartbeat if there is a worker.
 # Returns {entry, request, todo, chunk_size, origin} if the chunk may start, nothing if it is out of date.
 START = """
-local record, chunks, events, active = unpack(KEYS)
-local run, index, attempt, job_id = unpack(ARGV)
+local record, chunks, events, active, beat = unpack(KEYS)
+local run, index, attempt, job_id, worker, ttl = unpack(ARGV)
 
 local chunk = open_chunk(record, chunks, run, index, attempt)
 if not chunk then return false end
+if worker ~= '' then redis.call('SET', beat, worker, 'PX', ttl) end
 chunk.state = 'running'
 put_chunk(chunks, index, chunk)
 if redis.call('HGET', record, 'status') == 'queued' then

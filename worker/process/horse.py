@@ -1,18 +1,21 @@
-"""The work horse: its fork, what it runs, and its end when nobody can know of it any more."""
+"""The work horse: a forked process that runs chunks one after the other, and how its worker sees it."""
 
 from __future__ import annotations
 
 import contextlib
-import faulthandler
+import json
 import logging
 import os
+import resource
 import signal
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
 from types import FrameType
 from typing import Any, Self
 
 from redis.exceptions import RedisError
-from rq.job import Job
+from rq.utils import import_attribute
 
 from worker.process.horse_exit import UNRECORDED
 from worker.process.os_limits import STOP_SIGNALS, die_with_parent, limit_memory, on_stop_signals
@@ -21,70 +24,124 @@ from worker.settings import WorkerSettings
 log = logging.getLogger("rpr_cusps.worker")
 
 _WATCHDOG_MARGIN = 15.0
+_MOST_CHUNKS = 200
+_MOST_GROWTH = 32 * 2**20
+_MAXRSS_UNIT = 1 if sys.platform == "darwin" else 1024
+_STAYS = b"\n"
 
 
-def forked(
-    run: Callable[[], int], set_signals: Callable[[], None], settings: WorkerSettings
-) -> tuple[int, int]:
-    """Fork a process that exits with what `run` returns; call it while stop signals are held.
+@dataclass(frozen=True)
+class Task:
+    """What a horse is to run: the function of an RQ job, which returns whether the horse may run another."""
 
-    Returns its pid, and the end of a pipe that can be read once it has exited.
+    id: str
+    function: str
+    arguments: Mapping[str, Any]
 
-    Args:
-        run: what the process does.
-        set_signals: how it takes signals; they are held until then.
-        settings: its limits.
 
-    Raises:
-        OSError: there can be no more processes.
+class Horse:
+    """A work horse, as its worker sees it.
+
+    It waits for tasks. After each that ends well it stays for another one, until it has run many or its
+    memory has grown. Otherwise it exits, so that what spoiled it concerns no other chunk.
     """
-    reader, writer = os.pipe()
-    parent = os.getpid()
+
+    def __init__(self, set_signals: Callable[[], None], settings: WorkerSettings) -> None:
+        """Fork the process; call it while stop signals are held.
+
+        Args:
+            set_signals: how it takes signals; they are held until then.
+            settings: its limits.
+
+        Raises:
+            OSError: there can be no more processes.
+        """
+        orders, self._tasks = os.pipe()
+        self._ends, answers = os.pipe()
+        parent = os.getpid()
+        try:
+            self.pid = os.fork()
+        except OSError:
+            for end in (orders, self._tasks, self._ends, answers):
+                os.close(end)
+            raise
+        if self.pid == 0:
+            with contextlib.suppress(BaseException):
+                die_with_parent(parent)
+                os.setpgid(0, 0)
+                on_stop_signals(signal.SIG_DFL)
+                set_signals()
+                signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
+                os.close(self._tasks)
+                os.close(self._ends)
+                limit_memory(settings.memory_limit_mb)
+                os.nice(settings.niceness)  # the API answers known questions meanwhile
+                os._exit(_serve(orders, answers, settings.deadline + _WATCHDOG_MARGIN))
+            os._exit(1)
+        with contextlib.suppress(OSError):
+            os.setpgid(self.pid, self.pid)
+        os.close(orders)
+        os.close(answers)
+
+    def fileno(self) -> int:
+        """Returns a file that can be read once the horse has done its task, or has exited."""
+        return self._ends
+
+    def run(self, task: Task) -> None:
+        """Have the horse run a task; if it has exited, that shows at once."""
+        with contextlib.suppress(BrokenPipeError):
+            os.write(self._tasks, json.dumps(asdict(task)).encode() + b"\n")
+
+    def has_stayed(self) -> bool:
+        """Whether it waits for another task; otherwise it exits. Call it once it can be read."""
+        return os.read(self._ends, 1) == _STAYS
+
+    def kill(self) -> None:
+        """Kill the horse and its children, if they still run."""
+        for kill in (os.killpg, os.kill):
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                kill(self.pid, signal.SIGKILL)
+
+    def collect(self) -> int:
+        """Wait for its exit; returns the wait status."""
+        _, status = os.waitpid(self.pid, 0)
+        os.close(self._tasks)
+        os.close(self._ends)
+        return status
+
+
+def _serve(orders: int, answers: int, seconds: float) -> int:
+    """Run tasks in this process, a work horse, until one spoils it; returns its exit status."""
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    limit = _peak_memory() + _MOST_GROWTH
+    with os.fdopen(orders, "rb") as lines:
+        for count, line in enumerate(lines, 1):
+            # without a parent-death signal, this ends an orphan soon after the deadline, in whatever C call
+            signal.setitimer(signal.ITIMER_REAL, seconds)
+            status, is_sound = _perform(Task(**json.loads(line)))
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            if status or not is_sound or count == _MOST_CHUNKS or _peak_memory() > limit:
+                return status
+            os.write(answers, _STAYS)
+    return 0  # the worker is gone
+
+
+def _perform(task: Task) -> tuple[int, bool]:
+    """Run a task; returns the exit status that tells of it, and whether the process may run another."""
     try:
-        pid = os.fork()
-    except OSError:
-        for end in (reader, writer):
-            os.close(end)
-        raise
-    if pid == 0:
-        with contextlib.suppress(BaseException):
-            die_with_parent(parent)
-            os.setpgid(0, 0)
-            on_stop_signals(signal.SIG_DFL)
-            set_signals()
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
-            os.close(reader)
-            limit_memory(settings.memory_limit_mb)
-            os.nice(settings.niceness)  # the API answers known questions meanwhile
-            # without a parent-death signal, this ends an orphan soon after the deadline
-            quiet = os.open(os.devnull, os.O_WRONLY)
-            faulthandler.dump_traceback_later(settings.deadline + _WATCHDOG_MARGIN, exit=True, file=quiet)
-            os._exit(run())
-        os._exit(1)
-    with contextlib.suppress(OSError):
-        os.setpgid(pid, pid)
-    os.close(writer)
-    return pid, reader
-
-
-def kill_with_children(pid: int, sig: signal.Signals) -> None:
-    """Send a signal to a work horse and its children, if they still run."""
-    for kill in (os.killpg, os.kill):
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            kill(pid, sig)
-
-
-def perform(job: Job) -> int:
-    """Run a chunk in this process, the work horse; returns its exit status."""
-    try:
-        job.func(**job.kwargs)
+        is_sound = import_attribute(task.function)(**task.arguments)
     except RedisError as error:
-        log.warning("the outcome of %s could not be recorded: %s", job.id, error)
-        return UNRECORDED
+        log.warning("the outcome of %s could not be recorded: %s", task.id, error)
+        return UNRECORDED, False
     except Exception:
-        log.exception("%s failed", job.id)
-        return 1
-    return 0
+        log.exception("%s failed", task.id)
+        return 1, False
+    return 0, is_sound is True
+
+
+def _peak_memory() -> int:
+    """Returns the most memory that this process has had, in bytes."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _MAXRSS_UNIT
 
 
 class BeatAlarm:

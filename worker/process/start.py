@@ -57,7 +57,7 @@ def run_worker(
         return 130
     if warning is not None:
         log.warning("%s", warning)
-    set_context(Context(redis, settings))
+    set_context(Context(redis, settings, worker.name))
     load_solver()
     gc.collect()
     gc.freeze()  # the horses share this memory, and a collection would copy it

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,10 +42,11 @@ class AttemptOver(Exception):  # noqa: N818 - not an error
 
 @dataclass(frozen=True)
 class Context:
-    """The shared parts of all tasks; set by the worker process before it forks."""
+    """The shared parts of all tasks; set by the worker process before it forks. `worker` is its name."""
 
     redis: Redis
     settings: WorkerSettings
+    worker: str = ""
 
 
 _context: Context | None = None
@@ -57,31 +58,36 @@ def set_context(context: Context) -> None:
     _context = context
 
 
-def run_chunk(job_id: str, run: str, index: int, attempt: int) -> None:
-    """Compute one chunk of a job. A failure that concerns the whole geometry ends the job."""
+def run_chunk(job_id: str, run: str, index: int, attempt: int) -> bool:
+    """Compute one chunk of a job. A failure that concerns the whole geometry ends the job.
+
+    Returns whether all went well, so that this process may run another chunk.
+    """
     assert _context is not None, "the worker process sets the context"
     ref = ChunkRef(job_id, run, index, attempt)
     records = JobRecords(_context.redis, _context.settings)
-    chunk = records.start(ref)
+    chunk = records.start(ref, _context.worker)
     if chunk is None:
-        return
-    tracing.start()
+        return True
+    if not tracing.is_on():
+        tracing.start()
     told = {"job": job_id, "chunk": index, "attempt": attempt, "kind": chunk.request.kind.name}
     if "submitted" in chunk.origin:
         tracing.record("queue wait", chunk.origin, int(chunk.origin["submitted"]), told)
     with about(request_id=chunk.origin.get("request_id", "")), tracing.span("chunk", chunk.origin, told):
-        _run(ref, chunk, records)
+        is_sound = _run(ref, chunk, records)
     tracing.flush()
+    return is_sound
 
 
-def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> None:
+def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> bool:
     assert _context is not None
     store = ResultStore(_context.redis, _context.settings, holder=ref.rq_id)
-    start, kind, detail = time.monotonic(), "", ""
+    start, kind, detail, is_sound = time.monotonic(), "", "", False
     try:
-        _work_of(chunk)(ref, chunk, records, store)
+        is_sound = _work_of(chunk)(ref, chunk, records, store)
     except AttemptOver:
-        return
+        return False
     except RedisError:
         raise  # nothing can be recorded; the sweeper finds the chunk
     except InputError as error:
@@ -103,33 +109,37 @@ def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> None:
     what = f"{len(chunk.parts)} {of.unit}" if of.by_slices or of.by_items else of.name
     seconds = time.monotonic() - start
     log.info("chunk %d (%s): %s after %.2f s", ref.index, what, kind or "done", seconds)
+    return is_sound
 
 
-def _work_of(chunk: Chunk) -> Callable[[ChunkRef, Chunk, JobRecords, ResultStore], None]:
+def _work_of(chunk: Chunk) -> Callable[[ChunkRef, Chunk, JobRecords, ResultStore], bool]:
+    """Returns what computes the chunk; it returns whether nothing unforeseen happened."""
     if chunk.request.kind.by_items:
         return _answer_items
     return _solve_slices if chunk.request.kind.by_slices else _compute_document
 
 
-def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
-    kept = chunk.offset
+def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> bool:
+    kept, is_sound = chunk.offset, True
 
     def keep(values: Sequence[SliceJson]) -> bool:
-        nonlocal kept
+        nonlocal kept, is_sound
         first, kept = kept, kept + len(values)
+        is_sound = is_sound and not any(_is_unforeseen(value.get("error")) for value in values)
         return records.put_slices(ref, chunk, first, values)
 
     group = Group(keep, one_by_one=chunk.has_losses)
     try:
         for value in _slices(ref, chunk, records, store):
             if not group.add(value):
-                return
+                break
         group.close()
     except MemoryError:
         lift_memory_limit()
         if group.close() and is_ahead(records, ref):
             records.begin_slices(ref, one_by_one=True)  # at the one that needs too much
         raise
+    return is_sound
 
 
 def _slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> Iterator[SliceJson]:
@@ -153,15 +163,23 @@ def _slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore
             yield value
 
 
-def _answer_items(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
+def _answer_items(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> bool:
     batches = Batches(records.redis, records.settings)
     items = batches.items_of(ref, chunk)
-    solver = ItemSolver(store)
+    solver, is_sound = ItemSolver(store), True
     for offset in range(chunk.offset, len(chunk.parts)):
         request = items[offset].request
         assert request is not None, "what is not valid is not to be done"
-        if not batches.put_item(ref, chunk, offset, _outcome(solver, request, chunk.parts[offset])):
-            return
+        outcome = _outcome(solver, request, chunk.parts[offset])
+        errors = (outcome.failure, *(value["error"] for value in outcome.slices.values()))
+        is_sound = is_sound and not any(map(_is_unforeseen, errors))
+        if not batches.put_item(ref, chunk, offset, outcome):
+            break
+    return is_sound
+
+
+def _is_unforeseen(error: Mapping[str, str] | None) -> bool:
+    return error is not None and error["type"] == "internal-error"
 
 
 def _outcome(solver: ItemSolver, request: JobRequest, item: str) -> Outcome:
@@ -179,7 +197,7 @@ def _outcome(solver: ItemSolver, request: JobRequest, item: str) -> Outcome:
         return Outcome({"type": "internal-error", "detail": INTERNAL})
 
 
-def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> None:
+def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> bool:
     request = chunk.request
 
     def tell(done: int, total: int) -> None:
@@ -199,6 +217,7 @@ def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: R
         single_flight(
             known, lambda: store.answer_lock(request), lambda: kept(compute(request, store, progress))
         )
+    return True
 
 
 class Throttle:

@@ -1,4 +1,4 @@
-"""The worker process: an RQ worker that forks a work horse for each chunk and supervises it."""
+"""The worker process: an RQ worker that has chunks run by a work horse, which it forks and supervises."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from redis import Redis
 from redis.client import Pipeline, PubSub, PubSubWorkerThread
 from redis.exceptions import RedisError
 from rq import Queue, Worker, worker_registration
-from rq.exceptions import NoSuchJobError, StopRequested
+from rq.exceptions import StopRequested
 from rq.job import Job
 from rq.serializers import JSONSerializer
 from rq.utils import now
@@ -36,7 +36,7 @@ from worker.jobs.records import JobRecords
 from worker.jobs.roster import Roster
 from worker.jobs.sweeper import Sweeper
 from worker.logs import about
-from worker.process.horse import BeatAlarm, forked, kill_with_children, perform
+from worker.process.horse import BeatAlarm, Horse, Task
 from worker.process.horse_exit import UNANSWERED, GivenUp, Outcome, RunAgain, judge_exit
 from worker.process.os_limits import on_stop_signals, stop_signals_held
 from worker.process.outage import Outage
@@ -86,7 +86,7 @@ class CuspWorker(Worker):
         self._is_light = duty == "light"
         self._orders = itertools.cycle(orders)
         self._parent_pid = parent_pid
-        self._horse_pipe = -1
+        self._horse: Horse | None = None
         self._place = 0
         self._chunks_of_slices = 0
         self._current: str | None = None
@@ -113,6 +113,7 @@ class CuspWorker(Worker):
             self._loop()
         # neither another signal nor a Redis that hangs must hold up the last steps of the process
         on_stop_signals(signal.SIG_IGN)
+        self._end_horse()
         goodbye = threading.Thread(target=self._sign_off, daemon=True)
         goodbye.start()
         goodbye.join(_GOODBYE_PATIENCE)
@@ -126,10 +127,9 @@ class CuspWorker(Worker):
             except StopRequested:
                 raise
             except Exception as error:
-                if self._horse_pid:
-                    self.kill_horse()
-                    self._collect_horse()
+                self._end_horse()
                 select.select([self._wake_r], [], [], outage.note(error))
+                self._calm()
 
     def _round(self) -> None:
         """Run a chunk if there is one; at every beat, register and search for lost chunks before."""
@@ -166,14 +166,17 @@ class CuspWorker(Worker):
 
     def _job_of_chunk(self, rq_id: str) -> Job | None:
         """Returns the RQ job of a chunk; None if it is gone, or is not a chunk."""
+        with self.connection.pipeline(transaction=False) as pipe:
+            self.set_state(WorkerStatus.BUSY, pipe)  # from now on a signal lets the chunk finish
+            pipe.hgetall(Job.key_for(rq_id))
+            *_, fields = pipe.execute()
+        if not fields:
+            return None
         try:
-            job = Job.fetch(rq_id, connection=self.connection, serializer=JSONSerializer)
+            job = Job(rq_id, connection=self.connection, serializer=JSONSerializer)
+            job.restore(fields)
             if ChunkRef(**job.kwargs).rq_id == rq_id:
                 return job
-        except RedisError:
-            raise
-        except NoSuchJobError:
-            return None
         except Exception as error:
             log.debug("the RQ job %r cannot be read: %s", rq_id, error)
         log.warning("skipped the RQ job %r, which is not a chunk", rq_id)
@@ -206,31 +209,47 @@ class CuspWorker(Worker):
 
     # -- one chunk ---------------------------------------------------------------------------------
 
-    def execute_job(self, job: Job, queue: Queue) -> None:
-        """Run one chunk in a work horse.
+    def execute_job(self, job: Job, _queue: Queue) -> None:
+        """Have the work horse run one chunk, and record what becomes of it.
 
         None of RQ's records of executions are kept: the record of the job and the heartbeat hold the state.
         """
-        ref = ChunkRef(**job.kwargs)
-        try:
-            self.set_state(WorkerStatus.BUSY)
-            self._current = job.id
-            self.records.beat(ref, self.name)
-            self._place = place(self.records, ref)
-            self.fork_work_horse(job, queue)
-            self._prepare_for_tables(ref)
-        except StopRequested:
-            self._settle(ref, RunAgain())
-            raise
-        self.monitor_work_horse(job, queue)
+        ref, start = ChunkRef(**job.kwargs), time.monotonic()
+        self._current = job.id
+        self._place = place(self.records, ref)
+        horse = self._ready_horse()
+        horse.run(Task(ref.rq_id, str(job.func_name), job.kwargs))
+        self._prepare_for_tables(ref)
+        ended_for = self._watch(ref, horse)
+        is_left = ended_for is None
+        status = 0 if is_left and horse.has_stayed() else self._end_horse(is_ending=is_left)
+        has_advanced = ended_for == "deadline" and self._has_advanced(ref)
+        outcome = judge_exit(status, ended_for, self.settings, has_advanced=has_advanced)
+        if outcome is not None:  # else the horse has logged it
+            how = f"stopped ({ended_for})" if ended_for else "lost its work horse"
+            seconds = time.monotonic() - start
+            with about(request_id=self._origin(ref).get("request_id", "")):
+                log.info("chunk %d: %s after %.2f s", ref.index, how, seconds)
+        self._settle(ref, outcome)
         self._current = None
 
-    def fork_work_horse(self, job: Job, _queue: Queue) -> None:
-        """Fork a work horse for a chunk."""
-        with stop_signals_held():  # until its pid is known here, so that a stop finds it
-            self._horse_pid, self._horse_pipe = forked(
-                lambda: perform(job), self.setup_work_horse_signals, self.settings
-            )
+    def _ready_horse(self) -> Horse:
+        """Returns the work horse, a new one if there is none or it has exited since its last chunk."""
+        if self._horse is not None and select.select([self._horse], [], [], 0)[0]:
+            self._end_horse()
+        if self._horse is None:
+            with stop_signals_held():  # until it is known here, so that a stop finds it
+                self._horse = Horse(self.setup_work_horse_signals, self.settings)
+        return self._horse
+
+    def _end_horse(self, *, is_ending: bool = False) -> int | None:
+        """Kill the work horse, unless it ends by itself; returns its wait status, None if there is none."""
+        horse, status = self._horse, None
+        if horse is not None:
+            if not is_ending:
+                horse.kill()
+            status, self._horse = horse.collect(), None
+        return status
 
     def _prepare_for_tables(self, ref: ChunkRef) -> None:
         """While a horse solves slices, load what the horses of further ones will use."""
@@ -240,26 +259,13 @@ class CuspWorker(Worker):
                 with stop_signals_held():
                     load_numpy()
 
-    def kill_horse(self, sig: signal.Signals = signal.SIGKILL) -> None:
-        """Kill the work horse and its children; RQ's method may hit the worker's own process group."""
-        if self._horse_pid > 0:
-            kill_with_children(self._horse_pid, sig)
+    def kill_horse(self, _sig: signal.Signals = signal.SIGKILL) -> None:
+        """Have the work horse of a stopped chunk killed.
 
-    def monitor_work_horse(self, job: Job, _queue: Queue) -> None:
-        """Wait for the exit of the work horse, and enforce it at the deadline, a stop or a cancel."""
-        ref, start = ChunkRef(**job.kwargs), time.monotonic()
-        ended_for = self._watch(ref)
-        status = self._collect_horse()
-        if self._stopped_job_id == job.id:
-            self._stopped_job_id, ended_for = None, ended_for or "canceled"
-        has_advanced = ended_for == "deadline" and self._has_advanced(ref)
-        outcome = judge_exit(status, ended_for, self.settings, has_advanced=has_advanced)
-        if outcome is not None:  # else the horse has logged it
-            how = f"stopped ({ended_for})" if ended_for else "lost its work horse"
-            seconds = time.monotonic() - start
-            with about(request_id=self._origin(ref).get("request_id", "")):
-                log.info("chunk %d: %s after %.2f s", ref.index, how, seconds)
-        self._settle(ref, outcome)
+        RQ's thread that listens for commands calls this. By the time it does, the horse may run the next
+        chunk, so that the loop below decides.
+        """
+        self._wake()
 
     def _has_advanced(self, ref: ChunkRef) -> bool:
         with contextlib.suppress(RedisError):
@@ -271,20 +277,14 @@ class CuspWorker(Worker):
             return self.records.origin(ref.job_id)
         return {}
 
-    def _collect_horse(self) -> int | None:
-        _, status, _ = self.wait_for_horse()
-        self._horse_pid = 0
-        os.close(self._horse_pipe)
-        return status
-
-    def _watch(self, ref: ChunkRef) -> str | None:
-        """Supervise the horse until it exits; returns the reason for ending it, if the worker did."""
+    def _watch(self, ref: ChunkRef, horse: Horse) -> str | None:
+        """Supervise the horse until its chunk is done; returns why the worker ended it, if it did."""
         # sooner than another worker may take the chunk over
         patience = self.settings.beat_ttl + self.settings.lost_grace / 2
-        with BeatAlarm(patience, self.kill_horse) as alarm:
-            return self._supervise(ref, alarm) or ("silence" if alarm.has_rung else None)
+        with BeatAlarm(patience, horse.kill) as alarm:
+            return self._supervise(ref, horse, alarm) or ("silence" if alarm.has_rung else None)
 
-    def _supervise(self, ref: ChunkRef, alarm: BeatAlarm) -> str | None:
+    def _supervise(self, ref: ChunkRef, horse: Horse, alarm: BeatAlarm) -> str | None:
         settings = self.settings
         start = time.monotonic()
         deadline, next_beat, stop_at = start + settings.deadline, start + settings.beat_interval, float("inf")
@@ -295,13 +295,15 @@ class CuspWorker(Worker):
             if self._hurry:
                 stop_at = min(stop_at, time.monotonic())
             pause = max(0.0, min(deadline, next_beat, stop_at) - time.monotonic())
-            ready, _, _ = select.select([self._horse_pipe, self._wake_r], [], [], pause)
+            ready, _, _ = select.select([horse.fileno(), self._wake_r], [], [], pause)
             if self._wake_r in ready:
-                os.read(self._wake_r, 64)
-            if self._horse_pipe in ready:
+                self._calm()
+            if horse.fileno() in ready:
                 return ended_for
             moment = time.monotonic()
-            if moment >= deadline:
+            if self._stopped_job_id == self._current and ended_for is None:
+                ended_for = "canceled"
+            elif moment >= deadline:
                 ended_for, deadline = "deadline", moment + 1.0
             elif moment >= stop_at:
                 ended_for, stop_at, self._hurry = ended_for or "shutdown", moment + 1.0, False
@@ -311,7 +313,7 @@ class CuspWorker(Worker):
                 if not self._is_still_open(ref, alarm):
                     ended_for = ended_for or "canceled"
             if ended_for is not None:
-                self.kill_horse()
+                horse.kill()
 
     def _is_still_open(self, ref: ChunkRef, alarm: BeatAlarm) -> bool:
         try:
@@ -327,7 +329,6 @@ class CuspWorker(Worker):
     def _settle(self, ref: ChunkRef, outcome: Outcome | None) -> None:
         """Record the outcome of a chunk whose work horse is gone."""
         try:
-            self.chunks.delete(ref)
             if self.records.end_beat(ref) and outcome is None:
                 outcome = UNANSWERED
             if outcome is not None:
@@ -373,3 +374,7 @@ class CuspWorker(Worker):
     def _wake(self) -> None:
         with contextlib.suppress(BlockingIOError):
             os.write(self._wake_w, b"s")
+
+    def _calm(self) -> None:
+        with contextlib.suppress(BlockingIOError):
+            os.read(self._wake_r, 64)

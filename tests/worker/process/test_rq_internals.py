@@ -6,8 +6,7 @@ import ast
 import inspect
 import os
 import re
-import signal
-import subprocess
+import select
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -15,6 +14,8 @@ import pytest
 import rq
 from redis import Redis
 from rq.job import Job
+from rq.serializers import JSONSerializer
+from rq.utils import import_attribute
 from rq.worker import WorkerStatus
 from rq.worker_registration import REDIS_WORKER_KEYS
 
@@ -29,9 +30,7 @@ SIGNATURES = {
     "_pubsub_exception_handler": "(self, exc, pubsub, pubsub_thread)",
     "get_current_job_id": "(self, pipeline)",
     "execute_job": "(self, job, queue)",
-    "fork_work_horse": "(self, job, queue)",
     "kill_horse": "(self, sig)",
-    "monitor_work_horse": "(self, job, queue)",
     "request_stop": "(self, signum, frame)",
     "request_force_stop": "(self, signum, frame)",
     "unsubscribe": "(self)",
@@ -40,7 +39,6 @@ SIGNATURES = {
     "serialize": "(self)",
     "register_death": "(self)",
     "setup_work_horse_signals": "(self)",
-    "wait_for_horse": "(self)",
     "get_state": "(self)",
     "set_state": "(self, state, pipeline)",
 }
@@ -103,6 +101,23 @@ def test_the_signatures_are_unchanged() -> None:
         assert f"({', '.join(inspect.signature(function).parameters)})" == signature, name
 
 
+def test_what_is_read_of_an_rq_job(redis: Redis) -> None:
+    queue = rq.Queue("NAME", connection=redis, serializer=JSONSerializer)
+    queue.enqueue_call("some.task", kwargs={"index": 1}, job_id="ID", timeout=-1)
+    job = Job("ID", connection=redis, serializer=JSONSerializer)
+    job.restore(redis.hgetall(Job.key_for("ID")))
+    assert (job.func_name, job.kwargs) == ("some.task", {"index": 1})
+    assert import_attribute("os.getpid") is os.getpid
+    assert documented("Of an RQ job") == {
+        "Job",
+        "restore",
+        "key_for",
+        "func_name",
+        "kwargs",
+        "import_attribute",
+    }
+
+
 def test_the_keys_are_unchanged(redis: Redis, pair: tuple[rq.Worker, CuspWorker]) -> None:
     theirs, ours = pair
     keys = {
@@ -118,13 +133,15 @@ def test_the_keys_are_unchanged(redis: Redis, pair: tuple[rq.Worker, CuspWorker]
     assert redis.hget(ours.key, "pid") == str(os.getpid()).encode()
 
 
-def test_the_stop_command_kills_the_horse_of_its_job(pair: tuple[rq.Worker, CuspWorker]) -> None:
+def test_the_stop_command_has_the_horse_of_its_job_ended(pair: tuple[rq.Worker, CuspWorker]) -> None:
+    """The loop that supervises the horse looks for the job that is to be stopped, and is woken."""
     _, ours = pair
-    with subprocess.Popen(["sleep", "60"], start_new_session=True) as horse:
-        ours._horse_pid = horse.pid
-        ours._current = "some-chunk"
-        ours.handle_payload({"data": b'{"command": "stop-job", "job_id": "another"}'})
-        assert (ours._stopped_job_id, horse.poll()) == (None, None)
-        ours.handle_payload({"data": b'{"command": "stop-job", "job_id": "some-chunk"}'})
-        assert ours._stopped_job_id == "some-chunk"
-        assert horse.wait(10) == -signal.SIGKILL
+
+    def is_woken() -> bool:
+        return bool(select.select([ours._wake_r], [], [], 0)[0])
+
+    ours._current = "some-chunk"
+    ours.handle_payload({"data": b'{"command": "stop-job", "job_id": "another"}'})
+    assert (ours._stopped_job_id, is_woken()) == (None, False)
+    ours.handle_payload({"data": b'{"command": "stop-job", "job_id": "some-chunk"}'})
+    assert (ours._stopped_job_id, is_woken()) == ("some-chunk", True)

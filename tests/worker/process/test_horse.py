@@ -1,0 +1,95 @@
+from __future__ import annotations
+
+import os
+import select
+import signal
+from collections.abc import Iterator
+
+import pytest
+
+from tests.support.processes import PATIENCE
+from worker.process import horse as module
+from worker.process.horse import Horse, Task
+from worker.settings import WorkerSettings
+
+SETTINGS = WorkerSettings(deadline=60, niceness=0)
+
+
+@pytest.fixture
+def horses() -> Iterator[list[Horse]]:
+    """Those that are still to be ended."""
+    running: list[Horse] = []
+    yield running
+    for horse in running:
+        horse.kill()
+        horse.collect()
+
+
+def forked(horses: list[Horse], settings: WorkerSettings = SETTINGS) -> Horse:
+    horse = Horse(lambda: None, settings)
+    horses.append(horse)
+    return horse
+
+
+def stays_after(horse: Horse, name: str) -> bool:
+    """Has it run a task; returns whether it waits for another one."""
+    horse.run(Task(name, f"tests.support.horse_tasks.{name}", {}))
+    assert select.select([horse], [], [], PATIENCE)[0]
+    return horse.has_stayed()
+
+
+def status_of(horse: Horse, horses: list[Horse]) -> int:
+    horses.remove(horse)
+    return os.waitstatus_to_exitcode(horse.collect())
+
+
+def test_it_stays_while_all_goes_well(horses: list[Horse]) -> None:
+    horse = forked(horses)
+    assert [stays_after(horse, "sound") for _ in range(3)] == [True] * 3
+
+
+@pytest.mark.parametrize(
+    ("task", "status"), [("unsound", 0), ("broken", 1), ("large", 0), ("killed", -signal.SIGKILL)]
+)
+def test_it_leaves_after_anything_else(horses: list[Horse], task: str, status: int) -> None:
+    horse = forked(horses)
+    assert stays_after(horse, "sound")
+    assert not stays_after(horse, task)
+    assert status_of(horse, horses) == status
+
+
+def test_it_leaves_after_many_tasks(horses: list[Horse], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_MOST_CHUNKS", 3)
+    horse = forked(horses)
+    assert [stays_after(horse, "sound") for _ in range(3)] == [True, True, False]
+    assert status_of(horse, horses) == 0
+
+
+def test_one_that_was_ended_between_two_tasks_is_known_to_have_exited(horses: list[Horse]) -> None:
+    horse = forked(horses)
+    assert stays_after(horse, "sound")
+    os.kill(horse.pid, signal.SIGTERM)
+    assert select.select([horse], [], [], PATIENCE)[0]
+    horse.run(Task("x", "tests.support.horse_tasks.sound", {}))
+    assert not horse.has_stayed()
+    assert status_of(horse, horses) == -signal.SIGTERM
+
+
+def test_it_ends_when_nobody_can_give_it_tasks(horses: list[Horse]) -> None:
+    """As an orphan does where the kernel does not end it with its worker."""
+    horse = forked(horses)
+    assert stays_after(horse, "sound")
+    os.close(horse._tasks)
+    assert select.select([horse], [], [], PATIENCE)[0]
+    horse._tasks = os.dup(horse.fileno())
+    assert status_of(horse, horses) == 0
+
+
+def test_a_task_ends_soon_after_the_deadline_even_without_a_worker(
+    horses: list[Horse], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_WATCHDOG_MARGIN", 0.1)
+    horse = forked(horses, WorkerSettings(deadline=0.1, niceness=0))
+    assert stays_after(horse, "sound")
+    assert not stays_after(horse, "endless")
+    assert status_of(horse, horses) == -signal.SIGALRM
