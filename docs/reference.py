@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic_settings import BaseSettings
+from pydantic import BaseModel
 
 import rpr_solver
 from service.api.app import create_app
@@ -31,7 +31,7 @@ from service.webhooks.settings import WebhookSettings
 from worker.settings import ConnectionSettings, WorkerSettings
 
 FILE = Path(__file__).with_name("reference.md")
-GROUPS: dict[str, type[BaseSettings]] = {
+GROUPS: dict[str, type[BaseModel]] = {
     "limits of requests": Limits,
     "API process": Settings,
     "webhooks": WebhookSettings,

@@ -6,11 +6,11 @@ import re
 from pathlib import Path
 
 import pytest
-from pydantic_settings import BaseSettings
 
 import rpr_solver
 from docs import reference, reliability
 from service.api.problems import ProblemType
+from service.cli.environment import models
 from tests.support.links import broken
 from tests.support.pages import BLOCKS, NEEDS, PAGES, READ, RUN, SHOWN
 
@@ -77,8 +77,7 @@ def test_every_setting_problem_option_and_public_name_is_in_the_reference() -> N
     rows = [line for line in TEXTS["reference.md"].splitlines() if line.startswith("|")]
     assert not [row for row in rows if "|  |" in row], "something is named without its meaning"
     documented = {code.split()[0] for row in rows for code in re.findall(r"`([^`]+)`", row)}
-    groups = [g for g in BaseSettings.__subclasses__() if g.__module__.startswith(("worker", "service"))]
-    settings = {f"RPR_CUSPS_{name.upper()}" for group in groups for name in group.model_fields}
+    settings = {f"RPR_CUSPS_{name.upper()}" for group in models() for name in group.model_fields}
     problems = {kind.slug for kind in ProblemType}
     options = {
         name

@@ -34,7 +34,8 @@ MAY_IMPORT = {
     # worker: jobs in Redis, and the processes that compute
     "worker.logs": "",
     "worker.tracing": "",
-    "worker.settings": "rpr_solver worker.logs",
+    "worker.limits": "",
+    "worker.settings": "rpr_solver worker.limits worker.logs",
     "worker.connection": "worker.settings",
     "worker.jobs": "rpr_solver worker.settings worker.connection worker.logs worker.tracing worker.answers",
     "worker.answers": "rpr_solver worker.settings",
@@ -44,7 +45,7 @@ MAY_IMPORT = {
     "worker": "",
     # service: faces people and programs
     "service.errors": "",
-    "service.schemas": "rpr_solver worker.settings worker.answers",
+    "service.schemas": "rpr_solver worker.limits worker.settings worker.answers",
     "service.webhooks": "rpr_solver worker service",
     "service.api": "rpr_solver worker service service.schemas service.webhooks",
     "service.openapi_yaml": "service.api service.schemas",

@@ -15,6 +15,8 @@ HEAVY = {
     "numpy",
     "sympy",
     "pydantic",
+    "pydantic_settings",
+    "asyncio",
     "redis",
     "rq",
     "fastapi",
@@ -53,8 +55,12 @@ def test_work_horses_find_the_whole_solver_loaded() -> None:
         (f"{COMMAND}(['--version'])", set()),
         (f"{COMMAND}(['check', '--help'])", {"pydantic"}),
         (
+            f"{COMMAND}(['solve', 'innocenti', '--l1', '27'])",
+            {"pydantic", "flint", "rpr_solver.slices.eliminant"},
+        ),
+        (
             "import service.api.app; service.api.app.create_app()",
-            {"pydantic", "fastapi", "redis", "rq", "prometheus_client"},
+            {"pydantic", "pydantic_settings", "asyncio", "fastapi", "redis", "rq", "prometheus_client"},
         ),
     ],
 )

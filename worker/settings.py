@@ -3,21 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, ValidationError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from worker.limits import DEADLINE, Deadline
 from worker.logs import LogFormat
-
-Deadline = Annotated[
-    PositiveFloat,
-    Field(description="maximum `deadline_s` of a request, and run time of a chunk, in seconds"),
-]
-"""A setting of the workers, and a limit of requests."""
-
-DEADLINE = 600.0
-"""Its value if nothing else is said."""
 
 
 class ConnectionSettings(BaseSettings):

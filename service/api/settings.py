@@ -103,7 +103,7 @@ class Settings(BaseSettings):
     large_answer_bytes: PositiveInt = Field(
         default=256 << 20, description="maximum memory of large results that are sent, in bytes, about"
     )
-    limits: Limits = Field(default_factory=Limits)
+    limits: Limits = Field(default_factory=Limits.of_environment)
     webhooks: WebhookSettings = Field(default_factory=WebhookSettings)
 
     @field_validator("cors_origins")

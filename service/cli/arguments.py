@@ -107,7 +107,7 @@ def source(names: Mapping[str, str] | None = None) -> Source:
 
     The number of slices is practically unlimited, since they are computed locally.
     """
-    limits = Limits(max_slices=MAX_LOCAL_SLICES, max_article_slices=MAX_LOCAL_SLICES)
+    limits = Limits.of_environment(max_slices=MAX_LOCAL_SLICES, max_article_slices=MAX_LOCAL_SLICES)
     return Source(limits, {**_OPTIONS, **(names or {})}, is_text=True)
 
 

@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 
-from pydantic_settings import BaseSettings
+from pydantic import BaseModel
 
 from service.api.settings import Settings
 from service.schemas.limits import Limits
@@ -18,7 +18,7 @@ from worker.settings import ConnectionSettings, WorkerSettings
 PREFIX = "RPR_CUSPS_"
 
 
-def models() -> tuple[type[BaseSettings], ...]:
+def models() -> tuple[type[BaseModel], ...]:
     """Returns the models that read settings from the environment."""
     from service.client import ClientSettings  # imported here to keep the start of `serve` quick
 

@@ -303,7 +303,7 @@ def joint_path(
 def verify_document(document: Mapping[str, Any], *, deadline: float | None = None) -> Asked[Verification]:
     """A verification of a document by independent means."""
     members = {"document": document} | ({} if deadline is None else {"deadline_s": str(deadline)})
-    question = read(VerificationRequest, members, Source(Limits(), is_text=True))
+    question = read(VerificationRequest, members, Source(Limits.of_environment(), is_text=True))
     return Asked(question, PATHS[VerificationRequest][0], Verification)
 
 
@@ -316,7 +316,7 @@ def _asked(
     members: Mapping[str, object],
 ) -> Asked[M]:
     # the service has the limits that count
-    limits = Limits(max_slices=_MANY, max_article_slices=_MANY, max_samples=_MANY)
+    limits = Limits.of_environment(max_slices=_MANY, max_article_slices=_MANY, max_samples=_MANY)
     own = {"geometry": manipulator, **members}
     if digits is not None:
         own["digits"] = digits

@@ -51,7 +51,7 @@ class Source:
     @classmethod
     def of(cls, info: ValidationInfo) -> Source:
         """Returns the source of a validation."""
-        source: Source = info.context or cls(Limits())
+        source: Source = info.context or cls(Limits.of_environment())
         return source
 
     def called(self, place: str) -> str:

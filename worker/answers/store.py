@@ -13,10 +13,11 @@ import rpr_solver
 from worker.answers.keys import ResultKeys
 from worker.answers.requests import JobRequest
 from worker.answers.single_flight import single_flight
-from worker.settings import WorkerSettings
 
-if TYPE_CHECKING:  # the command line needs no server, and this import takes 0.2 s
+if TYPE_CHECKING:  # the command line needs no server, and these imports take half of its time
     from redis import Redis
+
+    from worker.settings import WorkerSettings
 
 SliceJson = dict[str, Any]
 
@@ -81,10 +82,10 @@ def measured(text: bytes) -> Measured:
 class ResultStore:
     """Slices, eliminants and documents. All state is in Redis; an instance is cheap and may be shared."""
 
-    def __init__(self, redis: Redis, settings: WorkerSettings | None = None, holder: str = "") -> None:
+    def __init__(self, redis: Redis, settings: WorkerSettings, holder: str = "") -> None:
         """The store; `holder` is the chunk in whose name locks are taken."""
         self.redis = redis
-        self.settings = settings or WorkerSettings()
+        self.settings = settings
         self.holder = holder
         self.keys = ResultKeys(self.settings.key_prefix)
         self._measure = redis.register_script(_MEASURE)

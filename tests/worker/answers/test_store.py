@@ -27,7 +27,7 @@ def slice_of(l1: str, mark: int = 0) -> dict[str, object]:
 
 
 def test_the_first_result_stays(redis: Redis) -> None:
-    store = ResultStore(redis)
+    store = ResultStore(redis, WorkerSettings())
     request = a_request("1", "2")
     keep(store, request, "1", slice_of("1", 1))
     keep(store, request, "1", slice_of("1", 2))
@@ -47,7 +47,7 @@ def test_results_are_bounded_in_time_and_errors_more_so(redis: Redis) -> None:
 
 
 def test_another_question_has_other_results(redis: Redis) -> None:
-    store = ResultStore(redis)
+    store = ResultStore(redis, WorkerSettings())
     request = a_request("1")
     keep(store, request, "1", slice_of("1"))
     assert store.get_slices(a_request("1", fixed_leg=2)) == {}
@@ -55,7 +55,7 @@ def test_another_question_has_other_results(redis: Redis) -> None:
 
 
 def test_more_digits_serve_fewer(redis: Redis) -> None:
-    store = ResultStore(redis)
+    store = ResultStore(redis, WorkerSettings())
     long, short = a_request("14.98", digits=60), a_request("14.98", "15", digits=20)
     eliminant = rpr_solver.eliminate(rpr_solver.EXAMPLES["innocenti"])
     solved = rpr_solver.solve_slice(eliminant, Fraction("14.98"), 60).to_json()
@@ -69,7 +69,7 @@ def test_more_digits_serve_fewer(redis: Redis) -> None:
 
 
 def test_renewed_slices_last_as_long_as_new_ones(redis: Redis) -> None:
-    store = ResultStore(redis)
+    store = ResultStore(redis, WorkerSettings())
     request = a_request("1")
     keep(store, request, "1", slice_of("1"))
     key = store.slice_keys(request, request.parts)[0]
@@ -79,7 +79,7 @@ def test_renewed_slices_last_as_long_as_new_ones(redis: Redis) -> None:
 
 
 def test_one_worker_at_a_time_computes_an_eliminant(redis: Redis) -> None:
-    store, other = ResultStore(redis), ResultStore(redis)
+    store, other = ResultStore(redis, WorkerSettings()), ResultStore(redis, WorkerSettings())
     request = a_request("1")
     with store.eliminant_lock(request) as mine, other.eliminant_lock(request) as theirs:
         assert mine
@@ -113,7 +113,7 @@ def test_a_lock_is_renewed_while_it_is_held(redis: Redis) -> None:
 
 
 def test_a_lock_that_expired_is_not_released_for_its_next_holder(redis: Redis) -> None:
-    store, other = ResultStore(redis), ResultStore(redis)
+    store, other = ResultStore(redis, WorkerSettings()), ResultStore(redis, WorkerSettings())
     request = a_request("1")
     key = store.keys.eliminant_lock(request.geometry_hash, 1)
     late = ExitStack()
@@ -127,7 +127,7 @@ def test_a_lock_that_expired_is_not_released_for_its_next_holder(redis: Redis) -
 
 
 def test_an_error_releases_the_lock(redis: Redis) -> None:
-    store = ResultStore(redis)
+    store = ResultStore(redis, WorkerSettings())
     request = a_request("1")
     with pytest.raises(ZeroDivisionError), store.eliminant_lock(request):
         raise ZeroDivisionError
@@ -135,7 +135,7 @@ def test_an_error_releases_the_lock(redis: Redis) -> None:
 
 
 def test_the_eliminant_is_kept(redis: Redis) -> None:
-    store = ResultStore(redis)
+    store = ResultStore(redis, WorkerSettings())
     request = a_request("1")
     assert store.get_eliminant(request) is None
     eliminant = rpr_solver.eliminate(rpr_solver.EXAMPLES["innocenti"])
