@@ -8,14 +8,17 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import IO, Any, TypeVar
 
+from tests.support.template import Forked, template
 from worker.connection import connect
 
 T = TypeVar("T")
+
+Process = subprocess.Popen[Any] | Forked
 
 ROOT = Path(__file__).parents[2]
 
@@ -37,6 +40,18 @@ def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen
         for stream in (process.stdin, process.stdout, process.stderr):
             if stream is not None:
                 stream.close()
+
+
+@contextmanager
+def forked(arguments: Sequence[str], env: dict[str, str], stderr: IO[bytes]) -> Iterator[Forked]:
+    """A worker forked from one that is loaded, in a new session that ends with the block."""
+    process = template(str(ROOT)).fork(arguments, env, stderr.fileno())
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait(PATIENCE)
 
 
 def completed(
@@ -67,20 +82,30 @@ class Workers:
 
     url: str
     log: Path
-    processes: list[subprocess.Popen[bytes]] = field(default_factory=list)
+    processes: list[Process] = field(default_factory=list)
     _running: ExitStack = field(default_factory=ExitStack)
 
-    def start(self, **settings: object) -> subprocess.Popen[bytes]:
-        """Starts a worker and waits until it is ready; settings as in `WorkerSettings`."""
-        return self.start_odd("worker", **settings)
+    def start(self, **settings: object) -> Process:
+        """Forks a worker and waits until it is ready; settings as in `WorkerSettings`."""
+        return self._start(forked, settings)
 
-    def start_odd(self, module: str, *arguments: str, **settings: object) -> subprocess.Popen[bytes]:
+    def start_odd(self, module: str, *arguments: str, **settings: object) -> Process:
         """Starts a worker by another module than `worker`."""
+        command = [sys.executable, "-m", module, *arguments]
+        return self._start(
+            lambda options, variables, log: started([*command, *options], env=variables, stderr=log), settings
+        )
+
+    def _start(
+        self,
+        begin: Callable[[list[str], dict[str, str], IO[bytes]], AbstractContextManager[Process]],
+        settings: dict[str, object],
+    ) -> Process:
         name = f"test-{os.getpid()}-{len(self.processes)}-{time.monotonic_ns()}"
-        command = [sys.executable, "-m", module, *arguments, "--redis-url", self.url, "--name", name]
         variables = environment(**{"log_level": "WARNING", **settings})
         with self.log.open("ab") as log:
-            process = self._running.enter_context(started(command, env=variables, stderr=log))
+            options = ["--redis-url", self.url, "--name", name]
+            process = self._running.enter_context(begin(options, variables, log))
         self.processes.append(process)
         with connect(self.url) as client:
             until(lambda: client.hget(f"rq:worker:{name}", "state") == b"idle")
