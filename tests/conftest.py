@@ -1,6 +1,7 @@
 """Settings that all tests share."""
 
 import compileall
+import gc
 import os
 import sys
 from pathlib import Path
@@ -29,9 +30,16 @@ settings.load_profile("ci")
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    gc.disable()  # what is collected is no garbage; searching it again and again is a tenth of the collection
     if not hasattr(config, "workerinput"):  # once, before the processes that run the tests
         for package in ("rpr_solver", "worker", "service"):
             compileall.compile_dir(Path(__file__).parents[1] / package, quiet=1)
+
+
+def pytest_collection_finish() -> None:
+    gc.collect()
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.hookimpl(optionalhook=True)

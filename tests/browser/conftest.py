@@ -21,8 +21,6 @@ from tests.support.processes import PATIENCE, until
 from tests.support.service_server import serving
 from worker.process.pool import WorkerPool
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="no Playwright: pip install -e '.[test]'")
-
 CHROMIUM = shutil.which(os.environ.get("CHROMIUM", "chromium"))
 OPTIONS = (
     "--no-sandbox",  # which root cannot have
@@ -45,6 +43,8 @@ BRIEF = {"resultTypes": ["violations"]}
 def browser() -> Iterator[Any]:
     if CHROMIUM is None:
         pytest.skip("no Chromium: apt-get install chromium, or name it in CHROMIUM")
+    sync_api = pytest.importorskip("playwright.sync_api", reason="no Playwright: pip install -e '.[test]'")
+    sync_api.expect.set_options(timeout=1000 * PATIENCE)
     with sync_api.sync_playwright() as playwright:
         chromium = playwright.chromium.launch(
             executable_path=CHROMIUM, args=list(OPTIONS), timeout=1000 * PATIENCE

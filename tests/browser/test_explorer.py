@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import re
 import sys
@@ -18,16 +19,18 @@ from service.api.access.keys import make_key
 from service.api.explorer_page import FIRST_SLICES
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.processes import PATIENCE, completed, environment
+from tests.support.processes import completed, environment
 from tests.support.service_server import serving
 from worker.connection import connect
-
-expect = pytest.importorskip("playwright.sync_api").expect
-expect.set_options(timeout=1000 * PATIENCE)
 
 INNOCENTI = "g=15.91,0,10,17.04,16.54,20.84,ccw"
 Open = Callable[..., Any]
 Inspect = Callable[[Any, str], None]
+
+
+def expect(what: Any) -> Any:
+    """Playwright's, which takes a second to load: not while tests are collected."""
+    return importlib.import_module("playwright.sync_api").expect(what)
 
 
 def count_is(page: Any, text: str) -> None:

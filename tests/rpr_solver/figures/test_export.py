@@ -1,16 +1,11 @@
 """PNG and PDF show the scene that SVG shows, with the same bytes each time."""
 
+import importlib
 from collections.abc import Iterable
 from io import BytesIO
 
 import pytest
 
-pytest.importorskip("matplotlib")
-
-from matplotlib import rc_context
-from matplotlib.image import imread
-
-from rpr_solver.figures.export import drawn
 from rpr_solver.figures.palette import colour
 from rpr_solver.figures.plane import Box
 from rpr_solver.figures.scene import Disc, Group, Motion, Paint, Path, Scene, Text
@@ -30,6 +25,14 @@ SCENE = Scene(
 )
 
 
+def drawn(scene: Scene, form: str, theme: str) -> bytes:
+    """The same of :mod:`rpr_solver.figures.export`, which loads Matplotlib: not while tests are collected."""
+    pytest.importorskip("matplotlib")
+    from rpr_solver.figures.export import drawn
+
+    return drawn(scene, form, theme)
+
+
 def code(pixel: Iterable[float]) -> str:
     return "#" + "".join(f"{round(255 * x):02x}" for x in list(pixel)[:3])
 
@@ -37,7 +40,8 @@ def code(pixel: Iterable[float]) -> str:
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_png_has_the_colours_of_the_scene_where_it_has_its_shapes(theme: str) -> None:
     is_dark = "dark" if theme == "dark" else "light"
-    picture = imread(BytesIO(drawn(SCENE, "png", is_dark)), format="png")
+    png = BytesIO(drawn(SCENE, "png", is_dark))
+    picture = importlib.import_module("matplotlib.image").imread(png, format="png")
     assert picture.shape[:2] == (120, 160)
     at = {
         (40, 40): "poses6",
@@ -57,5 +61,5 @@ def test_bytes_are_the_same_each_time() -> None:
 
 def test_pdf_embeds_its_font() -> None:
     assert drawn(SCENE, "pdf", "light").startswith(b"%PDF")
-    with rc_context({"pdf.compression": 0}):
+    with importlib.import_module("matplotlib").rc_context({"pdf.compression": 0}):
         assert b"/FontFile2" in drawn(SCENE, "pdf", "light")

@@ -13,7 +13,6 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, cusp_curves, poses
-from service.api.app import create_app
 from service.api.operations import OPERATIONS
 from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY, ended
@@ -31,12 +30,11 @@ def is_whole(model: str, document: object) -> bool:
 def documented() -> list[Any]:
     """Every example of a question: its path and its body."""
     examples = []
-    paths = create_app().openapi()["paths"]
-    for path in (operation.path for operation in OPERATIONS):
-        content = paths[path]["post"]["requestBody"]["content"]["application/json"]
+    for operation in OPERATIONS:
+        path = operation.path
         marks = pytest.mark.slow if path in ("/v1/checks", "/v1/cusp-curves") else ()
-        for name, example in content["examples"].items():
-            examples.append(pytest.param(path, example["value"], id=f"{path} {name}", marks=marks))
+        for name, (_, body) in operation.question.examples.items():
+            examples.append(pytest.param(path, body, id=f"{path} {name}", marks=marks))
     return examples
 
 
