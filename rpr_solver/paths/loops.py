@@ -7,15 +7,14 @@ The first alone would not do: two poses near a cusp can also be joined beside it
 
 from __future__ import annotations
 
-from cmath import phase
 from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
-from math import floor, log10, pi
+from math import floor
 from types import MappingProxyType
 
-from flint import arb, ctx
+from flint import acb, arb, ctx
 
 from rpr_solver.contract import (
     DEFAULT_SAMPLES,
@@ -196,11 +195,12 @@ class _Search:
                 return False
             if limits.exclude((at.first[0], at.second[0])):
                 return False
-            image.append(complex(float(at.first[0].mid()), float(at.second[0].mid())))
+            image.append(acb(at.first[0].mid(), at.second[0].mid()))
         for (x, y), turns in zip(self.centres, wanted, strict=True):
-            centre = complex(float(x.mid()), float(y.mid()))
-            away = [z - centre for z in image]
-            if not all(away) or abs(round(sum(phase(b / a) for a, b in pairwise(away)) / (2 * pi))) != turns:
+            centre = acb(x.mid(), y.mid())
+            angle = sum((((b - centre) / (a - centre)).arg() for a, b in pairwise(image)), arb(0))
+            turned = (abs(angle) / (2 * arb.pi()) + 0.5).floor().unique_fmpz()
+            if turned != turns:
                 return False
         return True
 
@@ -232,7 +232,7 @@ class _Search:
         scale = self.slice_map.scale_ball()
         lengths = [square.sqrt() / scale for square in squares]
         cusp = [_ball(text, self.digits) for text in self.point.coordinates[2:]]
-        far = max(float(abs(x - y).mid()) for x, y in zip(lengths, cusp, strict=True))
+        far = max((abs(x - y).mid() for x, y in zip(lengths, cusp, strict=True)), key=fraction_of)
         legs = [decimal_near(x, far * min(1.0, size) * _LEG_ACCURACY) for x in lengths]
         if not all(leg > 0 for leg in legs):
             return None
@@ -242,9 +242,9 @@ class _Search:
         return (first, last) if first and last else None
 
 
-def decimal_near(x: arb, accuracy: float) -> Fraction:
+def decimal_near(x: arb, accuracy: arb | float) -> Fraction:
     """A short decimal that differs from a number by less than this."""
-    step = Fraction(10) ** floor(log10(accuracy))
+    step = Fraction(10) ** floor(float((arb(accuracy).log() / arb(10).log()).mid()))
     return round(fraction_of(x) / step) * step
 
 

@@ -6,14 +6,14 @@ import cmath
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil
+from math import ceil, isqrt
 
 from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, round_down
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.arcs import Arc, Point
 from rpr_solver.paths.clearance import clearance_of
@@ -164,17 +164,38 @@ def wrapped(angle: arb) -> arb:
 
 
 def _joint(slice_map: SliceMap, arcs: Sequence[Arc]) -> Joint:
-    """The leg lengths along the arcs, scaled, as floats."""
-    scale, omega = float(slice_map.scale), float(slice_map.radicand) ** 0.5
-    polynomials = [[[float(c.mid()) for c in p] for p in (arc.alpha, arc.theta, arc.length)] for arc in arcs]
+    """The leg lengths along the arcs as floats, in a unit in which none is too large or too small for one.
+
+    All units are powers of two, so that no rounding depends on them.
+    """
+    legs = slice_map.f, slice_map.g
+    size = max(abs(x) for leg in legs for x in (leg.m, leg.ax, leg.ay)) + fraction_of(
+        abs(arcs[0].length[0]).mid()
+    )
+    unit, root = _power_of_two(size), _power_of_two(Fraction(isqrt(slice_map.radicand) + 1))
+    scale = float(slice_map.scale / _power_of_two(Fraction(slice_map.scale)))
+    omega = float(slice_map.radicand / root**2) ** 0.5
+    points = [
+        (
+            complex(float(leg.m / unit), float(leg.n * root / unit) * omega),
+            complex(float(leg.ax / unit), float(leg.ay / unit)),
+        )
+        for leg in legs
+    ]
+    lengths = [[float(fraction_of(c.mid()) / unit) for c in arc.length] for arc in arcs]
+    angles = [[[float(c.mid()) for c in p] for p in (arc.alpha, arc.theta)] for arc in arcs]
 
     def joint(number: int, tau: float) -> tuple[float, float, float]:
-        alpha, theta, length = (sum(c * tau**k for k, c in enumerate(p)) for p in polynomials[number])
-        tip, turn = cmath.rect(length, theta), cmath.rect(1, alpha)
-        first, second = (
-            abs(tip + turn * complex(leg.m, leg.n * omega) - complex(leg.ax, leg.ay))
-            for leg in (slice_map.f, slice_map.g)
+        alpha, theta, length = (
+            sum(c * tau**k for k, c in enumerate(p)) for p in (*angles[number], lengths[number])
         )
+        tip, turn = cmath.rect(length, theta), cmath.rect(1, alpha)
+        first, second = (abs(tip + turn * platform - base) for platform, base in points)
         return length / scale, first / scale, second / scale
 
     return joint
+
+
+def _power_of_two(x: Fraction) -> Fraction:
+    """A power of two near a number > 0."""
+    return Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length())

@@ -109,7 +109,7 @@ def test_every_cusp_of_a_hundred_random_slices_has_a_loop() -> None:
     assert loops > 200
 
 
-@given(st.sampled_from([-2, -1, 1, 2]), st.integers(1, 8))
+@given(st.sampled_from([-350, -2, 1, 350]), st.integers(1, 8))
 @examples(2)
 def test_scaling_by_a_power_of_ten_scales_the_loop(power: int, cusp: int) -> None:
     factor = Fraction(10) ** power
@@ -125,6 +125,13 @@ def test_scaling_by_a_power_of_ten_scales_the_loop(power: int, cusp: int) -> Non
         loop.start,
         loop.stop,
     )
+
+
+def test_lengths_of_many_digits_have_a_loop() -> None:
+    """Their squares, scaled to integers, are beyond the range of a double."""
+    sides = Fraction("17.04") + Fraction(1, 10**160), FIRST.d2, FIRST.d3
+    eliminant, table = slice_of(Manipulator(FIRST.a2x, FIRST.a3x, FIRST.a3y, *sides), "27")
+    check(loop_in_slice(eliminant, table, 2, PLAN, 15), table)
 
 
 @given(st.integers(1, 8))
