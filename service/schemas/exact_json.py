@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator
-from typing import NoReturn
+from dataclasses import dataclass
 
 MAX_DEPTH = 32
 """Maximum depth; no document of the contract comes near it."""
@@ -15,7 +16,7 @@ class JsonError(ValueError):
 
     Attributes:
         detail: the fault, in a sentence.
-        field: the repeated key, or "body".
+        field: the member at fault, such as "geometry.d1" or "l1[0]", or "body".
         line: the line of the fault, if it is known.
     """
 
@@ -47,13 +48,27 @@ def parse_json(body: bytes, name: str = "The body") -> object:
         text = body.decode("utf-8")
     except UnicodeDecodeError as error:
         raise JsonError(f"{name} is not valid UTF-8: byte {error.start} cannot be decoded.") from None
+    faults: list[_Fault] = []
+
+    def fault(detail: str) -> _Fault:
+        faults.append(_Fault(detail))
+        return faults[-1]
+
+    def members(pairs: list[tuple[str, object]]) -> dict[str, object]:
+        obj = dict(pairs)
+        if len(obj) < len(pairs):
+            counts = Counter(key for key, _ in pairs)
+            twice = next(key for key, count in counts.items() if count > 1)
+            obj[twice] = fault(f"The key {twice[:100]!r} is given twice.")
+        return obj
+
     try:
         value: object = json.loads(
             text,
             parse_float=JsonNumber,
             parse_int=JsonNumber,
-            parse_constant=_refuse_constant,
-            object_pairs_hook=_object,
+            parse_constant=lambda text: fault(f"{text} is not a JSON number; every number must be finite."),
+            object_pairs_hook=members,
         )
     except json.JSONDecodeError as error:
         raise JsonError(
@@ -63,6 +78,8 @@ def parse_json(body: bytes, name: str = "The body") -> object:
     except RecursionError:
         raise _too_deep(name) from None
     _check_depth(value, name)
+    if faults:
+        raise next(_errors(value, ""))
     return value
 
 
@@ -74,19 +91,23 @@ def json_kind(value: object) -> str:
     return kinds.get(type(value), type(value).__name__)
 
 
-def _object(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    members = dict(pairs)
-    if len(members) < len(pairs):
-        seen: set[str] = set()
-        for key, _ in pairs:
-            if key in seen:
-                raise JsonError(f"The key {key[:100]!r} is given twice in one object.", field=key)
-            seen.add(key)
-    return members
+@dataclass(frozen=True)
+class _Fault:
+    """What stands in a value for a member that strict JSON does not allow."""
+
+    detail: str
 
 
-def _refuse_constant(name: str) -> NoReturn:
-    raise JsonError(f"{name} is not a JSON number; every number must be finite.")
+def _errors(value: object, field: str) -> Iterator[JsonError]:
+    """The faults in a value, each with the name of its member."""
+    if isinstance(value, _Fault):
+        yield JsonError(f"{field}: {value.detail}" if field else value.detail, field or "body")
+    elif isinstance(value, dict):
+        for key, member in value.items():
+            yield from _errors(member, f"{field}.{key}" if field else key)
+    elif isinstance(value, list):
+        for k, element in enumerate(value):
+            yield from _errors(element, f"{field}[{k}]")
 
 
 def _check_depth(value: object, name: str) -> None:

@@ -69,5 +69,23 @@ def test_what_is_not_strict_json_is_refused(body: bytes, said: str) -> None:
         parse_json(body)
 
 
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        ('{"l1": [1, NaN]}', "l1[1]"),
+        ('{"geometry": {"d1": -Infinity}, "l1": 1}', "geometry.d1"),
+        ("[[Infinity]]", "[0][0]"),
+        ("NaN", "body"),
+        ('{"geometry": {"d1": 1, "d1": 2}}', "geometry.d1"),
+        ('{"a": NaN, "a": 1}', "a"),
+        ('{"a": [NaN], "b": 1, "a": 2}', "a"),
+    ],
+)
+def test_what_is_refused_is_named(body: str, field: str) -> None:
+    with pytest.raises(JsonError) as caught:
+        parse_json(body.encode())
+    assert caught.value.field == field
+
+
 def test_the_greatest_depth_is_allowed() -> None:
     assert parse_json(b"[" * MAX_DEPTH + b"]" * MAX_DEPTH)
