@@ -84,7 +84,7 @@ def check_integer(value: int, field: str, expected: str, least: int, most: float
             field, f"{shown(value)} is a {type(value).__name__}, not an integer; give {expected}"
         )
     if not least <= value <= most:
-        raise InputError.of(field, f"is {value}; give {expected}")
+        raise InputError.of(field, f"is {shown(value)}; give {expected}")
     return int(value)
 
 

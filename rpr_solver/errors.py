@@ -72,5 +72,8 @@ class Unproved(SolverError):  # noqa: N818 - a verdict, not a fault
 
 def shown(value: object) -> str:
     """A value as error messages quote it, shortened if it is long."""
-    text = repr(value)
+    try:
+        text = repr(value)
+    except ValueError:  # Python does not print integers of more than 4300 digits
+        return f"an {type(value).__name__} of more than 4300 digits"
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}… ({len(text)} characters)"

@@ -56,8 +56,7 @@ def parse_exact(value: Exact, field: str, *, max_digits: int = MAX_DIGITS) -> Fr
     if len(text) > 2 * max_digits + 16:
         raise _too_long(field, max_digits)
     if quotient := _QUOTIENT.fullmatch(text):
-        # Python itself refuses to convert beyond 4300 digits; the length check above is stricter
-        numerator, denominator = (int(part) for part in quotient.groups())
+        numerator, denominator = (_integer(part) for part in quotient.groups())
         if denominator == 0:
             raise InputError.of(field, f"{shown(text)} has the denominator 0")
         return _bounded(Fraction(numerator, denominator), field, max_digits)
@@ -68,7 +67,7 @@ def parse_exact(value: Exact, field: str, *, max_digits: int = MAX_DIGITS) -> Fr
             f'{shown(text)} is not a finite number; write a decimal such as "17.04" or a quotient "426/25"',
         )
     sign, whole, part, exponent = decimal[1], decimal[2] or "", decimal[3] or "", int(decimal[4] or 0)
-    significand = int(whole + part)
+    significand = _integer(whole + part)
     shift = exponent - len(part)
     if significand == 0:
         return Fraction(0)
@@ -148,9 +147,9 @@ def exact_str(x: Exact) -> str:
         odd //= 5
         fives += 1
     if odd != 1:
-        return f"{x.numerator}/{x.denominator}"
+        return f"{_digits(x.numerator)}/{_digits(x.denominator)}"
     places = max(twos, fives)
-    digits = str(abs(x.numerator) * 10**places // denominator).rjust(places + 1, "0")
+    digits = _digits(abs(x.numerator) * 10**places // denominator).rjust(places + 1, "0")
     sign = "-" if x < 0 else ""
     return f"{sign}{digits[:-places]}.{digits[-places:]}" if places else sign + digits
 
@@ -158,6 +157,14 @@ def exact_str(x: Exact) -> str:
 def exact_or_none(x: Fraction | None) -> str | None:
     """The canonical text of an end, or None for an open one."""
     return None if x is None else exact_str(x)
+
+
+def _integer(text: str) -> int:
+    return int(Decimal(text))  # int(text) refuses more than 4300 digits, and so does str
+
+
+def _digits(x: int) -> str:
+    return f"{Decimal(x):f}"
 
 
 def _not_exact(value: object) -> str:

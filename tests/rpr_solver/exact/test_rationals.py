@@ -5,7 +5,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rpr_solver import InputError, exact_str, parse_exact
+from rpr_solver import EXAMPLES, InputError, cusp_table, exact_str, parse_exact
 from rpr_solver.exact.rationals import rational_sqrt
 from tests.support.strategies import rationals
 
@@ -21,6 +21,17 @@ def test_a_decimal_keeps_what_was_written() -> None:
     assert parse_exact(Decimal("0.1"), "x") == Fraction(1, 10)
     assert parse_exact(".5", "x") == parse_exact("5.e-1", "x") == Fraction(1, 2)
     assert parse_exact("-0", "x") == 0
+
+
+def test_numbers_that_python_does_not_print_are_written_out() -> None:
+    """Python converts no integer of more than 4300 digits."""
+    many = 10**5000 + 1
+    assert parse_exact(exact_str(Fraction(1, 2**17000)), "x", max_digits=20000) == Fraction(1, 2**17000)
+    assert exact_str(Fraction(-many, 3)) == f"-1{'0' * 4999}1/3"
+    with pytest.raises(InputError, match="needs a leg length > 0"):
+        cusp_table(EXAMPLES["innocenti"], Fraction(-many))
+    with pytest.raises(InputError, match="digits: is an int of more than 4300 digits; give 15 to 10000"):
+        cusp_table(EXAMPLES["innocenti"], 1, digits=many)
 
 
 @pytest.mark.parametrize(
