@@ -9,7 +9,6 @@ the store, and stops both at the end.
 from __future__ import annotations
 
 import argparse
-import json
 import socket
 import subprocess
 import tempfile
@@ -25,6 +24,7 @@ from benchmarks.stack import serving
 from service.stack.embedded_valkey import EmbeddedValkey
 from worker.answers import tables
 from worker.answers.requests import JobRequest
+from worker.answers.store import packed
 from worker.connection import connect
 from worker.jobs.queue import JobQueue
 
@@ -48,7 +48,7 @@ def known_table(queue: JobQueue, slices: int, digits: int) -> str:
     request = JobRequest(tables.KIND, content)
     one = rpr_solver.slice_json(rpr_solver.eliminate(MANIPULATOR), Fraction("14.98"), digits)
     for x, key in zip(l1, queue.store.slice_keys(request, l1), strict=True):
-        queue.redis.set(key, json.dumps({**one, "l1": x}, separators=(",", ":")))
+        queue.redis.set(key, packed({**one, "l1": x}))
     return queue.submit(request).id
 
 

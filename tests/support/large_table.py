@@ -10,7 +10,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver import EXAMPLES
 from tests.support.jobs import a_request
-from worker.answers.store import dump
+from worker.answers.store import packed
 from worker.jobs.queue import JobQueue
 
 DIGITS = 1000
@@ -29,7 +29,7 @@ def keep_table(queue: JobQueue, count: int) -> tuple[str, dict[str, Any]]:
     keys = queue.store.slice_keys(request, request.parts)
     with queue.redis.pipeline(transaction=False) as pipe:
         for key, value in zip(keys, slices, strict=True):
-            pipe.set(key, dump(value), ex=600)
+            pipe.set(key, packed(value), ex=600)
         pipe.execute()
     head = rpr_solver.contract.document_head(request, DIGITS, 1)
     return queue.submit(request).id, {**head, "slices": slices}

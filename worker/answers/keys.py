@@ -14,8 +14,8 @@ class ResultKeys:
     prefix: str
 
     def slice(self, geometry_hash: str, fixed_leg: int, digits: int, l1: str) -> str:
-        """A slice's result; its content never changes."""
-        return f"{self._content('slice', geometry_hash, fixed_leg)}:{digits}:{l1}"
+        """A slice's result; its content never changes. `z`: it is compressed, see `packed`."""
+        return f"{self._content('slice', geometry_hash, fixed_leg)}:{digits}:z:{l1}"
 
     def digits(self, geometry_hash: str, fixed_leg: int) -> str:
         """The set of the digits of a geometry's slice results."""

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
 import rpr_solver
 from worker.answers.keys import ResultKeys
+from worker.answers.packed import HEAD_BYTES, Measured, measured_by, pack, unpack
 from worker.answers.requests import JobRequest
 from worker.answers.single_flight import single_flight
 
@@ -21,31 +20,28 @@ if TYPE_CHECKING:  # the command line needs no server, and these imports take ha
 
 SliceJson = dict[str, Any]
 
-_MEASURED_AT_ONCE = 64  # some milliseconds of the server's time, for the largest slices
-_ERROR = b'"error":{'
-_MEASURE = """
-local measured = {}
-for i, key in ipairs(KEYS) do
-    local json = redis.call('GET', key)
-    measured[i] = json and {#json, redis.sha1hex(json), string.find(json, '"error":{', 1, true) and 1 or 0}
-end
-return measured
+_MEASURED_AT_ONCE = 512
+_HEADS = f"""
+local heads = {{}}
+for i, key in ipairs(KEYS) do heads[i] = redis.call('GETRANGE', key, 0, {HEAD_BYTES - 1}) end
+return heads
 """
 
 KEEP_SLICES = """
--- Keeps slices: their keys are KEYS[keys + 1], …; of each, ARGV has from args + 1 on its length, its JSON and
--- whether this is an error. A known answer has its lifetime renewed, and is never replaced by an error.
+-- Keeps slices: their keys are KEYS[keys + 1], …; of each, ARGV has from args + 1 on its length, the slice as
+-- it is stored, and whether it is an error. A known answer has its lifetime renewed, and is never replaced by
+-- an error.
 local function keep_slices(keys, args, known_digits, digits, ttl, error_ttl)
     local slices, is_one_known = {}, false
     for i = 1, #KEYS - keys do
-        local l1, json, is_error = unpack(ARGV, args + 3 * i - 2, args + 3 * i)
+        local l1, packed, is_error = unpack(ARGV, args + 3 * i - 2, args + 3 * i)
         is_error = is_error == '1'
-        if not redis.call('SET', KEYS[keys + i], json, 'EX', is_error and error_ttl or ttl, 'NX')
+        if not redis.call('SET', KEYS[keys + i], packed, 'EX', is_error and error_ttl or ttl, 'NX')
                 and not is_error then
             redis.call('EXPIRE', KEYS[keys + i], ttl)
         end
         is_one_known = is_one_known or not is_error
-        slices[i] = {l1 = l1, json = json, is_error = is_error}
+        slices[i] = {l1 = l1, packed = packed, is_error = is_error}
     end
     if is_one_known then
         redis.call('SADD', known_digits, digits)
@@ -64,21 +60,6 @@ keep_slices(1, 3, KEYS[1], unpack(ARGV, 1, 3))
 )
 
 
-@dataclass(frozen=True)
-class Measured:
-    """What identifies the JSON of a slice without reading it."""
-
-    size: int
-    digest: str
-    is_error: bool
-
-
-def measured(text: bytes) -> Measured:
-    """Returns the same for JSON at hand."""
-    digest = hashlib.sha1(text, usedforsecurity=False).hexdigest()
-    return Measured(len(text), digest, _ERROR in text)
-
-
 class ResultStore:
     """Slices, eliminants and documents. All state is in Redis; an instance is cheap and may be shared."""
 
@@ -88,7 +69,7 @@ class ResultStore:
         self.settings = settings
         self.holder = holder
         self.keys = ResultKeys(self.settings.key_prefix)
-        self._measure = redis.register_script(_MEASURE)
+        self._heads = redis.register_script(_HEADS)
         self._keep = redis.register_script(_KEEP)
 
     def slice_keys(self, request: JobRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
@@ -126,17 +107,15 @@ class ResultStore:
         if not l1:
             return {}
         values = self._mget(self.slice_keys(request, l1, digits))
-        return {x: value for x, value in zip(l1, values, strict=True) if value is not None}
+        return {x: unpack(value) for x, value in zip(l1, values, strict=True) if value is not None}
 
     def measure(self, request: JobRequest, l1: Sequence[str]) -> dict[str, Measured]:
         """Returns the sizes and digests of the known slices, by L1, without reading them."""
         found: dict[str, Measured] = {}
         for first in range(0, len(l1), _MEASURED_AT_ONCE):
             group = l1[first : first + _MEASURED_AT_ONCE]
-            for x, reply in zip(group, self._measure(keys=self.slice_keys(request, group)), strict=True):
-                if reply is not None:
-                    size, digest, is_error = reply
-                    found[x] = Measured(size, digest.decode(), bool(is_error))
+            heads = self._heads(keys=self.slice_keys(request, group))
+            found |= {x: measured_by(head) for x, head in zip(group, heads, strict=True) if head}
         return found
 
     def more_digits(self, request: JobRequest) -> list[int]:
@@ -159,7 +138,7 @@ class ResultStore:
             renewed = iter(pipe.execute())
             for l1, key in zip(slices, self.slice_keys(request, list(slices)), strict=True):
                 if "error" not in slices[l1] and not next(renewed):
-                    pipe.set(key, dump(slices[l1]), ex=ttl, nx=True)
+                    pipe.set(key, packed(slices[l1]), ex=ttl, nx=True)
             if pipe.command_stack:
                 self._note_digits(pipe, request)
                 pipe.execute()
@@ -276,10 +255,15 @@ def dump(value: object) -> str:
     return _encode(value)
 
 
-def told(slices: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str | int]:
+def packed(value: Mapping[str, Any]) -> bytes:
+    """Returns a slice, or the error in its place, as it is stored."""
+    return pack(dump(value).encode())
+
+
+def told(slices: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str | int | bytes]:
     """Returns slices as arguments of a script with :data:`KEEP_SLICES`."""
-    return [said for l1, value in slices for said in (l1, dump(value), int("error" in value))]
+    return [said for l1, value in slices for said in (l1, packed(value), int("error" in value))]
 
 
 def _parse(l1: Sequence[str], values: Sequence[bytes | None]) -> dict[str, SliceJson]:
-    return {x: json.loads(value) for x, value in zip(l1, values, strict=True) if value is not None}
+    return {x: json.loads(unpack(value)) for x, value in zip(l1, values, strict=True) if value is not None}

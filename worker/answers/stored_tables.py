@@ -11,8 +11,9 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import document_head
+from worker.answers.packed import Measured, measured
 from worker.answers.requests import JobRequest
-from worker.answers.store import Measured, ResultStore, dump, measured
+from worker.answers.store import ResultStore, dump
 
 BATCH_BYTES = 256 << 10
 """The size of a batch; only a batch of one slice may be larger."""

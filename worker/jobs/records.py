@@ -18,6 +18,7 @@ from worker import tracing
 from worker.answers import tables
 from worker.answers.keys import ResultKeys
 from worker.answers.kinds import request_from_json
+from worker.answers.packed import unpack
 from worker.answers.requests import JobRequest
 from worker.answers.store import dump, told
 from worker.jobs import scripts
@@ -108,7 +109,7 @@ class JobRecords:
         view = _view(job_id, fields)
         if view is None or fields[-1] is None:
             return None
-        by_l1 = {raw.decode(): json.loads(error) for raw, error in errors.items()}
+        by_l1 = {raw.decode(): json.loads(unpack(error)) for raw, error in errors.items()}
         return view, request_from_json(fields[-1]), by_l1
 
     def known_before(self, job_id: str) -> list[str]:

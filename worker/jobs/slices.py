@@ -20,7 +20,7 @@ if not chunk then return 0 end
 advance(chunks, index, chunk, offset + #slices - 1, is_last == '1')
 local events = {}
 for i, slice in ipairs(slices) do
-    if slice.is_error then redis.call('HSET', errors, slice.l1, slice.json) end
+    if slice.is_error then redis.call('HSET', errors, slice.l1, slice.packed) end
     if redis.call('SETBIT', bits, position + i - 1, 1) == 0 then
         table.insert(events, {'type', 'slice', 'l1', slice.l1})
     end

@@ -18,7 +18,7 @@ from tests.support.jobs import a_request
 from tests.support.large_table import DIGITS, keep_table
 from tests.support.processes import PATIENCE
 from tests.support.service_server import GEOMETRY, serving
-from worker.answers.store import dump
+from worker.answers.store import packed
 from worker.answers.stored_tables import StoredTable
 from worker.connection import connect
 from worker.jobs.queue import JobQueue
@@ -93,7 +93,7 @@ def test_slices_with_more_digits_and_errors_are_read_in_batches_too(queue: JobQu
     error = {"l1": "1", "error": {"type": "solver-error", "detail": "no"}}
     [key] = queue.store.slice_keys(short, ["1"])
     queue.redis.sadd(queue.store.keys.digits(short.geometry_hash, 1), DIGITS)
-    queue.redis.set(key, dump(error))
+    queue.redis.set(key, packed(error))
     table = queue.known(short)
     assert isinstance(table, StoredTable)
     assert table.has_errors
