@@ -34,6 +34,7 @@ _BOUND_BITS = 64
 _NEWTON_STEPS = 6
 _NEAR = arb(2) ** -40
 """A step that is smaller by this factor than its box is the last one: the next would be beyond all bits."""
+_SLIM = arb(2) ** -20
 _TRIALS = 3
 _MOST_HALVINGS = 8
 _EITHER_SIGN = arb(0, 1)
@@ -230,7 +231,8 @@ class _Bounds:
                 whole.abs_upper() - reach * (once + reach * twice) + reach * (error + reach * second_error)
             )
             least.append((residue + beside).abs_upper())
-        wide = [2 * x for x in least]
+        # a curve that the parabola meets exactly, as a fixed pose, needs a positive radius all the same
+        wide = [2 * x if x > 0 else reach * _SLIM for x in least]
         for _ in range(_TRIALS):
             first, second = values(sizes, p + wide[0], q + wide[1])
             a, b, c, d = (x.abs_upper() for x in (first[1, 0], first[0, 1], second[1, 0], second[0, 1]))

@@ -118,6 +118,15 @@ def test_a_cusp_that_passes_a_degenerate_pose_begins_a_new_curve() -> None:
 
 
 @pytest.mark.long
+def test_cusps_at_a_pose_that_is_the_same_for_every_length_have_one_curve() -> None:
+    curves = cusp_curves(Manipulator(6, 3, 4, 6, 5, 5, "cw"), fixed_leg=2, digits=15)
+    ends = [(c.start.kind, c.stop.kind) for c in curves.curves]
+    assert ends == [("open", "open")] * 2 + [("node", "open")] * 4
+    still = curves.curves[0]
+    assert {p.point.coordinates[:2] for p in still.points} == {("0", "0")}
+
+
+@pytest.mark.long
 def test_unproved_continuations_are_called_so() -> None:
     curves = curves_of(family("flat base"), 1)
     undecided = [c for c in curves.curves if "undecided" in (c.start.kind, c.stop.kind)]

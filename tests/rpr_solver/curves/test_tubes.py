@@ -13,7 +13,7 @@ from flint import arb, arb_mat, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES
+from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.curves.neighbourhood import (
     ALONG_L,
     ORDER,
@@ -99,6 +99,21 @@ def on_curve(tube: Tube, slices: Slices, share: float) -> tuple[Point, list[mp.m
 
 def holds(box: Place, point: Point) -> bool:
     return not place(point[0], point[1], 1e-36).apart(box)
+
+
+def test_a_cusp_at_one_pose_in_every_slice_has_a_tube() -> None:
+    """Mirrored congruent isosceles triangles: with leg 2 fixed, α = θ = 0 is a cusp of nearly every slice.
+
+    There the curve is a straight line in L, which the parabola meets exactly.
+    """
+    mirrored = Manipulator(6, 3, 4, 6, 5, 5, "cw")
+    around = neighbourhood(mirrored, (mp.mpf(0), mp.mpf(0), mp.mpf("0.08")), BITS, 2, radius=0.0)
+    tube = build(around, ALONG_L, True, REACH)
+    assert tube is not None
+    assert all(radius > 0 for radius in tube.radii)
+    end, _ = tube.end()
+    assert end.alpha.numerator.contains(0)
+    assert end.theta.numerator.contains(0)
 
 
 class TestOnCuspCurves:
