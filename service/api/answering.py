@@ -21,8 +21,8 @@ from service.api.table_forms import json_bytes
 from service.schemas.price import check_price
 from service.webhooks.urls import target_of
 from worker.answers.kinds import Answer
-from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
+from worker.jobs.views import JobView
 
 
 async def answer_question(request: Request, context: Context, operation: Operation) -> Response:
@@ -64,8 +64,11 @@ async def answer_asked(
     if isinstance(outcome, JobView):
         way = "job"
         if seconds is not None:
-            view = await context.events.wait(outcome.id, seconds) or outcome
-            outcome = await context.redis(_waited, context, view, who, await request.is_disconnected())
+            await context.events.wait(outcome, seconds)
+            outcome = await context.redis(_waited, context, outcome)
+            if isinstance(outcome, JobView):
+                is_gone = await request.is_disconnected()
+                outcome = await context.redis(_unanswered, context, outcome, who, is_gone)
     else:
         waited = None
     context.metrics.count_answer(job_request.kind.name, way)
@@ -91,13 +94,18 @@ def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[i
     return None, min(implied, longest)
 
 
-def _waited(context: Context, view: JobView, who: Subscriber, is_gone: bool) -> Answer | JobView:
-    outcome = _finished(context, view)
-    if isinstance(outcome, JobView) and is_gone:
+def _waited(context: Context, before: JobView) -> Answer | JobView:
+    """Returns the answer of a job that was waited for, or how it stands now; raises as `_finished` does."""
+    view, answer = context.queue.outcome(before.id)
+    return _judged(view or before, answer)
+
+
+def _unanswered(context: Context, view: JobView, who: Subscriber, is_gone: bool) -> JobView:
+    if is_gone:
         context.queue.leave(view.id, who)
-    elif isinstance(outcome, JobView):
+    else:
         context.queue.subscriptions.add(view.id, who)
-    return _placed(context, outcome)
+    return context.queue.placed(view)
 
 
 def _placed(context: Context, outcome: Answer | JobView) -> Answer | JobView:
@@ -110,7 +118,10 @@ def _finished(context: Context, view: JobView) -> Answer | JobView:
     Raises:
         ProblemError: the job failed or was canceled.
     """
+    return _judged(view, context.queue.result(view.id) if view.status == "succeeded" else None)
+
+
+def _judged(view: JobView, answer: Answer | None) -> Answer | JobView:
     if view.status in ("failed", "canceled"):
         raise ProblemError.of_job(view)
-    answer = context.queue.result(view.id) if view.status == "succeeded" else None
     return view if answer is None else answer

@@ -22,7 +22,7 @@ from service.api.operations import EXAMPLE_TABLE
 from service.api.problems import ProblemType
 from service.schemas.forms import compact
 from service.schemas.questions import EXAMPLE_GEOMETRY
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 EXAMPLE_ID = "ba-5d41402abc4b2a76b9719d911017c592ae2f1b04"

@@ -26,8 +26,8 @@ from service.schemas.limits import LimitError, Limits
 from worker.answers.batches import batch_request, new_batch
 from worker.answers.cost import seconds_after
 from worker.jobs.batches import Batches, ItemsLostError
-from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
+from worker.jobs.views import JobView
 
 NDJSON_TYPES = (NDJSON, "application/ndjson", "application/jsonl")
 MEDIA_TYPES = (JSON_TYPES, *NDJSON_TYPES, CSV)

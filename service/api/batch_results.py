@@ -17,7 +17,7 @@ from service.schemas.limits import LimitError
 from worker.answers.kinds import known_answer
 from worker.answers.stored_tables import ResultLostError, StoredTable
 from worker.jobs.batches import Batches, StoredItem, is_done
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 
 _GROUP = 32  # items that are read together
 _PIECE = 64 << 10  # bytes of short lines that are sent together

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from service.api.job_view import cancel_link, expires_at
-from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
+from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 

@@ -13,7 +13,7 @@ from service.api.context import Context
 from service.api.negotiation import JSON
 from service.api.problems import ProblemError, ProblemType
 from service.api.table_forms import json_bytes
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 
 Find = Callable[[Context, str], JobView]
 """Returns the job or batch of an id, or raises 404."""

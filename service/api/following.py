@@ -10,7 +10,7 @@ from service.api.context import Context
 from service.api.job_tail import EVENT_ID
 from service.api.problems import ProblemError, ProblemType
 from service.api.sending import IS_HEAD, LongAnswer
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 
 
 async def follow(request: Request, context: Context, view: JobView, with_known: bool = False) -> Response:

@@ -27,7 +27,7 @@ from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.store import dump
 from worker.connection import password
 from worker.jobs.queue import JobQueue
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 
 _AT_ONCE = 8  # events, which are at most some 300 kB
 _KEPT = 8 << 20  # bytes of events that are kept for other followers
@@ -88,20 +88,28 @@ class JobEvents:
         self.stop()
         await self.redis.aclose()
 
-    async def wait(self, job_id: str, seconds: float) -> JobView | None:
-        """Returns the job once it has ended, or its state when the time is over.
+    async def wait(self, view: JobView, seconds: float) -> None:
+        """Wait until a job has ended, or the time is over.
 
         It does not wait if too many jobs are waited for already.
+
+        Raises:
+            RedisError: Redis cannot be reached.
         """
-        end = time.monotonic() + seconds
+        end, since = time.monotonic() + seconds, view.event
         while not self._tails.is_full:
-            async with self._tails.of(self._key(job_id)) as tail:
-                view = await self._view(job_id)
+            async with self._tails.of(self._key(view.id), since) as tail:
+                if not since:  # it may have ended before
+                    now = await self.access(self.queue.get, view.id)
+                    if now is None or now.is_terminal:
+                        return
                 left = end - time.monotonic()
-                if view is None or view.is_terminal or left <= 0 or self._is_stopping:
-                    return view
+                if left <= 0 or self._is_stopping:
+                    return
                 await tail.end(left)
-        return await self._view(job_id)
+                if tail.has_ended:
+                    return
+            since = ""
 
     @asynccontextmanager
     async def tail(self, job_id: str) -> AsyncIterator[Tail]:

@@ -33,11 +33,12 @@ class Tail:
     Attributes:
         newest: the id of the newest event.
         is_over: nothing comes any more: the job ended, or the reader did.
+        has_ended: the job ended.
     """
 
     def __init__(self) -> None:
         self.newest: EventId = (0, 0)
-        self.is_over = False
+        self.is_over = self.has_ended = False
         self._news = asyncio.Event()
 
     async def beyond(self, last: EventId, seconds: float) -> bool:
@@ -55,9 +56,10 @@ class Tail:
                 while not self.is_over:
                     await self._news.wait()
 
-    def tell(self, newest: EventId, is_over: bool) -> None:
+    def tell(self, newest: EventId, is_over: bool, *, has_ended: bool = False) -> None:
         """Wake those who wait."""
         self.newest, self.is_over = max(newest, self.newest), is_over
+        self.has_ended = self.has_ended or has_ended
         self._news.set()
         self._news = asyncio.Event()
 
@@ -87,8 +89,8 @@ class Tails:
         return len(self._reads) >= self._limit
 
     @asynccontextmanager
-    async def of(self, key: str) -> AsyncIterator[Tail]:
-        """The end of a stream, from now on.
+    async def of(self, key: str, since: str = "") -> AsyncIterator[Tail]:
+        """The end of a stream, from now on, or from the event `since`.
 
         Raises:
             RedisError: Redis cannot be reached.
@@ -96,7 +98,7 @@ class Tails:
         read = self._reads.get(key)
         if read is None:
             read = self._reads[key] = _Read(Tail())
-            read.task = asyncio.create_task(self._run(key, read))
+            read.task = asyncio.create_task(self._run(key, read, since))
         read.clients += 1
         try:
             await asyncio.shield(read.begun)
@@ -114,10 +116,12 @@ class Tails:
             self._forget(key, read)
             read.tail.tell((0, 0), is_over=True)
 
-    async def _run(self, key: str, read: _Read) -> None:
+    async def _run(self, key: str, read: _Read, since: str) -> None:
         try:
-            newest: Any = await self._redis.xrevrange(key, count=1)
-            read.tail.newest = event_id(newest[0][0]) if newest else (0, 0)
+            if not since:
+                newest: Any = await self._redis.xrevrange(key, count=1)
+                since = newest[0][0] if newest else "0"
+            read.tail.newest = event_id(since)
             read.begun.set_result(None)
             while read.clients and not read.tail.is_over:  # redis-py may swallow a cancellation
                 await self._step(key, read.tail)
@@ -136,7 +140,8 @@ class Tails:
         reply: Any = await self._redis.xread({key: last}, count=_COUNT, block=int(1000 * BLOCK))
         if reply:
             entries = reply[0][1]
-            tail.tell(event_id(entries[-1][0]), is_over=any(is_terminal(fields) for _, fields in entries))
+            has_ended = any(is_terminal(fields) for _, fields in entries)
+            tail.tell(event_id(entries[-1][0]), is_over=has_ended, has_ended=has_ended)
 
     def _forget(self, key: str, read: _Read) -> None:
         if self._reads.get(key) is read:

@@ -13,7 +13,7 @@ from service.api.operations import CUSP_TABLES, OPERATIONS, Operation
 from service.api.problems import MEDIA_TYPE, ProblemType
 from service.schemas.forms import compact
 from service.schemas.questions import EXAMPLE_GEOMETRY
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 Docs = dict[int | str, dict[str, Any]]

@@ -11,7 +11,7 @@ from starlette.responses import Response
 
 from rpr_solver.errors import InputError
 from service.schemas.limits import LimitError
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 
 MEDIA_TYPE = "application/problem+json"
 _IN_DETAIL = 3

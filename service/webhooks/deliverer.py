@@ -25,7 +25,7 @@ from service.webhooks.settings import SecretError, WebhookSettings
 from service.webhooks.urls import target_of
 from worker.answers.kinds import is_batch
 from worker.jobs.callbacks import Attempt, Callbacks, Delivery, State
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.service")

@@ -23,7 +23,7 @@ from tests.support.processes import (
 )
 from worker.answers.requests import JobRequest
 from worker.jobs.queue import JobQueue
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 SHORT = {"beat_interval": 0.2, "beat_ttl": 2, "sweep_interval": 0.2, "lost_grace": 0.2}

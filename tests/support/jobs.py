@@ -14,7 +14,7 @@ from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.stored_tables import StoredTable
 from worker.jobs.batches import Batches, StoredItem
 from worker.jobs.queue import JobQueue
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 
 
 def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:

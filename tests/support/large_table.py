@@ -39,10 +39,10 @@ def run_job(queue: JobQueue, count: int) -> Iterator[str]:
     """Do a job of `count` slices as a worker does; gives its id first, and then once more for each slice."""
     request = a_request(*(str(5000 + i) for i in range(count)), digits=DIGITS)
     plan = queue.plan(request, len(request.parts))
-    refs = queue.records.create(request, request.parts, "", plan)
-    assert refs
+    created = queue.records.create(request, request.parts, "", plan)
+    assert created
     yield request.job_id
-    for ref in refs:
+    for ref in created.refs:
         chunk = queue.records.start(ref)
         assert chunk is not None
         for offset, l1 in enumerate(chunk.parts):

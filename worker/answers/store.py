@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import secrets
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager
 from typing import TYPE_CHECKING, Any, cast
 
 import rpr_solver
@@ -60,6 +61,23 @@ keep_slices(1, 3, KEYS[1], unpack(ARGV, 1, 3))
 )
 
 
+_ACQUIRE = """
+local lock, locks = unpack(KEYS)
+local token, ttl = unpack(ARGV)
+if not redis.call('SET', lock, token, 'NX', 'PX', ttl) then return 0 end
+redis.call('SADD', locks, lock)
+redis.call('PEXPIRE', locks, ttl)
+return 1
+"""
+
+# One that has expired may be held by another worker by now.
+_RELEASE = """
+local lock, locks = unpack(KEYS)
+redis.call('SREM', locks, lock)
+if redis.call('GET', lock) == ARGV[1] then redis.call('DEL', lock) end
+"""
+
+
 class ResultStore:
     """Slices, eliminants and documents. All state is in Redis; an instance is cheap and may be shared."""
 
@@ -71,6 +89,8 @@ class ResultStore:
         self.keys = ResultKeys(self.settings.key_prefix)
         self._heads = redis.register_script(_HEADS)
         self._keep = redis.register_script(_KEEP)
+        self._acquire = redis.register_script(_ACQUIRE)
+        self._release = redis.register_script(_RELEASE)
 
     def slice_keys(self, request: JobRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
         """Returns the keys of slices of a request, at its own or another number of digits."""
@@ -219,24 +239,13 @@ class ResultStore:
     @contextmanager
     def _lock(self, key: str) -> Iterator[bool]:
         """The lock lives as long as a heartbeat, and is renewed with it until its holder is done or dead."""
-        from redis.exceptions import LockNotOwnedError
-
-        ttl = self.settings.beat_ttl
-        locks = self.keys.locks(self.holder)
-        lock = self.redis.lock(key, timeout=ttl, blocking=False)
-        held = bool(lock.acquire())
-        if held:
-            with self.redis.pipeline(transaction=False) as pipe:
-                pipe.sadd(locks, key)
-                pipe.pexpire(locks, int(ttl * 1000))
-                pipe.execute()
+        keys, token = [key, self.keys.locks(self.holder)], secrets.token_hex(8)
+        held = bool(self._acquire(keys=keys, args=[token, int(1000 * self.settings.beat_ttl)]))
         try:
             yield held
         finally:
             if held:
-                self.redis.srem(locks, key)
-                with suppress(LockNotOwnedError):  # it expired; another worker may hold it by now
-                    lock.release()
+                self._release(keys=keys, args=[token])
 
     def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
         return cast("list[bytes | None]", self.redis.mget(keys))

@@ -20,7 +20,8 @@ from worker.jobs.attempts import Chunk, ChunkRef
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.keys import Keys
 from worker.jobs.lanes import plan_batch
-from worker.jobs.records import JobRecords, JobView
+from worker.jobs.records import JobRecords
+from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 INTAKE_TTL = 120
@@ -106,11 +107,13 @@ class Batches:
         """
         request = batch_request(token, count)
         plan = plan_batch(list(costs.values()), self.settings)
-        refs = self.records.create(request, [str(index) for index in costs], "", plan)
+        created = self.records.create(request, [str(index) for index in costs], "", plan)
         view = self.records.view(request.job_id)
-        if refs is None or view is None:
+        if created is None or view is None:
             raise ItemsLostError(request.job_id)
-        ChunkQueue(self.redis, self.settings).enqueue(refs, plan.lane)
+        with self.redis.pipeline(transaction=False) as pipe:
+            ChunkQueue(self.redis, self.settings).enqueue(created.refs, plan.lane, pipe)
+            pipe.execute()
         return view
 
     # -- computing ---------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from redis import Redis
 from worker.jobs import scripts
 from worker.jobs.announcements import DELIVERY_TTL
 from worker.jobs.keys import Keys
-from worker.jobs.records import JobView, iso, job_view
+from worker.jobs.views import JobView, iso, job_view
 from worker.settings import WorkerSettings
 
 MANY = 100

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import asdict
 from typing import cast
 
 from redis import Redis
+from redis.client import Pipeline
 from rq import Queue
 from rq.command import send_command
 from rq.exceptions import DuplicateJobError
@@ -36,31 +38,31 @@ class ChunkQueue:
             lane: Queue(queue_name(lane, settings), connection=redis, serializer=JSONSerializer)
             for lane in LANES
         }
-        self._noted: set[Lane] = set()
 
-    def enqueue(self, refs: Iterable[ChunkRef], lane: Lane, *, at_front: bool = False) -> None:
-        """Enqueue chunks; one that is in the queue already is unchanged."""
-        queue = self.queues[lane]
-        names = self.redis.pipeline(transaction=False)  # RQ notes the queue's name for each of its jobs
+    def enqueue(self, refs: Iterable[ChunkRef], lane: Lane, pipe: Pipeline) -> None:
+        """Have a pipeline enqueue the chunks of a new job."""
         for ref in refs:
-            try:
-                queue.enqueue_call(
-                    self.settings.task,
-                    kwargs=asdict(ref),
-                    job_id=ref.rq_id,
-                    unique=True,
-                    timeout=-1,  # RQ's own timeout cannot end a C call; see process/worker.py
-                    result_ttl=0,
-                    failure_ttl=600,
-                    description=ref.rq_id,
-                    at_front=at_front,
-                    pipeline=names,
-                )
-            except DuplicateJobError:
-                continue
-        if lane not in self._noted:
-            names.execute()
-            self._noted.add(lane)
+            self._enqueue(ref, lane, pipe)
+
+    def put_back(self, ref: ChunkRef, lane: Lane) -> None:
+        """Enqueue the next attempt at a chunk before others, unless it is in the queue already."""
+        with self.redis.pipeline(transaction=False) as pipe, suppress(DuplicateJobError):
+            self._enqueue(ref, lane, pipe, is_again=True)
+            pipe.execute()
+
+    def _enqueue(self, ref: ChunkRef, lane: Lane, pipe: Pipeline, *, is_again: bool = False) -> None:
+        self.queues[lane].enqueue_call(
+            self.settings.task,
+            kwargs=asdict(ref),
+            job_id=ref.rq_id,
+            unique=is_again,  # at once; the pipeline then notes the queue's name only
+            timeout=-1,  # RQ's own timeout cannot end a C call; see process/worker.py
+            result_ttl=0,
+            failure_ttl=600,
+            description=ref.rq_id,
+            at_front=is_again,
+            pipeline=pipe,
+        )
 
     def waiting(self) -> set[str]:
         """Returns the RQ ids of all chunks in the queues."""

@@ -58,6 +58,6 @@ def fail(records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, kind: str, deta
 
 def _enqueue(records: JobRecords, chunks: ChunkQueue, following: ChunkRef | str) -> bool:
     if isinstance(following, ChunkRef):
-        chunks.enqueue([following], records.lane(following.job_id), at_front=True)
+        chunks.put_back(following, records.lane(following.job_id))
         return True
     return False

@@ -17,15 +17,17 @@ from worker.answers.cost import cost
 from worker.answers.kinds import Answer, known_answer, missing_parts, request_from_json
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
+from worker.jobs.announcements import VIEW_FIELDS
 from worker.jobs.backlog import Backlog
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.deadlines import Deadlines
 from worker.jobs.lanes import Plan, plan
 from worker.jobs.quotas import Quotas
 from worker.jobs.readiness import Readiness, readiness
-from worker.jobs.records import JobRecords, JobView
+from worker.jobs.records import JobRecords
 from worker.jobs.roster import Roster
-from worker.jobs.subscriptions import Subscriber, Subscriptions
+from worker.jobs.subscriptions import Subscriber, Subscription, Subscriptions
+from worker.jobs.views import JobView, view_of
 from worker.settings import WorkerSettings
 
 _REMEMBERED_SECONDS = 10.0  # in which a question is not written again
@@ -48,7 +50,12 @@ class JobQueue:
         self.quotas = Quotas(redis, self.settings)
 
     def submit(
-        self, request: JobRequest, deadline_s: float | None = None, *, is_unknown: bool = False
+        self,
+        request: JobRequest,
+        deadline_s: float | None = None,
+        *,
+        is_unknown: bool = False,
+        by: Subscription | None = None,
     ) -> JobView:
         """Submit a request for a table or another document; returns its job.
 
@@ -57,7 +64,8 @@ class JobQueue:
 
         Joins a job that is queued or running, or has succeeded and still has its results. A job that failed,
         was canceled, lost a part of its record, or whose results have expired is restarted. `is_unknown`:
-        the answer was looked up a moment ago, so that one in a single part need not be looked up again.
+        the answer was looked up a moment ago, so that one in a single part need not be looked up again. `by`:
+        the client, which is a subscriber of a job that is made now.
 
         Raises:
             QueueFullError: the lane of a new job holds too much work.
@@ -73,13 +81,15 @@ class JobQueue:
         if seen is not None and seen.status == "succeeded" and not todo:
             return seen
         job = self.plan(request, len(todo))
-        refs = self.records.create(request, todo, seen.run if seen else "", job, deadline_s)
-        if refs:
-            self.chunks.enqueue(refs, job.lane)
-        view = self.records.view(request.job_id)
+        created = self.records.create(request, todo, seen.run if seen else "", job, deadline_s, by)
+        with self.redis.pipeline(transaction=False) as pipe:
+            if created is not None:
+                self.chunks.enqueue(created.refs, job.lane, pipe)
+            pipe.hmget(self.records.keys.job(request.job_id).record, VIEW_FIELDS)
+            view = view_of(request.job_id, pipe.execute()[-1])
         if view is None:
-            return self.submit(request, deadline_s, is_unknown=is_unknown)
-        return view if refs is not None else self._joined(view, deadline_s)
+            return self.submit(request, deadline_s, is_unknown=is_unknown, by=by)
+        return self._joined(view, deadline_s) if created is None else replace(view, event=created.event)
 
     def plan(self, request: JobRequest, parts: int) -> Plan:
         """Returns the lane and the chunks of a job that computes so many parts of a request."""
@@ -100,8 +110,11 @@ class JobQueue:
     ) -> JobView:
         """Submit a request for a client that may wait `seconds` for it; only such clients can end its job."""
         while True:
-            view: JobView | None = self.submit(request, deadline_s, is_unknown=is_unknown)
+            by = Subscription(who, seconds)
+            view: JobView | None = self.submit(request, deadline_s, is_unknown=is_unknown, by=by)
             if view is not None and not view.is_terminal:
+                if view.event:  # made with the subscription
+                    return view
                 if self.subscriptions.add(view.id, who, seconds):
                     return view
                 view = self.get(view.id)
@@ -131,11 +144,15 @@ class JobQueue:
 
     def result(self, job_id: str) -> Answer | None:
         """Returns the answer of a job that succeeded, or None if it did not or its results have expired."""
+        return self.outcome(job_id)[1]
+
+    def outcome(self, job_id: str) -> tuple[JobView | None, Answer | None]:
+        """Returns the current state of a job, None if there is none, and its answer as `result` does."""
         record = self.records.request(job_id)
-        if record is None or record[0].status != "succeeded":
-            return None
-        _, request, errors = record
-        return known_answer(request, self.store, errors)
+        if record is None:
+            return None, None
+        view, request, errors = record
+        return view, known_answer(request, self.store, errors) if view.status == "succeeded" else None
 
     def remember(self, request: JobRequest) -> bool:
         """Keep a question with a known answer, for `asked`; returns False if Redis refuses."""

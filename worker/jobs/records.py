@@ -7,7 +7,6 @@ import secrets
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from typing import Any, Literal, cast
 
 from redis import Redis
@@ -25,13 +24,12 @@ from worker.jobs import scripts
 from worker.jobs.announcements import VIEW_FIELDS
 from worker.jobs.attempts import Chunk, ChunkEntry, ChunkRef, Lost, chunk_of, entry_of
 from worker.jobs.keys import Keys
-from worker.jobs.lanes import Lane, Place, Plan, QueueFullError
+from worker.jobs.lanes import Lane, Plan, QueueFullError
 from worker.jobs.slices import SLICES
+from worker.jobs.subscriptions import Subscription
+from worker.jobs.views import ACTIVE, JobView, view_of
 from worker.logs import subject
 from worker.settings import WorkerSettings
-
-Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
-ACTIVE: frozenset[str] = frozenset({"queued", "running"})
 
 INCOMPLETE = (
     "The server lost a part of this job's record. Posting the request again computes what is missing."
@@ -41,32 +39,11 @@ _OVERDUE = "The job was not done by the deadline of its request (deadline_s)."
 
 
 @dataclass(frozen=True)
-class JobView:
-    """The state of a job. Times are ISO 8601 in UTC.
+class Created:
+    """The chunks of a new job, and the event that told of it."""
 
-    Attributes:
-        deadline_at: when the job fails unless it is done; None if a client waits without a deadline.
-        place: its place in the queue, if it is queued.
-        failed: the items of a batch that are done without an answer.
-    """
-
-    id: str
-    status: Status
-    done: int
-    total: int
-    created_at: str
-    started_at: str | None
-    finished_at: str | None
-    error: dict[str, str] | None
-    run: str
-    deadline_at: str | None = None
-    place: Place | None = None
-    failed: int = 0
-
-    @property
-    def is_terminal(self) -> bool:
-        """Whether the job has ended."""
-        return self.status not in ACTIVE
+    refs: Sequence[ChunkRef]
+    event: str
 
 
 class JobRecords:
@@ -92,7 +69,7 @@ class JobRecords:
     def view(self, job_id: str) -> JobView | None:
         """Returns the current state of a job, or None if there is none."""
         fields = self.redis.hmget(self.keys.job(job_id).record, VIEW_FIELDS)
-        return _view(job_id, cast("list[bytes | None]", fields))
+        return view_of(job_id, cast("list[bytes | None]", fields))
 
     def lane(self, job_id: str) -> Lane:
         """Returns the lane of a job's chunks."""
@@ -106,7 +83,7 @@ class JobRecords:
             pipe.hmget(keys.record, [*VIEW_FIELDS, "request"])
             pipe.hgetall(keys.errors)
             fields, errors = pipe.execute()
-        view = _view(job_id, fields)
+        view = view_of(job_id, fields)
         if view is None or fields[-1] is None:
             return None
         by_l1 = {raw.decode(): json.loads(unpack(error)) for raw, error in errors.items()}
@@ -127,27 +104,29 @@ class JobRecords:
         seen_run: str,
         plan: Plan,
         deadline_s: float | None = None,
-    ) -> list[ChunkRef] | None:
+        by: Subscription | None = None,
+    ) -> Created | None:
         """Create a job, or restart it in place of the run `seen_run` ("" for none); `todo`: the open parts.
 
-        Returns its chunks, or None if another client was faster.
+        Returns None if another client was faster.
 
         Raises:
             QueueFullError: its lane holds too much work.
         """
         settings, run = self.settings, secrets.token_hex(4)
-        outcome, *wait = self._create(
+        outcome, *more = self._create(
             keys=[*self.keys.job(request.job_id), self.keys.active, self.keys.ends, self.keys.workers],
             args=[
                 request.job_id, run, seen_run, len(request.parts), len(todo),
                 request.to_json(), dump(list(todo)), plan.chunk_size, plan.chunk_count, settings.job_ttl,
                 dump(_origin()), plan.lane, _ms(plan.seconds), _ms(settings.max_backlog),
-                "" if deadline_s is None else deadline_s,
+                "" if deadline_s is None else deadline_s, *(by.arguments if by else ("", "", 0)),
             ],
         )  # fmt: skip
-        if wait:
-            raise QueueFullError(plan.lane, wait[0] / 1000)
-        return [ChunkRef(request.job_id, run, i, 0) for i in range(plan.chunk_count)] if outcome else None
+        if outcome == -1:
+            raise QueueFullError(plan.lane, more[0] / 1000)
+        refs = [ChunkRef(request.job_id, run, i, 0) for i in range(plan.chunk_count)]
+        return Created(refs, more[0].decode()) if outcome else None
 
     def origin(self, job_id: str) -> dict[str, str]:
         """Returns what the job was made for: the id of an HTTP request, and its trace."""
@@ -363,38 +342,5 @@ def _origin() -> dict[str, str]:
     return known
 
 
-def _view(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:
-    named = {name: raw.decode() for name, raw in zip(VIEW_FIELDS, fields, strict=False) if raw is not None}
-    return job_view(job_id, named) if "run" in named and "status" in named else None
-
-
-def job_view(job_id: str, fields: Mapping[str, str]) -> JobView:
-    """Returns the state of a job from the fields of its record."""
-    created, started, finished, deadline = (
-        iso(float(fields[name])) if name in fields else None
-        for name in ("created", "started", "finished", "deadline")
-    )
-    error = fields.get("error")
-    return JobView(
-        id=job_id,
-        status=cast(Status, fields["status"]),
-        done=int(fields.get("done", 0)),
-        total=int(fields.get("total", 0)),
-        created_at=created or "",
-        started_at=started,
-        finished_at=finished,
-        error=json.loads(error) if error else None,
-        run=fields["run"],
-        deadline_at=deadline,
-        failed=int(fields.get("failed", 0)),
-    )
-
-
 def _ms(seconds: float) -> int:
     return max(1, round(1000 * seconds))
-
-
-def iso(seconds: float) -> str:
-    """Returns a time, in seconds since 1970, in ISO 8601."""
-    text = datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")
-    return text.replace("+00:00", "Z")

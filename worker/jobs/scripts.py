@@ -61,6 +61,15 @@ local function is_wanted(record)
     return false
 end
 
+local function subscribe(record, name, token, seconds)
+    redis.call('HSET', record, 'by:' .. name, now)
+    if tonumber(seconds) > 0 then
+        redis.call('HSET', record, 'wait:' .. token, string.format('%.3f', now + seconds))
+    else
+        redis.call('HDEL', record, 'wait:' .. token)
+    end
+end
+
 local LANES = {small = 1, bulk = 2, heavy = 3, batch = 4, ['heavy-batch'] = 5}
 -- A score that orders by lane, then by time to 10 microseconds: a double holds no more.
 local function rank(lane, time) return string.format('%.5f', LANES[lane] * 1e10 + time) end
@@ -157,14 +166,14 @@ end
 PRELUDE = _NOW + COUNT_END + ANNOUNCE + _JOBS
 """The definitions that precede every script."""
 
-# Returns {1} if the job was created, {0} if another client has created or changed it meanwhile or items of a
-# batch are missing, and {-1, milliseconds until the backlog is done} if its lane is full; one in which no job
-# waits is never full. The items of a batch that are no part of `todo` have failed.
+# Returns {1, its event} if the job was created, {0} if another client has created or changed it meanwhile or
+# items of a batch are missing, and {-1, milliseconds until the backlog is done} if its lane is full; one in
+# which no job waits is never full. The items of a batch that are no part of `todo` have failed.
 CREATE = """
 local record, chunks, bits, errors, events, active, ends, workers = unpack(KEYS)
 local job_id, run, seen_run, total, todo_count, request, todo = unpack(ARGV)
 local chunk_size, chunk_count, ttl, origin = unpack(ARGV, 8)
-local lane, work, max_backlog, deadline_s = unpack(ARGV, 12)
+local lane, work, max_backlog, deadline_s, name, token, seconds = unpack(ARGV, 12)
 
 local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if old_run and (is_active(old_status) or old_run ~= seen_run) then return {0} end
@@ -193,7 +202,7 @@ end
 if tonumber(todo_count) == 0 then
     redis.call('HSET', record, 'started', now)
     finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', ttl)
-    return {1}
+    return {1, ''}
 end
 for index = 0, chunk_count - 1 do redis.call('HSET', chunks, index, 'queued:0:0:0:0') end
 redis.call('ZADD', active, now, job_id)
@@ -201,8 +210,8 @@ redis.call('HSET', record, 'lane', lane, 'left', work, 'ahead', added)
 redis.call('ZADD', active .. ':queued', rank(lane, now), job_id)
 add_work(active, lane, 'added', work)
 if deadline_s ~= '' then set_deadline(record, active, job_id, deadline_s) end
-redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued')
-return {1}
+if name ~= '' then subscribe(record, name, token, seconds) end
+return {1, redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued')}
 """
 
 # Gives an active job the deadline of one more client; the latest counts, and none is the latest of all.

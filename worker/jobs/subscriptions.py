@@ -30,12 +30,7 @@ local name, token, seconds, many = unpack(ARGV)
 if not is_active(redis.call('HGET', record, 'status')) then return 0 end
 local is_one_more = redis.call('HEXISTS', record, 'by:' .. name) == 0
 if is_one_more and redis.call('HLEN', record) >= tonumber(many) then name = 'many' end
-redis.call('HSET', record, 'by:' .. name, now)
-if tonumber(seconds) > 0 then
-    redis.call('HSET', record, 'wait:' .. token, string.format('%.3f', now + seconds))
-else
-    redis.call('HDEL', record, 'wait:' .. token)
-end
+subscribe(record, name, token, seconds)
 return 1
 """
 
@@ -81,6 +76,19 @@ class Subscriber:
         return self.client if self.is_known else f"{self.client}#{self.token}"
 
 
+@dataclass(frozen=True)
+class Subscription:
+    """A client, and the seconds from now for which its request waits."""
+
+    who: Subscriber
+    seconds: float = 0.0
+
+    @property
+    def arguments(self) -> tuple[str, str, float]:
+        """Returns what the scripts take."""
+        return self.who.name, self.who.token, self.seconds + _MARGIN if self.seconds > 0 else 0
+
+
 class Subscriptions:
     """The clients of jobs."""
 
@@ -95,8 +103,7 @@ class Subscriptions:
 
         A request that waited and goes without the answer subscribes again, with 0 seconds.
         """
-        until = seconds + _MARGIN if seconds > 0 else 0
-        args = [who.name, who.token, until, MANY]
+        args = (*Subscription(who, seconds).arguments, MANY)
         return bool(self._subscribe(keys=[self.keys.job(job_id).record], args=args))
 
     def leave(self, job_id: str, who: Subscriber) -> None:

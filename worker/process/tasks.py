@@ -215,7 +215,10 @@ def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: R
     progress = Throttle(tell)
     with tracing.span(request.kind.name):  # or it waits for the worker that does so for a batch
         single_flight(
-            known, lambda: store.answer_lock(request), lambda: kept(compute(request, store, progress))
+            known,
+            lambda: store.answer_lock(request),
+            lambda: kept(compute(request, store, progress)),
+            is_unknown=True,  # when the job was made
         )
     return True
 

@@ -21,8 +21,8 @@ from service.api.problems import ProblemError, ProblemType
 from service.api.sending import IS_HEAD, LARGE, LargeAnswer
 from service.api.table_forms import json_bytes
 from worker.answers.batches import KIND
-from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
+from worker.jobs.views import JobView
 
 router = APIRouter(tags=["batches"])
 

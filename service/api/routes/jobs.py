@@ -19,7 +19,7 @@ from service.api.problems import ProblemError, ProblemType
 from service.api.responses import answer_response
 from service.api.table_forms import json_bytes
 from worker.answers.kinds import Answer, is_batch, kind_of_job
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 
 router = APIRouter(tags=["jobs"])
 

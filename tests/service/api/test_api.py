@@ -275,9 +275,9 @@ def test_a_failed_job_says_why(
 ) -> None:
     request = a_request(fresh())
     plan = idle_queue.plan(request, len(request.parts))
-    refs = idle_queue.records.create(request, request.parts, "", plan)
-    assert refs
-    idle_queue.records.fail(refs[0], kind, "This is why.")
+    created = idle_queue.records.create(request, request.parts, "", plan)
+    assert created
+    idle_queue.records.fail(created.refs[0], kind, "This is why.")
     answer = idle.get(f"/v1/jobs/{request.job_id}/result")
     problem = answer.json()
     assert (answer.status_code, problem["type"], problem["detail"]) == (

@@ -17,7 +17,7 @@ from worker.jobs.batches import Batches, ItemsLostError, StoredItem
 from worker.jobs.interruption import give_up, run_again
 from worker.jobs.lanes import LANES, lanes_of, plan_batch
 from worker.jobs.queue import JobQueue
-from worker.jobs.records import JobView
+from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 BAD = Item("bad", problem={"type": "/problems/invalid-request", "status": 422})

@@ -10,8 +10,8 @@ from redis import Redis
 from tests.support.jobs import a_request
 from worker.jobs import subscriptions
 from worker.jobs.queue import JobQueue
-from worker.jobs.records import JobView
 from worker.jobs.subscriptions import Subscriber
+from worker.jobs.views import JobView
 
 KEY, OTHER_KEY = Subscriber("key:a", is_known=True), Subscriber("key:b", is_known=True)
 
