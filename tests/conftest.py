@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 
 from worker.process.os_limits import usable_cores
 
@@ -27,6 +28,10 @@ settings.register_profile(
     "long", deadline=None, max_examples=1000, suppress_health_check=SLOW, print_blob=True
 )
 settings.load_profile("ci")
+
+# Hypothesis would draw from the numbers in all our modules, which it reads for five seconds in each process, and
+# a new number anywhere would change the examples of every test.
+providers._get_local_constants = providers.Constants
 
 
 def pytest_configure(config: pytest.Config) -> None:

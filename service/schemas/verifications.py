@@ -10,7 +10,6 @@ from pydantic.json_schema import SkipJsonSchema
 
 from rpr_solver import MAX_DIGITS, MIN_DIGITS, Manipulator
 from rpr_solver.errors import InputError
-from rpr_solver.verify.documents import kind_of
 from service.schemas.document import Expected, Source, unnamed
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.schemas.points import GeometryText
@@ -34,6 +33,8 @@ _EXAMPLE: dict[str, Any] = {
 def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
     if not isinstance(value, Mapping):
         raise InputError.of("", f"is {json_kind(value)}; give a document of this service")
+    from rpr_solver.verify.documents import kind_of  # the verifier is loaded when it is needed first
+
     document: dict[str, Any] = _plain(value)
     with unnamed("document"):
         kind_of(document)

@@ -21,10 +21,11 @@ _START_PATIENCE = 60.0  # seconds until the first sign of life, while a whole ma
 _BLINK = 2.0  # if more lies between two looks, it was the observer that stood still
 _LAST_PATIENCE = 2.0
 
-# Unlike `-m`, this does not import a directory with the name of a package from the current directory.
+# Unlike `-m`, this does not import a directory with the name of a package from the current directory; and it
+# seeks no garbage in what is loaded, which would take a tenth of the start.
 _PROGRAM = (
-    "import importlib, sys; sys.path.append(sys.argv.pop(1)); "
-    "sys.exit(importlib.import_module(sys.argv.pop(1)).main())"
+    "import gc, importlib, sys; gc.disable(); sys.path.append(sys.argv.pop(1)); "
+    "program = importlib.import_module(sys.argv.pop(1)); gc.enable(); sys.exit(program.main())"
 )
 
 
