@@ -29,7 +29,7 @@ settings.register_profile(
 )
 settings.load_profile("ci")
 
-# Hypothesis would draw from the numbers in all our modules, which it reads for five seconds in each process, and
+# Hypothesis would draw from the numbers in all our modules. To read them takes five seconds a process, and
 # a new number anywhere would change the examples of every test.
 providers._get_local_constants = providers.Constants
 

@@ -143,9 +143,7 @@ def until(condition: Callable[[], T]) -> T:
 
 def is_running(pid: int) -> bool:
     """Whether a process is running; a zombie is not."""
-    if (
-        PROC / "self"
-    ).exists():  # at a hundredth of the cost of `ps`, which many tests would call again and again
+    if (PROC / "self").exists():  # `ps` costs a hundred times as much, and many tests wait for an end
         try:
             _, _, state = (PROC / str(pid) / "stat").read_text().rpartition(")")
         except (FileNotFoundError, ProcessLookupError):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 import mpmath as mp
 import pytest
@@ -56,8 +57,16 @@ def decimal(x: Fraction) -> mp.mpf:
     return mp.mpf(x.numerator) / x.denominator
 
 
-@pytest.mark.parametrize("upwards", [True, False])
-@pytest.mark.parametrize(("m", "leg", "low", "high", "turning"), WAYS)
+def with_marks(way: Any, upwards: bool) -> Any:
+    """Downwards where curves turn back; all ways are gone in both directions by `test_destinations` too."""
+    marks = [] if upwards or way.id == "two are born" else [pytest.mark.long]
+    return pytest.param(*way.values, upwards, id=f"{way.id}, {'up' if upwards else 'down'}", marks=marks)
+
+
+@pytest.mark.parametrize(
+    ("m", "leg", "low", "high", "turning", "upwards"),
+    [with_marks(way, upwards) for way in WAYS for upwards in (True, False)],
+)
 def test_a_walk_ends_where_the_curve_does(
     m: Manipulator, leg: int, low: str, high: str, turning: tuple[int, int], upwards: bool
 ) -> None:

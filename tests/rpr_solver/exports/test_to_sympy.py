@@ -8,7 +8,7 @@ from rpr_solver import census
 from tests.support.scripts import RATIONAL, said, table
 
 
-@pytest.mark.parametrize("wrong", [False, True])
+@pytest.mark.parametrize("wrong", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_sympy_finds_the_same_cusps(wrong: bool, tmp_path: Path) -> None:
     document = table(RATIONAL, "2", leg=2)
     if wrong:

@@ -37,11 +37,21 @@ def kinds(table: SliceTable) -> dict[str, int]:
     return dict(Counter(p["kind"] for p in table.degenerate_points))
 
 
+BESIDE = [
+    ("26.78638", "26.78639", (6, 8)),
+    ("28.09489", "28.0949", (8, 10)),
+    ("30.94691", "30.94692", (6, 4)),
+]
+
+
 @pytest.mark.parametrize(
-    ("low", "high", "counts"),
-    [("26.78638", "26.78639", (6, 8)), ("28.09489", "28.0949", (8, 10)), ("30.94691", "30.94692", (6, 4))],
+    ("low", "high", "counts", "places"),
+    [
+        *((*transition, 9) for transition in BESIDE),
+        pytest.param(*BESIDE[0], 30, marks=pytest.mark.slow),
+        *(pytest.param(*transition, 30, marks=pytest.mark.long) for transition in BESIDE[1:]),
+    ],
 )
-@pytest.mark.parametrize("places", [9, pytest.param(30, marks=pytest.mark.slow)])
 def test_slices_beside_a_transition(low: str, high: str, counts: tuple[int, int], places: int) -> None:
     """Bisection with exact counts converges to the transition; the counts are monotonic."""
     eliminant = eliminate(INNOCENTI)

@@ -25,7 +25,7 @@ def method(table: SliceTable) -> str:
 
 @pytest.mark.parametrize(
     ("name", "length"),
-    [("congruent, mirrored", "9"), pytest.param("similar, mirrored", "7/2", marks=pytest.mark.slow)],
+    [("congruent, mirrored", "9"), pytest.param("similar, mirrored", "7/2", marks=pytest.mark.long)],
 )
 def test_number_fields_and_balls_lead_to_the_same_cusps(
     name: str, length: str, monkeypatch: pytest.MonkeyPatch

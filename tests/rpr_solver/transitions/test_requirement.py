@@ -114,7 +114,7 @@ def test_joint_limits(fixed_leg: int, limits: dict[int, tuple[Fraction | None, F
 
 @pytest.mark.parametrize(
     ("name", "fixed_leg"),
-    [slow("right angles", 1), ("right angles", 3), ("both flat", 2), ("congruent, mirrored", 1)],
+    [slow("right angles", 1), ("right angles", 3), ("both flat", 2), long("congruent, mirrored", 1)],
 )
 def test_joint_limits_of_degenerate_manipulators(name: str, fixed_leg: int) -> None:
     first, second = (leg for leg in (1, 2, 3) if leg != fixed_leg)

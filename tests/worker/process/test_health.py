@@ -5,23 +5,25 @@ from __future__ import annotations
 import subprocess
 import sys
 
-import pytest
+from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import completed, environment, until
+from worker.jobs.roster import Roster
+from worker.settings import WorkerSettings
 
 
 def health(url: str) -> subprocess.CompletedProcess[str]:
     return completed([sys.executable, "-m", "worker.process.health"], environment(redis_url=url))
 
 
-@pytest.mark.usefixtures("redis")
-def test_a_worker_is_healthy_while_it_is_on_the_roster(valkey: EmbeddedValkey) -> None:
+def test_a_worker_is_healthy_while_it_is_on_the_roster(valkey: EmbeddedValkey, redis: Redis) -> None:
     assert health(valkey.url).returncode == 1, "there is no worker"
     command = [sys.executable, "-m", "worker", "--redis-url", valkey.url]
     with subprocess.Popen(command, env=environment(log_level="WARNING")) as worker:
         try:
-            until(lambda: health(valkey.url).returncode == 0)
+            until(Roster(redis, WorkerSettings()).names)
+            assert health(valkey.url).returncode == 0
         finally:
             worker.terminate()
     assert health(valkey.url).returncode == 1, "it has left the roster"
