@@ -1,21 +1,18 @@
 """What a slice costs as its question grows, and what a long job takes in time, memory and store.
 
-    python -m benchmarks.scale [--plot FILE.svg] [--job 20000]
+    python -m benchmarks.scale [--plot FILE.svg] [--job 20000 [--workers 1 2] [--only-job]]
 
 Costs are processor time of a slice in a chunk of the first manipulator, by digits of the answer, and by
 digits of the input numbers at 30 digits of the answer. `--job` adds one job with so many slices at 15 digits,
-sent to a service with one worker in an empty data directory, and the greatest memory of its processes.
+sent to a service in an empty data directory, once for each number of workers: time, processor time, bytes of
+the store, and the greatest memory of a process.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 import random
 import re
-import subprocess
-import sys
-import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -24,6 +21,8 @@ from pathlib import Path
 
 import httpx
 
+from benchmarks.overhead import processor_seconds
+from benchmarks.stack import GEOMETRY, serving
 from rpr_solver import EXAMPLES, Manipulator, eliminate, solve_slices
 
 DIGITS = {15: 300, 30: 300, 90: 300, 300: 150, 1000: 100, 3000: 64, 10_000: 64}
@@ -89,58 +88,49 @@ def plot(points: Sequence[tuple[str, int, float]], path: Path) -> None:
     figure.savefig(path, metadata={"Date": None})
 
 
-def job(slices: int) -> None:
-    """Print what one job of so many slices takes."""
-    limits = {"RPR_CUSPS_MAX_SLICES": str(slices), "RPR_CUSPS_MAX_COST_SECONDS": str(slices)}
-    environment = {**os.environ, **limits}
+def job(slices: int, workers: int) -> float:
+    """Print what one job of so many slices takes; returns its seconds."""
+    limits = {"MAX_SLICES": str(slices), "MAX_COST_SECONDS": str(slices)}
     step = Fraction(50, slices)
     body = {
-        "geometry": EXAMPLES["innocenti"].to_json(),
+        "geometry": GEOMETRY,
         "digits": 15,
-        "l1": {"start": str(step), "stop": "50", "step": str(step)},
+        "l1": {"from": str(step), "to": "50", "step": str(step)},
     }
-    with tempfile.TemporaryDirectory() as folder:
-        command = [
-            sys.executable,
-            "-m",
-            "service",
-            "serve",
-            "--port",
-            "0",
-            "--workers",
-            "1",
-            "--data-dir",
-            folder,
-        ]
-        serve = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment
-        )
-        try:
-            assert serve.stdout is not None
-            url = next(found[0] for x in serve.stdout if (found := re.search(r"http://[\d.]+:\d+", x)))
-            with httpx.Client(base_url=url, timeout=60) as client:
-                begin = time.perf_counter()
-                sent = client.post("/v1/cusp-tables", json=body)
-                sent.raise_for_status()
-                link, peaks = sent.headers["location"], {serve.pid: 0}
-                while (state := client.get(link).json())["status"] not in ("succeeded", "failed"):
-                    peaks = greatest(peaks, serve.pid)
-                    time.sleep(0.2)
-                print(f"\n{slices} slices: {state['status']} after {time.perf_counter() - begin:.0f} s")
-                size = 0
-                with client.stream(
-                    "GET", state["links"]["result"], headers={"Accept": "application/x-ndjson"}
-                ) as r:
-                    for part in r.iter_bytes():
-                        size += len(part)
-                print(f"read again as NDJSON: {size / slices:.0f} bytes a slice")
-                peaks = greatest(peaks, serve.pid)
-                print(
-                    f"{len(peaks)} processes, work horses among them; the largest: {max(peaks.values())} MiB"
-                )
-        finally:
-            serve.terminate()
-            serve.wait()
+    serve = serving("--workers", str(workers), **limits)
+    with serve as stack, httpx.Client(base_url=stack.url, timeout=60) as client:
+        kept, used, begin = memory_of_store(client), processor_seconds(stack), time.perf_counter()
+        sent = client.post("/v1/cusp-tables", json=body)
+        sent.raise_for_status()
+        accepted = time.perf_counter() - begin
+        link, peaks = sent.headers["location"], {stack.pid: 0}
+        while (state := client.get(link).json())["status"] not in ("succeeded", "failed"):
+            peaks = greatest(peaks, stack.pid)
+            time.sleep(0.2)
+        taken = time.perf_counter() - begin
+        print(f"\n{slices} slices, workers: {workers}: accepted after {accepted:.1f} s, {state['status']}")
+        now = processor_seconds(stack)
+        each = ", ".join(f"{name} {1000 * (now[name] - used[name]) / slices:.2f}" for name in sorted(now))
+        print(f"{taken:.0f} s, {1000 * taken / slices:.2f} ms a slice; processor time of each: {each} ms")
+        print(f"{(memory_of_store(client) - kept) / slices:.0f} bytes of the store for a slice")
+        begin, size = time.perf_counter(), 0
+        form = {"Accept": "application/x-ndjson"}
+        with client.stream("GET", state["links"]["result"], headers=form) as r:
+            for part in r.iter_bytes():
+                size += len(part)
+        seconds = time.perf_counter() - begin
+        print(f"read again as NDJSON in {seconds:.1f} s: {size / slices:.0f} bytes a slice")
+        peaks = greatest(peaks, stack.pid)
+        print(f"{len(peaks)} processes, work horses among them; the largest: {max(peaks.values())} MiB")
+        return taken
+
+
+def memory_of_store(client: httpx.Client) -> float:
+    """Bytes that Redis uses."""
+    metrics = client.get("/metrics").raise_for_status().text
+    found = re.search(r"^rpr_cusps_redis_memory_bytes (\S+)$", metrics, re.MULTILINE)
+    assert found is not None
+    return float(found[1])
 
 
 def greatest(peaks: dict[int, int], root: int) -> dict[int, int]:
@@ -173,12 +163,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
     parser.add_argument("--plot", type=Path, help="where the plot goes")
     parser.add_argument("--job", type=int, help="slices of one long job")
+    parser.add_argument("--workers", type=int, nargs="+", default=[1], help="of the job; default: 1")
+    parser.add_argument("--only-job", action="store_true", help="nothing but the job")
     args = parser.parse_args()
-    points = list(costs())
+    points = [] if args.only_job else list(costs())
     if args.plot:
         plot(points, args.plot)
     if args.job:
-        job(args.job)
+        first, *others = [job(args.job, count) for count in args.workers]
+        for count, taken in zip(args.workers[1:], others, strict=True):
+            print(f"{args.workers[0]} worker against {count}: {first / taken:.2f} times the time")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -28,12 +29,16 @@ class Stack:
 
 
 @contextmanager
-def serving(*options: str) -> Iterator[Stack]:
-    """Runs `rpr-cusps serve` in an empty data directory, and ends it with the block."""
+def serving(*options: str, **settings: str) -> Iterator[Stack]:
+    """Runs `rpr-cusps serve` in an empty data directory, and ends it with the block.
+
+    `settings` are variables of its environment, without the prefix `RPR_CUSPS_`.
+    """
+    environment = {**os.environ, **{f"RPR_CUSPS_{name}": value for name, value in settings.items()}}
     with tempfile.TemporaryDirectory() as data:
         command = [sys.executable, "-m", "service", "serve", "--port", "0", "--data-dir", data, *options]
         with subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+            command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment
         ) as process:
             try:
                 assert process.stdout is not None
