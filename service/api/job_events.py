@@ -210,10 +210,10 @@ class JobEvents:
         return batch_json(view, settings) if is_batch(job_id) else job_json(view, settings)
 
     def _slices(self, job_id: str, l1: Sequence[str]) -> dict[str, bytes]:
-        record = self.queue.records.request(job_id)
-        if record is None:
+        asked = self.queue.records.asked(job_id, l1)
+        if asked is None:
             return {}
-        _, request, errors = record
+        request, errors = asked
         texts = self.queue.store.get_texts(request, l1, request.digits)
         others = self.queue.store.get_slices(request, [x for x in l1 if x not in texts])
         return texts | {x: dump(value).encode() for x, value in {**others, **errors}.items()}

@@ -323,7 +323,9 @@ def test_a_stopped_worker_finishes_a_short_chunk(redis: Redis, workers: Workers)
 
 
 @both_kinds
-@pytest.mark.parametrize("lost", [["chunks"], ["active"], ["bits"], ["suspects", "beat"], ["record"]])
+@pytest.mark.parametrize(
+    "lost", [["chunks"], ["active"], ["bits"], ["suspects", "beat"], ["record"], ["todo"]]
+)
 def test_no_job_hangs_when_redis_loses_a_key(
     redis: Redis, workers: Workers, request_: JobRequest, lost: list[str]
 ) -> None:
@@ -335,7 +337,7 @@ def test_no_job_hangs_when_redis_loses_a_key(
     (chunk,) = queue.records.open_chunks()
     keys = queue.records.keys
     names = {**keys.job(view.id)._asdict(), "active": keys.active, "suspects": keys.suspects}
-    names["beat"] = keys.beat(chunk.ref.rq_id)
+    names |= {"beat": keys.beat(chunk.ref.rq_id), "todo": keys.todo(view.id)}
     redis.delete(*(names[name] for name in lost))
 
     def has_ended() -> bool:

@@ -82,6 +82,10 @@ class JobRequest:
         parts: Sequence[str] = self.content["l1"] if self.kind.by_slices else (self.kind.name,)
         return parts
 
+    def of_slices(self, l1: Sequence[str]) -> JobRequest:
+        """Returns the question for other slices of the same table."""
+        return JobRequest(self.kind, {**self.content, "l1": list(l1)})
+
     @cached_property
     def content_hash(self) -> str:
         """The hash of the question and the solver's version."""

@@ -45,6 +45,7 @@ class Chunk:
     """Some parts of a request, the position of the first one in the job, and how many of them are done.
 
     Attributes:
+        request: the question; of a table only for these slices.
         has_losses: whether a work horse, or its worker, was lost since the last part was done.
         origin: the id of the HTTP request that made the job, if one did, and its trace.
     """
@@ -64,11 +65,13 @@ def entry_of(job_id: str, run: bytes, index: bytes, entry: bytes) -> ChunkEntry:
 
 
 def chunk_of(
-    entry: ChunkEntry, request: bytes, todo: bytes, size: bytes, origin: bytes | None = None
+    entry: ChunkEntry, todo: bytes | None, request: bytes, size: bytes, origin: bytes | None = None
 ) -> Chunk:
-    """Reads a chunk from its entry and fields of the record of its job."""
+    """Reads a chunk from its entry, its parts (which Redis may have lost) and fields of its job's record."""
     first = entry.ref.index * int(size)
-    parts = tuple(json.loads(todo)[first : first + int(size)])
+    parts = tuple(json.loads(todo or "[]"))
     has_losses = entry.horses_lost + entry.workers_lost > 0
     question = request_from_json(request)
+    if question.kind.by_slices:
+        question = question.of_slices(parts)
     return Chunk(question, parts, first, entry.offset, has_losses, json.loads(origin or "{}"))

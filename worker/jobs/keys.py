@@ -37,6 +37,10 @@ class Keys:
         """Returns the key of the items of a batch; the scripts derive it from the record's."""
         return f"{self.job(job_id).record}:items"
 
+    def todo(self, job_id: str) -> str:
+        """Returns the key of what the chunks of a job are to do; the scripts derive it in the same way."""
+        return f"{self.job(job_id).record}:todo"
+
     def delivery(self, delivery_id: str) -> str:
         """Returns the key of a delivery; the scripts derive it in the same way."""
         return f"{self.deliveries}:{delivery_id}"

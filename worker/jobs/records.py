@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import secrets
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
@@ -16,7 +16,7 @@ from rq.job import Job
 from worker import tracing
 from worker.answers import tables
 from worker.answers.keys import ResultKeys
-from worker.answers.kinds import request_from_json
+from worker.answers.kinds import kind_of_job, request_from_json
 from worker.answers.packed import unpack
 from worker.answers.requests import JobRequest
 from worker.answers.store import dump, told
@@ -89,12 +89,27 @@ class JobRecords:
         by_l1 = {raw.decode(): json.loads(unpack(error)) for raw, error in errors.items()}
         return view, request_from_json(fields[-1]), by_l1
 
+    def asked(self, job_id: str, l1: Sequence[str]) -> tuple[JobRequest, dict[str, Any]] | None:
+        """Returns a job's request for some of its slices, and the errors of these by L1, or None."""
+        keys = self.keys.job(job_id)
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.hget(keys.record, "asked")
+            pipe.hmget(keys.errors, l1)
+            asked, errors = pipe.execute()
+        if not asked:
+            return None
+        by_l1 = {x: json.loads(unpack(error)) for x, error in zip(l1, errors, strict=True) if error}
+        return request_from_json(asked).of_slices(l1), by_l1
+
     def known_before(self, job_id: str) -> list[str]:
         """Returns the parts of a job that were known when it was made, in their order."""
-        request, todo = self.redis.hmget(self.keys.job(job_id).record, ["request", "todo"])
-        if request is None or todo is None:
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.hget(self.keys.job(job_id).record, "request")
+            pipe.lrange(self.keys.todo(job_id), 0, -1)
+            request, todo = pipe.execute()
+        if request is None or not todo:
             return []
-        to_do = set(json.loads(todo))
+        to_do = {part for parts in todo for part in json.loads(parts)}
         return [part for part in request_from_json(request).parts if part not in to_do]
 
     def create(
@@ -114,13 +129,15 @@ class JobRecords:
             QueueFullError: its lane holds too much work.
         """
         settings, run = self.settings, secrets.token_hex(4)
+        asked = request.of_slices(()).to_json() if request.kind.by_slices else ""
         outcome, *more = self._create(
             keys=[*self.keys.job(request.job_id), self.keys.active, self.keys.ends, self.keys.workers],
             args=[
                 request.job_id, run, seen_run, len(request.parts), len(todo),
-                request.to_json(), dump(list(todo)), plan.chunk_size, plan.chunk_count, settings.job_ttl,
+                request.to_json(), asked, plan.chunk_size, plan.chunk_count, settings.job_ttl,
                 dump(_origin()), plan.lane, _ms(plan.seconds), _ms(settings.max_backlog),
                 "" if deadline_s is None else deadline_s, *(by.arguments if by else ("", "", 0)),
+                *(dump(list(part)) for part in _groups(todo, plan.chunk_size)),
             ],
         )  # fmt: skip
         if outcome == -1:
@@ -138,8 +155,11 @@ class JobRecords:
         keys = self.keys.job(ref.job_id)
         reply = self._start(
             keys=[keys.record, keys.chunks, keys.events, self.keys.active, self.keys.beat(ref.rq_id)],
-            args=[ref.run, ref.index, ref.attempt, ref.job_id, worker, _ms(self.settings.beat_ttl)],
-        )
+            args=[
+                ref.run, ref.index, ref.attempt, ref.job_id,
+                worker, _ms(self.settings.beat_ttl), _asking(ref.job_id),
+            ],
+        )  # fmt: skip
         if not reply:
             return None
         return chunk_of(_entry(ref, reply[0]), *reply[1:])
@@ -189,12 +209,13 @@ class JobRecords:
         keys = self.keys.job(ref.job_id)
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.hget(keys.chunks, str(ref.index))
-            pipe.hmget(keys.record, ["request", "todo", "chunk_size"])
-            raw, fields = pipe.execute()
+            pipe.lindex(self.keys.todo(ref.job_id), ref.index)
+            pipe.hmget(keys.record, [_asking(ref.job_id), "chunk_size"])
+            raw, todo, fields = pipe.execute()
         entry = raw and _entry(ref, raw)
-        if not entry or entry.ref != ref or None in fields:
+        if not entry or entry.ref != ref or None in (todo, *fields):
             return None
-        return entry, chunk_of(entry, *fields)
+        return entry, chunk_of(entry, todo, *fields)
 
     def put_progress(self, ref: ChunkRef, done: int, total: int) -> bool:
         """Record the progress of the job of a document; returns False if this attempt is over."""
@@ -328,6 +349,16 @@ class JobRecords:
         if not reply:
             return None
         return [entry_of(job_id, reply[0], *pair) for pair in zip(reply[1::2], reply[2::2], strict=True)]
+
+
+def _asking(job_id: str) -> str:
+    """Returns the field with the request of a job as its chunks need it."""
+    kind = kind_of_job(job_id)
+    return "asked" if kind is not None and kind.by_slices else "request"
+
+
+def _groups(parts: Sequence[str], size: int) -> Iterator[Sequence[str]]:
+    return (parts[first : first + size] for first in range(0, len(parts), size))
 
 
 def _entry(ref: ChunkRef, raw: bytes) -> ChunkEntry:

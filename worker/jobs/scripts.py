@@ -116,13 +116,15 @@ end
 -- The list of a batch's items; no other job has one.
 local function items_of(record) return record .. ':items' end
 
+-- The list of the parts that each chunk of an active job is to do, as JSON.
+local function todo_of(record) return record .. ':todo' end
+
 local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl)
     count_end(record, ends, job_id, status, problem)
     redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
     retire(record, active, job_id)
     announce_to_all(record, ends, job_id)
-    redis.call('HDEL', record, 'todo')
-    redis.call('DEL', chunks)
+    redis.call('DEL', chunks, todo_of(record))
     if redis.call('EXPIRE', items_of(record), ttl) == 0 then redis.call('DEL', bits) end
     redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'status', 'status', status)
     for _, key in ipairs({record, bits, errors, events}) do redis.call('EXPIRE', key, ttl) end
@@ -168,10 +170,11 @@ PRELUDE = _NOW + COUNT_END + ANNOUNCE + _JOBS
 
 # Returns {1, its event} if the job was created, {0} if another client has created or changed it meanwhile or
 # items of a batch are missing, and {-1, milliseconds until the backlog is done} if its lane is full; one in
-# which no job waits is never full. The items of a batch that are no part of `todo` have failed.
+# which no job waits is never full. `asked` is the request without its slices. The other arguments are the
+# parts to do, chunk by chunk; the items of a batch that are none of them have failed.
 CREATE = """
 local record, chunks, bits, errors, events, active, ends, workers = unpack(KEYS)
-local job_id, run, seen_run, total, todo_count, request, todo = unpack(ARGV)
+local job_id, run, seen_run, total, todo_count, request, asked = unpack(ARGV)
 local chunk_size, chunk_count, ttl, origin = unpack(ARGV, 8)
 local lane, work, max_backlog, deadline_s, name, token, seconds = unpack(ARGV, 12)
 
@@ -186,15 +189,17 @@ if tonumber(todo_count) > 0 and waiting + work > max_backlog * count
         and redis.call('ZCOUNT', active .. ':queued', rank(lane, 0), rank(lane, 1e10 - 1)) > 0 then
     return {-1, math.ceil(waiting / count)}
 end
-redis.call('DEL', record, chunks, bits, errors, events)
+redis.call('DEL', record, chunks, bits, errors, events, todo_of(record))
 redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done', total - todo_count,
-    'request', request, 'todo', todo, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
+    'request', request, 'asked', asked, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
     'origin', origin)
 if is_batch then
     redis.call('PERSIST', items)
     redis.call('HSET', record, 'failed', total - todo_count)
     local open = {}
-    for _, item in ipairs(cjson.decode(todo)) do open[tonumber(item)] = true end
+    for i = 19, #ARGV do
+        for _, item in ipairs(cjson.decode(ARGV[i])) do open[tonumber(item)] = true end
+    end
     for item = 0, total - 1 do
         if not open[item] then redis.call('SETBIT', bits, item, 1) end
     end
@@ -204,7 +209,10 @@ if tonumber(todo_count) == 0 then
     finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', ttl)
     return {1, ''}
 end
-for index = 0, chunk_count - 1 do redis.call('HSET', chunks, index, 'queued:0:0:0:0') end
+for index = 0, chunk_count - 1 do
+    redis.call('HSET', chunks, index, 'queued:0:0:0:0')
+    redis.call('RPUSH', todo_of(record), ARGV[19 + index])
+end
 redis.call('ZADD', active, now, job_id)
 redis.call('HSET', record, 'lane', lane, 'left', work, 'ahead', added)
 redis.call('ZADD', active .. ':queued', rank(lane, now), job_id)
@@ -267,11 +275,11 @@ redis.call('DEL', rq_job, beat, locks, unpack(redis.call('SMEMBERS', locks)))
 return open_chunk(record, chunks, run, index, attempt) and 1 or 0
 """
 
-# Starts a chunk, with a first heartbeat if there is a worker.
-# Returns {entry, request, todo, chunk_size, origin} if the chunk may start, nothing if it is out of date.
+# Starts a chunk, with a first heartbeat if there is a worker; `asking` is the field with its request.
+# Returns {entry, parts, request, chunk_size, origin} if it may start, nothing if it is out of date.
 START = """
 local record, chunks, events, active, beat = unpack(KEYS)
-local run, index, attempt, job_id, worker, ttl = unpack(ARGV)
+local run, index, attempt, job_id, worker, ttl, asking = unpack(ARGV)
 
 local chunk = open_chunk(record, chunks, run, index, attempt)
 if not chunk then return false end
@@ -283,8 +291,8 @@ if redis.call('HGET', record, 'status') == 'queued' then
     redis.call('ZREM', active .. ':queued', job_id)
     redis.call('XADD', events, '*', 'type', 'status', 'status', 'running')
 end
-return {redis.call('HGET', chunks, index),
-    unpack(redis.call('HMGET', record, 'request', 'todo', 'chunk_size', 'origin'))}
+return {redis.call('HGET', chunks, index), redis.call('LINDEX', todo_of(record), index),
+    unpack(redis.call('HMGET', record, asking, 'chunk_size', 'origin'))}
 """
 
 # From now on the work horse, if it dies, dies of the slice `offset`, or in the state `ahead` maybe of a later
@@ -380,7 +388,7 @@ local job_id, problem, ttl = unpack(ARGV)
 local status = redis.call('HGET', record, 'status')
 if not is_active(status) then
     retire(record, active, job_id)
-    if not status then redis.call('DEL', chunks, bits, errors, events, items_of(record)) end
+    if not status then redis.call('DEL', chunks, bits, errors, events, items_of(record), todo_of(record)) end
     return 0
 end
 if redis.call('EXISTS', chunks) == 0 then

@@ -85,6 +85,8 @@ def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> bool:
     store = ResultStore(_context.redis, _context.settings, holder=ref.rq_id)
     start, kind, detail, is_sound = time.monotonic(), "", "", False
     try:
+        if not chunk.parts:
+            raise ItemsLostError(ref.job_id)
         is_sound = _work_of(chunk)(ref, chunk, records, store)
     except AttemptOver:
         return False

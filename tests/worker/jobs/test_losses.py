@@ -246,3 +246,23 @@ def test_a_chunk_that_has_not_started_cannot_be_lost(queue: JobQueue, lost: Lost
         assert following == replace(ref, attempt=attempt)
         assert isinstance(following, ChunkRef)
         ref = following
+
+
+def test_a_job_that_lost_its_parts_fails(queue: JobQueue, table_request: JobRequest) -> None:
+    """Redis has evicted what the chunks are to do: none of them can be given up or done."""
+    view = queue.submit(table_request)
+    queue.redis.delete(queue.records.keys.todo(view.id))
+    chunk = queue.records.start(refs(queue)[0])
+    assert chunk is not None
+    assert chunk.parts == ()
+    give_up(queue.records, queue.chunks, refs(queue)[0], "worker-lost", "incomplete")
+    failed = queue.get(view.id)
+    assert failed is not None
+    assert (failed.status, failed.error) == ("failed", {"type": "worker-lost", "detail": "incomplete"})
+
+
+def test_nothing_is_left_to_do_of_a_job_that_ended(queue: JobQueue, table_request: JobRequest) -> None:
+    key = queue.records.keys.todo(queue.submit(table_request).id)
+    assert queue.redis.llen(key) == 2
+    finish(queue)
+    assert not queue.redis.exists(key)
