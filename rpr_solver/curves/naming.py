@@ -9,9 +9,12 @@ from itertools import pairwise
 
 from rpr_solver.contract import Progress
 from rpr_solver.curves.destinations import Cusp, Tracker
+from rpr_solver.curves.exact_slice import most_cusps
 from rpr_solver.curves.follower import Follower
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.rationals import exact_str
+from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.transitions.event_types import Event
 from rpr_solver.transitions.survey import Survey
 
@@ -81,11 +84,18 @@ def tracks(survey: Survey, tracker: Tracker, progress: Progress) -> Tracks:
 
 
 def _only(tracker: Tracker, group: Sequence[Event], passing: int) -> bool:
-    """Proves that at most ``passing`` cusps continue through events: their slice itself has no more."""
+    """Proves that at most ``passing`` cusps continue through events: their slice itself has no more.
+
+    See mathematics.md#curves-that-end.
+    """
     exact = next((x.rational for e in group if (x := e.exact_length) and x.rational is not None), None)
-    if exact is None:
+    if exact is not None:
+        return tracker.table(exact / tracker.eliminant.slice_map.scale).count == passing
+    pose = next((e.pose for e in group if isinstance(e.pose, ExactPose)), None)
+    if pose is None or any(e.pose is None or e.pose.kind is not PoseKind.QUADRUPLE for e in group):
         return False
-    return tracker.table(exact / tracker.eliminant.slice_map.scale).count == passing
+    most = most_cusps(tracker.eliminant, pose)
+    return most is not None and most <= passing
 
 
 def _sibling(tracker: Tracker, low: Fraction, cusp: Cusp) -> int | None:

@@ -12,7 +12,9 @@ import pytest
 from rpr_solver import EXAMPLES, Unproved
 from rpr_solver.contract import silent
 from rpr_solver.curves.destinations import Tracker
+from rpr_solver.curves.exact_slice import most_cusps
 from rpr_solver.curves.naming import Tracks, name_cusps, tracks
+from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.transitions.survey import Survey, survey
 from tests.support.definitions import Slices, distance
 from tests.support.families import family
@@ -105,8 +107,8 @@ class TestTracks:
         assert told == [(k, len(whole.slices)) for k in range(2, len(whole.slices) + 1)]
 
     @pytest.mark.slow
-    def test_a_cusp_alone_in_ending_and_another_alone_in_beginning_may_be_one(self) -> None:
-        """About a quadruple pose of the flat base, at an irrational length."""
+    def test_a_cusp_that_ends_and_another_that_begins_are_two_if_the_slice_between_has_fewer(self) -> None:
+        """About a quadruple pose of the flat base, of irrational length, are six cusps; with it, five."""
         whole = survey(
             family("flat base"), 1, silent, start=Fraction("9.3"), stop=Fraction("10.6"), digits=DIGITS
         )
@@ -114,7 +116,20 @@ class TestTracks:
         alone = [t for t in named.tracks if len(t.cusps) == 1]
         assert [min(t.cusps) for t in alone] == [0, 1]
         assert all(t.born_with is None and t.dies_with is None for t in named.tracks)
-        assert named.undecided == {0}
+        assert named.undecided == frozenset()
+        [group] = whole.groups
+        [pose] = [event.pose for event in group]
+        assert isinstance(pose, ExactPose)
+        assert pose.length.rational is None
+        assert most_cusps(whole.eliminant, pose) == 5
+
+    @pytest.mark.slow
+    def test_what_is_not_counted_may_be_one(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("rpr_solver.curves.exact_slice._GREATEST_DEGREE", 1)
+        whole = survey(
+            family("flat base"), 1, silent, start=Fraction("9.3"), stop=Fraction("10.6"), digits=DIGITS
+        )
+        assert tracks(whole, Tracker(whole.eliminant, DIGITS, whole.slices), silent).undecided == {0}
 
     @pytest.mark.slow
     def test_at_a_rational_length_the_slice_itself_tells_that_they_are_not(self) -> None:
