@@ -9,6 +9,7 @@ from math import isqrt
 from rpr_solver.verify.intervals import Interval
 
 _SPARE = 32
+_ULPS = 1 << 8
 
 
 @lru_cache(maxsize=16)
@@ -52,6 +53,21 @@ def cos_sin(angle: Interval) -> tuple[Interval, Interval]:
         sin = -sin
     cosine, sine = (Interval(max(x - radius, -one), min(x + radius, one), bits) for x in (cos, sin))
     return cosine, sine
+
+
+def angle_near(cos: Interval, sin: Interval, guess: Interval) -> Interval:
+    """An angle in radians with about this cosine and sine, less than two radians from a guess.
+
+    Each step leaves a sixth of the cube of the error: x + sin(a − x) is x + (a − x) to third order.
+    """
+    x = (guess.lower + guess.upper) // 2
+    while True:
+        at_cos, at_sin = cos_sin(Interval(x, x, guess.bits))
+        error = sin * at_cos - cos * at_sin
+        step = (error.lower + error.upper) // 2
+        x += step
+        if abs(step) < _ULPS:
+            return Interval(x, x, guess.bits)
 
 
 def _at(angle: int, bits: int) -> tuple[int, int]:

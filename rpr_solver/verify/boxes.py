@@ -130,9 +130,14 @@ def around(alpha: Printed, theta: Printed, bits: int, radicand: int) -> Box:
     return Box(first, second, radicand)
 
 
-def zero_near(equations: Equations, alpha: Fraction, theta: Fraction, bits: int) -> Box | None:
-    """The zero near two angles in degrees, in a box of some 2^−``bits``; None if none is proved."""
-    for work in precisions(bits + equations.coefficient_bits):
+def zero_near(
+    equations: Equations, alpha: Fraction, theta: Fraction, bits: int, spare: int = 0
+) -> Box | None:
+    """The zero near two angles in degrees, in a box of some 2^−``bits``; None if none is proved.
+
+    Where another zero is 2^−``spare`` away, the inverse of the derivative is as great as 2^``spare``.
+    """
+    for work in precisions(bits + equations.coefficient_bits + spare):
         zero = proved_zero(equations, (radians(alpha, work), radians(theta, work)), bits)
         if zero is not None:
             return Box(zero[0], zero[1], equations.radicand)

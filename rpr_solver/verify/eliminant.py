@@ -167,6 +167,11 @@ class Eliminant:
         common = ring.gcd(whole, derivative(whole))
         return ring.field_quotient(whole, common)
 
+    @cached_property
+    def special_roots(self) -> list[Root]:
+        """The finite lines that may hold several poses with J = E = 0, or spurious ones."""
+        return real_roots(self.ring, self.special) if len(self.special) > 1 else []
+
     @property
     def special_at_infinity(self) -> bool:
         """Whether the line u = ∞, where θ = 180°, is one of them."""

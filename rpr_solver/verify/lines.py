@@ -14,11 +14,12 @@ from rpr_solver.verify.angles import cos_sin, pi
 from rpr_solver.verify.boxes import Directions, Pair
 from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.roots import Root, real_roots, refined
+from rpr_solver.verify.roots import Root, refined
 from rpr_solver.verify.surds import Poly, Ring
 from rpr_solver.verify.system import System, Trig, derivative
 
 _LINE_BITS = 128
+_LEAST_APART = 32
 _PIECES = 48
 _DEPTH = 40
 NEARBY = 20
@@ -41,18 +42,41 @@ def opposite(bits: int) -> Pair:
     return Interval.of(-1, bits), Interval.of(0, bits)
 
 
-def special_lines(system: System, eliminant: Eliminant) -> Iterator[Pair]:
-    """The real lines that may hold several poses with J = E = 0, or spurious ones."""
+def separation(eliminant: Eliminant) -> int:
+    """Bits at which the directions of all real lines are told apart."""
+    bits = _LEAST_APART
+    forms = ((eliminant.single, eliminant.single_roots), (eliminant.special, eliminant.special_roots))
+    while True:
+        lines = [direction(eliminant.ring, form, root, bits) for form, roots in forms for root in roots]
+        if eliminant.special_at_infinity:
+            lines.append(opposite(bits))
+        if not any(meet(x, y) for n, x in enumerate(lines) for y in lines[:n]):
+            return bits
+        bits *= 2
+
+
+def meet(first: Pair, second: Pair) -> bool:
+    """Whether two directions may be the same."""
+    return all(x.meets(y) for x, y in zip(first, second, strict=True))
+
+
+def special_lines(system: System, eliminant: Eliminant, apart: int = 0) -> Iterator[Pair]:
+    """The real lines that may hold several poses with J = E = 0, or spurious ones.
+
+    Args:
+        system: the slice.
+        eliminant: its lines.
+        apart: bits to which they are needed besides.
+    """
     sizes = (
         part.bit_length()
         for p in (system.singular, *(leg.kernel for leg in system.legs))
         for x in p.values()
         for part in x
     )
-    bits = _LINE_BITS + max(sizes)
-    if len(eliminant.special) > 1:
-        for root in real_roots(system.ring, eliminant.special):
-            yield direction(system.ring, eliminant.special, root, bits)
+    bits = _LINE_BITS + max(sizes) + 2 * apart
+    for root in eliminant.special_roots:
+        yield direction(system.ring, eliminant.special, root, bits)
     if eliminant.special_at_infinity:
         yield opposite(bits)
 
@@ -76,13 +100,14 @@ class _OnLine:
         return bool((_sum(self.value, middle) + _sum(self.slope, pair) * radius).sign)
 
 
-def unlisted(system: System, line: Pair, listed: Sequence[Interval]) -> Fraction | None:
+def unlisted(system: System, line: Pair, listed: Sequence[Interval], apart: int = 0) -> Fraction | None:
     """An α in radians near which a pose with J = E = 0 cannot be excluded on a line; None if there is none.
 
     Args:
         system: the slice.
         line: cosine and sine of θ.
         listed: intervals of α, in radians, that are cut out.
+        apart: the line is known to so many bits besides, and as many more cuts are made.
     """
     bits = line[0].bits
     legs = system.legs
@@ -103,7 +128,7 @@ def unlisted(system: System, line: Pair, listed: Sequence[Interval]) -> Fraction
         radius = Interval(lower - middle, upper - middle, bits)
         if any(f.excludes_zero(alpha, pair, at_middle, radius) for f in functions):
             continue
-        if depth == _DEPTH:
+        if depth == _DEPTH + apart:
             return alpha.middle
         todo += [(lower, middle, depth + 1), (middle, upper, depth + 1)]
     return None

@@ -84,23 +84,28 @@ class Points:
     def _pair(self, first: Trig, second: Trig) -> Equations:
         return Equations.of(first, second, self.system.ring.radicand)
 
-    def cusp(self, point: Point) -> tuple[Box | None, Finding]:
-        """The proved box of a cusp, and what is found about its digits."""
+    def cusp(self, point: Point, bits: int = 0) -> tuple[Box | None, Finding]:
+        """The proved box of a cusp, of some 2^−``bits`` at most, and what is found about its digits."""
+        box = self.cusp_near(point.alpha.value, point.theta.value, max(point.bits, bits))
+        if box is None:
+            reason = "no zero of J = E = 0 with a regular derivative is proved near the pose"
+            return None, (ClaimStatus.REFUSED, reason)
+        return box, self.printed_right(point, box)
+
+    def cusp_near(self, alpha: Fraction, theta: Fraction, bits: int, apart: int = 0) -> Box | None:
+        """The proved box of the cusp near two angles in degrees, others being 2^−``apart`` away; or None."""
         for leg, equations in zip(self.system.legs, self._kernel, strict=True):
-            box = zero_near(equations, point.alpha.value, point.theta.value, point.bits)
-            if box is None:
-                continue
-            if not any(box.directions.value(slope).sign for slope in (leg.alpha, leg.theta)):
-                continue
-            finding = self.digits(point, box)
-            if finding[0] is not ClaimStatus.REFUSED:
-                proof = "a proved box holds one zero of (J, E), with a regular derivative"
-                finding = (finding[0], f"{proof}; {finding[1]}")
-            return box, finding
-        return None, (
-            ClaimStatus.REFUSED,
-            "no zero of J = E = 0 with a regular derivative is proved near the pose",
-        )
+            box = zero_near(equations, alpha, theta, bits, apart)
+            if box and any(box.directions.value(slope).sign for slope in (leg.alpha, leg.theta)):
+                return box
+        return None
+
+    def printed_right(self, point: Point, box: Box) -> Finding:
+        """What is found about the digits of a cusp with a proved box."""
+        status, reason = self.digits(point, box)
+        if status is not ClaimStatus.REFUSED:
+            reason = f"a proved box holds one zero of (J, E), with a regular derivative; {reason}"
+        return status, reason
 
     def degenerate(self, kind: str, point: Point) -> tuple[Box, Finding]:
         """The box of a degenerate pose, and what is found about its digits and conditions."""

@@ -10,8 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import ceil, isqrt
 
 from rpr_solver.verify.surds import ZERO, Ring, Surd, derivative
+
+_GUARD_BITS = 64
 
 
 @dataclass(frozen=True)
@@ -50,23 +53,49 @@ def real_roots(ring: Ring, form: Sequence[Surd]) -> list[Root]:
 
 
 def refined(ring: Ring, form: Sequence[Surd], root: Root, width: Fraction) -> Root:
-    """The same root in an interval of at most this width, by bisection."""
+    """The same root in an interval of at most this width.
+
+    By quadratic interval refinement (Abbott 2006): the interval is cut into 2^k pieces, and that where the
+    chord is 0 is tried; k is doubled where it holds the root, and halved where not.
+    """
     p = list(reversed(form)) if root.inverted else list(form)
     if root.lower == root.upper:
         return root
     lower, upper = root.lower, root.upper
     # the upper end may be another root, a simple one
     at_upper = ring.sign(ring.at(p, upper)) or -ring.sign(ring.at(derivative(tuple(p)), upper))
+    k = 1
     while upper - lower > width:
-        middle = (lower + upper) / 2
-        sign = ring.sign(ring.at(p, middle))
-        if not sign:
-            return replace(root, lower=middle, upper=middle)
-        if sign == at_upper:
-            upper = middle
-        else:
-            lower = middle
+        k = min(k, int((upper - lower) / width).bit_length())
+        pieces = 1 << k
+        step = (upper - lower) / pieces
+        place = min(max(_chord(ring, p, lower, upper, pieces), 1), pieces - 1)
+        ends = [lower + place * step]
+        sides = [ring.sign(ring.at(p, ends[0])) * at_upper]
+        # the next point towards the root
+        ends.append(ends[0] - step if sides[0] > 0 else ends[0] + step)
+        if lower < ends[1] < upper:
+            sides.append(ring.sign(ring.at(p, ends[1])) * at_upper)
+        for x, side in zip(ends, sides, strict=False):
+            if not side:
+                return replace(root, lower=x, upper=x)
+            if side > 0:
+                upper = min(upper, x)
+            else:
+                lower = max(lower, x)
+        k = 2 * k if upper - lower <= step else max(k // 2, 1)
     return replace(root, lower=lower, upper=upper)
+
+
+def _chord(ring: Ring, p: Sequence[Surd], lower: Fraction, upper: Fraction, pieces: int) -> int:
+    """The piece where the chord of p is 0; any guess would do."""
+    size = len(p) - 1
+    guard = _GUARD_BITS + ceil(pieces / (upper - lower)).bit_length()
+    omega = isqrt(ring.radicand << (2 * guard))
+    sides = [ring.at(p, x) for x in (lower, upper)]
+    first, second = (abs((a << guard) + b * omega) for a, b in sides)
+    first, second = first * upper.denominator**size, second * lower.denominator**size
+    return pieces * first // (first + second) if first + second else pieces // 2
 
 
 def _within_unit(ring: Ring, p: list[Surd]) -> Iterator[tuple[Fraction, Fraction]]:

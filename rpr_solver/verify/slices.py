@@ -3,29 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from rpr_solver.errors import InputError
+from rpr_solver.verify.alike import Located, located
 from rpr_solver.verify.angles import pi
 from rpr_solver.verify.boxes import Box, Pair
 from rpr_solver.verify.claims import Claim, ClaimStatus
 from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.full import full_claims
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.lines import special_lines, unlisted
+from rpr_solver.verify.lines import separation, special_lines, unlisted
 from rpr_solver.verify.manipulator import Geometry, exact
 from rpr_solver.verify.points import Point, Points, read
 from rpr_solver.verify.surds import Indivisible
 from rpr_solver.verify.system import System
-
-
-@dataclass(frozen=True)
-class Found:
-    """A listed point with its proved box, if there is one."""
-
-    point: Point
-    box: Box | None
 
 
 def slice_claims(
@@ -60,23 +53,28 @@ class _Slice:
         self.at = at
         self.points = Points(system)
 
+    @cached_property
+    def _eliminant(self) -> Eliminant | None:
+        try:
+            return Eliminant.of(self.system)
+        except Indivisible:
+            return None
+
     def claims(self) -> Iterator[Claim]:
         cusps = read(self.part.get("cusps"), self.system, f"{self.at}/cusps")
         others = self.part.get("degenerate_points")
         if not isinstance(others, list) or not all(isinstance(x, Mapping) for x in others):
             raise InputError.of(f"{self.at}/degenerate_points", "is not a list of points")
-        found_cusps, found_others = [], []
-        for n, point in enumerate(cusps):
-            box, (status, reason) = self.points.cusp(point)
-            found_cusps.append(Found(point, box))
-            yield self._claim(f"cusps/{n}", "a cusp with these digits", status, reason)
+        found_cusps, found_others = located(self.points, cusps, self._eliminant), []
+        for n, found in enumerate(found_cusps):
+            yield self._claim(f"cusps/{n}", "a cusp with these digits", *found.finding)
         for n, other in enumerate(others):
             if not _is_curve(other):
                 where = f"degenerate_points/{n}"
                 point = Point.of(other, self.system, f"{self.at}/{where}")
-                box, (status, reason) = self.points.degenerate(str(other.get("kind")), point)
-                found_others.append(Found(point, box))
-                yield self._claim(where, f"a degenerate pose: {other.get('kind')}", status, reason)
+                found = Located(point, *self.points.degenerate(str(other.get("kind")), point))
+                found_others.append(found)
+                yield self._claim(where, f"a degenerate pose: {other.get('kind')}", *found.finding)
         yield self._form([*cusps, *(found.point for found in found_others)])
         yield from self._counted(found_cusps, found_others)
 
@@ -96,7 +94,7 @@ class _Slice:
             return self._claim("cusps", claim, ClaimStatus.REFUSED, "the cusps are not sorted")
         return self._claim("cusps", claim, ClaimStatus.PROVED, "as printed")
 
-    def _counted(self, cusps: Sequence[Found], others: Sequence[Found]) -> Iterator[Claim]:
+    def _counted(self, cusps: Sequence[Located], others: Sequence[Located]) -> Iterator[Claim]:
         count = self.part.get("count")
         if count != len(cusps):
             yield self._claim("count", "the number of cusps", ClaimStatus.REFUSED, f"{len(cusps)} are listed")
@@ -108,9 +106,8 @@ class _Slice:
             )
             return
         claim = f"these {count} cusps are all"
-        try:
-            eliminant = Eliminant.of(self.system)
-        except Indivisible:
+        eliminant = self._eliminant
+        if eliminant is None:
             reason = "the spurious factors do not divide the resultant exactly"
             yield self._claim("count", claim, ClaimStatus.REFUSED, reason)
             return
@@ -184,10 +181,11 @@ class _Slice:
         return [dict(zip(names, row, strict=True)) for row in (*spurious, *cusps)]
 
     def _complete(
-        self, eliminant: Eliminant, cusps: Sequence[Box], others: Sequence[Found]
+        self, eliminant: Eliminant, cusps: Sequence[Box], others: Sequence[Located]
     ) -> tuple[ClaimStatus, str]:
         """Whether the listed poses are all in which three or more coalesce."""
-        lines = list(special_lines(self.system, eliminant))
+        apart = separation(eliminant)
+        lines = list(special_lines(self.system, eliminant, apart))
         on_special: set[int] = set()
         doubts = 0
         if any(not any(_on(x.box, line) for line in lines) for x in others if x.box):
@@ -204,7 +202,7 @@ class _Slice:
             on_special.update(here)
             boxes = [*(cusps[n] for n in here), *beside]
             doubts += len(boxes)
-            pose = unlisted(self.system, line, [*holes, *(box.alpha for box in boxes)])
+            pose = unlisted(self.system, line, [*holes, *(box.alpha for box in boxes)], apart)
             if pose is not None:
                 about = f"alpha = {float(pose) * 57.29578:.6g} degrees"
                 return (

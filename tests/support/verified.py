@@ -6,7 +6,9 @@ import random
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from rpr_solver import Manipulator, SolverError, Verification, verify_document
+from rpr_solver import ClaimStatus, Manipulator, SolverError, Verification, verify_document
+from rpr_solver.contract import silent
+from rpr_solver.verify.documents import CLAIMS, kind_of
 from tests.rpr_solver.long_run import manipulator
 from tests.support.families import FAMILIES, family
 from tests.support.mutations import Document, Mutation, mutated
@@ -19,12 +21,21 @@ def accepted(document: Document) -> Verification:
     return verification
 
 
+def is_refused(document: Document) -> bool:
+    """Whether any claim is refused; those after the first such claim are left out, to save time."""
+    kind, geometry = kind_of(document)
+    if document.get("geometry_hash") != geometry.hash:
+        return True
+    claims = CLAIMS[kind](geometry, document, silent)
+    return any(claim.status is ClaimStatus.REFUSED for claim in claims)
+
+
 def accepted_but_no_mutation(
     document: Document, mutations: tuple[Mutation, ...], count: int, seed: int
 ) -> Verification:
     """The verification of a right document, after its mutations were refused."""
     for done, wrong in mutated(document, mutations, count, seed):
-        assert not verify_document(wrong).accepted, (done, document["geometry"])
+        assert is_refused(wrong), (done, document["geometry"])
     return accepted(document)
 
 

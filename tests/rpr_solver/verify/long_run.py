@@ -33,6 +33,7 @@ from rpr_solver import (
 from tests.rpr_solver.long_run import NAMES, manipulator
 from tests.support.families import FAMILIES, family
 from tests.support.mutations import OF_CENSUSES, OF_CURVES, OF_TABLES, Document, Mutation, mutated
+from tests.support.verified import is_refused
 
 _SCALES = (Fraction(1, 10**6), Fraction(1, 1000), Fraction(1000), Fraction(10**6))
 
@@ -126,7 +127,7 @@ def run(kind: str, n: int, arguments: Any, counts: Counter[str]) -> None:
         print(f"{about}: REFUSED at {claim.at}: {claim.claim}: {claim.reason}", flush=True)
     chosen = mutations[n % len(mutations) :] + mutations[: n % len(mutations)]
     for done, wrong in mutated(document, chosen, arguments.mutations, n):
-        refused = not verify_document(wrong).accepted
+        refused = is_refused(wrong)
         counts["mutations refused" if refused else "MUTATIONS ACCEPTED"] += 1
         counts[f"{kind}: {done.split(' of ')[0]}"] += 1
         if not refused:

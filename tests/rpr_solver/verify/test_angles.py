@@ -5,7 +5,7 @@ from fractions import Fraction
 import mpmath
 import pytest
 
-from rpr_solver.verify.angles import cos_sin, degrees, pi, radians
+from rpr_solver.verify.angles import angle_near, cos_sin, degrees, pi, radians
 from rpr_solver.verify.intervals import Interval
 
 
@@ -41,3 +41,11 @@ def test_wide_angles() -> None:
         for angle in (0.9, 1, 1.1):
             assert near(cos, mpmath.cos(angle), 1 << 49)
             assert near(sin, mpmath.sin(angle), 1 << 49)
+
+
+@pytest.mark.parametrize(("angle", "guess"), [(40, 41), (-179, 179), (180, Fraction(1799, 10)), (0, 0)])
+def test_an_angle_by_its_direction(angle: int, guess: Fraction) -> None:
+    bits = 400
+    cos, sin = cos_sin(radians(Fraction(angle), bits))
+    found = degrees(angle_near(cos, sin, radians(Fraction(guess), bits))).middle
+    assert abs((found - angle + 180) % 360 - 180) < Fraction(1, 1 << (bits - 20))

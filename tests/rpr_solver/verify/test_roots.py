@@ -3,6 +3,7 @@
 import random
 from fractions import Fraction
 
+import pytest
 import sympy as sp
 
 from rpr_solver.verify.roots import real_roots, refined, shifted
@@ -44,6 +45,20 @@ def test_irrational_coefficients() -> None:
     ]
     assert root.inverted
     assert abs(1 / float(root.lower) - 3**0.5) < 1e-8
+
+
+@pytest.mark.parametrize("bits", [1, 7, 300, 2000])
+def test_a_root_to_many_bits(bits: int) -> None:
+    # (u² − 2) (u² − √3 u + 5)
+    form = Ring(3).product(rational([-2, 0, 1]), ((5, 0), (0, -1), (1, 0)))
+    width = Fraction(1, 1 << bits)
+    roots = [refined(Ring(3), form, root, width) for root in real_roots(Ring(3), form)]
+    assert len(roots) == 2
+    for root in roots:
+        low, high = sorted((root.lower**2, root.upper**2))
+        assert root.inverted
+        assert root.width <= width
+        assert low <= Fraction(1, 2) <= high
 
 
 def test_a_root_beside_the_end_of_its_interval() -> None:
