@@ -1,9 +1,10 @@
 """Many slices of one manipulator: what is quickly proved for all at once, and the rest one by one.
 
-For each slice it is proved modulo a prime that Q has 24 simple roots and no spurious one, by discs in double
-precision that enough of them are not real, and by balls that the others are (mathematics.md#laguerres-discs).
-A slice that is not decided so, as beside a transition, goes to lone_slice.py. Either way all that is printed
-is computed from the pose on a grid (grid.py), so the document is the same byte for byte.
+It is proved modulo a prime that Q has 24 simple roots and no spurious one; by discs in double precision that
+enough of them are not real (mathematics.md#laguerres-discs); and by floats with bounds of their errors, or by
+balls, that a pose is above each of the others (mathematics.md#poses-by-floats). A slice not decided so, as
+beside a transition, goes to lone_slice.py. In any case what is printed is what the box of the pose on a grid
+decides (grid.py), so the document is the same byte for byte.
 """
 
 from __future__ import annotations
@@ -16,19 +17,20 @@ from flint import nmod, nmod_mat, nmod_poly
 
 from rpr_solver.exact.modular import primes
 from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.slices.certificate import root_certificate
+from rpr_solver.slices.certificate import RootCertificate, root_certificate
 from rpr_solver.slices.discs import Guess, guesses
 from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.slices.grid import GridSlice, first_bits
-from rpr_solver.slices.joint_points import ClassifiedPoint
 from rpr_solver.slices.lone_slice import LoneSlice
+from rpr_solver.slices.pose_proofs import NearPose, proved_boxes
 from rpr_solver.slices.real_poses import PoseFinder
+from rpr_solver.slices.sharp_poses import PoseSharpener
 from rpr_solver.slices.slice_table import SliceTable
 
 _FEWEST, _FEWEST_TO_IMPORT = 4, 64
 """Fewer slices do not repay the work of numpy, or its import."""
 _GUESS_BITS = 64
-BLOCK = 64
+BLOCK = 128
 """Slices whose roots are guessed at once: progress is told, and memory bounded, in between."""
 
 
@@ -46,6 +48,8 @@ class SliceChunk:
         self.bits = first_bits(digits)
         self._scaled = [x * eliminant.slice_map.scale for x in lengths]
         self._guesses: dict[int, Guess] = {}
+        self._boxes: dict[int, list[NearPose] | None] = {}
+        self._exponent = 0
 
     def table(self, place: int) -> SliceTable:
         """The table of one of the slices.
@@ -53,23 +57,42 @@ class SliceChunk:
         Raises:
             SolverError: the slice could not be decided.
         """
-        cusps = self._quickly(place) if _is_generic(self.eliminant, self._scaled[place]) else None
-        if cusps is None:
-            return LoneSlice(self.eliminant, self.lengths[place], self.digits).solve()
-        leg = self.eliminant.slice_map.fixed_leg
-        certificate = root_certificate(leg, [(DEGREE_U, 1)], len(cusps), "balls")
-        return SliceTable.of(leg, self.lengths[place], self.digits, certificate, cusps)
+        table = self._quickly(place) if _is_generic(self.eliminant, self._scaled[place]) else None
+        return table or LoneSlice(self.eliminant, self.lengths[place], self.digits).solve()
 
-    def _quickly(self, place: int) -> list[ClassifiedPoint] | None:
-        """The cusps of a generic slice, if they are decided at the first precision."""
+    def _quickly(self, place: int) -> SliceTable | None:
+        """The table of a generic slice, if it is decided at the first precision."""
         guess = self._guess(place)
         if len(guess.real) + 2 * guess.inside != DEGREE_U:
             return None
-        length = self._scaled[place]
-        poses = _finder(self.eliminant, self.bits).at(length).poses(guess.real)
+        return self._by_boxes(place) or self._by_balls(place, guess)
+
+    def _by_boxes(self, place: int) -> SliceTable | None:
+        """The table, if floats prove the poses."""
+        boxes = self._boxes.get(place)
+        if boxes is None:
+            return None
+        found = _sharpener(self.eliminant, self.digits).cusps(self._scaled[place], boxes, self._exponent)
+        if found is None:
+            return None
+        certificate = self._certificate(len(boxes))
+        leg, length = self.eliminant.slice_map.fixed_leg, self.lengths[place]
+        return SliceTable.of_sorted(leg, length, self.digits, certificate, found, self.bits)
+
+    def _by_balls(self, place: int, guess: Guess) -> SliceTable | None:
+        """The table, if balls prove the poses."""
+        slice_map, scaled = self.eliminant.slice_map, self._scaled[place]
+        poses = _finder(self.eliminant, self.bits).at(scaled).poses(guess.real)
         if poses is None:
             return None
-        return GridSlice(self.eliminant.slice_map, length, self.digits, self.bits).points(poses)
+        cusps = GridSlice(slice_map, scaled, self.digits, self.bits).points(poses)
+        if cusps is None:
+            return None
+        certificate, length = self._certificate(len(guess.real)), self.lengths[place]
+        return SliceTable.of(slice_map.fixed_leg, length, self.digits, certificate, cusps)
+
+    def _certificate(self, real_roots: int) -> RootCertificate:
+        return root_certificate(self.eliminant.slice_map.fixed_leg, [(DEGREE_U, 1)], real_roots, "balls")
 
     def _guess(self, place: int) -> Guess:
         if len(self.lengths) < (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
@@ -79,15 +102,25 @@ class SliceChunk:
         return self._guesses[place]
 
     def guess_from(self, first: int) -> None:
-        """Guess the roots of a block of slices at once; :meth:`table` does so when it needs them."""
-        block = guesses(self.eliminant, self._scaled[first : first + BLOCK])
+        """Guess the roots of a block of slices, and prove poses; :meth:`table` does so when it needs them."""
+        lengths = self._scaled[first : first + BLOCK]
+        block = guesses(self.eliminant, lengths)
         self._guesses = dict(enumerate(block, first))
+        self._exponent, boxes = proved_boxes(self.eliminant, lengths, [x.real for x in block])
+        self._boxes = dict(enumerate(boxes, first))
 
 
 def _proved_guess(eliminant: Eliminant, length: Fraction) -> Guess:
     """The number of real roots of one generic slice, and these roots, by FLINT."""
     roots = [float(root.refined(_GUESS_BITS)) for root in real_roots(eliminant.at(length))]
     return Guess(tuple((u, 1.0) for u in roots), (DEGREE_U - len(roots)) // 2)
+
+
+def _sharpener(eliminant: Eliminant, digits: int) -> PoseSharpener:
+    if ("sharpener", digits) not in eliminant.kept:
+        eliminant.kept["sharpener", digits] = PoseSharpener(eliminant, digits)
+    sharpener: PoseSharpener = eliminant.kept["sharpener", digits]
+    return sharpener
 
 
 def _finder(eliminant: Eliminant, bits: int) -> PoseFinder:

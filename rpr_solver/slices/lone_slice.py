@@ -26,6 +26,7 @@ from rpr_solver.slices.certificate import root_certificate
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
 from rpr_solver.slices.grid import GridSlice, first_bits, on_grid
 from rpr_solver.slices.joint_points import ClassifiedPoint, point_of_pose
+from rpr_solver.slices.pose_decimals import HalfAngle
 from rpr_solver.slices.shared_curves import SliceForms, without_shared_curves
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.slices.special_points import special_poses
@@ -92,7 +93,7 @@ class LoneSlice:
         )
 
     def _cusp(self, finder: Callable[[int], SlicePoses], root: RealRoot, bits: int) -> ClassifiedPoint | None:
-        def boxes(inner: int) -> tuple[HalfTangent, HalfTangent] | None:
+        def boxes(inner: int) -> tuple[HalfAngle, HalfAngle] | None:
             u = root.refined(inner - 64)
             with ctx.workprec(inner):
                 t = finder(inner).alpha(u)

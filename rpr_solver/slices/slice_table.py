@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -68,6 +68,24 @@ class SliceTable:
             "proofs": [x.proof for x in cusps],
         }
         return cls(fixed_leg, length, digits, tuple(x.point for x in cusps), (*curves, *others), certificate)
+
+    @classmethod
+    def of_sorted(
+        cls,
+        fixed_leg: int,
+        length: Fraction,
+        digits: int,
+        roots: RootCertificate,
+        cusps: Sequence[tuple[JointPoint, dict[str, str]]],
+        bits: int,
+    ) -> SliceTable:
+        """The table of cusps in their order, with their proofs, all decided at one precision."""
+        certificate: SliceCertificate = {
+            **roots,
+            "working_bits": bits if cusps else 0,
+            "proofs": [proof for _, proof in cusps],
+        }
+        return cls(fixed_leg, length, digits, tuple(point for point, _ in cusps), (), certificate)
 
     def __repr__(self) -> str:
         beside = f" and {len(self.degenerate_points)} degenerate" if self.degenerate_points else ""

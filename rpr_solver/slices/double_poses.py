@@ -1,0 +1,212 @@
+"""Poses above real roots in double precision, for all slices of a block at once, by numpy.
+
+A guess of θ gives one of α by Euclid's algorithm on J and E. Newton steps improve both angles, the last in
+extended precision where the processor has it. None of this decides anything; pose_proofs.py proves the poses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from flint import arb, ctx
+
+from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.slices.bounded import Bounded
+from rpr_solver.slices.cusp_proof import LegPoints, PoseDerivatives
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[Any]
+    Flags = NDArray[np.bool_]
+    Inverse = tuple[tuple[Floats, Floats], tuple[Floats, Floats]]
+
+_OMEGA_BITS = 128
+
+
+class HalfAngles:
+    """Angles as ``x``, which is tan(angle/2), or its inverse where this is less."""
+
+    def __init__(self, np: Any, numerator: Floats, denominator: Floats) -> None:
+        self.inverse: Flags = abs(numerator) > abs(denominator)
+        self.x: Floats = np.where(self.inverse, denominator / numerator, numerator / denominator)
+        self._sign: Floats = np.where(self.inverse, -1.0, 1.0)
+
+    def cos_sin(self) -> tuple[Floats, Floats]:
+        """Cosines and sines."""
+        square = self.x * self.x
+        return self._sign * ((1 - square) / (1 + square)), 2 * self.x / (1 + square)
+
+    def turn(self, angle: Floats) -> None:
+        """Add small angles."""
+        self.x = self.x + self._sign * (angle / 2) * (1 + self.x * self.x)
+
+    def place(self, np: Any) -> Floats:
+        """Numbers from −2 to 2 that ascend with the angle from −180° to 180°, where x is at most 1."""
+        return np.where(self.inverse, np.copysign(2.0, self.x) - self.x, self.x)  # type: ignore[no-any-return]
+
+
+@dataclass(frozen=True)
+class GuessedPoses:
+    """Poses (α, θ) of slices, with the scaled L / 2^exponent, and an inverse of the gradients of J and E."""
+
+    length: Floats
+    alpha: HalfAngles
+    theta: HalfAngles
+    inverse: Inverse
+
+
+@dataclass(frozen=True)
+class DoubleMap:
+    """A manipulator with one leg fixed, in doubles, its scaled lengths divided by 2^exponent.
+
+    Attributes:
+        unit: bounds the relative error of a rounding.
+        f, g: the moving legs; all of their numbers are at most 1.
+        closed: the sides of f, base² − platform².
+        singular, coalescence: coefficients of J and E by powers of t, L and u.
+    """
+
+    exponent: int
+    unit: float
+    f: LegPoints[Bounded]
+    g: LegPoints[Bounded]
+    closed: Bounded
+    singular: Floats
+    coalescence: Floats
+
+    @classmethod
+    def of(cls, np: Any, slice_map: SliceMap, exponent: int) -> DoubleMap:
+        """For fixed legs of :func:`map_exponent`."""
+        legs = slice_map.f, slice_map.g
+        omega = omega_ball(slice_map.radicand, _OMEGA_BITS)
+
+        kind, unit = number_type(np)
+
+        def bounded(x: arb) -> Bounded:
+            high = float(x)
+            value = kind(high) + kind(float(x - high))
+            return Bounded(value, 2 * unit * abs(value), unit)
+
+        def number(a: int, b: int) -> Bounded:
+            with ctx.workprec(_OMEGA_BITS):
+                return bounded((omega * b + a) * arb(2) ** -exponent)
+
+        f, g = (LegPoints.of(leg, number) for leg in legs)
+        with ctx.workprec(_OMEGA_BITS):
+            closed = bounded(arb(slice_map.f.base2 - slice_map.f.platform2) * arb(4) ** -exponent)
+        forms = (_doubles(np, form, exponent) for form in (slice_map.singular, slice_map.coalescence))
+        return cls(exponent, unit, f, g, closed, *forms)
+
+    def lengths(self, np: Any, scaled: Sequence[Fraction]) -> Floats:
+        """L / 2^exponent of *scaled* L, right to two units."""
+        kind = number_type(np)[0]
+        pairs: Floats = np.array([_two_floats(x, self.exponent) for x in scaled], dtype=kind)
+        return pairs[:, 0] + pairs[:, 1]
+
+    def guessed(self, np: Any, lengths: Floats, thetas: Sequence[tuple[float, float]]) -> GuessedPoses:
+        """Poses above guesses of θ, each a numerator and a denominator of tan(θ/2), with L / 2^exponent."""
+        n, d = np.array(thetas).reshape(-1, 2).T
+        short = lengths.astype(float)
+        alpha, theta = HalfAngles(np, *self._alphas(np, short, n, d)), HalfAngles(np, n, d)
+        inverse = self._step(short, alpha, theta, np.float64)
+        self._step(lengths, alpha, theta, number_type(np)[0])
+        return GuessedPoses(lengths, alpha, theta, inverse)
+
+    def _step(self, lengths: Floats, alpha: HalfAngles, theta: HalfAngles, kind: Any) -> Inverse:
+        """A Newton step, and the inverse of the gradients of J and E before it."""
+        f, g = (
+            LegPoints(*(kind(x.value) for x in (leg.m, leg.n, leg.ax, leg.ay))) for leg in (self.f, self.g)
+        )
+        at = PoseDerivatives.at(f, g, (lengths, *alpha.cos_sin(), *theta.cos_sin()))
+        whole = at.j_alpha * at.e_theta - at.j_theta * at.e_alpha
+        inverse = (at.e_theta / whole, -at.j_theta / whole), (-at.e_alpha / whole, at.j_alpha / whole)
+        for angle, (a, b) in zip((alpha, theta), inverse, strict=True):
+            angle.turn(-(a * at.j + b * at.e))
+        return inverse
+
+    def _alphas(self, np: Any, lengths: Floats, n: Floats, d: Floats) -> tuple[Floats, Floats]:
+        """Numerators and denominators of tan(α/2), by Euclid's algorithm on forms in t or in 1/t."""
+        size = np.hypot(n, d)
+        j, e = (_above(np, form, lengths, n / size, d / size) for form in (self.singular, self.coalescence))
+        straight, (denominator, numerator) = _common_root(np, j, e), _common_root(np, j[::-1], e[::-1])
+        pairs = [straight, (numerator, denominator)]
+        errors = [sum(_value(np, form, *pair) for form in (j, e)) for pair in pairs]
+        first = errors[0] <= errors[1]
+        return np.where(first, pairs[0][0], pairs[1][0]), np.where(first, pairs[0][1], pairs[1][1])
+
+
+def number_type(np: Any) -> tuple[Any, float]:
+    """The longest floats that the processor computes with, and a bound of a rounding."""
+    if np.finfo(np.longdouble).nmant == 63:
+        return np.longdouble, 2.0**-64
+    return np.float64, 2.0**-53
+
+
+def _two_floats(x: Fraction, exponent: int) -> tuple[float, float]:
+    """x / 2^exponent, rounded, and the rest, rounded."""
+    n, d = x.numerator, x.denominator << exponent
+    high = n / d
+    p, q = high.as_integer_ratio()
+    return high, (n * q - p * d) / (d * q)
+
+
+def map_exponent(slice_map: SliceMap, longest: Fraction) -> int:
+    """A number such that no side and no fixed leg, up to a *scaled* length, is longer than 2 to its power."""
+    squares = [side for leg in (slice_map.f, slice_map.g) for side in (leg.base2, leg.platform2)]
+    return max(int(longest**2), *squares).bit_length() // 2 + 1
+
+
+def _doubles(np: Any, form: BiForm, exponent: int) -> Floats:
+    """The coefficients, divided by the greatest, by powers of t, L / 2^exponent and u."""
+    sizes = [part.height_bits() for row in form.coefficients for c in row for part in (c.a, c.b)]
+    bits = 2 * (max(sizes) + form.radicand.bit_length()) + _OMEGA_BITS
+    with ctx.workprec(bits):
+        units = [arb(2) ** (exponent * k) for k in range(len(form.coefficients[0]))]
+        table = [
+            [
+                [c.ball(bits)[k] * unit for k in range(form.degree_u + 1)]
+                for c, unit in zip(row, units, strict=True)
+            ]
+            for row in form.coefficients
+        ]
+        top = max(abs(x.mid()) for row in table for c in row for x in c)
+        return np.array([[[float(x / top) for x in c] for c in row] for row in table])  # type: ignore[no-any-return]
+
+
+def _above(np: Any, form: Floats, lengths: Floats, n: Floats, d: Floats) -> list[Floats]:
+    """The coefficients of t⁰, t¹, … at some L and (n, d), where n/d = u."""
+    _, powers, degree = form.shape
+    by_length = lengths[:, None] ** np.arange(powers)
+    orders = np.arange(degree)
+    by_u = n[:, None] ** orders * d[:, None] ** orders[::-1]
+    return list(np.einsum("tlu,cl,cu->tc", form, by_length, by_u, optimize=True))
+
+
+def _common_root(np: Any, j: list[Floats], e: list[Floats]) -> tuple[Floats, Floats]:
+    """The numerator and the denominator of the last but one remainder's root."""
+    longer, shorter = e, j
+    while len(shorter) > 2:
+        rest = longer
+        while len(rest) >= len(shorter):
+            factor, shift = rest[-1] / shorter[-1], len(rest) - len(shorter)
+            rest = rest[:shift] + [x - factor * y for x, y in zip(rest[shift:-1], shorter[:-1], strict=True)]
+        greatest = np.max(np.abs(rest), axis=0)
+        longer, shorter = shorter, [x / greatest for x in rest]
+    return -shorter[0], shorter[1]
+
+
+def _value(np: Any, form: list[Floats], n: Floats, d: Floats) -> Floats:
+    """The absolute value of a form at n/d, against the sum of its coefficients."""
+    size = np.hypot(n, d)
+    n, d = n / size, d / size
+    value, power = form[-1], d
+    for c in form[-2::-1]:
+        value, power = value * n + c * power, power * d
+    return abs(value) / sum(abs(x) for x in form)

@@ -1,0 +1,110 @@
+"""Boxes proved by floats, against balls: what they hold, what their numbers are, and what is not proved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+
+from rpr_solver import EXAMPLES
+from rpr_solver.slices.chunk import SliceChunk
+from rpr_solver.slices.discs import guesses
+from rpr_solver.slices.double_poses import DoubleMap, GuessedPoses
+from rpr_solver.slices.eliminant import Eliminant
+from rpr_solver.slices.grid import cusp_proof
+from rpr_solver.slices.pose_decimals import HalfAngle, MapBalls
+from rpr_solver.slices.pose_proofs import PROOFS, NearPose, proved_boxes
+from rpr_solver.slices.real_poses import PoseFinder
+from tests.support.shared import eliminant_of
+
+BITS = 320
+LENGTHS = [Fraction(k, 3) for k in range(20, 100, 4)]
+
+
+def boxes_of(eliminant: Eliminant) -> tuple[list[Fraction], int, list[list[NearPose] | None]]:
+    scaled = [x * eliminant.slice_map.scale for x in LENGTHS]
+    thetas = [guess.real for guess in guesses(eliminant, scaled)]
+    return scaled, *proved_boxes(eliminant, scaled, thetas)
+
+
+@pytest.mark.parametrize("name", ["zein-flat", "fourteen-cusps"])
+def test_boxes_hold_the_poses_and_the_bounds_their_numbers(name: str) -> None:
+    eliminant = eliminant_of(EXAMPLES[name])
+    scaled, exponent, slices = boxes_of(eliminant)
+    thetas = [guess.real for guess in guesses(eliminant, scaled)]
+    maps = MapBalls.of(eliminant.slice_map, BITS)
+    assert sum(x is None for x in slices) <= 6, "most is proved"
+    for length, boxes, guess in zip(scaled, slices, thetas, strict=True):
+        poses = PoseFinder(eliminant, BITS).at(length).poses(guess)
+        assert poses is not None
+        for box in boxes or ():
+            with ctx.workprec(BITS):
+                angles = [
+                    (arb(box.t, box.t_reach), box.t_inverse),
+                    (arb(box.u, box.u_reach), box.u_inverse),
+                ]
+                inside = [
+                    pose
+                    for pose in poses
+                    if all(
+                        x.contains(y.denominator / y.numerator if inverse else y.numerator / y.denominator)
+                        for (x, inverse), y in zip(angles, pose, strict=True)
+                    )
+                ]
+                assert len(inside) == 1
+                alpha, theta = (HalfAngle(x.numerator / x.denominator) for x in inside[0])
+                at = arb(length.numerator) / length.denominator, *alpha.cos_sin(), *theta.cos_sin()
+                numbers = cusp_proof(maps, at).values()
+                bounds = zip(box.numbers[::2], box.numbers[1::2], numbers, PROOFS.values(), strict=True)
+                for low, high, number, dimension in bounds:
+                    scaled_number = number * arb(2) ** (-dimension * exponent)
+                    assert arb(low) < scaled_number < arb(high)
+                    assert high - low < 1e-9 * abs(low)
+
+
+def shifted(guessed: GuessedPoses) -> None:
+    guessed.alpha.turn(np.full(len(guessed.length), 1e-9))
+
+
+def far(guessed: GuessedPoses) -> None:
+    guessed.theta.turn(np.full(len(guessed.length), 0.5))
+
+
+def undefined(guessed: GuessedPoses) -> None:
+    guessed.alpha.x[:] = np.nan
+
+
+@pytest.mark.parametrize("change", [shifted, far, undefined])
+def test_wrong_guesses_prove_nothing_wrong(
+    change: Callable[[GuessedPoses], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    eliminant = eliminant_of(EXAMPLES["zein-flat"])
+    expected = [SliceChunk(eliminant, [x], 15).table(0) for x in LENGTHS[:4]]
+    right = DoubleMap.guessed
+
+    def wrong(self: DoubleMap, *args: object) -> GuessedPoses:
+        guessed = right(self, *args)  # type: ignore[arg-type]
+        change(guessed)
+        return guessed
+
+    monkeypatch.setattr(DoubleMap, "guessed", wrong)
+    _, _, slices = boxes_of(eliminant)
+    assert change is shifted or not any(slices)
+    chunk = SliceChunk(eliminant, LENGTHS[:4], 15)
+    assert [chunk.table(k) for k in range(4)] == expected
+
+
+def test_guesses_of_one_pose_twice_are_not_proved() -> None:
+    eliminant = eliminant_of(EXAMPLES["zein-flat"])
+    scaled = [x * eliminant.slice_map.scale for x in LENGTHS]
+    thetas = [(*guess.real[:-1], guess.real[0]) for guess in guesses(eliminant, scaled)]
+    _, slices = proved_boxes(eliminant, scaled, thetas)
+    assert not any(slices)
+
+
+def test_slices_without_real_roots_need_no_proof() -> None:
+    eliminant = eliminant_of(EXAMPLES["zein-flat"])
+    assert proved_boxes(eliminant, [Fraction(1)], [()])[1] == [[]]
