@@ -13,6 +13,7 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, cusp_curves, poses
+from service.api.operation_docs import request_body
 from service.api.operations import OPERATIONS
 from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY, ended
@@ -33,8 +34,9 @@ def documented() -> list[Any]:
     for operation in OPERATIONS:
         path = operation.path
         marks = pytest.mark.slow if path in ("/v1/checks", "/v1/cusp-curves") else ()
-        for name, (_, body) in operation.question.examples.items():
-            examples.append(pytest.param(path, body, id=f"{path} {name}", marks=marks))
+        content = request_body(operation)["requestBody"]["content"]["application/json"]
+        for name, example in content["examples"].items():
+            examples.append(pytest.param(path, example["value"], id=f"{path} {name}", marks=marks))
     return examples
 
 
