@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -44,6 +44,17 @@ def serving_app(app: FastAPI, port: int = 0) -> Iterator[str]:
         finally:
             server.should_exit = True
             thread.join(PATIENCE)
+
+
+def accepted(ask: Callable[[], httpx.Response]) -> httpx.Response:
+    """Asks new questions until one is accepted as a job: on a busy machine the worker may be the first."""
+
+    def job() -> httpx.Response | None:
+        answer = ask()
+        assert answer.status_code in (200, 202)
+        return answer if answer.status_code == 202 else None
+
+    return until(job)
 
 
 def ended(client: httpx.Client, job_id: str) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
@@ -16,7 +17,7 @@ from rpr_solver import EXAMPLES, cusp_curves, poses
 from service.api.operation_docs import request_body
 from service.api.operations import OPERATIONS
 from service.schemas.tables import CuspTable
-from tests.support.service_server import GEOMETRY, ended
+from tests.support.service_server import GEOMETRY, accepted, ended
 from worker.jobs.queue import JobQueue
 
 POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
@@ -133,9 +134,16 @@ def test_a_document_can_be_had_by_its_job(api: httpx.Client) -> None:
     assert events.rstrip().splitlines()[-1].startswith('data: {"id":"po-')
 
 
-def test_a_document_that_has_expired_is_gone(api: httpx.Client, redis: Redis) -> None:
-    body = {**POSES, "l3": "30.25"}
-    job = api.post("/v1/poses", json=body, headers={"Prefer": "respond-async"}).json()
+def test_a_document_that_has_expired_is_gone(
+    api: httpx.Client, redis: Redis, fresh: Callable[[], str]
+) -> None:
+    body = dict(POSES)
+
+    def ask() -> httpx.Response:
+        body["l3"] = fresh()
+        return api.post("/v1/poses", json=body, headers={"Prefer": "respond-async"})
+
+    job = accepted(ask).json()
     ended(api, job["id"])
     queue = JobQueue(redis)
     _, request, _ = queue.records.request(job["id"])  # type: ignore[misc]
