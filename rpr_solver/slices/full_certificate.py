@@ -17,20 +17,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from fractions import Fraction
-from itertools import islice
 from typing import Any
 
 from flint import arb, ctx
 
-from rpr_solver.exact.factors import exact_roots, norm_factors
-from rpr_solver.exact.modular import primes
-from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.certified import Certified
+from rpr_solver.exact.quadratic import Form
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.exact.real_roots import RealRoot, fraction_of, real_roots
+from rpr_solver.exact.real_roots import RealRoot, fraction_of
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
 from rpr_solver.slices.joint_points import coordinate_names
 
-_PRIMES = 4
 _BITS = 96
 
 
@@ -39,44 +36,17 @@ def full_certificate(
 ) -> dict[str, Any]:
     """The member ``full`` of a solved slice, from its printed cusps; ``length`` is in the user's unit."""
     leg = eliminant.slice_map.fixed_leg
-    q = eliminant.at(length * eliminant.slice_map.scale)
-    place = None if q.is_zero else _squarefree_place(q)
-    roots: list[tuple[RealRoot, int]] = []
-    if place is not None:
-        roots = [(root, 1) for root in real_roots(q)]
-    elif not q.is_zero:
-        roots = [(root.root, root.multiplicity) for root in exact_roots(norm_factors(q))]
-    intervals = sorted((*_ends(root), multiplicity) for root, multiplicity in roots)
+    q = Certified.of(Form(eliminant.at(length * eliminant.slice_map.scale), DEGREE_U))
+    intervals = sorted((*_ends(root), multiplicity) for root, multiplicity in q.roots)
     return {
-        "polynomial": _polynomial(q, leg),
-        "squarefree": None if place is None else {"prime": str(place[0]), "omega": str(place[1])},
+        "polynomial": q.polynomial_json(f"u = tan(theta{leg}/2)"),
+        "squarefree": q.squarefree_json(),
         "real_roots": [
             {"lower": exact_str(low), "upper": exact_str(high), "multiplicity": multiplicity}
             for low, high, multiplicity in intervals
         ],
         "boxes": [{name: _box(cusp[name]) for name in coordinate_names(leg)} for cusp in cusps],
     }
-
-
-def _polynomial(q: QuadraticPoly, leg: int) -> dict[str, Any]:
-    result: dict[str, Any] = {
-        "variable": f"u = tan(theta{leg}/2)",
-        "degree": DEGREE_U,
-        "coefficients": [str(q.a[k]) for k in range(DEGREE_U + 1)],
-    }
-    if q.b:
-        result["omega"] = f"sqrt({q.radicand})"
-        result["omega_coefficients"] = [str(q.b[k]) for k in range(DEGREE_U + 1)]
-    return result
-
-
-def _squarefree_place(q: QuadraticPoly) -> tuple[int, int] | None:
-    """A prime, and ω modulo it, that prove Q of degree 24 and without a multiple root."""
-    for p, omega in islice(primes(q.radicand), _PRIMES):
-        image = q.residue(p, omega)
-        if image.degree() == DEGREE_U and image.gcd(image.derivative()).degree() == 0:
-            return p, omega
-    return None
 
 
 def _ends(root: RealRoot) -> tuple[Fraction, Fraction]:

@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, TypedDict
+from typing import Any, NotRequired, TypedDict
 
-from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, check_leg, document_head, silent
+from rpr_solver.contract import (
+    DEFAULT_DIGITS,
+    FULL,
+    SHORT,
+    Progress,
+    check_certificate,
+    check_digits,
+    check_leg,
+    document_head,
+    silent,
+)
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.figures.census import census_figure
 from rpr_solver.figures.figure import Figure
@@ -18,6 +28,7 @@ from rpr_solver.slices.length_range import LengthRange, intervals_json
 from rpr_solver.transitions.aspect_numbers import numbers_of_aspects
 from rpr_solver.transitions.degenerate import degeneracies
 from rpr_solver.transitions.event_texts import event_point, length_text
+from rpr_solver.transitions.full_certificate import full_certificate
 from rpr_solver.transitions.survey import Survey, survey
 
 
@@ -43,12 +54,14 @@ class CensusCertificate(TypedDict):
 
     ``method`` is ``"events"`` if the degenerate poses of all slices are isolated, else ``"components"``: as
     for similar triangles, the events of the curves in α and θ that hold all cusps. ``lengths_examined`` is
-    the number of their lengths; the cusps are counted in exact slices between neighbouring ones.
+    the number of their lengths; the cusps are counted in exact slices between neighbouring ones. ``full``
+    is present on request (full_certificate.py).
     """
 
     method: str
     lengths_examined: int
     counts_by: str
+    full: NotRequired[dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -209,6 +222,7 @@ def census(
     digits: int = DEFAULT_DIGITS,
     start: Exact = 0,
     stop: Exact | None = None,
+    certificate: str = SHORT,
     progress: Progress | None = None,
 ) -> Census:
     """Every transition of the slices of one leg, over all lengths > 0 or a range, and the counts between.
@@ -223,34 +237,39 @@ def census(
         digits: significant digits of every printed number, 15 to 10000; all are proved.
         start: the lower end of the range, exact, in the user's unit, excluded; 0 is an open end.
         stop: its upper end, excluded; None is an open end.
+        certificate: ``"full"`` adds what somebody else needs to check the census: the eliminants of the
+            events with isolating intervals of all their real roots, a box of each event, and the length at
+            which each interval was counted; or ``"short"``.
         progress: callback ``progress(done, total)``; ``total`` may grow.
 
     Raises:
-        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, ``start`` or ``stop``.
+        InputError: naming ``manipulator``, ``fixed_leg``, ``digits``, ``start``, ``stop`` or ``certificate``.
         SolverError: a transition could not be decided.
 
     >>> from rpr_solver import EXAMPLES
     >>> census(EXAMPLES["zein-flat"], digits=15).counts
     (0, 2, 4, 6, 8, 6, 8, 6, 8, 6, 8, 6, 4)
     """
-    digits, fixed_leg = check_digits(digits), check_leg(fixed_leg)
+    digits, fixed_leg, form = check_digits(digits), check_leg(fixed_leg), check_certificate(certificate)
     span = LengthRange.of(start, stop)
     result = survey(manipulator, fixed_leg, progress or silent, start=span.start, stop=span.stop)
     transitions = {
         k: transition for k in range(len(result.groups)) if (transition := transition_at(result, k, digits))
     }
-    certificate: CensusCertificate = {
+    proof: CensusCertificate = {
         "method": result.method,
         "lengths_examined": len(result.groups),
         "counts_by": "exact slices between neighbours",
     }
+    if form == FULL:
+        proof["full"] = full_certificate(result, list(transitions))
     return Census(
         manipulator,
         fixed_leg,
         digits,
         tuple(transitions.values()),
         (result.slices[0].count, *(result.slices[k + 1].count for k in transitions)),
-        certificate,
+        proof,
         span,
         numbers_of_aspects(result, list(transitions)),
         degeneracies(result, span, digits),

@@ -42,13 +42,16 @@ LimitEvents = Callable[[Leg, Fraction], Iterator[Event]]
 class Survey:
     """Events by ascending L, those of equal L together, and a slice before, between and after them.
 
-    ``slices`` has one entry more than ``groups``. ``method`` is ``"events"`` or ``"components"``.
+    ``slices`` has one entry more than ``groups``. ``method`` is ``"events"`` or ``"components"``. ``events``
+    are those of all lengths, and ``systems`` the equations that they solve, where they are isolated.
     """
 
     eliminant: Eliminant
     groups: tuple[tuple[Event, ...], ...]
     slices: tuple[SliceTable, ...]
     method: str
+    events: tuple[Event, ...]
+    systems: EventSystems | None
 
 
 def survey(
@@ -88,7 +91,7 @@ def survey(
     for length in _sample_lengths(slice_map, low, [group[0] for group in inside], high):
         slices.append(solve_slice(eliminant, length, digits))
         progress(ELIMINATION_STEPS + len(slices), ELIMINATION_STEPS + len(inside) + 1)
-    return Survey(eliminant, inside, tuple(slices), found.method)
+    return Survey(eliminant, inside, tuple(slices), found.method, found.events, found.systems)
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,8 @@ class _Found:
     """All events of a manipulator, and how they were found."""
 
     method: str
-    events: Sequence[Event]
+    events: tuple[Event, ...]
+    systems: EventSystems | None
     limit_events: LimitEvents
     distinct: Callable[[Sequence[Event]], Sequence[Event]]
 
@@ -104,10 +108,11 @@ class _Found:
 def _events(eliminant: Eliminant, progress: Progress) -> _Found:
     try:
         systems = EventSystems.of(eliminant.slice_map, progress)
-        return _Found("events", list(events(systems)), partial(limit_events, systems), lambda group: group)
+        limits = partial(limit_events, systems)
+        return _Found("events", tuple(events(systems)), systems, limits, lambda group: group)
     except NotGeneric:
         components = ComponentEvents.of(eliminant.slice_map)
-        return _Found("components", list(components.events()), components.limit_events, distinct)
+        return _Found("components", tuple(components.events()), None, components.limit_events, distinct)
 
 
 def _position(groups: Sequence[Sequence[Event]], landmark: Landmark) -> int:
