@@ -198,6 +198,8 @@ def restrict_census(
     ends = [first, *(t[leg] for t in inside), last]
     if (degenerate := _restrict_degenerate(document, span, kept_digits)) is None:
         return None
+    # the boxes of a full certificate are those of the whole range
+    proof = {name: value for name, value in document["certificate"].items() if name != "full"}
     return {
         **document,
         "digits": kept_digits,
@@ -205,6 +207,7 @@ def restrict_census(
         "transitions": inside,
         "intervals": intervals_json(ends, counts, aspects),
         "degenerate": degenerate,
+        "certificate": proof,
     }
 
 

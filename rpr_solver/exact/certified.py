@@ -1,7 +1,7 @@
 """A polynomial over ℤ[ω] with what proves its real roots: the parts that full certificates share.
 
-    {"variable": "u = tan(theta1/2)", "degree": 24, "coefficients": ["…", …],
-     "omega": "sqrt(…)", "omega_coefficients": ["…", …]}
+{"variable": "u = tan(theta1/2)", "degree": 24, "coefficients": ["…", …],
+ "omega": "sqrt(…)", "omega_coefficients": ["…", …]}
 """
 
 from __future__ import annotations

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from rpr_solver.contract import FULL
 from rpr_solver.errors import InputError
 from service.api.body import json_of
 from service.api.operations import OPERATIONS
@@ -14,13 +15,14 @@ from service.schemas.document import Source, at, part
 from service.schemas.limits import Limits
 from service.schemas.price import check_price
 from service.schemas.questions import Question
-from worker.answers import article, certified, tables
+from worker.answers import article, censuses, certified, tables
 from worker.answers.items import Item
 from worker.answers.requests import JobRequest
 
 _QUESTIONS: Mapping[str, type[Question]] = {
     kind.name: operation.question for operation in OPERATIONS for kind in operation.question.kinds
 }
+_CERTIFIED = (certified.KIND.name, certified.CENSUS.name)
 
 
 def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> Item:
@@ -49,12 +51,13 @@ def _job_request(item: BatchItem, limits: Limits) -> JobRequest:
         raise InputError.of("request.callback_url", "is not for items; give it with the batch")
     if item.kind == article.KIND.name:
         sent.setdefault("method", "article")
-    if item.kind == certified.KIND.name:
-        sent.setdefault("certificate", "full")
+    if item.kind in _CERTIFIED:
+        sent.setdefault("certificate", FULL)
     try:
         request = part(_QUESTIONS[item.kind].model_validate, sent, Source(limits)).job_request()
-        if request.kind.name != item.kind and item.kind != tables.KIND.name:
-            raise InputError.of("method", f"does not fit an item of the kind {item.kind}")
+        if item.kind not in (request.kind.name, tables.KIND.name, censuses.KIND.name):
+            field = "certificate" if item.kind in _CERTIFIED else "method"
+            raise InputError.of(field, f"does not fit an item of the kind {item.kind}")
         check_price(request, limits)
     except InputError as error:
         raise at(error, "request") from None

@@ -37,6 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     arguments.add_ranges(parser, "the range of lengths; either end may be omitted (default: all)")
     arguments.add_digits(parser, 90)
     arguments.add_format(parser, "csv")
+    arguments.add_certificate(parser)
     remote.add_url(parser)
 
 
@@ -44,7 +45,12 @@ def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     leg, ends, option = arguments.leg_and_range(args)
     origin = arguments.source({"range": option})
-    members = {"fixed_leg": leg, "range": ends, **remote.deadline_of(args)}
+    members = {
+        "fixed_leg": leg,
+        "range": ends,
+        "certificate": args.certificate,
+        **remote.deadline_of(args),
+    }
     question = arguments.ask(CensusRequest, args, members, origin)
     with progress_bar(1, "steps") as progress:
         if args.url is None:
@@ -63,6 +69,7 @@ def _census(question: CensusRequest, progress: rpr_solver.Progress) -> dict[str,
         digits=question.digits,
         start=start,
         stop=stop,
+        certificate=question.certificate,
         progress=progress,
     ).to_json()
 

@@ -131,10 +131,11 @@ def census(
     digits: int = DEFAULT_DIGITS,
     start: Exact | None = None,
     stop: Exact | None = None,
+    certificate: str = "short",
     deadline: float | None = None,
 ) -> Asked[Census]:
     """Every length at which the number of cusps changes."""
-    members = {"fixed_leg": fixed_leg, "range": _range(start, stop)}
+    members = {"fixed_leg": fixed_leg, "range": _range(start, stop), "certificate": certificate}
     return _asked(CensusRequest, Census, manipulator, digits, deadline, members)
 
 

@@ -1,24 +1,43 @@
-"""Cusp tables with full certificates, for those who check them."""
+"""Documents with full certificates, for those who check them; they are computed in one piece."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import rpr_solver
-from rpr_solver.contract import Progress
-from worker.answers.requests import JobRequest, Kind
+from rpr_solver.contract import FULL, Progress
+from worker.answers.requests import JobRequest, Kind, content_range
 from worker.answers.store import ResultStore
 
 KIND = Kind("certified-table", "cf-", unit="slices")
+CENSUS = Kind("certified-census", "cn-")
 
 
 def compute(request: JobRequest, _store: ResultStore, progress: Progress) -> dict[str, Any]:
-    """Compute a table in one piece."""
+    """Compute a table."""
     return rpr_solver.table_document(
         request.manipulator,
         request.content["l1"],
         fixed_leg=request.fixed_leg,
         digits=request.digits,
-        certificate="full",
+        certificate=FULL,
         progress=progress,
     )
+
+
+def compute_census(request: JobRequest, _store: ResultStore, progress: Progress) -> dict[str, Any]:
+    """Compute a census.
+
+    Raises:
+        SolverError: a transition could not be decided.
+    """
+    start, stop = content_range(request.content)
+    return rpr_solver.census(
+        request.manipulator,
+        fixed_leg=request.fixed_leg,
+        digits=request.digits,
+        start=start,
+        stop=stop,
+        certificate=FULL,
+        progress=progress,
+    ).to_json()

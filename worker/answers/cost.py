@@ -215,6 +215,7 @@ _COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {
     singular.KIND: lambda size: Cost(0.0, _singular(size)),
     aspects.KIND: lambda size: Cost(0.0, _singular(size)),
     certified.KIND: lambda size: Cost(0.0, _elimination(size) + 2 * _slice(size) * size.count),
+    certified.CENSUS: lambda size: Cost(0.0, _events(size)),
     verifications.KIND: lambda size: Cost(0.0, _verification(size)),
     plots.KIND: lambda size: Cost(0.0, _plot(size)),
     curves.KIND: lambda size: Cost(0.0, 1.4 + _events(size) + _slice(size) * size.count),

@@ -58,6 +58,7 @@ COMPUTATIONS: Mapping[Kind, Computation] = {
     aspects.KIND: Computation(aspects.compute),
     plots.KIND: Computation(plots.compute),
     certified.KIND: Computation(certified.compute),
+    certified.CENSUS: Computation(certified.compute_census),
     verifications.KIND: Computation(verifications.compute),
 }
 KINDS = (tables.KIND, *COMPUTATIONS)

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, exact_str
+from service.api.batch_items import read_item
 from service.api.operations import OPERATIONS
 from service.schemas.aspects import RangeAspectsRequest
 from service.schemas.census import CensusRequest
@@ -186,3 +187,17 @@ def test_anything_else_is_refused_as_input(value: object) -> None:
         for body in (value, {**BODY, **dict.fromkeys(members[1:], value)}, dict.fromkeys(members, value)):
             with suppress(InputError):
                 read(question, body, JSON)
+
+
+def test_a_full_certificate_is_a_document_of_its_own() -> None:
+    body = {**BODY, "range": {"from": "28", "to": "31"}}
+    short, full = (read(CensusRequest, body | more, JSON) for more in ({}, {"certificate": "full"}))
+    assert (short.kind.name, full.kind.name) == ("census", "certified-census")
+    assert short.content() == full.content()
+    assert read(CensusRequest, full.body(), JSON).kind is full.kind
+    for kind, sent in (("certified-census", body), ("census", full.body())):
+        item = read_item({"kind": kind, "request": sent}, 0, Limits())
+        assert item.request == full.job_request()
+    refused = read_item({"kind": "certified-census", "request": body | {"certificate": "short"}}, 0, Limits())
+    assert refused.problem is not None
+    assert "request.certificate" in refused.problem["detail"]

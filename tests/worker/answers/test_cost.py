@@ -52,6 +52,7 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
     aspects.KIND: {"range": {"from": "27", "to": "30"}},
     plots.KIND: {"plot": "loop", "theme": "auto", "length": "27", "cusp": 1},
     certified.KIND: {"l1": ["14.98"]},
+    certified.CENSUS: WHOLE,
     verifications.KIND: {"document": {"slices": []}},
 }
 

@@ -104,6 +104,10 @@ OF_VERSION_2 = {
     "cf-6924f9c1ad41e6ef48ee366a9f16c77c2f6037ad": JobRequest(
         certified.KIND, {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 30, "l1": ["14.98", "27"]}
     ),
+    "cn-70f7a031ccca93e89e52fb386d8bea41949d3728": JobRequest(
+        certified.CENSUS,
+        {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 30, "range": {"from": "0", "to": None}},
+    ),
     "ve-8f9ded9c446b06058ff1c37bc730ad24253c23d8": JobRequest(
         verifications.KIND,
         {
