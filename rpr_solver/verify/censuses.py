@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -12,8 +12,10 @@ from typing import Any
 from rpr_solver.contract import Progress, check_digits, check_leg
 from rpr_solver.errors import InputError
 from rpr_solver.verify.claims import Claim, ClaimStatus
+from rpr_solver.verify.completeness import Completeness, completeness, degenerate_claims
 from rpr_solver.verify.counts import cusps_counted, simplest_between
 from rpr_solver.verify.events import event_finding
+from rpr_solver.verify.full_censuses import AT
 from rpr_solver.verify.manipulator import Geometry, exact
 from rpr_solver.verify.printed import Printed
 from rpr_solver.verify.surface import Surface
@@ -32,11 +34,44 @@ def census_claims(geometry: Geometry, document: Mapping[str, Any], progress: Pro
     for n, transition in enumerate(census.transitions):
         progress(n, total)
         yield from _transition(surface, census, n, transition)
+    complete = _completeness(surface, census, document)
+    yield from () if complete is None else complete.claims
+    generic: list[bool | None] = []
     for n in range(len(census.intervals)):
         progress(len(census.transitions) + n, total)
-        yield census.counted(n)
-    yield from census.unproved()
+        claim, simple = _counted(census, n, document, complete)
+        generic.append(simple)
+        yield claim
+    yield from degenerate_claims(document, generic, complete)
+    yield census.complete() if complete is None else complete.transitions()
+    yield from census.aspects()
     progress(total, total)
+
+
+def _completeness(surface: Surface, census: Census, document: Mapping[str, Any]) -> Completeness | None:
+    """What the full certificate of a census says, if it has one."""
+    full = document.get("certificate", {}).get("full")
+    if full is None:
+        return None
+    rows = [(length, row["events"]) for length, row in zip(census.lengths, census.transitions, strict=True)]
+    return completeness(surface, full, rows, census.start, census.stop)
+
+
+def _counted(
+    census: Census, n: int, document: Mapping[str, Any], complete: Completeness | None
+) -> tuple[Claim, bool | None]:
+    """The number of cusps in an interval: with a full certificate by one slice, if nothing is open."""
+    lengths = census.lengths_within(n)
+    if complete is not None and complete.open is not None:
+        at, samples = f"{AT}/samples/{n}", document["certificate"]["full"]["samples"]
+        sample = exact(samples[n] if n < len(samples) else None, at)
+        spans = complete.spans
+        low = spans[n - 1][1] if n else census.start
+        high = spans[n][0] if n < len(spans) else census.stop
+        if not low < sample or (high is not None and not sample < high):
+            return Claim(at, "a length in this interval", ClaimStatus.REFUSED, "it is not"), None
+        lengths = (sample,) if complete.holds or not lengths else (sample, lengths[1])
+    return census.counted(n, lengths)
 
 
 @dataclass(frozen=True)
@@ -129,43 +164,51 @@ class Census:
             )
         return (low, high) if low < high else None
 
-    def counted(self, n: int) -> Claim:
-        """The number of cusps in an interval, by two independent exact counts."""
-        at, count = f"/intervals/{n}/count", self.intervals[n].get("count")
-        claim = f"{count} cusps in every slice of this interval"
+    def lengths_within(self, n: int) -> tuple[Fraction, ...]:
+        """Two lengths in an interval: a short one, and one at random; none if there is no room."""
         bounds = self.bounds(n)
         if bounds is None:
-            reason = "no number of so many digits lies between the transitions"
-            return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
+            return ()
         low, high = bounds
-        drawn = Random(n)
-        middle = low + (high - low) * Fraction(drawn.randint(1, 999), 1000)
+        middle = low + (high - low) * Fraction(Random(n).randint(1, 999), 1000)
         spread = (high - low) / 1000
+        return simplest_between(low, high), simplest_between(middle - spread / 2, middle + spread / 2)
+
+    def counted(self, n: int, lengths: Sequence[Fraction]) -> tuple[Claim, bool | None]:
+        """The number of cusps in an interval, by exact counts at some lengths.
+
+        Also whether all roots of the eliminants there are simple; None if nothing is known.
+        """
+        at, count = f"/intervals/{n}/count", self.intervals[n].get("count")
+        claim = f"{count} cusps in every slice of this interval"
+        if not lengths:
+            reason = "no number of so many digits lies between the transitions"
+            return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason), None
         doubt = False
-        for length in (
-            simplest_between(low, high),
-            simplest_between(middle - spread / 2, middle + spread / 2),
-        ):
+        for length in lengths:
             found = cusps_counted(self.geometry, self.fixed, length)
             if found is None:
                 reason = "the resultant vanishes identically"
-                return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
+                return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason), False
             number, proved = found
             if number != count:
-                return Claim(at, claim, ClaimStatus.REFUSED, f"the slice at {length} has {number}")
+                reason = f"the slice at {length} has {number}"
+                return Claim(at, claim, ClaimStatus.REFUSED, reason), None
             doubt = doubt or not proved
         if doubt:
             reason = "Q has multiple roots in these slices, and the cusps above them were searched for"
-            return Claim(at, claim, ClaimStatus.CHECKED, reason)
-        reason = (
-            "two slices have as many, by Descartes' rule of signs; that it is constant rests on completeness"
-        )
-        return Claim(at, claim, ClaimStatus.PROVED, reason)
+            return Claim(at, claim, ClaimStatus.CHECKED, reason), False
+        slices = "two slices have" if len(lengths) > 1 else "a slice has"
+        reason = f"{slices} as many, by Descartes' rule of signs; that it is constant rests on completeness"
+        return Claim(at, claim, ClaimStatus.PROVED, reason), True
 
-    def unproved(self) -> Iterator[Claim]:
-        """What is not proved here."""
+    def complete(self) -> Claim:
+        """That these are all transitions, without a full certificate."""
         reason = "no other length was found by two slices in each interval; the elimination was not repeated"
-        yield Claim("/transitions", "these are all transitions", ClaimStatus.CHECKED, reason)
+        return Claim("/transitions", "these are all transitions", ClaimStatus.CHECKED, reason)
+
+    def aspects(self) -> Iterator[Claim]:
+        """What is not verified."""
         if any("aspects" in part for part in self.intervals):
             reason = "aspects are not counted by this verifier"
             yield Claim("/intervals", "the numbers of aspects", ClaimStatus.NOT_CHECKED, reason)

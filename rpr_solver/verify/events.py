@@ -13,8 +13,8 @@ from rpr_solver.verify.printed import Printed
 from rpr_solver.verify.surface import Graded, Surface, value
 
 _SPARE_BITS = 40
-_GENERIC = ("swallowtail", "lips", "beak-to-beak")
-_KINDS = (*_GENERIC, "isolated-point", "node", "quadruple", "higher")
+GENERIC = ("swallowtail", "lips", "beak-to-beak")
+_KINDS = (*GENERIC, "isolated-point", "node", "quadruple", "higher")
 Finding = tuple[ClaimStatus, str]
 
 
@@ -52,8 +52,8 @@ def event_finding(
                 return ClaimStatus.REFUSED, f"a digit of {text} is wrong"
             if not number.is_zero and number.digits != digits:
                 return ClaimStatus.REFUSED, f"{text} has more or fewer digits"
-        return _kind(surface, kind, name, here, zero)
-    others = (other for other in ("swallowtail", "lips") if kind in _GENERIC and other != kind)
+        return kind_finding(surface, kind, name, zero, ", each printed digit is right")
+    others = (other for other in ("swallowtail", "lips") if kind in GENERIC and other != kind)
     for other in others:
         for name, triple in surface.systems(other):
             if triple.zero_near(numbers[0].value, numbers[1].value, printed.value * surface.unit, bits):
@@ -74,12 +74,21 @@ def _conditions(surface: Surface) -> list[Graded]:
     return [surface.singular, *(leg.kernel for leg in surface.legs)]
 
 
-def _kind(surface: Surface, kind: str, name: str, here: Directions, box: list[Interval]) -> Finding:
-    proof = f"a proved box holds one zero of {name}, each printed digit is right"
+def kind_finding(surface: Surface, kind: str, name: str, box: list[Interval], more: str = "") -> Finding:
+    """Whether the zero of a system is an event of a kind.
+
+    Args:
+        surface: the equations.
+        kind: the kind of pose.
+        name: the system.
+        box: a small box of α, θ and the scaled length that holds the zero.
+        more: what else is proved of it.
+    """
+    proof = f"a proved box holds one zero of {name}{more}"
     if kind in ("lips", "beak-to-beak"):
-        bent = surface.hessian(here, box[2])
+        bent = surface.hessian(Directions.of(box[0], box[1], surface.ring.radicand), box[2])
         if bent.sign != (1 if kind == "lips" else -1):
             return ClaimStatus.REFUSED, f"the Hessian of J is not that of {kind}"
-    if kind in _GENERIC:
+    if kind in GENERIC:
         return ClaimStatus.PROVED, proof
     return ClaimStatus.CHECKED, f"{proof}; J = E = 0 beyond the digits"

@@ -14,7 +14,8 @@ from rpr_solver.verify.manipulator import exact
 from rpr_solver.verify.modular import proves_simple
 from rpr_solver.verify.points import Point
 from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.surds import ZERO, Ring, Surd
+from rpr_solver.verify.roots import real_roots
+from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd
 
 
 def full_claims(
@@ -25,15 +26,16 @@ def full_claims(
     Raises:
         InputError: naming a member that cannot be read.
     """
-    form = _form(eliminant.ring, full["polynomial"], f"{at}/polynomial")
+    form = form_of(eliminant.ring, full["polynomial"], f"{at}/polynomial")
     right = form is not None and proportional(eliminant.ring, form, eliminant.form)
     yield _claim(f"{at}/polynomial", "Q of this slice", right, "a multiple of the quotient derived here")
     place = full["squarefree"]
     if place is not None:
         prime, omega = (int(exact(place[name], f"{at}/squarefree/{name}")) for name in ("prime", "omega"))
-        right = proves_simple(eliminant.ring, eliminant.finite, prime, _own(eliminant, full, omega, prime))
+        own = own_omega(eliminant.ring, full["polynomial"], omega, prime)
+        right = proves_simple(eliminant.ring, eliminant.finite, prime, own)
         yield _claim(f"{at}/squarefree", "a prime proves Q squarefree", right, "computed modulo it")
-    yield _roots(eliminant, full["real_roots"], f"{at}/real_roots")
+    yield isolation_claim(eliminant.ring, eliminant.parts, full["real_roots"], f"{at}/real_roots")
     yield _boxes(full["boxes"], cusps, f"{at}/boxes")
 
 
@@ -56,16 +58,24 @@ def _ratio(ring: Ring, polynomial: Mapping[str, Any]) -> Fraction | None:
     return k if k * k == square else None
 
 
-def _own(eliminant: Eliminant, full: Mapping[str, Any], omega: int, prime: int) -> int:
-    """The image of this ring's ω, where that of the document's is given."""
-    k = _ratio(eliminant.ring, full["polynomial"]) or Fraction(1)
+def own_omega(ring: Ring, polynomial: Mapping[str, Any], omega: int, prime: int) -> int:
+    """The image of this ring's ω, where that of the document's is given.
+
+    Raises:
+        InputError: the prime divides the radicand.
+    """
+    k = _ratio(ring, polynomial) or Fraction(1)
     if k.numerator % prime == 0:
         raise InputError.of("squarefree", "the prime divides the radicand")
     return omega * k.denominator * pow(k.numerator, -1, prime) % prime
 
 
-def _form(ring: Ring, polynomial: Mapping[str, Any], at: str) -> list[Surd] | None:
-    """The printed polynomial over this ring, None if it has another square root."""
+def form_of(ring: Ring, polynomial: Mapping[str, Any], at: str) -> list[Surd] | None:
+    """The printed polynomial over this ring, None if it has another square root.
+
+    Raises:
+        InputError: a coefficient is no number.
+    """
     a = [int(exact(x, at)) for x in polynomial["coefficients"]]
     b = [int(exact(x, at)) for x in polynomial.get("omega_coefficients", [0] * len(a))]
     k = _ratio(ring, polynomial)
@@ -85,22 +95,31 @@ def proportional(ring: Ring, first: Sequence[Surd], second: Sequence[Surd]) -> b
     return all(ring.times(x, second[lead]) == ring.times(y, first[lead]) for x, y in pairs)
 
 
-def _roots(eliminant: Eliminant, listed: Sequence[Mapping[str, Any]], at: str) -> Claim:
-    """Disjoint intervals, in each of which a factor of its multiplicity changes its sign, and no more."""
+def isolation_claim(
+    ring: Ring, parts: Mapping[int, Poly], listed: Sequence[Mapping[str, Any]], at: str
+) -> Claim:
+    """Disjoint intervals, in each of which a factor of its multiplicity changes its sign, and no more.
+
+    Args:
+        ring: of the coefficients.
+        parts: multiplicity → the product of the finite factors with it; empty for the polynomial 0.
+        listed: the intervals of the document.
+        at: where they are.
+    """
     claim = f"{len(listed)} isolating intervals, and no other real roots"
-    if not eliminant.form:
-        return _claim(at, claim, not listed, "Q is 0")
+    if not parts:
+        return _claim(at, claim, not listed, "the polynomial is a constant")
     last: Fraction | None = None
     for root in listed:
         low, high = (exact(root[end], f"{at}/{end}") for end in ("lower", "upper"))
-        part = eliminant.parts.get(root["multiplicity"])
+        part = parts.get(root["multiplicity"])
         if part is None or low > high or (last is not None and low <= last):
             return _claim(at, claim, False, "")
-        signs = [eliminant.ring.sign(eliminant.ring.at(part, x)) for x in (low, high)]
+        signs = [ring.sign(ring.at(part, x)) for x in (low, high)]
         if (low == high and signs[0]) or (low < high and signs[0] * signs[1] >= 0):
             return _claim(at, claim, False, "")
         last = high
-    right = len(listed) == eliminant.finite_real_roots
+    right = len(listed) == sum(len(real_roots(ring, part)) for part in parts.values())
     return _claim(at, claim, right, "each holds a change of sign, and Descartes' rule counts as many")
 
 

@@ -42,23 +42,25 @@ def proved_zero(problem: Problem, start: Sequence[Interval], bits: int) -> list[
             return None
         x = [value - step for value, step in zip(x, steps, strict=True)]
         if size < aim:
-            return _contracted(problem, x, 4 * size + (aim >> 2), work)
+            radius = 4 * size + (aim >> 2)
+            return contracted(problem, [Interval(v - radius, v + radius, work) for v in x])
     return None
 
 
-def _contracted(problem: Problem, x: list[int], radius: int, work: int) -> list[Interval] | None:
-    points = [Interval(v, v, work) for v in x]
+def contracted(problem: Problem, wide: Sequence[Interval]) -> list[Interval] | None:
+    """K(X) of a given box X if it lies in its interior, so that X holds exactly one zero; else None."""
+    work = wide[0].bits
+    points = [Interval(_middle(x), _middle(x), work) for x in wide]
     inverse = _inverse(problem.jacobian(points))
     if inverse is None:
         return None
-    wide = [Interval(v - radius, v + radius, work) for v in x]
     slopes, shifts = problem.jacobian(wide), _times(inverse, problem.values(points))
-    around, result = Interval(-radius, radius, work), []
+    around, result = [x - point for x, point in zip(wide, points, strict=True)], []
     for i, row in enumerate(inverse):
         image = points[i] - shifts[i]
-        for k in range(len(x)):
+        for k in range(len(wide)):
             [product] = _times([row], [slope[k] for slope in slopes])
-            image += (Interval.of(int(i == k), work) - product) * around
+            image += (Interval.of(int(i == k), work) - product) * around[k]
         if not wide[i].lower < image.lower <= image.upper < wide[i].upper:
             return None
         result.append(image)

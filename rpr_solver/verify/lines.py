@@ -109,11 +109,24 @@ def unlisted(system: System, line: Pair, listed: Sequence[Interval], apart: int 
         listed: intervals of α, in radians, that are cut out.
         apart: the line is known to so many bits besides, and as many more cuts are made.
     """
+    functions = [system.singular, *(leg.kernel for leg in system.legs)]
+    return common_zero(functions, system.ring.radicand, line, listed)
+
+
+def common_zero(
+    functions: Sequence[Trig], radicand: int, line: Pair, listed: Sequence[Interval] = ()
+) -> Fraction | None:
+    """An α in radians near which a common zero of functions cannot be excluded on a line; None if there is
+    none.
+
+    Args:
+        functions: of α and θ.
+        radicand: of their ω.
+        line: cosine and sine of θ.
+        listed: intervals of α, in radians, that are cut out.
+    """
     bits = line[0].bits
-    legs = system.legs
-    functions = [
-        _OnLine.of(p, line, system.ring.radicand) for p in (system.singular, *(leg.kernel for leg in legs))
-    ]
+    on_line = [_OnLine.of(p, line, radicand) for p in functions]
     half = pi(bits).upper
     step = -(-2 * half // _PIECES)
     todo = [(-half + k * step, -half + (k + 1) * step, 0) for k in range(_PIECES)]
@@ -126,7 +139,7 @@ def unlisted(system: System, line: Pair, listed: Sequence[Interval], apart: int 
         middle = (lower + upper) // 2
         pair, at_middle = cos_sin(alpha), cos_sin(Interval(middle, middle, bits))
         radius = Interval(lower - middle, upper - middle, bits)
-        if any(f.excludes_zero(alpha, pair, at_middle, radius) for f in functions):
+        if any(f.excludes_zero(alpha, pair, at_middle, radius) for f in on_line):
             continue
         if depth == _DEPTH + apart:
             return alpha.middle

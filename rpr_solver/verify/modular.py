@@ -7,6 +7,7 @@ degree and is prime to its derivative, the discriminant is not 0.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from random import Random
 
 from rpr_solver.verify.surds import Poly, Ring
 
@@ -46,6 +47,19 @@ def _places(radicand: int) -> Iterator[tuple[int, int]]:
     prime, found = 1 << 61, 0
     while found < _TRIES:
         prime = int(prevprime(prime))
+        root = sqrt_mod(radicand % prime, prime)
+        if root is not None:
+            found += 1
+            yield prime, int(root)
+
+
+def random_places(radicand: int, draw: Random, count: int) -> Iterator[tuple[int, int]]:
+    """Random primes from 2^60 to 2^61, each with a square root of the radicand."""
+    from sympy.ntheory import nextprime, sqrt_mod
+
+    found = 0
+    while found < count:
+        prime = int(nextprime(draw.randrange(1 << 60, (1 << 61) - (1 << 16))))
         root = sqrt_mod(radicand % prime, prime)
         if root is not None:
             found += 1

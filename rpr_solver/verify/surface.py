@@ -19,6 +19,9 @@ from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.surds import Ring
 from rpr_solver.verify.system import Trig, derivative, derive, graded, variables
 
+CRITICAL, SWALLOWTAIL = "J = 0, grad J = 0", "J = E = v·grad E = 0"
+"""The equations of lips and beaks, and of swallowtails."""
+
 Graded = tuple[Trig, ...]
 """A trigonometric polynomial in α and θ by the powers of the scaled length."""
 
@@ -77,10 +80,10 @@ class Surface:
         j = self.singular
         if kind != "swallowtail":
             slopes = (_slope(j, theta=False), _slope(j, theta=True))
-            yield "J = 0, grad J = 0", Triple((j, *slopes), self.ring.radicand)
+            yield CRITICAL, Triple((j, *slopes), self.ring.radicand)
         if kind not in ("lips", "beak-to-beak"):
             for leg in self.legs:
-                yield "J = E = v·grad E = 0", Triple((j, leg.kernel, leg.kernel2), self.ring.radicand)
+                yield SWALLOWTAIL, Triple((j, leg.kernel, leg.kernel2), self.ring.radicand)
         if kind not in ("lips", "beak-to-beak", "swallowtail"):
             for leg, other in ((f, g), (g, f)):
                 for third in (other.alpha, other.theta):

@@ -33,3 +33,12 @@ def test_what_is_no_document_is_bad_input(run_here: Run, stdin: str, said: str) 
     done = run_here("verify", "-", stdin=stdin)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert said in done.stderr
+
+
+def test_a_census_with_a_full_certificate(run_here: Run, tmp_path: Path) -> None:
+    made = run_here("census", "zein-flat", "--l1-range", "39:", "--certificate", "full", "--format", "json")
+    path = tmp_path / "census.json"
+    path.write_text(made.stdout)
+    verified = run_here("verify", str(path), "--json")
+    assert verified.returncode == 0
+    assert "left open: an eliminant has multiple real roots" in verified.stdout

@@ -1,0 +1,140 @@
+"""Full certificates of censuses: each part is verified, and each wrong one refused."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from copy import deepcopy
+from typing import Any
+
+import pytest
+
+import rpr_solver
+from rpr_solver import ClaimStatus, Manipulator, census, verify_document
+from rpr_solver.verify import full_censuses
+from rpr_solver.verify.censuses import Census
+from rpr_solver.verify.completeness import COMPLETE, Completeness, completeness
+from rpr_solver.verify.event_boxes import EventBox, ProvedEvent, proved_event
+from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.surface import Surface
+from tests.support.mutations import OF_CENSUSES, OF_FULL_CENSUSES
+from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
+
+Document = dict[str, Any]
+DOCUMENT = census(Manipulator(9, 4, 11, 14, 15, 13), digits=15, start=24, certificate="full").to_json()
+GEOMETRY = Geometry.of(DOCUMENT)
+SURFACE = Surface.of(GEOMETRY, 1)
+FULL = "/certificate/full"
+PROVED: dict[EventBox, ProvedEvent | None] = {}
+
+
+def of_changed(monkeypatch: pytest.MonkeyPatch, change: Callable[[Document], object]) -> Completeness:
+    """What the changed certificate says; each box is proved once for all tests."""
+
+    def proved(surface: Surface, box: EventBox) -> ProvedEvent | None:
+        if box not in PROVED:
+            PROVED[box] = proved_event(surface, box)
+        return PROVED[box]
+
+    monkeypatch.setattr(full_censuses, "proved_event", proved)
+    document = deepcopy(DOCUMENT)
+    change(document)
+    found = Census.of(GEOMETRY, document)
+    rows = [(x, row["events"]) for x, row in zip(found.lengths, found.transitions, strict=True)]
+    return completeness(SURFACE, document["certificate"]["full"], rows, found.start, found.stop)
+
+
+def test_with_it_no_transition_is_missing() -> None:
+    verification = accepted(DOCUMENT)
+    assert 0 < len(DOCUMENT["transitions"]) < len(DOCUMENT["certificate"]["full"]["events"])
+    rest = {claim.at: claim for claim in verification.claims if claim.status is not ClaimStatus.PROVED}
+    assert rest.pop("/intervals").status is ClaimStatus.NOT_CHECKED  # the aspects
+    assert {claim.status for claim in rest.values()} == {ClaimStatus.CHECKED}
+    polynomials = {f"{FULL}/systems/{n}/polynomial" for n in (0, 1)}
+    assert set(rest) == {*polynomials, "/transitions", "/degenerate"}
+    assert rest["/transitions"].reason == COMPLETE
+
+
+def no_event(document: Document) -> None:
+    """Above one root."""
+    document["certificate"]["full"]["events"].pop(0)
+
+
+def no_root(document: Document) -> None:
+    document["certificate"]["full"]["systems"][1]["real_roots"].pop()
+
+
+def twice_an_event(document: Document) -> None:
+    events = document["certificate"]["full"]["events"]
+    events.insert(1, deepcopy(events[0]))
+
+
+def a_moved_box(document: Document) -> None:
+    side = document["certificate"]["full"]["events"][2]["alpha_deg"]
+    side["centre"] = side["centre"][:-5] + "99999"
+
+
+def another_kind(document: Document) -> None:
+    event = document["certificate"]["full"]["events"][0]
+    event["kind"] = "lips" if event["kind"] == "swallowtail" else "swallowtail"
+
+
+def another_coefficient(document: Document) -> None:
+    coefficients = document["certificate"]["full"]["systems"][0]["polynomial"]["coefficients"]
+    coefficients[7] = str(int(coefficients[7]) + 1)
+
+
+def another_prime(document: Document) -> None:
+    document["certificate"]["full"]["systems"][0]["squarefree"]["prime"] = "1000005"
+
+
+def no_second_system(document: Document) -> None:
+    document["certificate"]["full"]["systems"].pop()
+
+
+def no_transition(document: Document) -> None:
+    document["transitions"].pop()
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (no_event, "/systems/0/real_roots"),
+        (no_root, "/systems/1/real_roots"),
+        (twice_an_event, "/systems/0/real_roots"),
+        (a_moved_box, "/events/2"),
+        (another_kind, "/events/0"),
+        (another_coefficient, "/systems/0/polynomial"),
+        (another_prime, "/systems/0/squarefree"),
+        (no_second_system, "/systems"),
+        (no_transition, "/events/15"),
+    ],
+)
+def test_a_wrong_part_is_named(
+    monkeypatch: pytest.MonkeyPatch, change: Callable[[Document], None], where: str
+) -> None:
+    found = of_changed(monkeypatch, change)
+    assert found.open is None
+    assert f"{FULL}{where}" in [c.at for c in found.claims if c.status is ClaimStatus.REFUSED]
+
+
+def test_a_sample_outside_its_interval_and_what_is_not_degenerate() -> None:
+    document = deepcopy(DOCUMENT)
+    samples = document["certificate"]["full"]["samples"]
+    samples[0], samples[1] = samples[1], samples[0]
+    document["degenerate"] = [{"kind": "node", "from": "24", "to": None, "count": 2}]
+    refused = {claim.at for claim in verify_document(document).refused}
+    assert refused == {f"{FULL}/samples/0", f"{FULL}/samples/1", "/degenerate"}
+
+
+@pytest.mark.long
+@pytest.mark.timeout(480)
+def test_random_censuses_with_full_certificates() -> None:
+    def made(m: Manipulator, n: int, _: random.Random) -> rpr_solver.Census:
+        return census(m, digits=15, fixed_leg=n % 3 + 1, certificate="full")
+
+    closed = 0
+    for n, document in random_documents(12, 25, made, degenerate_every=6):
+        verification = accepted_but_no_mutation(document, (*OF_CENSUSES, *OF_FULL_CENSUSES), 3, n)
+        closed += COMPLETE in [claim.reason for claim in verification.claims]
+    assert closed > 15
