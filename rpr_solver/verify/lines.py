@@ -110,11 +110,11 @@ def unlisted(system: System, line: Pair, listed: Sequence[Interval], apart: int 
         apart: the line is known to so many bits besides, and as many more cuts are made.
     """
     functions = [system.singular, *(leg.kernel for leg in system.legs)]
-    return common_zero(functions, system.ring.radicand, line, listed)
+    return common_zero(functions, system.ring.radicand, line, listed, apart)
 
 
 def common_zero(
-    functions: Sequence[Trig], radicand: int, line: Pair, listed: Sequence[Interval] = ()
+    functions: Sequence[Trig], radicand: int, line: Pair, listed: Sequence[Interval] = (), apart: int = 0
 ) -> Fraction | None:
     """An α in radians near which a common zero of functions cannot be excluded on a line; None if there is
     none.
@@ -124,6 +124,7 @@ def common_zero(
         radicand: of their ω.
         line: cosine and sine of θ.
         listed: intervals of α, in radians, that are cut out.
+        apart: how many cuts are made beyond the usual number.
     """
     bits = line[0].bits
     on_line = [_OnLine.of(p, line, radicand) for p in functions]
