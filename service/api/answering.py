@@ -21,6 +21,7 @@ from service.api.table_forms import json_bytes
 from service.schemas.price import check_price
 from service.webhooks.urls import target_of
 from worker.answers.kinds import Answer
+from worker.answers.requests import JobRequest
 from worker.jobs.subscriptions import Subscriber
 from worker.jobs.views import JobView
 
@@ -64,8 +65,8 @@ async def answer_asked(
     if isinstance(outcome, JobView):
         way = "job"
         if seconds is not None:
-            await context.events.wait(outcome, seconds)
-            outcome = await context.redis(_waited, context, outcome)
+            has_ended = await context.events.wait(outcome, seconds)
+            outcome = await context.redis(_waited, context, outcome, job_request if has_ended else None)
             if isinstance(outcome, JobView):
                 is_gone = await request.is_disconnected()
                 outcome = await context.redis(_unanswered, context, outcome, who, is_gone)
@@ -94,8 +95,14 @@ def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[i
     return None, min(implied, longest)
 
 
-def _waited(context: Context, before: JobView) -> Answer | JobView:
-    """Returns the answer of a job that was waited for, or how it stands now; raises as `_finished` does."""
+def _waited(context: Context, before: JobView, ended: JobRequest | None) -> Answer | JobView:
+    """Returns the answer of a job that was waited for, or how it stands now; raises as `_finished` does.
+
+    `ended`: its question, if it has ended. Then most often the answer is there.
+    """
+    known = None if ended is None else context.queue.known(ended)
+    if known is not None:
+        return known
     view, answer = context.queue.outcome(before.id)
     return _judged(view or before, answer)
 

@@ -88,8 +88,8 @@ class JobEvents:
         self.stop()
         await self.redis.aclose()
 
-    async def wait(self, view: JobView, seconds: float) -> None:
-        """Wait until a job has ended, or the time is over.
+    async def wait(self, view: JobView, seconds: float) -> bool:
+        """Wait until a job has ended, or the time is over; returns whether it has certainly ended.
 
         It does not wait if too many jobs are waited for already.
 
@@ -102,14 +102,15 @@ class JobEvents:
                 if not since:  # it may have ended before
                     now = await self.access(self.queue.get, view.id)
                     if now is None or now.is_terminal:
-                        return
+                        return now is not None
                 left = end - time.monotonic()
                 if left <= 0 or self._is_stopping:
-                    return
+                    return False
                 await tail.end(left)
                 if tail.has_ended:
-                    return
+                    return True
             since = ""
+        return False
 
     @asynccontextmanager
     async def tail(self, job_id: str) -> AsyncIterator[Tail]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 import zlib
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import cast
 
@@ -70,6 +71,10 @@ class JobQueue:
         Raises:
             QueueFullError: the lane of a new job holds too much work.
         """
+        if is_unknown and len(request.parts) == 1:  # most often there has been no such job
+            view = self._make(request, request.parts, "", deadline_s, by)
+            if view is not None:
+                return view
         seen = self.records.view(request.job_id)
         if seen is not None and not seen.is_terminal:
             if self.records.reconcile(request.job_id):
@@ -80,16 +85,32 @@ class JobQueue:
         todo = request.parts if is_missing else missing_parts(request, self.store)
         if seen is not None and seen.status == "succeeded" and not todo:
             return seen
-        job = self.plan(request, len(todo))
-        created = self.records.create(request, todo, seen.run if seen else "", job, deadline_s, by)
-        with self.redis.pipeline(transaction=False) as pipe:
-            if created is not None:
-                self.chunks.enqueue(created.refs, job.lane, pipe)
-            pipe.hmget(self.records.keys.job(request.job_id).record, VIEW_FIELDS)
-            view = view_of(request.job_id, pipe.execute()[-1])
+        view = self._make(request, todo, seen.run if seen else "", deadline_s, by)
+        if view is not None:
+            return view
+        view = self.records.view(request.job_id)
         if view is None:
             return self.submit(request, deadline_s, is_unknown=is_unknown, by=by)
-        return self._joined(view, deadline_s) if created is None else replace(view, event=created.event)
+        return self._joined(view, deadline_s)
+
+    def _make(
+        self,
+        request: JobRequest,
+        todo: Sequence[str],
+        seen_run: str,
+        deadline_s: float | None,
+        by: Subscription | None,
+    ) -> JobView | None:
+        """Make a job in place of the run that was seen, and queue it; None if another client was faster."""
+        job = self.plan(request, len(todo))
+        created = self.records.create(request, todo, seen_run, job, deadline_s, by)
+        if created is None:
+            return None
+        with self.redis.pipeline(transaction=False) as pipe:
+            self.chunks.enqueue(created.refs, job.lane, pipe)
+            pipe.hmget(self.records.keys.job(request.job_id).record, VIEW_FIELDS)
+            view = view_of(request.job_id, pipe.execute()[-1])
+        return None if view is None else replace(view, event=created.event)
 
     def plan(self, request: JobRequest, parts: int) -> Plan:
         """Returns the lane and the chunks of a job that computes so many parts of a request."""
@@ -113,9 +134,7 @@ class JobQueue:
             by = Subscription(who, seconds)
             view: JobView | None = self.submit(request, deadline_s, is_unknown=is_unknown, by=by)
             if view is not None and not view.is_terminal:
-                if view.event:  # made with the subscription
-                    return view
-                if self.subscriptions.add(view.id, who, seconds):
+                if view.event or self.subscriptions.add(view.id, who, seconds):  # some are made with it
                     return view
                 view = self.get(view.id)
             if view is not None and view.status in ("succeeded", "failed"):

@@ -7,6 +7,7 @@ import logging
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from redis import Redis
@@ -48,6 +49,11 @@ class Context:
     settings: WorkerSettings
     worker: str = ""
 
+    @cached_property
+    def records(self) -> JobRecords:
+        """The records of jobs, with their scripts."""
+        return JobRecords(self.redis, self.settings)
+
 
 _context: Context | None = None
 
@@ -65,7 +71,7 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> bool:
     """
     assert _context is not None, "the worker process sets the context"
     ref = ChunkRef(job_id, run, index, attempt)
-    records = JobRecords(_context.redis, _context.settings)
+    records = _context.records
     chunk = records.start(ref, _context.worker)
     if chunk is None:
         return True
