@@ -7,7 +7,8 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
@@ -36,6 +37,12 @@ OPTIONAL = names(EXTRAS["otel"]) | names(EXTRAS["plot"])
 TESTS = RUNTIME | OPTIONAL | names(EXTRAS["test"])
 
 
+@cache
+def distributions() -> Mapping[str, list[str]]:
+    """Package that can be imported → the distributions that hold it."""
+    return packages_distributions()
+
+
 def imported(path: Path) -> Iterator[str]:
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
@@ -46,13 +53,12 @@ def imported(path: Path) -> Iterator[str]:
 
 @pytest.mark.parametrize("folder", ["rpr_solver", "worker", "service", "tests", "benchmarks", "docs"])
 def test_every_import_is_declared(folder: str) -> None:
-    distributions = packages_distributions()
     for path in sorted((ROOT / folder).rglob("*.py")):
         name = path.relative_to(ROOT).as_posix()
         is_shipped = folder in ("rpr_solver", "worker", "service") and name not in OF_DEVELOPERS
         for module in set(imported(path)) - OWN - sys.stdlib_module_names:
             declared = RUNTIME | OPTIONAL if is_shipped else TESTS
-            owners = distributions.get(module, [module])  # of an extra that is not installed: its own name
+            owners = distributions().get(module, [module])  # of an extra that is not installed: its own name
             assert {normal(d) for d in owners} & declared, f"{name} imports {module}"
 
 

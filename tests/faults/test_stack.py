@@ -286,7 +286,7 @@ def test_queued_jobs_are_resumed(tmp_path: Path) -> None:
             JobQueue(redis).submit(request)
         stack.process.terminate()
         assert stack.process.wait(PATIENCE) == 0
-    with running(tmp_path, workers=2) as stack, stack.redis() as redis:
+    with running(tmp_path) as stack, stack.redis() as redis:
         for request in requests:
             assert ended(JobQueue(redis), request.job_id).status == "succeeded"
 

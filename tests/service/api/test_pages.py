@@ -26,7 +26,7 @@ from tests.support.processes import PATIENCE, ROOT, until
 
 SERVICE = "http://127.0.0.1:8000"
 TEXTS = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"))}
-LONG = ("docs/census.md", "docs/gate.md", "examples/README.md")
+LONG = ("docs/census.md", "docs/gate.md", "docs/verify.md", "examples/README.md")
 STRICT = 'set -euo pipefail; curl() { command curl --fail-with-body "$@"; }\n'
 ADDRESSES = sorted(
     {
