@@ -13,6 +13,7 @@ from rpr_solver.verify.curves import curve_claims
 from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.poses import pose_claims
 from rpr_solver.verify.tables import table_claims
+from rpr_solver.verify.unread import unread_claims
 
 Claims = Callable[[Geometry, Mapping[str, Any], Progress], Iterator[Claim]]
 
@@ -33,6 +34,16 @@ _MEMBERS: Mapping[str, str] = {
 """The member by which a kind is known; poses have curves too."""
 
 
+_OTHERS: Mapping[str, str] = {
+    "samples": "a path",
+    "regions": "a document of singular curves",
+    "aspects": "a document of aspects",
+    "checks": "a report of a check",
+    "verdict": "a verification",
+}
+"""A member by which another document is known, and what to call that."""
+
+
 def kind_of(document: Mapping[str, Any]) -> tuple[str, Geometry]:
     """The kind of a document that can be verified, and its manipulator.
 
@@ -43,7 +54,10 @@ def kind_of(document: Mapping[str, Any]) -> tuple[str, Geometry]:
         raise InputError.of("document", f"{shown(document)} is not an object")
     kinds = [kind for member, kind in _MEMBERS.items() if member in document][:1]
     if len(kinds) != 1:
-        raise InputError.of("document", f"is of no kind that can be verified; known are {', '.join(CLAIMS)}")
+        other = next((f", {name}," for member, name in _OTHERS.items() if member in document), "")
+        raise InputError.of(
+            "document", f"is{other} of no kind that can be verified; known are {', '.join(CLAIMS)}"
+        )
     return kinds[0], Geometry.of(document)
 
 
@@ -64,7 +78,7 @@ def verify_document(document: Mapping[str, Any], *, progress: Progress = silent)
     >>> from rpr_solver import EXAMPLES, table_document
     >>> document = table_document(EXAMPLES["zein-flat"], 10, digits=15)
     >>> verify_document(document)
-    <Verification of cusp-table: accepted; 10 proved>
+    <Verification of cusp-table: accepted; 10 proved, 1 not checked>
     >>> document["slices"][0]["cusps"].pop()["l2"]
     '...'
     >>> verify_document(document).refused[0].at
@@ -73,7 +87,11 @@ def verify_document(document: Mapping[str, Any], *, progress: Progress = silent)
     kind, geometry = kind_of(document)
     claims_of = CLAIMS[kind]
     try:
-        claims = (_hash_claim(geometry, document), *claims_of(geometry, document, progress))
+        claims = (
+            _hash_claim(geometry, document),
+            *unread_claims(kind, document),
+            *claims_of(geometry, document, progress),
+        )
     except (KeyError, TypeError, AttributeError, IndexError) as error:  # a member that has another form
         raise InputError.of("document", f"is no {kind} of rpr-cusps: {error!r}") from None
     return Verification(kind, geometry.hash, str(document.get("solver_version", "")), claims)

@@ -58,6 +58,6 @@ def _page(answer: Mapping[str, Any]) -> Page:
     numbers = ", ".join(f"{n} {status.replace('_', ' ')}" for status, n in counts.items() if n)
     title = f"{answer['verdict'].capitalize()}: {counted(len(claims), 'claim')}, {numbers}"
     shown = [claim for claim in claims if claim["status"] in _SHOWN]
-    notes = [f"{x['at']}: {x['status']}: {x['claim']}: {x['reason']}" for x in shown]
+    notes = [f"{x['at'] or 'the document'}: {x['status']}: {x['claim']}: {x['reason']}" for x in shown]
     about = f"Verification of {answer['document']['kind']} of {answer['document']['geometry_hash']}"
     return Page(about, [Section(title, notes=notes, failed=answer["verdict"] == "refused")])

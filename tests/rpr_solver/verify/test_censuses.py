@@ -21,7 +21,8 @@ def test_a_part_of_a_census_and_its_mutations() -> None:
     document = census(EXAMPLES["zein-flat"], digits=15, start=37, stop=38).to_json()
     verification = accepted_but_no_mutation(document, OF_CENSUSES, 2, seed=4)
     assert [claim.at for claim in verification.claims if claim.status is ClaimStatus.NOT_CHECKED] == [
-        "/intervals"
+        "",
+        "/intervals",
     ]
 
 
