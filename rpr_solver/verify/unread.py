@@ -29,7 +29,7 @@ _READ: Mapping[str, Mapping[str, frozenset[str]]] = {
         "certificate": frozenset({"factors"}),
     },
     "census": {
-        "": _HEAD | {"fixed_leg", "range", "transitions", "intervals", "certificate"},
+        "": _HEAD | {"fixed_leg", "range", "transitions", "intervals", "degenerate", "certificate"},
         "transitions/*": _LENGTHS | {"kind", "events", "count_before", "count_after"},
         "transitions/*/events/*": _EVENT,
         "intervals/*": frozenset({"from", "to", "count", "aspects"}),
