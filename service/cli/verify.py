@@ -25,7 +25,7 @@ examples:
 """
 
 REFUSED = 1
-_SHOWN = ("refused", "not checked")
+_SHOWN = ("refused", "checked", "not checked")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
