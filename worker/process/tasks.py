@@ -30,6 +30,7 @@ from worker.jobs.interruption import fail, give_up, is_ahead
 from worker.jobs.records import INCOMPLETE, JobRecords
 from worker.logs import about
 from worker.process.os_limits import lift_memory_limit
+from worker.process.preload import ExpectedSlices
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
@@ -56,6 +57,7 @@ class Context:
 
 
 _context: Context | None = None
+_expected = ExpectedSlices()
 
 
 def set_context(context: Context) -> None:
@@ -165,6 +167,7 @@ def _slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore
                     eliminant = eliminant_of(chunk.request, store)
                 if not records.begin_slices(ref, one_by_one=chunk.has_losses):
                     raise AttemptOver
+                _expected.add(len(left))
                 solve = SliceSolver(eliminant, chunk.request, left)
             with tracing.span("slice", attributes={"l1": l1}):
                 value = solve(l1)

@@ -49,7 +49,6 @@ _REGISTER_TTL = 15
 _QUEUE_PATIENCE = 1  # seconds to block on empty queues; heartbeats and the sweep need short rounds
 _GOODBYE_PATIENCE = 2.0
 _LISTEN_PAUSE = 1.0
-_CHUNKS_BEFORE_NUMPY = 2  # many a worker solves few slices
 
 
 class CuspWorker(Worker):
@@ -88,7 +87,7 @@ class CuspWorker(Worker):
         self._parent_pid = parent_pid
         self._horse: Horse | None = None
         self._place = 0
-        self._chunks_of_slices = 0
+        self._has_had_tables = False
         self._current: str | None = None
         self._hurry = False
         self._is_announced = False
@@ -219,7 +218,7 @@ class CuspWorker(Worker):
         self._place = place(self.records, ref)
         horse = self._ready_horse()
         horse.run(Task(ref.rq_id, str(job.func_name), job.kwargs))
-        self._prepare_for_tables(ref)
+        self._has_had_tables = self._has_had_tables or kind_of_job(ref.job_id) is tables.KIND
         ended_for = self._watch(ref, horse)
         is_left = ended_for is None
         status = 0 if is_left and horse.has_stayed() else self._end_horse(is_ending=is_left)
@@ -239,6 +238,8 @@ class CuspWorker(Worker):
             self._end_horse()
         if self._horse is None:
             with stop_signals_held():  # until it is known here, so that a stop finds it
+                if self._has_had_tables:
+                    load_numpy()
                 self._horse = Horse(self.setup_work_horse_signals, self.settings)
         return self._horse
 
@@ -250,14 +251,6 @@ class CuspWorker(Worker):
                 horse.kill()
             status, self._horse = horse.collect(), None
         return status
-
-    def _prepare_for_tables(self, ref: ChunkRef) -> None:
-        """While a horse solves slices, load what the horses of further ones will use."""
-        if kind_of_job(ref.job_id) is tables.KIND:
-            self._chunks_of_slices += 1
-            if self._chunks_of_slices == _CHUNKS_BEFORE_NUMPY:
-                with stop_signals_held():
-                    load_numpy()
 
     def kill_horse(self, _sig: signal.Signals = signal.SIGKILL) -> None:
         """Have the work horse of a stopped chunk killed.
