@@ -172,7 +172,7 @@ def main() -> None:
     if args.job:
         first, *others = [job(args.job, count) for count in args.workers]
         for count, taken in zip(args.workers[1:], others, strict=True):
-            print(f"{args.workers[0]} worker against {count}: {first / taken:.2f} times the time")
+            print(f"workers: {count} are {first / taken:.2f} times as fast as {args.workers[0]}")
 
 
 if __name__ == "__main__":
