@@ -58,10 +58,11 @@ def guesses(eliminant: Eliminant, lengths: Sequence[Fraction]) -> list[Guess]:
     """Guesses for slices of *scaled* lengths, all at once."""
     import numpy as np
 
-    top = max(lengths)
-    exponent = top.numerator.bit_length() - top.denominator.bit_length() + 1  # all L / 2^exponent are below 1
-    circle, line = _matrices(np, eliminant, exponent)
-    relative = np.array([float(x / Fraction(2) ** exponent) for x in lengths])
+    exponent = length_exponent(lengths)
+    if ("circle", exponent) not in eliminant.kept:
+        eliminant.kept["circle", exponent] = _matrices(np, eliminant, exponent)
+    circle, line = eliminant.kept["circle", exponent]
+    relative = np.array([float_of(x, exponent) for x in lengths])
     with np.errstate(all="ignore"):
         u = _roots_on_the_line(np, _at(line, relative))
         p = _at(circle.real, relative), _at(circle.imag, relative)
@@ -79,6 +80,17 @@ def guesses(eliminant: Eliminant, lengths: Sequence[Fraction]) -> list[Guess]:
         Guess(tuple(zip(n[real].tolist(), d[real].tolist(), strict=True)), int(proved))
         for n, d, real, proved in zip(numerator, denominator, u.imag == 0, inside, strict=True)
     ]
+
+
+def length_exponent(lengths: Sequence[Fraction]) -> int:
+    """A number such that all L / 2^exponent are below 1."""
+    return max(x.numerator.bit_length() - x.denominator.bit_length() for x in lengths) + 1
+
+
+def float_of(x: Fraction, exponent: int) -> float:
+    """x / 2^exponent, rounded to nearest."""
+    n, d = x.numerator, x.denominator
+    return n / (d << exponent) if exponent > 0 else (n << -exponent) / d
 
 
 def disjoint_discs_inside(

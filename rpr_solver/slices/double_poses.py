@@ -18,6 +18,7 @@ from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.bounded import Bounded
 from rpr_solver.slices.cusp_proof import LegPoints, PoseDerivatives
+from rpr_solver.slices.discs import float_of, length_exponent
 
 if TYPE_CHECKING:
     import numpy as np
@@ -151,16 +152,15 @@ def number_type(np: Any) -> tuple[Any, float]:
 
 def _two_floats(x: Fraction, exponent: int) -> tuple[float, float]:
     """x / 2^exponent, rounded, and the rest, rounded."""
-    n, d = x.numerator, x.denominator << exponent
-    high = n / d
+    high = float_of(x, exponent)
     p, q = high.as_integer_ratio()
-    return high, (n * q - p * d) / (d * q)
+    return high, (x.numerator * q - (p * x.denominator << exponent)) / (x.denominator * q << exponent)
 
 
-def map_exponent(slice_map: SliceMap, longest: Fraction) -> int:
-    """A number such that no side and no fixed leg, up to a *scaled* length, is longer than 2 to its power."""
+def map_exponent(slice_map: SliceMap, lengths: Sequence[Fraction]) -> int:
+    """A number ≥ 0 such that no side and none of these *scaled* lengths is longer than 2 to its power."""
     squares = [side for leg in (slice_map.f, slice_map.g) for side in (leg.base2, leg.platform2)]
-    return max(int(longest**2), *squares).bit_length() // 2 + 1
+    return max(max(squares).bit_length() // 2 + 1, length_exponent(lengths))
 
 
 def _doubles(np: Any, form: BiForm, exponent: int) -> Floats:

@@ -62,7 +62,7 @@ def proved_boxes(
     """:func:`near_poses` of slices of *scaled* lengths, with the exponent of their numbers."""
     import numpy as np
 
-    exponent = map_exponent(eliminant.slice_map, max(lengths))
+    exponent = map_exponent(eliminant.slice_map, lengths)
     if ("doubles", exponent) not in eliminant.kept:
         eliminant.kept["doubles", exponent] = DoubleMap.of(np, eliminant.slice_map, exponent)
     double_map: DoubleMap = eliminant.kept["doubles", exponent]

@@ -27,7 +27,7 @@ def test_guesses_are_the_cusps(leg: int) -> None:
     eliminant = eliminant_of(EXAMPLES["zein-flat"], leg)
     scaled = [x * eliminant.slice_map.scale for x in LENGTHS]
     thetas = [guess.real for guess in guesses(eliminant, scaled)]
-    exponent = map_exponent(eliminant.slice_map, max(scaled))
+    exponent = map_exponent(eliminant.slice_map, scaled)
     double_map = DoubleMap.of(np, eliminant.slice_map, exponent)
     index = np.repeat(np.arange(len(thetas)), [len(x) for x in thetas])
     lengths = double_map.lengths(np, scaled)
@@ -43,7 +43,7 @@ def test_guesses_are_the_cusps(leg: int) -> None:
 def test_all_numbers_of_a_manipulator_are_at_most_1() -> None:
     slice_map = eliminant_of(EXAMPLES["innocenti"]).slice_map
     for longest in (Fraction(1, 100), Fraction(10**6)):
-        exponent = map_exponent(slice_map, longest)
+        exponent = map_exponent(slice_map, [Fraction(1, 7), longest])
         double_map = DoubleMap.of(np, slice_map, exponent)
         assert longest <= Fraction(2) ** exponent
         assert all(x.size <= 1 for leg in (double_map.f, double_map.g) for x in leg.numbers)
