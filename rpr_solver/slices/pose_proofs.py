@@ -32,7 +32,8 @@ _SAFE = 1 + 2.0**-20
 _DUST = 2.0**-600
 """Far above what underflows, and far below what is printed."""
 _TO_DOUBLE = 2.0**-53
-_FEW_BITS = 32
+_FEW_BITS, _SMALL = 32, 36
+"""Below 2^36, of numbers of so few bits FLINT may print another radius, as they can be exact in decimals."""
 
 PROOFS = {"rank_1": 2, "grad_J": 4, "v_grad_E": 8}
 """The numbers of a certificate, and their dimensions as powers of a length."""
@@ -88,7 +89,7 @@ def near_poses(
         guessed = double_map.guessed(np, lengths[index], [pair for x in thetas for pair in x])
         alpha, theta = guessed.alpha, guessed.theta
         radii, derivatives, good = _krawczyk(np, double_map, guessed)
-        numbers, usable = _numbers(np, derivatives)
+        numbers, usable = _numbers(np, derivatives, double_map.exponent)
         (alpha_reach, alpha_good), (theta_reach, theta_good) = map(_reach, (alpha, theta), radii)
         good &= usable & alpha_good & theta_good & _is_proper(double_map, guessed, radii[1])
         place = theta.place(np)
@@ -164,13 +165,14 @@ def _are_apart(np: Any, index: Floats, place: Floats, reach: Floats) -> Flags:
     return apart  # type: ignore[no-any-return]
 
 
-def _numbers(np: Any, d: PoseDerivatives[Bounded]) -> tuple[list[Floats], Flags]:
+def _numbers(np: Any, d: PoseDerivatives[Bounded], unit: int) -> tuple[list[Floats], Flags]:
     """Lower and upper bounds of the numbers of :data:`PROOFS` in turn, and whether they can be printed.
 
-    They can if they exclude 0 and all numbers of few bits, whose radius FLINT may print in another way.
+    They can if they exclude 0 and all small numbers of few bits. Lengths are divided by 2^unit.
     """
     usable, bounds = np.ones(len(d.e.size), dtype=bool), []
-    for parts in ((d.f_alpha, d.f_theta), (d.j_alpha, d.j_theta), (d.v_grad_e,)):
+    gradients = (d.f_alpha, d.f_theta), (d.j_alpha, d.j_theta), (d.v_grad_e,)
+    for parts, dimension in zip(gradients, PROOFS.values(), strict=True):
         value, error = parts[0].value, parts[0].error
         for other in parts[1:]:
             greater = other.least > parts[0].greatest
@@ -180,5 +182,6 @@ def _numbers(np: Any, d: PoseDerivatives[Bounded]) -> tuple[list[Floats], Flags]
         bounds += [value - error, value + error]
         mantissa, exponent = np.frexp(abs(value))
         mantissa = np.ldexp(mantissa, _FEW_BITS)
-        usable &= abs(mantissa - np.rint(mantissa)) > np.ldexp(error, _FEW_BITS - exponent) * _SAFE
+        has_more_bits = abs(mantissa - np.rint(mantissa)) > np.ldexp(error, _FEW_BITS - exponent) * _SAFE
+        usable &= has_more_bits | ((exponent + dimension * unit > _SMALL) & (abs(value) > error * _SAFE))
     return bounds, usable
