@@ -62,7 +62,7 @@ def test_boxes_hold_the_poses_and_the_bounds_their_numbers(name: str) -> None:
                 for low, high, number, dimension in bounds:
                     scaled_number = number * arb(2) ** (-dimension * exponent)
                     assert arb(low) < scaled_number < arb(high)
-                    assert high - low < 1e-9 * abs(low)
+                    assert high - low < 1e-6 * abs(low)
 
 
 def shifted(guessed: GuessedPoses) -> None:
