@@ -8,6 +8,7 @@ from typing import Any
 from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import InputError, shown
 from rpr_solver.verify.censuses import census_claims
+from rpr_solver.verify.checks import check_claims
 from rpr_solver.verify.claims import Claim, ClaimStatus, Verification
 from rpr_solver.verify.curves import curve_claims
 from rpr_solver.verify.manipulator import Geometry
@@ -22,6 +23,7 @@ CLAIMS: Mapping[str, Claims] = {
     "poses": pose_claims,
     "census": census_claims,
     "cusp-curves": curve_claims,
+    "check": check_claims,
 }
 """Kind of a document → its claims."""
 
@@ -30,6 +32,7 @@ _MEMBERS: Mapping[str, str] = {
     "poses": "poses",
     "transitions": "census",
     "curves": "cusp-curves",
+    "violations": "check",
 }
 """The member by which a kind is known; poses have curves too."""
 
@@ -69,7 +72,8 @@ def verify_document(document: Mapping[str, Any], *, progress: Progress = silent)
     Nothing of the solver is used, and none of its libraries.
 
     Args:
-        document: a cusp table, a table of poses, a census or cusp curves, as JSON reads it, with its texts.
+        document: a cusp table, a table of poses, a census, cusp curves or a report of a check, as JSON reads
+            it, with its texts.
         progress: callback ``progress(done, total)``.
 
     Raises:

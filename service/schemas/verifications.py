@@ -70,7 +70,10 @@ class VerificationRequest(Question):
         dict[str, Any],
         PlainValidator(_document, json_schema_input_type=dict[str, Any]),
         Expected("give a document of this service, with its geometry"),
-    ] = Field(description="The document, its numbers as text: a cusp table, poses, a census or cusp curves.")
+    ] = Field(
+        description="The document, its numbers as text: a cusp table, poses, a census, cusp curves or a "
+        "report of a check."
+    )
 
     @model_validator(mode="before")
     @classmethod

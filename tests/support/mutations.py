@@ -268,6 +268,55 @@ def other_sample(draw: random.Random, document: Document) -> str:
 OF_FULL_CENSUSES: tuple[Mutation, ...] = (moved_box, missing_event, other_sample)
 
 
+def other_verdict(_draw: random.Random, document: Document) -> str:
+    """The other verdict."""
+    document["passed"] = not document["passed"]
+    return "the other verdict"
+
+
+def other_report_count(draw: random.Random, document: Document) -> str:
+    """Another number of cusps in an interval that is no violation, and is none then."""
+    rows = document["intervals"]
+    n = draw.randrange(len(rows))
+    for row in (rows[n], *(v for v in document["violations"] if v["from"] == rows[n]["from"])):
+        row["count"] += 1
+    return "another number of cusps in an interval"
+
+
+def moved_cut(draw: random.Random, document: Document) -> str | None:
+    """Another digit of a length between two intervals."""
+    rows = document["intervals"]
+    if len(rows) < 2:
+        return None
+    n = draw.randrange(1, len(rows))
+    old = rows[n]["from"]
+    new = other_digit(draw, old)
+    for row in (*rows, *document["violations"]):
+        for end in ("from", "to"):
+            row[end] = new if row[end] == old else row[end]
+    return "a moved cut"
+
+
+def digit_of_an_example(draw: random.Random, document: Document) -> str | None:
+    """One digit of a cusp of an example."""
+    cusps = [cusp for row in document["violations"] for cusp in row["example"]["cusps"]]
+    if not cusps:
+        return None
+    cusp = draw.choice(cusps)
+    name = draw.choice([name for name in COORDINATES if name in cusp and cusp[name] != "0"])
+    cusp[name] = other_digit(draw, cusp[name])
+    return f"a digit of {name} of an example"
+
+
+OF_REPORTS: tuple[Mutation, ...] = (
+    other_verdict,
+    other_report_count,
+    moved_cut,
+    digit_of_an_example,
+    other_geometry,
+)
+
+
 def _curve(draw: random.Random, document: Document) -> Document | None:
     curves = [curve for curve in document["curves"] if curve["points"]]
     return draw.choice(curves) if curves else None

@@ -1,0 +1,68 @@
+"""Reports of checks: right ones are accepted, wrong ones refused."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+import rpr_solver
+from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, Requirement, check, verify_document
+from tests.support.mutations import OF_REPORTS, digit_of_an_example, moved_cut
+from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
+
+FLAT = EXAMPLES["zein-flat"]
+
+
+def test_a_report_and_its_mutations() -> None:
+    document = check(FLAT, Requirement(1, 36, 38, max_cusps=5), digits=15).to_json()
+    assert not document["passed"]
+    verification = accepted_but_no_mutation(document, (moved_cut, digit_of_an_example), 2, seed=2)
+    rest = {claim.at: claim.status for claim in verification.claims if claim.status is not ClaimStatus.PROVED}
+    assert rest == {"/degenerate": ClaimStatus.CHECKED, "/intervals": ClaimStatus.CHECKED}
+
+
+def test_within_joint_limits() -> None:
+    requirement = Requirement(1, 39, 40, max_cusps=1, limits={3: (20, None)})
+    document = check(FLAT, requirement, digits=15).to_json()
+    assert [row["count"] for row in document["intervals"]] == [2]
+    accepted(document)
+    document["requirement"]["limits"]["l3"]["min"] = "60"
+    document["requirement"]["limits"]["l2"] = {"min": None, "max": "48"}
+    refused = [claim.at for claim in verify_document(document).refused]
+    assert refused == ["/intervals/0/count", "/violations/0/example/cusps/1"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"passed": True},
+        {"max_cusps_found": 5},
+        {"violations": []},
+        {"degenerate": [{"kind": "node", "from": "38", "to": None, "count": 2}]},
+    ],
+)
+def test_what_does_not_follow_is_refused(change: dict[str, object]) -> None:
+    document = check(FLAT, Requirement(1, 39, 40, max_cusps=3), digits=15).to_json()
+    assert document["intervals"][0]["count"] == 4
+    refused = verify_document({**document, **change}).refused
+    assert [claim.at.split("/")[1] for claim in refused] == list(change)
+
+
+@pytest.mark.parametrize("change", [{"intervals": []}, {"requirement": {}}, {"digits": 1}])
+def test_what_is_no_report_is_bad_input(change: dict[str, object]) -> None:
+    document = check(FLAT, Requirement(1, 39, 40, max_cusps=4), digits=15).to_json()
+    with pytest.raises(InputError):
+        verify_document({**document, **change})
+
+
+@pytest.mark.long
+@pytest.mark.timeout(480)
+def test_random_reports() -> None:
+    def made(m: Manipulator, n: int, rng: random.Random) -> rpr_solver.CheckReport:
+        limits = {3 if n % 3 == 1 else 2: (rng.randint(0, 5), rng.randint(20, 40))} if n % 2 else {}
+        start = rng.randint(5, 15)
+        return check(m, Requirement(n % 3 + 1, start, start + 5, max_cusps=4, limits=limits), digits=15)
+
+    for n, document in random_documents(13, 8, made, degenerate_every=4):
+        accepted_but_no_mutation(document, OF_REPORTS, 2, n)
