@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import httpx
@@ -16,22 +17,39 @@ from tests.support.service_server import GEOMETRY, serving
 WAIT = {"Prefer": "wait=30"}
 
 
-def test_a_new_slice_takes_few_commands(valkey: EmbeddedValkey, redis: Redis, workers: Workers) -> None:
+def test_what_is_new_takes_few_commands(valkey: EmbeddedValkey, redis: Redis, workers: Workers) -> None:
     """From the request to the end of the chunk, without what workers do at every beat whatever happens."""
     workers.start(beat_interval=100, beat_ttl=300)
-    commands: list[str] = []
     with serving(Settings(redis_url=valkey.url)) as url, httpx.Client(base_url=url, timeout=60) as client:
-        client.post("/v1/cusp-tables", json=question("10"), headers=WAIT)  # loads the scripts
-        until(lambda: not redis.keys("*:beat:*"))
-        with redis.monitor() as monitor:
-            reader = threading.Thread(target=read, args=(monitor, commands), daemon=True)
-            reader.start()
-            assert client.post("/v1/cusp-tables", json=question("10.5"), headers=WAIT).status_code == 200
+
+        def ask(path: str, body: object) -> None:
+            assert client.post(path, json=body, headers=WAIT).status_code == 200
             until(lambda: not redis.keys("*:beat:*"))  # the worker is done with it
-            redis.echo("the end")
-            reader.join(30)
-    own = [command for command in commands if not command.startswith(("BLPOP", "KEYS"))]
-    assert 10 < len(own) < 32, own
+
+        ask("/v1/cusp-tables", question("10"))  # loads the scripts
+        ask("/v1/poses", poses("15"))
+        slice_, document = (
+            commands(redis, lambda path=path, body=body: ask(path, body))
+            for path, body in (("/v1/cusp-tables", question("10.5")), ("/v1/poses", poses("15.5")))
+        )
+    assert 10 < len(slice_) < 30, slice_
+    assert 10 < len(document) < 22, document
+
+
+def commands(redis: Redis, act: Callable[[], object]) -> list[str]:
+    """Returns the commands that clients send meanwhile, but for what waits."""
+    seen: list[str] = []
+    with redis.monitor() as monitor:
+        reader = threading.Thread(target=read, args=(monitor, seen), daemon=True)
+        reader.start()
+        act()
+        redis.echo("the end")
+        reader.join(30)
+    return [command for command in seen if not command.startswith(("BLPOP", "KEYS"))]
+
+
+def poses(l1: str) -> dict[str, Any]:
+    return {"geometry": GEOMETRY, "l1": l1, "l2": "16", "l3": "30"}
 
 
 def question(a3y: str) -> dict[str, Any]:
