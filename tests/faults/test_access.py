@@ -8,12 +8,14 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import httpx
+import pytest
 
 from service.stack.embedded_valkey import runtime_dir
-from tests.support.processes import PATIENCE, completed, environment, started, until
+from tests.support.processes import PATIENCE, completed, environment, forked, started, until
 from tests.support.service_server import GEOMETRY
 from worker.connection import connect
 
@@ -36,6 +38,22 @@ def running(data: Path, *arguments: str) -> Iterator[tuple[str, subprocess.Popen
         yield f"http://127.0.0.1:{port[1]}", process
         process.terminate()
         process.wait(PATIENCE)
+
+
+@dataclass(frozen=True)
+class Local:
+    """A service without workers and keys, on an address of this computer."""
+
+    base: str
+    redis_url: str
+    process: subprocess.Popen[str]
+
+
+@pytest.fixture(scope="module")
+def local(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Local]:
+    data = tmp_path_factory.mktemp("local")
+    with running(data) as (base, process):
+        yield Local(base, f"unix://{runtime_dir(data)}/valkey.sock", process)
 
 
 def test_other_computers_are_kept_out_without_keys(tmp_path: Path) -> None:
@@ -73,32 +91,30 @@ def test_a_name_to_listen_on(tmp_path: Path) -> None:
             assert httpx.get(f"{base}/version", headers={"Host": host}).status_code == status
 
 
-def test_a_client_cannot_end_the_job_of_another(tmp_path: Path) -> None:
+def test_a_client_cannot_end_the_job_of_another(local: Local, tmp_path: Path) -> None:
     """One client cancels a job that another one waits for. It goes on, and the other one gets its answer."""
     question = {"geometry": GEOMETRY, "l1": 14.98, "digits": 15}
-    with running(tmp_path) as (base, process), httpx.Client(base_url=base, timeout=PATIENCE) as client:
+    with httpx.Client(base_url=local.base, timeout=PATIENCE) as client:
         first = client.post("/v1/cusp-tables", json=question).json()
         with ThreadPoolExecutor(1) as pool:
             waiting = pool.submit(
                 client.post, "/v1/cusp-tables", json=question, headers={"Prefer": "wait=30"}
             )
-            url = f"unix://{runtime_dir(tmp_path)}/valkey.sock"
-            with connect(url) as redis:
+            with connect(local.redis_url) as redis:
                 until(lambda: any(entry["cmd"] == "xread" for entry in redis.client_list()))
                 for _ in range(3):
                     assert client.delete(first["links"]["self"]).json()["status"] == "queued"
-                worker = [sys.executable, "-m", "worker", "--redis-url", url]
-                with started(worker, env=environment(log_level="WARNING")):
+                worker, log = ["--redis-url", local.redis_url], tmp_path / "log"
+                with log.open("wb") as stderr, forked(worker, environment(log_level="WARNING"), stderr):
                     assert waiting.result().json()["slices"][0]["count"] == 6
-        assert process.poll() is None
+        assert local.process.poll() is None
 
 
-def test_a_page_of_another_site_cannot_use_a_local_service(tmp_path: Path) -> None:
+def test_a_page_of_another_site_cannot_use_a_local_service(local: Local) -> None:
     """A page of another site lets its own name lead to 127.0.0.1 (DNS rebinding). Its requests are refused,
     421.
     """
-    with running(tmp_path) as (base, _):
-        for name in ("evil.example", "evil.example:8000", "127.0.0.1.evil.example"):
-            answer = httpx.get(f"{base}/v1/limits", headers={"Host": name})
-            assert (answer.status_code, answer.json()["type"]) == (421, "/problems/unknown-host")
-        assert httpx.get(f"{base}/v1/limits").status_code == 200
+    for name in ("evil.example", "evil.example:8000", "127.0.0.1.evil.example"):
+        answer = httpx.get(f"{local.base}/v1/limits", headers={"Host": name})
+        assert (answer.status_code, answer.json()["type"]) == (421, "/problems/unknown-host")
+    assert httpx.get(f"{local.base}/v1/limits").status_code == 200
