@@ -8,10 +8,11 @@ from math import atan2, degrees, ldexp
 import numpy as np
 import pytest
 
-from rpr_solver import EXAMPLES, solve_slice
-from rpr_solver.slices import double_poses
+from rpr_solver import EXAMPLES, eliminate, solve_slice
+from rpr_solver.slices.chunk import SliceChunk
 from rpr_solver.slices.discs import guesses
 from rpr_solver.slices.double_poses import DoubleMap, HalfAngles, map_exponent, number_type
+from rpr_solver.slices.pose_proofs import proved_boxes
 from tests.support.shared import eliminant_of
 
 LENGTHS = [Fraction(k, 3) for k in range(20, 100, 9)]
@@ -34,7 +35,9 @@ def test_guesses_are_the_cusps(leg: int) -> None:
     assert np.array_equal(lengths.astype(float), [ldexp(float(x), -exponent) for x in scaled])
     found = double_map.guessed(np, lengths[index], [pair for x in thetas for pair in x])
     for place, length in enumerate(LENGTHS):
-        poses = [(angle(found.theta, k), angle(found.alpha, k)) for k in np.flatnonzero(index == place)]
+        poses = [
+            (angle(found.theta, k), angle(found.alpha, k)) for k in np.flatnonzero(index == place).tolist()
+        ]
         cusps = solve_slice(eliminant, length, 15).cusps
         expected = [(float(c.coordinates[1]), float(c.alpha_deg)) for c in cusps]
         assert np.allclose(sorted(poses), expected, rtol=0, atol=1e-9)
@@ -50,10 +53,16 @@ def test_all_numbers_of_a_manipulator_are_at_most_1() -> None:
 
 
 def test_double_precision_alone_will_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As on a processor without extended precision."""
+    """As on a processor without extended precision: the same tables, and most of them by floats."""
+    expected = [solve_slice(eliminant_of(EXAMPLES["zein-flat"]), x, 15) for x in LENGTHS]
     monkeypatch.setattr(np, "longdouble", np.float64)
     assert number_type(np) == (np.float64, 2.0**-53)
-    assert double_poses.number_type(np)[1] == np.finfo(np.float64).eps / 2
+    eliminant = eliminate(EXAMPLES["zein-flat"])
+    chunk = SliceChunk(eliminant, LENGTHS, 15)
+    assert [chunk.table(place) for place in range(len(LENGTHS))] == expected
+    scaled = [x * eliminant.slice_map.scale for x in LENGTHS]
+    _, boxes = proved_boxes(eliminant, scaled, [guess.real for guess in guesses(eliminant, scaled)])
+    assert sum(x is not None for x in boxes) > len(LENGTHS) // 2
 
 
 def test_angles_ascend_from_half_a_turn_to_half_a_turn() -> None:
