@@ -39,7 +39,7 @@ class Tracker:
 
     def __init__(self, eliminant: Eliminant, digits: int, known: Iterable[SliceTable] = ()) -> None:
         self.eliminant, self.digits = eliminant, digits
-        self._forms = CuspForms(eliminant.slice_map)
+        self.forms = CuspForms(eliminant.slice_map)
         self._tables = {(table.length, digits): table for table in known}
 
     def table(self, length: Fraction, digits: int = 0) -> SliceTable:
@@ -56,7 +56,7 @@ class Tracker:
         def start(bits: int) -> Place:
             return self._places(length, bits)[index]
 
-        return Follower(self._forms, start, self._scaled(length), upwards=upwards)
+        return Follower(self.forms, start, self._scaled(length), upwards=upwards)
 
     def destinations(
         self,
@@ -92,6 +92,13 @@ class Tracker:
             elif spent < patience:
                 waiting.append((name, follower, spent + _TUBES_A_TURN))
         return met
+
+    def place(self, cusp: Cusp, bits: int) -> tuple[Place, arb]:
+        """A box that contains a cusp and no other zero of its slice, and its scaled length."""
+        length, index = cusp
+        place = self._places(length, bits)[index]
+        with ctx.workprec(bits):
+            return place, ball_of(self._scaled(length))
 
     def _index(self, place: Place, length: Fraction) -> int:
         def index(bits: int) -> int | None:

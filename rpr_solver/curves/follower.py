@@ -43,6 +43,16 @@ class Follower:
         self._reach = ball_of(_FIRST_REACH)
         self._tube: Tube | None = None
 
+    @property
+    def tube(self) -> Tube | None:
+        """The last tube, None before the first step."""
+        return self._tube
+
+    @property
+    def bits(self) -> int:
+        """The precision of the last tube."""
+        return self._bits
+
     def walk(self, low: Fraction, high: Fraction, tubes: int) -> tuple[Fraction, Place] | None:
         """Continues between ``low`` and ``high`` to the first of these two slices that the curve meets.
 

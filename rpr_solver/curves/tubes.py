@@ -30,7 +30,7 @@ from rpr_solver.curves.neighbourhood import (
 )
 from rpr_solver.exact.real_roots import ball_of
 
-_BOUND_BITS = 64
+BOUND_BITS = 64
 _NEWTON_STEPS = 6
 _NEAR = arb(2) ** -40
 """A step that is smaller by this factor than its box is the last one: the next would be beyond all bits."""
@@ -89,7 +89,7 @@ class Tube:
         return r if self.forwards else -r
 
     def _box(self, r: arb) -> Two:
-        middle = _on_parabola(self.slopes, self.bends, r)
+        middle = on_parabola(self.slopes, self.bends, r)
         p, q = (arb(m.mid(), m.rad() + radius) for m, radius in zip(middle, self.radii, strict=True))
         return _contracted(self.nonlinear, r, (p, q))
 
@@ -108,8 +108,8 @@ def build(
     With ``between`` the curve in the tube stays strictly between two lengths; with ``worth`` it advances at
     least so far in another coordinate. None if no such tube can be built at this precision.
     """
-    first, second = (_by_power(form, axis) for form in around.forms)
-    nonlinear = _preconditioned(first, second)
+    first, second = (by_power(form, axis) for form in around.forms)
+    nonlinear = preconditioned(first, second)
     others = [i for i in range(3) if i != axis]
     p, q, r = (around.box[i] for i in (*others, axis))
     if nonlinear is None or not all(w.is_finite() for w in (p, q, r)):
@@ -117,11 +117,11 @@ def build(
     if max(p.rad(), q.rad()) > arb(2) ** -(around.bits // 2):
         p, q = _contracted(nonlinear, r, (p, q))
     slopes, bends = _parabola(nonlinear)
-    middle = _on_parabola(slopes, bends, r)
+    middle = on_parabola(slopes, bends, r)
     off = abs(p - middle[0]).abs_upper(), abs(q - middle[1]).abs_upper()
     planes = None if between is None else [around.frame.of_length(length) for length in between]
-    with ctx.workprec(_BOUND_BITS):
-        bounds = _Bounds.of(nonlinear, slopes, bends)
+    with ctx.workprec(BOUND_BITS):
+        bounds = Bounds.of(nonlinear, slopes, bends)
         least = max(abs(r).abs_upper(), arb(2) ** -(around.bits // 3))
         if worth is not None:
             advance = slopes[others.index(worth[0])]
@@ -145,7 +145,7 @@ def _shortening(steepness: arb) -> int:
     return 1 << max(1, halvings)
 
 
-def _by_power(form: Expansion, axis: int) -> Expansion:
+def by_power(form: Expansion, axis: int) -> Expansion:
     """An expansion by powers of z as one by powers of the chosen parameter."""
     if axis == ALONG_L:
         return form
@@ -156,7 +156,7 @@ def _by_power(form: Expansion, axis: int) -> Expansion:
     return [arb_mat([[layer[i][j] for layer in layers] for i in size]) for j in size]
 
 
-def _preconditioned(j: Expansion, e: Expansion) -> tuple[Expansion, Expansion] | None:
+def preconditioned(j: Expansion, e: Expansion) -> tuple[Expansion, Expansion] | None:
     """N: an approximate inverse of the Jacobian matrix at the origin times (J, E), minus (p, q)."""
     (a, b), (c, d) = ((m[0][1, 0].mid(), m[0][0, 1].mid()) for m in (j, e))
     det = a * d - b * c
@@ -187,12 +187,12 @@ def _second_order(n: Expansion, p: arb, q: arb) -> arb:
     return n2[0, 0] + across + n0[2, 0] * p * p + n0[1, 1] * p * q + n0[0, 2] * q * q
 
 
-def _on_parabola(slopes: Two, bends: Two, r: arb) -> Two:
+def on_parabola(slopes: Two, bends: Two, r: arb) -> Two:
     return r * (slopes[0] + r * bends[0]), r * (slopes[1] + r * bends[1])
 
 
 @dataclass(frozen=True)
-class _Bounds:
+class Bounds:
     """Coefficients with either sign, [−c, c], to bound all terms in a tube by sums."""
 
     sizes: tuple[Expansion, Expansion]
@@ -204,7 +204,7 @@ class _Bounds:
     """and what is left of them."""
 
     @classmethod
-    def of(cls, nonlinear: tuple[Expansion, Expansion], slopes: Two, bends: Two) -> _Bounds:
+    def of(cls, nonlinear: tuple[Expansion, Expansion], slopes: Two, bends: Two) -> Bounds:
         steep = _absolute(slopes)
         first, second = ([m * _EITHER_SIGN for m in n] for n in nonlinear)
         cancelled = tuple(
@@ -221,7 +221,33 @@ class _Bounds:
 
         Also a sum of the bounds of the derivatives.
         """
-        p, q = _on_parabola(self.slopes, self.bends, reach)
+        sizes, (p, q), least = self._residues(reach, off)
+        # a curve that the parabola meets exactly, as a fixed pose, needs a positive radius all the same
+        first, second = (2 * x if x > 0 else reach * _SLIM for x in least)
+        wide = first, second
+        for _ in range(_TRIALS):
+            a, b, c, d = _steepness(sizes, p + wide[0], q + wide[1])
+            if _passes(least, (a, b, c, d), wide):
+                return wide, a + d
+            # 3/2 times the radii that would just pass if the derivatives did not change
+            det = (1 - a) * (1 - d) - b * c
+            if not (a < 1 and det > 0):
+                return None, a + b + c + d
+            factor = arb(3) / (2 * det)
+            wide = (
+                (factor * ((1 - d) * least[0] + b * least[1])).abs_upper(),
+                (factor * (c * least[0] + (1 - a) * least[1])).abs_upper(),
+            )
+        return None, a + d
+
+    def passes(self, reach: arb, radii: Two) -> bool:
+        """Whether given radii pass Krawczyk's test."""
+        sizes, (p, q), least = self._residues(reach, (arb(0), arb(0)))
+        return _passes(least, _steepness(sizes, p + radii[0], q + radii[1]), radii)
+
+    def _residues(self, reach: arb, off: Two) -> tuple[list[arb_mat], Two, Two]:
+        """The bounds as matrices in p and q, the largest p and q on the parabola, and bounds of G + off."""
+        p, q = on_parabola(self.slopes, self.bends, reach)
         sizes = [at_parameter(size, reach) for size in self.sizes]
         least = []
         for whole, (once, twice), (error, second_error), beside in zip(
@@ -231,26 +257,19 @@ class _Bounds:
                 whole.abs_upper() - reach * (once + reach * twice) + reach * (error + reach * second_error)
             )
             least.append((residue + beside).abs_upper())
-        # a curve that the parabola meets exactly, as a fixed pose, needs a positive radius all the same
-        wide = [2 * x if x > 0 else reach * _SLIM for x in least]
-        for _ in range(_TRIALS):
-            first, second = values(sizes, p + wide[0], q + wide[1])
-            a, b, c, d = (x.abs_upper() for x in (first[1, 0], first[0, 1], second[1, 0], second[0, 1]))
-            if (
-                least[0] + a * wide[0] + b * wide[1] < wide[0]
-                and least[1] + c * wide[0] + d * wide[1] < wide[1]
-            ):
-                return (wide[0], wide[1]), a + d
-            # 3/2 times the radii that would just pass if the derivatives did not change
-            det = (1 - a) * (1 - d) - b * c
-            if not (a < 1 and det > 0):
-                return None, a + b + c + d
-            factor = arb(3) / (2 * det)
-            wide = [
-                (factor * ((1 - d) * least[0] + b * least[1])).abs_upper(),
-                (factor * (c * least[0] + (1 - a) * least[1])).abs_upper(),
-            ]
-        return None, a + d
+        return sizes, (p, q), (least[0], least[1])
+
+
+def _steepness(sizes: list[arb_mat], p: arb, q: arb) -> tuple[arb, arb, arb, arb]:
+    """Bounds of the derivatives of N in p and q."""
+    first, second = values(sizes, p, q)
+    a, b, c, d = (x.abs_upper() for x in (first[1, 0], first[0, 1], second[1, 0], second[0, 1]))
+    return a, b, c, d
+
+
+def _passes(least: Two, steepness: tuple[arb, arb, arb, arb], radii: Two) -> bool:
+    (a, b, c, d), (p, q) = steepness, radii
+    return bool(least[0] + a * p + b * q < p and least[1] + c * p + d * q < q)
 
 
 def _absolute(pair: Two) -> Two:

@@ -35,6 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     arguments.add_digits(parser, 90)
     arguments.add_format(parser, "csv")
+    arguments.add_certificate(parser)
     remote.add_url(parser)
 
 
@@ -56,7 +57,8 @@ def _curves(question: CuspCurvesRequest, progress: rpr_solver.Progress) -> dict[
         question.geometry, fixed_leg=question.fixed_leg, digits=question.digits, progress=progress
     )
     lengths, samples = question.slices, question.samples
-    return whole.part(*question.range.ends, lengths=lengths, samples=samples, progress=progress).to_json()
+    part = whole.part(*question.range.ends, lengths=lengths, samples=samples, progress=progress)
+    return part.to_json(certificate=question.certificate, progress=progress)
 
 
 def _question(args: argparse.Namespace) -> CuspCurvesRequest:
@@ -74,6 +76,7 @@ def _question(args: argparse.Namespace) -> CuspCurvesRequest:
         "range": ends,
         f"l{leg}": lengths or None,
         "samples": args.samples,
+        "certificate": args.certificate,
         **remote.deadline_of(args),
     }
     return arguments.ask(CuspCurvesRequest, args, members, arguments.source(names))

@@ -148,10 +148,16 @@ def cusp_curves(
     stop: Exact | None = None,
     lengths: _Length = (),
     samples: int | None = None,
+    certificate: str = "short",
     deadline: float | None = None,
 ) -> Asked[CuspCurves]:
     """Each cusp followed from where it appears to where it vanishes."""
-    members: dict[str, object] = {"fixed_leg": fixed_leg, "range": _range(start, stop), "samples": samples}
+    members: dict[str, object] = {
+        "fixed_leg": fixed_leg,
+        "range": _range(start, stop),
+        "samples": samples,
+        "certificate": certificate,
+    }
     if points := _lengths(lengths):
         members[f"l{fixed_leg}"] = points
     return _asked(CuspCurvesRequest, CuspCurves, manipulator, digits, deadline, members)

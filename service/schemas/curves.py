@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import ConfigDict, Field, ValidationInfo, field_validator
 
 from rpr_solver import exact_str
+from rpr_solver.contract import FULL
 from service.schemas.lengths import (
     OpenRange,
     Range,
@@ -27,9 +28,10 @@ from service.schemas.points import (
     DocumentHead,
     Point,
     TransitionEvent,
+    optional,
 )
 from service.schemas.questions import Examples, Question
-from worker.answers import curves
+from worker.answers import certified, curves
 from worker.answers.requests import Kind
 
 
@@ -41,7 +43,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     """
 
     expected: ClassVar[str] = "send an object with geometry"
-    kinds: ClassVar[Sequence[Kind]] = (curves.KIND,)
+    kinds: ClassVar[Sequence[Kind]] = (curves.KIND, certified.CURVES)
     needs_slices: ClassVar[bool] = False
     examples: ClassVar[Examples] = {
         "scan": (
@@ -55,6 +57,10 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
         "samples": (
             "Four points of each curve in every interval between transitions",
             {"digits": 15, "samples": 4},
+        ),
+        "full": (
+            "With all that a checker of the proof needs",
+            {"digits": 15, "range": {"from": 27, "to": 29}, "certificate": "full"},
         ),
     }
 
@@ -75,6 +81,12 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
         "narrow; at most max_samples of /v1/limits.",
     )
 
+    certificate: Literal["short", "full"] = Field(
+        default="short",
+        description="`full` adds what somebody else needs to check that the points of a curve are joined by "
+        "it, and that curves join at their ends: chains of tubes, each with one curve in it.",
+    )
+
     @field_validator("l1", "l2", "l3")
     @classmethod
     def _are_within_the_range(
@@ -83,15 +95,21 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
         info.data.get("range", OpenRange()).check_inside(lengths)
         return lengths
 
+    @property
+    def kind(self) -> Kind:
+        """The kind of the document; one with a full certificate is kept by itself."""
+        return certified.CURVES if self.certificate == FULL else curves.KIND
+
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
         lengths = [exact_str(x) for x in sorted(set(self.slices))]
-        return {**self.model_dump(exclude={"l1", "l2", "l3"}), "lengths": lengths}
+        return {**self.model_dump(exclude={"l1", "l2", "l3", "certificate"}), "lengths": lengths}
 
     def _asked(self) -> dict[str, Any]:
         content = self.content()
         lengths = content.pop("lengths")
-        return {**content, **({f"l{self.fixed_leg}": lengths} if lengths else {})}
+        full = {"certificate": FULL} if self.certificate == FULL else {}
+        return {**content, **({f"l{self.fixed_leg}": lengths} if lengths else {}), **full}
 
 
 class CurveEnd(Model):
@@ -130,9 +148,47 @@ class CuspCurve(Model):
     points: list[CurvePoint] = Field(description="Ascending in the fixed length.")
 
 
+class Tube(Model):
+    """About an origin (α₀, θ₀, L₀) x = tan((α − α₀)/2), y = tan((θ − θ₀)/2) and z = L/L₀ − 1 are coordinates.
+    One is the parameter r, the others, in this order, are p and q. For each |r| ≤ reach there is exactly one
+    point with J = E = 0 within the radii of p = slope·r + bend·r² and of the same q. Numbers are exact."""
+
+    model_config = ConfigDict(extra="allow")
+
+    parameter: str = Field(description="`alpha`, `theta` or the fixed length, `l1`, `l2` or `l3`.")
+    leg: int = Field(description="The free leg along whose kernel vector E is the derivative of J.")
+    half_alpha: list[str] = Field(description="Integers s and c with tan(α₀/2) = s/c.")
+    half_theta: list[str] = Field(description="The same of θ₀.")
+    slopes: list[str]
+    bends: list[str]
+    reach: str
+    radii: list[str]
+
+
+class Chain(Model):
+    """Tubes that lead from one point to the next of the curve, or past an end to the curve that it joins."""
+
+    start: dict[str, str] = Field(alias="from", description="The curve, and the fixed length, of the point.")
+    stop: dict[str, str] = Field(alias="to")
+    tubes: list[Tube] = Field(description="Each begins, with r = 0, on the curve in the one before.")
+
+
+class Chains(Model):
+    """What joins the points."""
+
+    chains: list[Chain]
+
+
+class CurvesCertificate(Model):
+    """What somebody else needs to check the curves."""
+
+    full: Chains
+
+
 class CuspCurves(DocumentHead):
     """All cusp curves that meet the range."""
 
     range: ClosedRange
     curves: list[CuspCurve]
     degenerate: list[Degeneracy] = DEGENERATE
+    certificate: CurvesCertificate | None = optional("Present with `certificate` `full`.")

@@ -6,11 +6,13 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import FULL, Progress
+from worker.answers import curves
 from worker.answers.requests import JobRequest, Kind, content_range
 from worker.answers.store import ResultStore
 
 KIND = Kind("certified-table", "cf-", unit="slices")
 CENSUS = Kind("certified-census", "cn-")
+CURVES = Kind("certified-curves", "cv-")
 
 
 def compute(request: JobRequest, _store: ResultStore, progress: Progress) -> dict[str, Any]:
@@ -41,3 +43,12 @@ def compute_census(request: JobRequest, _store: ResultStore, progress: Progress)
         certificate=FULL,
         progress=progress,
     ).to_json()
+
+
+def compute_curves(request: JobRequest, store: ResultStore, progress: Progress) -> dict[str, Any]:
+    """Compute cusp curves; the whole ones are kept without a certificate.
+
+    Raises:
+        SolverError: a transition could not be decided, or a cusp not followed.
+    """
+    return curves.part(request, store, progress).to_json(certificate=FULL, progress=progress)

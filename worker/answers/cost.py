@@ -182,9 +182,26 @@ def _plot(size: Sizes) -> float:
 
 
 def parts_to_verify(document: Mapping[str, Any]) -> int:
-    """Returns how many slices a verification solves anew: those listed, or one in each interval."""
+    """Returns how many slices a verification solves anew: those listed, or one in each interval.
+
+    Ten tubes of a full certificate cost as much as one.
+    """
     lists = [document.get(name) for name in ("slices", "intervals", "curves")]
-    return max((len(part) for part in lists if isinstance(part, list)), default=1) or 1
+    slices = max((len(part) for part in lists if isinstance(part, list)), default=1) or 1
+    return slices + _tubes(document) // 10
+
+
+def _tubes(document: Mapping[str, Any]) -> int:
+    match document.get("certificate"):
+        case {"full": {"chains": [*chains]}}:
+            lists = [chain.get("tubes") for chain in chains if isinstance(chain, Mapping)]
+            return sum(len(tubes) for tubes in lists if isinstance(tubes, list))
+    return 0
+
+
+def _curves(size: Sizes) -> float:
+    """All transitions, and the slices of the points."""
+    return 1.4 + _events(size) + _slice(size) * size.count
 
 
 def _verification(size: Sizes) -> float:
@@ -218,5 +235,6 @@ _COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {
     certified.CENSUS: lambda size: Cost(0.0, _events(size)),
     verifications.KIND: lambda size: Cost(0.0, _verification(size)),
     plots.KIND: lambda size: Cost(0.0, _plot(size)),
-    curves.KIND: lambda size: Cost(0.0, 1.4 + _events(size) + _slice(size) * size.count),
+    curves.KIND: lambda size: Cost(0.0, _curves(size)),
+    certified.CURVES: lambda size: Cost(0.0, 3.5 * _curves(size)),
 }

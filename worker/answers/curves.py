@@ -34,6 +34,11 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
     Raises:
         SolverError: a transition could not be decided, or a cusp not followed.
     """
+    return part(request, store, progress).to_json()
+
+
+def part(request: JobRequest, store: ResultStore, progress: Progress) -> rpr_solver.CuspCurves:
+    """Compute the same, not as a document."""
     content = request.content
     steps = 0
 
@@ -48,13 +53,12 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
         ).to_json()
 
     whole = rpr_solver.CuspCurves.from_json(store.document(_whole(request), solve))
-    part = whole.part(
+    return whole.part(
         *content_range(content),
         lengths=[Fraction(x) for x in content["lengths"]],
         samples=content["samples"],
         progress=lambda done, total: progress(steps + done, steps + total),
     )
-    return part.to_json()
 
 
 def _whole(request: JobRequest) -> JobRequest:

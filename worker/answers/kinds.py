@@ -59,6 +59,7 @@ COMPUTATIONS: Mapping[Kind, Computation] = {
     plots.KIND: Computation(plots.compute),
     certified.KIND: Computation(certified.compute),
     certified.CENSUS: Computation(certified.compute_census),
+    certified.CURVES: Computation(certified.compute_curves),
     verifications.KIND: Computation(verifications.compute),
 }
 KINDS = (tables.KIND, *COMPUTATIONS)

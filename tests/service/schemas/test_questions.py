@@ -38,6 +38,14 @@ BODY: dict[str, Any] = {"geometry": {key: JsonNumber(value) for key, value in GE
 POSITIVE = st.fractions(min_value=Fraction(1, 1000), max_value=1000, max_denominator=1000)
 
 
+def test_a_full_certificate_of_curves_is_a_kind_of_its_own() -> None:
+    short, full = (read(CuspCurvesRequest, {**BODY, "certificate": x}, JSON) for x in ("short", "full"))
+    assert short == read(CuspCurvesRequest, BODY, JSON)
+    assert (short.kind.name, full.kind.name) == ("cusp-curves", "certified-curves")
+    assert short.content() == full.content()
+    assert full.body()["certificate"] == "full"
+
+
 def content(question: type[Question], body: object, source: Source = JSON) -> dict[str, Any]:
     return dict(read(question, body, source).job_request().content)
 

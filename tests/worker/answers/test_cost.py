@@ -53,6 +53,7 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
     plots.KIND: {"plot": "loop", "theme": "auto", "length": "27", "cusp": 1},
     certified.KIND: {"l1": ["14.98"]},
     certified.CENSUS: WHOLE,
+    certified.CURVES: {"range": {"from": "0", "to": None}, "lengths": [], "samples": None},
     verifications.KIND: {"document": {"slices": []}},
 }
 

@@ -11,7 +11,8 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, CuspCurves
-from worker.answers import curves
+from worker.answers import certified, curves
+from worker.answers.cost import parts_to_verify
 from worker.answers.kinds import compute, known_document
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
@@ -61,7 +62,17 @@ def test_everything_starts_from_the_whole(calls: list[int], store: ResultStore) 
     assert part is not None
     assert part["range"] == {"from": "30", "to": None}
     assert known_document(request(), store) == CuspCurves.from_json(get(request(), store)).to_json()
+    short = request("10", "11", start="10", stop="11")
+    full = get(JobRequest(certified.CURVES, short.content), store)
+    assert get(short, store) == {name: x for name, x in full.items() if name != "certificate"}
+    [chain, *_] = full["certificate"]["full"]["chains"]
+    assert chain["from"] == {"curve": "C1", "l1": "10"}
+    assert parts_to_verify(full) == len(full["curves"]) + _tubes_of(full) // 10
     assert calls == [DIGITS]
+
+
+def _tubes_of(document: dict[str, Any]) -> int:
+    return sum(len(chain["tubes"]) for chain in document["certificate"]["full"]["chains"])
 
 
 def test_simultaneous_requests_follow_them_once(calls: list[int], store: ResultStore) -> None:

@@ -108,6 +108,17 @@ OF_VERSION_2 = {
         certified.CENSUS,
         {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 30, "range": {"from": "0", "to": None}},
     ),
+    "cv-f4437710016f123869b73b96f1bcd0ac75d8287c": JobRequest(
+        certified.CURVES,
+        {
+            "geometry": GEOMETRY,
+            "fixed_leg": 1,
+            "digits": 15,
+            "range": {"from": "27", "to": "29"},
+            "lengths": [],
+            "samples": None,
+        },
+    ),
     "ve-8f9ded9c446b06058ff1c37bc730ad24253c23d8": JobRequest(
         verifications.KIND,
         {
