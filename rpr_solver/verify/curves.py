@@ -10,16 +10,18 @@ from typing import Any
 from rpr_solver.contract import Progress, check_digits, check_leg
 from rpr_solver.errors import InputError
 from rpr_solver.verify.boxes import Box
+from rpr_solver.verify.chains import SIDES, Chains, Place
 from rpr_solver.verify.claims import Claim, ClaimStatus
 from rpr_solver.verify.counts import count_of
 from rpr_solver.verify.events import Finding, event_finding
+from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.links import Pose
 from rpr_solver.verify.manipulator import Geometry, exact
 from rpr_solver.verify.points import Point, Points
 from rpr_solver.verify.printed import Printed
 from rpr_solver.verify.surface import Surface
 from rpr_solver.verify.system import System
 
-_ENDS = ("from", "to")
 _LENGTH_ONLY = ("open", "unclassified", "undecided", "several")
 
 
@@ -48,7 +50,8 @@ class _Listed:
 
 class _Curves:
     def __init__(self, geometry: Geometry, document: Mapping[str, Any]) -> None:
-        self.geometry = geometry
+        self.geometry, self.document = geometry, document
+        self.is_full = "full" in document.get("certificate", {})
         self.fixed = check_leg(document.get("fixed_leg", 1))
         self.digits = check_digits(document.get("digits", 15))
         self.curves: list[Mapping[str, Any]] = document["curves"]
@@ -65,18 +68,26 @@ class _Curves:
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
         surface = Surface.of(self.geometry, self.fixed)
+        chains = Chains(surface, self.document) if self.is_full else None
+        total = len(self.curves) + len(self.slices) + (chains.count if chains else 0)
         yield self._named()
         known: dict[str, Finding] = {}
         for n, curve in enumerate(self.curves):
-            progress(n, len(self.curves) + len(self.slices))
-            for side in _ENDS:
+            progress(n, total)
+            for side in SIDES:
                 yield from self._end(surface, known, f"/curves/{n}/{side}", curve[side])
             yield self._ordered(n, curve)
+        bits = chains.bits if chains else {}
+        poses: dict[Place, Pose] = {}
         for n, (length, listed) in enumerate(sorted(self.slices.items(), key=lambda item: item[0])):
-            progress(len(self.curves) + n, len(self.curves) + len(self.slices))
-            yield from self._slice(length, listed)
-        reason = "continuation between the points is not followed by this verifier"
-        yield Claim("/curves", "the points of a curve are joined by it", ClaimStatus.NOT_CHECKED, reason)
+            progress(len(self.curves) + n, total)
+            yield from self._slice(surface, length, listed, bits, poses)
+        if chains:
+            done = len(self.curves) + len(self.slices)
+            yield from chains.claims(poses, lambda n: progress(done + n, total))
+        else:
+            reason = "only a full certificate has the tubes that join them"
+            yield Claim("/curves", "the points of a curve are joined by it", ClaimStatus.NOT_CHECKED, reason)
         progress(1, 1)
 
     def _named(self) -> Claim:
@@ -86,12 +97,12 @@ class _Curves:
         right = len(by_name) == len(self.curves)
         reason = "as printed" if right else "two curves have one name"
         for curve in self.curves:
-            for side in _ENDS:
+            for side in SIDES:
                 end = curve[side]
                 other = by_name.get(end.get("joins"))
                 if other is None:  # of another part of the range, perhaps
                     continue
-                backward = [x for x in (other[s] for s in _ENDS) if x.get("joins") == curve.get("name")]
+                backward = [x for x in (other[s] for s in SIDES) if x.get("joins") == curve.get("name")]
                 if all(x.get(self.name) != end.get(self.name) for x in backward):
                     right, reason = (
                         False,
@@ -130,7 +141,7 @@ class _Curves:
             )
 
     def _printed_ends(self, n: int, curve: Mapping[str, Any]) -> tuple[Printed, Printed | None]:
-        start, stop = (curve[side].get(self.name) for side in _ENDS)
+        start, stop = (curve[side].get(self.name) for side in SIDES)
         at = f"/curves/{n}"
         return Printed.of(start, f"{at}/from/{self.name}"), (
             None if stop is None else Printed.of(stop, f"{at}/to/{self.name}")
@@ -156,14 +167,28 @@ class _Curves:
             return Claim(at, claim, ClaimStatus.CHECKED, reason)
         return Claim(at, claim, ClaimStatus.PROVED, "as printed")
 
-    def _slice(self, length: Fraction, listed: list[_Listed]) -> Iterator[Claim]:
-        """All points of one length: different cusps, numbered as in the table, and as many as there are."""
+    def _slice(
+        self,
+        surface: Surface,
+        length: Fraction,
+        listed: list[_Listed],
+        bits: Mapping[Place, int],
+        poses: dict[Place, Pose],
+    ) -> Iterator[Claim]:
+        """All points of one length: different cusps, numbered as in the table, and as many as there are.
+
+        The boxes of the points are put into ``poses``, as fine as ``bits`` says.
+        """
         system = System.of(self.geometry, self.fixed, length)
         points, boxes = Points(system), []
         order = []
         for item in listed:
             point = Point.of(item.point, system, item.at)
-            box, (status, reason) = points.cusp(point)
+            place = str(self.curves[item.curve].get("name")), length
+            box, (status, reason) = points.cusp(point, bits.get(place, 0))
+            if box:
+                scaled = Interval.of(length * surface.unit, box.alpha.bits)
+                poses[place] = Pose(box.alpha, box.theta, scaled)
             if any(not x.is_zero and x.digits != self.digits for x in point.numbers):
                 status, reason = ClaimStatus.REFUSED, "a number has more or fewer digits"
             boxes.append(box)

@@ -256,14 +256,14 @@ def in_half_tangent(p: Trig, degree: int, weight: Any) -> tuple[Surd, ...]:
         rows[i, j] = (c + a * value, e + b * value)
     result = [ZERO] * (2 * degree + 1)
     for (i, j), (a, b) in rows.items():
-        for power, factor in enumerate(_half(i, j, degree)):
+        for power, factor in enumerate(half_angle_form(i, j, degree)):
             if factor:
                 result[power] = (result[power][0] + a * factor, result[power][1] + b * factor)
     return tuple(result)
 
 
-def _half(cos: int, sin: int, degree: int) -> list[int]:
-    """(1 − t²)^cos (2 t)^sin (1 + t²)^(degree − cos − sin)."""
+def half_angle_form(cos: int, sin: int, degree: int) -> list[int]:
+    """(1 − t²)^cos (2 t)^sin (1 + t²)^(degree − cos − sin), by powers of t."""
     result = [1]
     for factor, times in (([1, 0, -1], cos), ([0, 2], sin), ([1, 0, 1], degree - cos - sin)):
         for _ in range(times):

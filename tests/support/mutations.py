@@ -393,3 +393,77 @@ def mutated(
         done = mutations[n % len(mutations)](draw, wrong)
         if done is not None:
             yield done, wrong
+
+
+def _chain(draw: random.Random, document: Document) -> Document:
+    return draw.choice(document["certificate"]["full"]["chains"])
+
+
+def digit_of_a_tube(draw: random.Random, document: Document) -> str:
+    """Another leading digit of the origin of a tube."""
+    tube = draw.choice(_chain(draw, document)["tubes"])
+    pair = tube[draw.choice(["half_alpha", "half_theta"])]
+    n = draw.randrange(2)
+    first = next(i for i, c in enumerate(pair[n]) if c.isdigit())
+    digit = draw.choice([d for d in "123456789" if d != pair[n][first]])
+    pair[n] = pair[n][:first] + digit + pair[n][first + 1 :]
+    return "a moved tube"
+
+
+def narrow_tube(draw: random.Random, document: Document) -> str:
+    """A tube with radii that are not proved."""
+    tube = draw.choice(_chain(draw, document)["tubes"])
+    tube["radii"] = ["1e-60", "1e-60"]
+    return "a narrow tube"
+
+
+def missing_tube(draw: random.Random, document: Document) -> str | None:
+    """A tube left out of the middle of a chain."""
+    tubes = _chain(draw, document)["tubes"]
+    if len(tubes) < 5:
+        return None
+    del tubes[len(tubes) // 2 - 1 : len(tubes) // 2 + 1]
+    return "missing tubes"
+
+
+def exchanged_tubes(draw: random.Random, document: Document) -> str | None:
+    """The tubes of two chains exchanged."""
+    chains = document["certificate"]["full"]["chains"]
+    if len(chains) < 2:
+        return None
+    first, second = draw.sample(chains, 2)
+    first["tubes"], second["tubes"] = second["tubes"], first["tubes"]
+    return "exchanged tubes"
+
+
+def missing_chain(draw: random.Random, document: Document) -> str:
+    """A chain left out."""
+    chains = document["certificate"]["full"]["chains"]
+    chains.remove(draw.choice(chains))
+    return "a missing chain"
+
+
+def other_end(draw: random.Random, document: Document) -> str | None:
+    """A chain past an end that is said to lead to another curve."""
+    pairs = [
+        (chain["from"], chain["to"])
+        for chain in document["certificate"]["full"]["chains"]
+        if chain["from"]["curve"] != chain["to"]["curve"]
+    ]
+    others = [curve["name"] for curve in document["curves"]]
+    if not pairs or len(others) < 3:
+        return None
+    start, stop = draw.choice(pairs)
+    stop["curve"] = draw.choice([name for name in others if name not in (start["curve"], stop["curve"])])
+    return "another end"
+
+
+OF_CHAINS: tuple[Mutation, ...] = (
+    digit_of_a_tube,
+    narrow_tube,
+    missing_tube,
+    exchanged_tubes,
+    missing_chain,
+    other_end,
+)
+"""Of curves with a full certificate."""

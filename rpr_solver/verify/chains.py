@@ -1,0 +1,229 @@
+"""Full certificates of cusp curves: chains of tubes join the points of a curve, and curves at their ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+from rpr_solver.errors import InputError
+from rpr_solver.verify.claims import Claim, ClaimStatus
+from rpr_solver.verify.links import Pose, chain_of
+from rpr_solver.verify.manipulator import exact
+from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.surface import Surface
+from rpr_solver.verify.tubes import Forms, Tube
+
+SIDES = ("from", "to")
+Place = tuple[str, Fraction]
+"""A point of a curve, by the name of the curve and the length."""
+Finding = tuple[ClaimStatus, str]
+
+
+@dataclass(frozen=True)
+class _Chain:
+    at: str
+    start: Place
+    stop: Place
+    tubes: Sequence[Tube]
+
+    @property
+    def claim(self) -> str:
+        (first, a), (second, b) = self.start, self.stop
+        return f"{len(self.tubes)} tubes lead from {first} at {float(a):.9g} to {second} at {float(b):.9g}"
+
+
+@dataclass(frozen=True)
+class _Turn:
+    """An end at which two curves join: curve and side, both names, and the length of the points beside it."""
+
+    curve: int
+    side: str
+    names: frozenset[str]
+    length: Fraction
+
+
+class Chains:
+    """The chains of a document, and what they are to join.
+
+    Args:
+        surface: the equations.
+        document: the document, with a full certificate.
+
+    Raises:
+        InputError: naming a member that cannot be read.
+    """
+
+    def __init__(self, surface: Surface, document: Mapping[str, Any]) -> None:
+        self._surface = surface
+        self._curves: Sequence[Mapping[str, Any]] = document["curves"]
+        self._length = f"l{surface.fixed}"
+        span = document["range"]
+        self._span = exact(span["from"], "/range/from"), span["to"] and exact(span["to"], "/range/to")
+        at = "/certificate/full/chains"
+        self._chains = [
+            self._read(chain, f"{at}/{n}")
+            for n, chain in enumerate(document["certificate"]["full"]["chains"])
+        ]
+
+    def _read(self, chain: Mapping[str, Any], at: str) -> _Chain:
+        start, stop = (
+            (str(chain[side]["curve"]), exact(chain[side][self._length], f"{at}/{side}")) for side in SIDES
+        )
+        tubes = [Tube.of(self._surface, tube, f"{at}/tubes/{k}") for k, tube in enumerate(chain["tubes"])]
+        if not tubes:
+            raise InputError.of(at, "has no tubes")
+        return _Chain(at, start, stop, tubes)
+
+    @property
+    def bits(self) -> dict[Place, int]:
+        """How finely each point must be known to be found in its tube."""
+        result: dict[Place, int] = {}
+        for chain in self._chains:
+            for place, tube in ((chain.start, chain.tubes[0]), (chain.stop, chain.tubes[-1])):
+                result[place] = max(result.get(place, 0), tube.bits)
+        return result
+
+    @property
+    def count(self) -> int:
+        """The number of chains."""
+        return len(self._chains)
+
+    def claims(self, poses: Mapping[Place, Pose], done: Callable[[int], None]) -> Iterator[Claim]:
+        """The claims of all chains, with the proved boxes of the points, and what no chain joins."""
+        joined: set[frozenset[Place] | _Turn] = set()
+        for n, chain in enumerate(self._chains):
+            done(n)
+            links, (status, reason) = self._found(chain, poses)
+            if status is not ClaimStatus.REFUSED:
+                joined |= links
+            yield Claim(chain.at, chain.claim, status, reason)
+        for n, curve in enumerate(self._curves):
+            missing = [pair for pair in self._neighbours(curve) if pair not in joined]
+            claim = "each two neighbouring points of the curve are joined by tubes"
+            status = ClaimStatus.REFUSED if missing else ClaimStatus.PROVED
+            reason = f"{len(missing)} are not" if missing else "as the chains show"
+            yield Claim(f"/curves/{n}/points", claim, status, reason)
+            yield from self._ends(n, curve, joined)
+
+    def _ends(
+        self, n: int, curve: Mapping[str, Any], joined: set[frozenset[Place] | _Turn]
+    ) -> Iterator[Claim]:
+        """An end that joins another curve has a chain past it, if both have points beside it."""
+        for side in SIDES:
+            end = curve[side]
+            if end.get("joins") is None or any(
+                turn in joined for turn in self._turns if turn.side == side and curve["name"] in turn.names
+            ):
+                continue
+            due = any(turn.curve == n and turn.side == side for turn in self._turns)
+            status = ClaimStatus.REFUSED if due and self._inside(end) else ClaimStatus.NOT_CHECKED
+            reason = "no tubes lead past it"
+            yield Claim(f"/curves/{n}/{side}", f"it joins {end['joins']} here", status, reason)
+
+    def _inside(self, end: Mapping[str, Any]) -> bool:
+        start, stop = self._span
+        length = Printed.of(end.get(self._length), self._length)
+        return start < length.lower and (stop is None or length.upper < stop)
+
+    def _points(self, curve: Mapping[str, Any]) -> list[Fraction]:
+        return [exact(point[self._length], self._length) for point in curve["points"]]
+
+    def _neighbours(self, curve: Mapping[str, Any]) -> Iterator[frozenset[Place]]:
+        for a, b in pairwise(self._points(curve)):
+            yield frozenset(((curve["name"], a), (curve["name"], b)))
+
+    @cached_property
+    def _links(self) -> set[frozenset[Place]]:
+        return {pair for curve in self._curves for pair in self._neighbours(curve)}
+
+    @cached_property
+    def _turns(self) -> list[_Turn]:
+        by_name = {curve["name"]: curve for curve in self._curves}
+        turns = []
+        for n, curve in enumerate(self._curves):
+            for side, place in zip(SIDES, (0, -1), strict=True):
+                other = by_name.get(curve[side].get("joins"))
+                lengths = [self._points(x)[place:][:1] for x in (curve, other or {"points": []})]
+                if lengths[0] and lengths[0] == lengths[1] and other is not curve:
+                    names = frozenset((curve["name"], curve[side]["joins"]))
+                    turns.append(_Turn(n, side, names, lengths[0][0]))
+        return turns
+
+    @cached_property
+    def _forms(self) -> Forms:
+        return Forms(self._surface)
+
+    def _found(
+        self, chain: _Chain, poses: Mapping[Place, Pose]
+    ) -> tuple[set[frozenset[Place] | _Turn], Finding]:
+        """What a chain joins, and how its claim stands."""
+        refused = ClaimStatus.REFUSED
+        link = frozenset((chain.start, chain.stop))
+        turns = [
+            turn
+            for turn in self._turns
+            if link == {(name, turn.length) for name in turn.names} and len(link) == 2
+        ]
+        if link not in self._links and not turns:
+            return set(), (
+                refused,
+                "these are no neighbours on a curve, nor points beside an end that joins",
+            )
+        if not {chain.start, chain.stop} <= poses.keys():
+            return set(), (refused, "one of the points is not proved")
+        found = chain_of(self._surface, self._forms, chain.tubes, poses[chain.start], poses[chain.stop])
+        if found.fault:
+            return set(), (refused, found.fault)
+        proof = "each holds one curve by Krawczyk's test and begins on that of the one before"
+        if not turns:
+            if found.turning is None:
+                return {link}, (ClaimStatus.CHECKED, f"{proof}; that the length never turns back is open")
+            if found.turning:
+                return set(), (refused, "the length turns back on the way")
+            return {link}, (ClaimStatus.PROVED, f"{proof}; the length never turns back")
+        if found.turning is not None and len(found.turning) != 1:
+            return set(), (refused, f"the length turns back {len(found.turning)} times on the way")
+        tubes = chain.tubes if found.turning is None else [chain.tubes[k] for k in found.turning]
+        passed = {turn for turn in turns if self._holds_an_event(tubes, turn)}
+        if not passed:
+            return set(), (refused, "the pose of the end is not on the way")
+        if found.turning is None:
+            return {*passed}, (
+                ClaimStatus.CHECKED,
+                f"{proof}, past the pose of the end; whether the length turns back elsewhere is open",
+            )
+        return {*passed}, (ClaimStatus.PROVED, f"{proof}; the length turns back once, at the pose of the end")
+
+    def _holds_an_event(self, tubes: Sequence[Tube], turn: _Turn) -> bool:
+        """Whether one of the tubes holds a pose of the end; without a pose nothing is compared."""
+        end = self._curves[turn.curve][turn.side]
+        if not end["events"]:
+            return True
+        printed = Printed.of(end.get(self._length), self._length)
+        return any(
+            _holds(tube, pose)
+            for event in end["events"]
+            for tube in tubes
+            for pose in self._poses_of(event, printed, tube.bits)
+        )
+
+    def _poses_of(self, event: Mapping[str, Any], printed: Printed, bits: int) -> Iterator[Pose]:
+        alpha, theta = (
+            Printed.of(event.get(name), name).value
+            for name in ("alpha_deg", f"theta{self._surface.fixed}_deg")
+        )
+        for _, triple in self._surface.systems(str(event.get("kind"))):
+            zero = triple.zero_near(alpha, theta, printed.value * self._surface.unit, bits)
+            if zero is not None:
+                yield Pose(zero[0], zero[1], zero[2])
+
+
+def _holds(tube: Tube, pose: Pose) -> bool:
+    try:
+        return tube.contains(pose.about(tube))
+    except ZeroDivisionError:
+        return False

@@ -1,0 +1,294 @@
+"""Tubes of a full certificate: each holds one point of J = E = 0 for each value of its parameter.
+
+About the origin of a tube, x = tan((α − α₀)/2), y = tan((θ − θ₀)/2) and z = L/L₀ − 1 are coordinates in which
+J and E, times powers of (1 + x²) and (1 + y²), are polynomials. One of x, y, z is the parameter r, the other
+two are p and q. With a constant matrix A, A (J, E) = G = (p, q) + N. If on the parabola (p̂, q̂)(r), for
+|r| ≤ h, |G| + |N′| ρ < ρ, with bounds |N′| of ∂N/∂(p, q) over the tube of radii ρ, it holds exactly one zero
+for each r: Krawczyk's test. All bounds are sums of absolute values, in integers, rounded up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from math import isqrt
+from typing import Any
+
+from rpr_solver.errors import InputError
+from rpr_solver.verify.expansions import DEGREE, Expansion, Index, P, Q
+from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.manipulator import exact
+from rpr_solver.verify.surds import ZERO, Surd
+from rpr_solver.verify.surface import Graded, Surface
+from rpr_solver.verify.system import half_angle_form, in_half_tangent
+
+_LAYERS = 3
+_GUARD, _MOST_BITS = 64, 1 << 14
+LENGTH = 2
+"""The coordinate z."""
+
+Square = list[list[int]]
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A tube as it is printed; the length is scaled, and the origin of an angle is an integer (s, c)."""
+
+    parameter: int
+    leg: int
+    origins: tuple[tuple[int, int], tuple[int, int]]
+    length: Fraction
+    slopes: tuple[Fraction, Fraction]
+    bends: tuple[Fraction, Fraction]
+    reach: Fraction
+    radii: tuple[Fraction, Fraction]
+
+    @classmethod
+    def of(cls, surface: Surface, tube: Mapping[str, Any], at: str) -> Tube:
+        """Reads a tube.
+
+        Raises:
+            InputError: naming a member that cannot be read.
+        """
+        length = f"l{surface.fixed}"
+
+        def two(name: str) -> tuple[Fraction, Fraction]:
+            if not isinstance(tube[name], list) or len(tube[name]) != 2:
+                raise InputError.of(f"{at}/{name}", "is no pair of numbers")
+            return exact(tube[name][0], f"{at}/{name}"), exact(tube[name][1], f"{at}/{name}")
+
+        def origin(name: str) -> tuple[int, int]:
+            s, c = two(name)
+            if s.denominator != 1 or c.denominator != 1 or s == c == 0:
+                raise InputError.of(f"{at}/{name}", "is no pair of integers")
+            return int(s), int(c)
+
+        coordinates = ("alpha", "theta", length)
+        if tube["parameter"] not in coordinates or tube["leg"] not in [leg.number for leg in surface.legs]:
+            raise InputError.of(at, "has no such parameter or leg")
+        result = cls(
+            coordinates.index(tube["parameter"]),
+            tube["leg"],
+            (origin("half_alpha"), origin("half_theta")),
+            exact(tube[length], f"{at}/{length}") * surface.unit,
+            two("slopes"),
+            two("bends"),
+            exact(tube["reach"], f"{at}/reach"),
+            two("radii"),
+        )
+        if min(result.length, result.reach, *result.radii) <= 0:
+            raise InputError.of(at, "has a length, a reach or a radius that is not positive")
+        parts = (*result.slopes, *result.bends, result.length, result.reach, *result.radii)
+        integers = [x for pair in (*map(Fraction.as_integer_ratio, parts), *result.origins) for x in pair]
+        if max(x.bit_length() for x in integers) > _MOST_BITS:
+            raise InputError.of(at, "has longer numbers than any tube needs")
+        return result
+
+    @property
+    def bits(self) -> int:
+        """Bits well below the radii."""
+        least = min(*self.radii, self.reach)
+        return (least.denominator // least.numerator).bit_length() + _GUARD
+
+    def contains(self, box: Sequence[Interval]) -> bool:
+        """Whether a box of (x, y, z) lies in the tube."""
+        p, q = (box[i] for i in range(3) if i != self.parameter)
+        r = box[self.parameter]
+        if r.greatest > self.reach:
+            return False
+        for w, slope, bend, radius in zip((p, q), self.slopes, self.bends, self.radii, strict=True):
+            first, second = (Interval.of(x, r.bits) for x in (slope, bend))
+            if (w - r * (first + r * second)).greatest >= radius:
+                return False
+        return True
+
+
+class Forms:
+    """J, and E along either leg, as polynomials of degree 6 in tan(α/2) and tan(θ/2), by powers of L."""
+
+    def __init__(self, surface: Surface) -> None:
+        self._radicand = surface.ring.radicand
+        self._singular = _layers(surface.singular)
+        self._kernels = {leg.number: _layers(leg.kernel) for leg in surface.legs}
+        self._known: dict[tuple[int, int], tuple[list[Square], int]] = {}
+
+    def about(self, tube: Tube, bits: int) -> list[tuple[list[Square], int]]:
+        """J and E about the origin of a tube, by powers of z, and what their coefficients may be off."""
+        (up, widths), (down, heights) = (_moved(origin) for origin in tube.origins)
+        n, d = tube.length.numerator, tube.length.denominator
+        result = []
+        for leg in (0, tube.leg):
+            (c0, c1, c2), error = self._at(leg, bits)
+            layers = (
+                _combined(((d * d, c0), (d * n, c1), (n * n, c2))),
+                _combined(((d * n, c1), (2 * n * n, c2))),
+                _combined(((n * n, c2),)),
+            )
+            moved = [_times(_times(up, layer), list(map(list, zip(*down, strict=True)))) for layer in layers]
+            result.append((moved, error * (d + 2 * n) ** 2 * widths * heights))
+        return result
+
+    def _at(self, leg: int, bits: int) -> tuple[list[Square], int]:
+        """Coefficients in units of 2^−bits, off by at most the second entry."""
+        if (leg, bits) not in self._known:
+            layers = self._kernels[leg] if leg else self._singular
+            omega = isqrt(self._radicand << (2 * bits))
+            rows = [[[(a << bits) + b * omega for a, b in row] for row in layer] for layer in layers]
+            error = max(abs(b) for layer in layers for row in layer for _, b in row)
+            self._known[leg, bits] = rows, error
+        return self._known[leg, bits]
+
+
+def _layers(p: Graded) -> list[list[list[Surd]]]:
+    layers = [_in_half_tangents(row) for row in p]
+    empty = [[ZERO] * (DEGREE + 1)] * (DEGREE + 1)
+    return layers + [empty] * (_LAYERS - len(layers))
+
+
+def _in_half_tangents(p: Mapping[tuple[int, int, int, int], Surd]) -> list[list[Surd]]:
+    """Row i, column k: the coefficient of tⁱ uᵏ of p (1 + t²)³ (1 + u²)³."""
+    result = [[ZERO] * (DEGREE + 1) for _ in range(DEGREE + 1)]
+    for cos, sin in {key[2:] for key in p}:
+        part = {key: x for key, x in p.items() if key[2:] == (cos, sin)}
+        column = in_half_tangent(part, DEGREE // 2, lambda _k, _m: 1)
+        for (i, (a, b)), (k, factor) in product(
+            enumerate(column), enumerate(half_angle_form(cos, sin, DEGREE // 2))
+        ):
+            c, e = result[i][k]
+            result[i][k] = (c + a * factor, e + b * factor)
+    return result
+
+
+def _moved(origin: tuple[int, int]) -> tuple[Square, int]:
+    """Row a, column i: the coefficient of xᵃ in (c x + s)ⁱ (c − s x)⁶⁻ⁱ; and the greatest sum of a row."""
+    s, c = origin
+    columns = []
+    for i in range(DEGREE + 1):
+        form = [1]
+        for low, high in [(s, c)] * i + [(c, -s)] * (DEGREE - i):
+            form = [low * a + high * b for a, b in zip([*form, 0], [0, *form], strict=True)]
+        columns.append(form)
+    rows = [list(row) for row in zip(*columns, strict=True)]
+    return rows, max(sum(map(abs, row)) for row in rows)
+
+
+def _combined(parts: Sequence[tuple[int, Square]]) -> Square:
+    size = range(DEGREE + 1)
+    return [[sum(factor * layer[i][k] for factor, layer in parts) for k in size] for i in size]
+
+
+def _times(first: Square, second: Square) -> Square:
+    columns = list(zip(*second, strict=True))
+    return [[sum(map(int.__mul__, row, column)) for column in columns] for row in first]
+
+
+class Local:
+    """A tube with its equations about its origin.
+
+    Raises:
+        ArithmeticError: the equations are dependent there.
+    """
+
+    def __init__(self, forms: Forms, tube: Tube) -> None:
+        self.tube, bits = tube, tube.bits
+        (j, first), (e, second) = forms.about(tube, 2 * bits + 4 * _GUARD)
+        parameter = tube.parameter
+        known = Expansion.of(_by_exponents(j, parameter), _by_exponents(e, parameter), (first, second), bits)
+        if known is None:
+            raise ArithmeticError("the gradients are dependent")
+        self.bits, self.expansion = bits, known
+
+    def passes(self) -> bool:
+        """Krawczyk's test of the tube."""
+        known, tube = self.expansion, self.tube
+        h, sides = self.up(tube.reach), self.sides(tube.reach)
+        radii = [self.up(x) for x in tube.radii]
+        powers = known.powers(sides[0] + radii[0], sides[1] + radii[1], h)
+        for n, radius in enumerate(radii):
+            total = self._residue(n, sides, h)
+            for order, rho in zip((P, Q), radii, strict=True):
+                total += (known.derivative(known.sizes[n], powers, order) * rho >> self.bits) + 1
+            if total >= radius:
+                return False
+        return True
+
+    def middle(self) -> list[Interval] | None:
+        """A box of (x, y, z) that holds the one zero of the tube with r = 0; None if none is proved."""
+        known = self.expansion
+        values = [known.coefficient(n, (0, 0, 0)) for n in (0, 1)]
+        radius = 2 * max(max(abs(x.lower), abs(x.upper)) for x in values) + 1
+        if radius >= min(self.down(x) for x in self.tube.radii):
+            return None
+        powers = known.powers(radius, radius, 0)
+        box = []
+        for x, sizes in zip(values, known.sizes, strict=True):
+            steep = sum(known.derivative(sizes, powers, order) for order in (P, Q))
+            spread = (steep * radius >> self.bits) + 1
+            image = Interval(-x.upper - spread, -x.lower + spread, self.bits)
+            if not -radius < image.lower <= image.upper < radius:
+                return None
+            box.append(image)
+        box.insert(self.tube.parameter, Interval(0, 0, self.bits))
+        return box
+
+    def sides(self, reach: Fraction) -> list[int]:
+        """Bounds of p and q on the parabola for |r| ≤ reach."""
+        pairs = zip(self.tube.slopes, self.tube.bends, strict=True)
+        return [self.up(abs(slope) * reach + abs(bend) * reach**2) for slope, bend in pairs]
+
+    def parabola(self, r: Fraction) -> list[int]:
+        """p and q at one value of r, in units, rounded down."""
+        pairs = zip(self.tube.slopes, self.tube.bends, strict=True)
+        return [self.down(r * (slope + r * bend)) for slope, bend in pairs]
+
+    def up(self, x: Fraction) -> int:
+        """A number ≥ 0 in units, rounded up."""
+        return -((-x.numerator << self.bits) // x.denominator)
+
+    def down(self, x: Fraction) -> int:
+        """A number in units, rounded down."""
+        return (x.numerator << self.bits) // x.denominator
+
+    def _residue(self, n: int, sides: Sequence[int], h: int) -> int:
+        """A bound of G on the parabola: its terms of order 0 to 2 in r exactly, all others by their sizes."""
+        known, tube = self.expansion, self.tube
+        s, t, first, second = (Interval.of(x, self.bits) for x in (*tube.slopes, *tube.bends))
+
+        def g(i: int, j: int, k: int) -> Interval:
+            return known.coefficient(n, (i, j, k))
+
+        once = g(0, 0, 1) + g(1, 0, 0) * s + g(0, 1, 0) * t
+        twice = g(0, 0, 2) + g(1, 0, 1) * s + g(0, 1, 1) * t + g(2, 0, 0) * s * s + g(1, 1, 0) * s * t
+        twice = twice + g(0, 2, 0) * t * t + g(1, 0, 0) * first + g(0, 1, 0) * second
+        total = 0
+        for power, term in enumerate((g(0, 0, 0), once, twice)):
+            size = max(abs(term.lower), abs(term.upper))
+            for _ in range(power):
+                size = (size * h >> self.bits) + 1
+            total += size
+        powers, rest = known.powers(*sides, h), 0
+        lines = [self.down(abs(slope) * tube.reach) for slope in tube.slopes]
+        lines.append(self.down(tube.reach))
+        for (i, j, k), c in known.forms[n].items():
+            order = i + j + k
+            if order < 2:
+                continue
+            size = powers[0][i] * powers[1][j] * powers[2][k]
+            if order == 2:  # without its part of order 2 in r, which is above
+                x, y = [lines[0]] * i + [lines[1]] * j + [lines[2]] * k
+                size -= x * y << self.bits
+            rest += (abs(c) + known.error) * size
+        return total + (rest >> (3 * self.bits)) + 1
+
+
+def _by_exponents(layers: Sequence[Square], parameter: int) -> dict[Index, int]:
+    """Coefficients by the exponents of p, q and r."""
+    result = {}
+    for k, layer in enumerate(layers):
+        for (a, row), b in product(enumerate(layer), range(DEGREE + 1)):
+            powers = [a, b, k]
+            r = powers.pop(parameter)
+            result[powers[0], powers[1], r] = row[b]
+    return result

@@ -1,0 +1,109 @@
+"""Full certificates of curves: right ones are proved without a gap, and each fault is refused."""
+
+from __future__ import annotations
+
+import random
+from copy import deepcopy
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, cusp_curves
+from rpr_solver.verify.chains import Chains
+from rpr_solver.verify.claims import Claim
+from tests.support.chains import poses, surface, window
+from tests.support.mutations import OF_CHAINS, OF_CURVES, mutated
+from tests.support.shared import curves_of
+from tests.support.verified import accepted_but_no_mutation, random_documents
+
+Document = dict[str, Any]
+
+
+def claims(document: Document) -> list[Claim]:
+    return list(Chains(surface(), document).claims(poses(), lambda _: None))
+
+
+def faults(document: Document) -> list[str]:
+    return [claim.at for claim in claims(document) if claim.status is ClaimStatus.REFUSED]
+
+
+def test_every_chain_is_proved() -> None:
+    found = claims(window())
+    chains = [claim for claim in found if claim.at.startswith("/certificate")]
+    assert len(chains) == 3
+    assert all(claim.status is ClaimStatus.PROVED for claim in chains)
+    assert sum("turns back once, at the pose of the end" in claim.reason for claim in chains) == 1
+    assert sum("never turns back" in claim.reason for claim in chains) == 2
+    beyond = [claim.at for claim in found if claim.status is ClaimStatus.NOT_CHECKED]
+    assert beyond == ["/curves/1/to"]  # at a length beyond the range
+    assert not faults(window())
+
+
+def test_each_fault_is_refused() -> None:
+    for done, wrong in mutated(window(), OF_CHAINS, len(OF_CHAINS), seed=1):
+        assert faults(wrong), done
+
+
+def test_a_chain_that_turns_back_is_none_between_points_of_one_curve() -> None:
+    document = deepcopy(window())
+    chains = document["certificate"]["full"]["chains"]
+    [past] = [chain for chain in chains if chain["from"]["curve"] != chain["to"]["curve"]]
+    [first] = [chain for chain in chains if chain["from"]["curve"] == chain["to"]["curve"] == "C2"]
+    # C1 at 1, past the swallowtail to C2 at 1, up to 1.05: said to be one curve
+    document["curves"][0]["points"][1] = document["curves"][1]["points"][1]
+    past["to"] = {"curve": "C1", "l1": "1.05"}
+    past["tubes"] += first["tubes"]
+    known = {**poses(), ("C1", Fraction("1.05")): poses()["C2", Fraction("1.05")]}
+    found = Chains(surface(), document).claims(known, lambda _: None)
+    reasons = [claim.reason for claim in found if claim.status is ClaimStatus.REFUSED]
+    assert "the length turns back on the way" in reasons
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("parameter", "l2"),
+        ("leg", 1),
+        ("half_alpha", ["0", "0"]),
+        ("half_theta", ["1/2", "1"]),
+        ("slopes", ["1", "2", "3"]),
+        ("reach", "-1"),
+        ("radii", ["0", "1"]),
+        ("radii", ["1e-9000", "1"]),
+        ("l1", "0"),
+        ("bends", 1),
+    ],
+)
+def test_what_is_no_tube_is_bad_input(name: str, value: object) -> None:
+    document = deepcopy(window())
+    document["certificate"]["full"]["chains"][0]["tubes"][0][name] = value
+    with pytest.raises(InputError):
+        Chains(surface(), document)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("name", ["zein-flat", "innocenti"])
+def test_all_curves_of_an_example_are_proved(name: str) -> None:
+    document = curves_of(EXAMPLES[name]).to_json(certificate="full")
+    verification = accepted_but_no_mutation(document, OF_CHAINS + OF_CURVES, 0, seed=2)
+    assert {claim.status for claim in verification.claims} == {ClaimStatus.PROVED}
+
+
+@pytest.mark.long
+@pytest.mark.timeout(900)
+def test_random_certificates() -> None:
+    def curves(m: Manipulator, n: int, _: random.Random) -> _Certified:
+        return _Certified(m, n % 3 + 1)
+
+    for n, document in random_documents(31, 8, curves, degenerate_every=5):
+        accepted_but_no_mutation(document, OF_CHAINS, 2, n)
+
+
+class _Certified:
+    def __init__(self, m: Manipulator, leg: int) -> None:
+        self._curves = cusp_curves(m, digits=15, fixed_leg=leg)
+
+    def to_json(self) -> Document:
+        return self._curves.to_json(certificate="full")

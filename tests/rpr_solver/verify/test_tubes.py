@@ -1,0 +1,80 @@
+"""Tubes: the equations about an origin are those of the surface, and only proved tubes pass."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+from rpr_solver import EXAMPLES
+from rpr_solver.verify.boxes import Directions
+from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.links import Pose
+from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.surface import Surface, value
+from rpr_solver.verify.tubes import DEGREE, Forms, Local, Tube
+from tests.support.chains import PAST, surface, tubes
+
+BITS = 300
+_SIZES = Fraction(1), (Fraction(1), Fraction(1))
+
+
+@pytest.mark.parametrize(("name", "fixed"), [("innocenti", 1), ("zein-flat", 3)])
+def test_the_forms_are_those_of_the_surface(name: str, fixed: int) -> None:
+    one = Surface.of(Geometry.of(EXAMPLES[name].identity_json()), fixed)
+    leg = one.legs[1]
+    origin = Tube(
+        0, leg.number, ((-3, 5), (7, 2)), Fraction(27), (Fraction(0),) * 2, (Fraction(0),) * 2, *_SIZES
+    )
+    forms = Forms(one).about(origin, BITS)
+    ratios: list[list[Fraction]] = [[], []]
+    for alpha, theta, length in ((Fraction(1, 3), Fraction(-2), 25), (Fraction(2), Fraction(1, 7), 31)):
+        pose = Pose(*(Interval.of(x, BITS) for x in (alpha, theta, length)))
+        x, y, z = (w.middle for w in pose.about(origin))
+        here = Directions.of(pose.alpha, pose.theta, one.ring.radicand)
+        for n, p in enumerate((one.singular, leg.kernel)):
+            layers, _ = forms[n]
+            mine = sum(
+                layer[i][k] * x**i * y**k * z**power
+                for power, layer in enumerate(layers)
+                for i in range(DEGREE + 1)
+                for k in range(DEGREE + 1)
+            )
+            norm = ((1 + x * x) * (1 + y * y)) ** 3
+            ratios[n].append(mine / norm / value(here, p, pose.length).middle)
+    for first, second in ratios:
+        assert abs(first / second - 1) < Fraction(1, 10**30)
+
+
+def test_only_proved_tubes_pass() -> None:
+    forms = Forms(surface())
+    for tube in tubes(PAST)[::3]:
+        local = Local(forms, tube)
+        assert local.passes()
+        middle = local.middle()
+        assert middle is not None
+        assert tube.contains(middle)
+        p, q = tube.radii
+        for wrong in (
+            replace(tube, radii=(p / 50, q / 50)),
+            replace(tube, slopes=(tube.slopes[0] + Fraction(1, 3), tube.slopes[1])),
+            replace(tube, reach=100 * tube.reach),
+            replace(tube, length=tube.length * Fraction(11, 10)),
+        ):
+            assert not Local(forms, wrong).passes()
+
+
+def test_what_lies_in_a_tube() -> None:
+    [tube, *_] = tubes(0)
+
+    def holds(x: Fraction, y: Fraction, z: Fraction) -> bool:
+        return tube.contains([Interval.of(w, BITS) for w in (x, y, z)])
+
+    r = tube.reach
+    p, q = (r * (s + r * b) for s, b in zip(tube.slopes, tube.bends, strict=True))
+    near, far = tube.radii[0] * Fraction(99, 100), tube.radii[0] * Fraction(101, 100)
+    assert holds(p, q, r)
+    assert holds(p + near, q, r)
+    assert not holds(p + far, q, r)
+    assert not holds(p, q, r * Fraction(101, 100))

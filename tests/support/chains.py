@@ -1,0 +1,55 @@
+"""A small full certificate of curves, with the proved boxes of its points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+from rpr_solver import EXAMPLES
+from rpr_solver.verify.chains import Place
+from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.links import Pose
+from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.points import Point, Points
+from rpr_solver.verify.surface import Surface
+from rpr_solver.verify.system import System
+from rpr_solver.verify.tubes import Tube
+from tests.support.shared import curves_of
+
+PAST = 1
+"""The number of the chain past the end at which the two curves join."""
+
+
+@cache
+def window() -> dict[str, Any]:
+    """Two curves of the flat manipulator that join in a swallowtail at L1 = 0.83, with two points each."""
+    part = curves_of(EXAMPLES["zein-flat"]).part("0.5", "1.2", lengths=[1, "1.05"])
+    return part.to_json(certificate="full")
+
+
+@cache
+def surface() -> Surface:
+    return Surface.of(Geometry.of(window()), 1)
+
+
+@cache
+def poses() -> Mapping[Place, Pose]:
+    """The boxes of the points."""
+    result = {}
+    for curve in window()["curves"]:
+        for point in curve["points"]:
+            length = Fraction(point["l1"])
+            system = System.of(surface().geometry, 1, length)
+            box, _ = Points(system).cusp(Point.of(point, system, ""))
+            assert box
+            scaled = Interval.of(length * surface().unit, box.alpha.bits)
+            result[curve["name"], length] = Pose(box.alpha, box.theta, scaled)
+    return result
+
+
+def tubes(chain: int) -> list[Tube]:
+    """The tubes of a chain."""
+    parts = window()["certificate"]["full"]["chains"][chain]["tubes"]
+    return [Tube.of(surface(), tube, "") for tube in parts]
