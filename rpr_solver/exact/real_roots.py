@@ -19,6 +19,8 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 _NEWTON_STEPS = 64
 _FIRST_BITS = 192
 _BISECTION_BITS = 768
+_FIRST_LEAP = 4
+"""By how many bits an interval is first narrowed at once."""
 _SHARPENINGS = 3
 
 
@@ -109,6 +111,7 @@ def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:
 
     Descartes' rule of signs with bisection: if the coefficients transformed to an interval have no sign
     change, it has no root; if they have one, it has exactly one, and a Newton step contracts the interval.
+    Roots that are near each other are approached by Newton steps for a multiple root.
     """
     with ctx.workprec(bits):
         n = polynomial.degree()
@@ -121,19 +124,63 @@ def bisected(polynomial: arb_poly, bits: int) -> list[arb] | None:
             exponent += 1
         edge = arb(2) ** exponent
         slope, intervals = polynomial.derivative(), []
-        todo = [(-edge, edge, 0)]
+        todo = [(-edge, edge, 0, _FIRST_LEAP)]
         while todo:
-            low, high, depth = todo.pop()
+            low, high, depth, leap = todo.pop()
             changes = _sign_changes(polynomial, low, high)
             if changes is None or depth > bits + exponent:
                 return None
-            if changes == 1 and (x := _contracted(polynomial, slope, low.union(high))) is not None:
+            if changes == 1:
+                x = _bracketed(polynomial, slope, low, high, bits + exponent - depth)
+                if x is None:
+                    return None
                 intervals.append(x)
+            elif changes and (near := _near_all(polynomial, slope, low, high, changes, leap)):
+                todo.append((*near, depth + leap, 2 * leap))
             elif changes:
-                # not the middle, which is the likeliest point to be a root; another point at each precision
-                cut = low + (high - low) * (450 + bits * 7919 % 127) / 1024
-                todo += [(low, cut.mid(), depth + 1), (cut.mid(), high, depth + 1)]
+                cut, leap = _cut(low, high, bits), max(leap // 2, _FIRST_LEAP)
+                todo += [(low, cut, depth + 1, leap), (cut, high, depth + 1, leap)]
         return sorted(intervals, key=lambda x: x.mid())
+
+
+def _cut(low: arb, high: arb, bits: int) -> arb:
+    """Not the middle, which is the likeliest point to be a root; another point at each precision."""
+    return (low + (high - low) * (450 + bits * 7919 % 127) / 1024).mid()
+
+
+def _near_all(
+    polynomial: arb_poly, slope: arb_poly, low: arb, high: arb, changes: int, leap: int
+) -> tuple[arb, arb] | None:
+    """An interval 2^leap times as narrow with as many sign changes, so with all roots; None if none is found.
+
+    The sign changes on the parts of an interval are together at most those on the whole (Schoenberg 1930).
+    """
+    start = _cut(low, high, ctx.prec)
+    steep = slope(start)
+    if steep.contains(0):
+        return None
+    centre, reach = (start - changes * polynomial(start) / steep).mid(), (high - low) / 2 ** (leap + 1)
+    first, last = (centre - reach).mid(), (centre + reach).mid()
+    if not (low < first and last < high):
+        return None
+    return (first, last) if _sign_changes(polynomial, first, last) == changes else None
+
+
+def _bracketed(polynomial: arb_poly, slope: arb_poly, low: arb, high: arb, times: int) -> arb | None:
+    """A small ball of the only root between two points, which is simple; None if a sign is not certain.
+
+    The sign at a point tells on which side the root is, far sooner than Descartes' rule does.
+    """
+    above = polynomial(high) > 0
+    for _ in range(times):
+        if (x := _contracted(polynomial, slope, low.union(high))) is not None:
+            return x
+        cut = _cut(low, high, ctx.prec)
+        value = polynomial(cut)
+        if value.contains(0):
+            return None
+        low, high = (low, cut) if (value > 0) == above else (cut, high)
+    return None
 
 
 def _contracted(polynomial: arb_poly, slope: arb_poly, x: arb) -> arb | None:

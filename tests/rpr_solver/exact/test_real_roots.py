@@ -19,6 +19,7 @@ from rpr_solver.exact.real_roots import (
     _contracted,
     _isolate,
     _sharpened,
+    _sign_changes,
     ball_of,
     bisected,
     fraction_of,
@@ -324,6 +325,25 @@ def test_bisection_does_not_guess_where_the_precision_is_too_low() -> None:
     found = bisected(close.ball(2048), 2048)
     assert found is not None
     assert_each_holds_one(found, close.a)
+
+
+@pytest.mark.parametrize("exponent", [100, 800])
+def test_near_roots_are_reached_in_leaps(exponent: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Halving alone would take about as many steps as the exponent."""
+    roots = [Fraction(k) for k in (-5, 2, 7)] + [Fraction(1, 3), Fraction(1, 3) + Fraction(1, 2**exponent)]
+    exact = with_roots(roots, [9, 1, 1])
+    steps = []
+
+    def counted(polynomial: arb_poly, low: arb, high: arb) -> int | None:
+        steps.append(high - low)
+        return _sign_changes(polynomial, low, high)
+
+    monkeypatch.setattr("rpr_solver.exact.real_roots._sign_changes", counted)
+    found = bisected(exact.ball(8192), 8192)
+    assert found is not None
+    assert_each_holds_one(found, exact.a)
+    assert len(found) == len(roots)
+    assert len(steps) < 80
 
 
 def test_bisection_asks_for_a_leading_coefficient() -> None:
