@@ -12,8 +12,9 @@ from typing import Any
 from rpr_solver.contract import Progress, check_digits, check_leg
 from rpr_solver.errors import InputError
 from rpr_solver.verify.claims import Claim, ClaimStatus
-from rpr_solver.verify.completeness import Completeness, completeness, degenerate_claims
+from rpr_solver.verify.completeness import Completeness, completeness
 from rpr_solver.verify.counts import cusps_counted, simplest_between
+from rpr_solver.verify.degenerate import degenerate_claims
 from rpr_solver.verify.events import event_finding
 from rpr_solver.verify.full_censuses import AT
 from rpr_solver.verify.manipulator import Geometry, exact
@@ -42,7 +43,11 @@ def census_claims(geometry: Geometry, document: Mapping[str, Any], progress: Pro
         claim, simple = _counted(census, n, document, complete)
         generic.append(simple)
         yield claim
-    yield from degenerate_claims(document, generic, complete)
+    entries = document.get("degenerate")
+    if entries is not None and complete is not None and complete.holds:
+        yield complete.degenerate(entries)
+    elif entries is not None:
+        yield from degenerate_claims(geometry, census.fixed, entries, census.intervals, generic)
     yield census.complete() if complete is None else complete.transitions()
     yield from census.aspects()
     progress(total, total)

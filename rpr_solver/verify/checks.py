@@ -13,8 +13,8 @@ from rpr_solver.contract import Progress, check_digits, check_leg
 from rpr_solver.errors import InputError
 from rpr_solver.verify.censuses import Census
 from rpr_solver.verify.claims import Claim, ClaimStatus
-from rpr_solver.verify.completeness import degenerate_claims
 from rpr_solver.verify.counts import simplest_between
+from rpr_solver.verify.degenerate import degenerate_claims
 from rpr_solver.verify.manipulator import Geometry, exact
 from rpr_solver.verify.points import Point, Points
 from rpr_solver.verify.printed import Printed
@@ -43,7 +43,8 @@ def check_claims(geometry: Geometry, document: Mapping[str, Any], progress: Prog
     for k, violation in enumerate(violations):
         progress(len(intervals) + k, total)
         yield report.example(k, violation)
-    yield from degenerate_claims(document, generic, None)
+    entries = document["degenerate"]
+    yield from degenerate_claims(geometry, report.census.fixed, entries, intervals, generic)
     reason = "no other length was found by two slices in each interval; the elimination was not repeated"
     yield Claim("/intervals", "the number of cusps changes nowhere else", ClaimStatus.CHECKED, reason)
     progress(total, total)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -38,6 +38,12 @@ class Completeness:
     def holds(self) -> bool:
         """Whether nothing is refused or left open, but that the eliminants are checked, not proved."""
         return self.open == ()
+
+    def degenerate(self, entries: Sequence[Mapping[str, Any]]) -> Claim:
+        """That nothing is degenerate throughout, where nothing is left open."""
+        claim = "what is degenerate throughout an interval, or along a curve"
+        status = ClaimStatus.REFUSED if entries else ClaimStatus.CHECKED
+        return Claim("/degenerate", claim, status, f"nothing is, as all events are isolated: {COMPLETE}")
 
     def transitions(self) -> Claim:
         """That these are all transitions."""
@@ -136,50 +142,3 @@ def _misprinted(
         (not x.contains(0)) if number.is_zero else number.rounds(x, turn) is False
         for x, number, turn in zip(values, (length, alpha, theta), turns, strict=True)
     )
-
-
-def degenerate_claims(
-    document: Mapping[str, Any], generic: Sequence[bool | None], complete: Completeness | None
-) -> Iterator[Claim]:
-    """The claims of the member ``degenerate`` of a census.
-
-    Args:
-        document: the census.
-        generic: for each interval whether all roots of the eliminants of its slices are simple, so that they
-            have no degenerate pose but cusps; None if it was not looked at.
-        complete: what the full certificate says, if there is one.
-    """
-    if "degenerate" not in document:
-        return
-    listed = document["degenerate"]
-    claim = f"{len(listed)} kinds of degenerate poses throughout an interval or along a curve"
-    if complete is not None and complete.holds:
-        right = not listed
-        status = ClaimStatus.CHECKED if right else ClaimStatus.REFUSED
-        reason = f"the events are isolated and simple: {COMPLETE}"
-        yield Claim("/degenerate", claim, status, reason)
-        return
-    parts = document["intervals"]
-    for n, entry in enumerate(listed):
-        for k, (part, simple) in enumerate(zip(parts, generic, strict=False)):
-            if simple and _meet(entry, part):
-                reason = f"the slices of interval {k} have none: all roots of their eliminants are simple"
-                yield Claim(f"/degenerate/{n}", claim, ClaimStatus.REFUSED, reason)
-                return
-    covered = all(
-        simple is not False or any(_meet(entry, part) for entry in listed)
-        for part, simple in zip(parts, generic, strict=False)
-    )
-    if covered and None not in generic:
-        reason = "in the slices that were counted, eliminants have multiple roots there and nowhere else"
-        yield Claim("/degenerate", claim, ClaimStatus.CHECKED, reason)
-    else:
-        reason = "the eliminants of slices have multiple roots, of which it was not decided what they are"
-        yield Claim("/degenerate", claim, ClaimStatus.NOT_CHECKED, reason)
-
-
-def _meet(entry: Mapping[str, Any], part: Mapping[str, Any]) -> bool:
-    """Whether something degenerate is so throughout an interval, or in a part of it."""
-    low, start = (Fraction(str(x["from"])) for x in (entry, part))
-    high, stop = (None if x["to"] is None else Fraction(str(x["to"])) for x in (entry, part))
-    return (stop is None or low < stop) and (high is None or start < high) and low != high

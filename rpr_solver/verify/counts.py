@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from math import atan2, degrees
 
@@ -41,15 +42,30 @@ def count_of(system: System) -> tuple[int, bool] | None:
     return single + sum(_cusps_on(system, line) for line in special_lines(system, eliminant)), False
 
 
+def other_poses(system: System, eliminant: Eliminant) -> list[tuple[Fraction, Fraction]]:
+    """The angles, in degrees, of poses near which J = E = 0 is not excluded, and that are no cusps."""
+    if eliminant.generic:
+        return []
+    return [
+        pose
+        for line in special_lines(system, eliminant)
+        for pose in _poses_on(system, line)
+        if not any(_is_cusp(system, leg, *pose) for leg in system.legs)
+    ]
+
+
 def _cusps_on(system: System, line: Pair) -> int:
     """The cusps that are found on a line: where J = E = 0 cannot be excluded, a regular zero is one."""
-    found = 0
+    return sum(any(_is_cusp(system, leg, *pose) for leg in system.legs) for pose in _poses_on(system, line))
+
+
+def _poses_on(system: System, line: Pair) -> Iterator[tuple[Fraction, Fraction]]:
+    """Where J = E = 0 cannot be excluded on a line: α and θ in degrees."""
     holes: list[Interval] = []
     theta = Fraction(degrees(atan2(float(line[1].middle), float(line[0].middle))))
     while (alpha := unlisted(system, line, holes)) is not None and len(holes) < _MOST:
         holes.append(Interval.of(alpha, line[0].bits))
-        found += any(_is_cusp(system, leg, Fraction(degrees(float(alpha))), theta) for leg in system.legs)
-    return found
+        yield Fraction(degrees(float(alpha))), theta
 
 
 def _is_cusp(system: System, leg: Leg, alpha: Fraction, theta: Fraction) -> bool:
