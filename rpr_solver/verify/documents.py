@@ -41,7 +41,7 @@ _OTHERS: Mapping[str, str] = {
     "samples": "a path",
     "regions": "a document of singular curves",
     "aspects": "a document of aspects",
-    "checks": "a report of a check",
+    "checks": "a list of reports of checks",
     "verdict": "a verification",
 }
 """A member by which another document is known, and what to call that."""

@@ -43,6 +43,16 @@ _READ: Mapping[str, Mapping[str, frozenset[str]]] = {
         "curves/*/points/*": _POINT | {"cusp"},
         "certificate": frozenset({"full"}),
     },
+    "check": {
+        "": _HEAD
+        | {"requirement", "passed", "max_cusps_found", "min_cusps_found"}
+        | {"intervals", "violations", "degenerate"},
+        "requirement": frozenset({"fixed_leg", "range", "max_cusps", "min_cusps", "limits", "degenerate"}),
+        "intervals/*": frozenset({"from", "to", "count"}),
+        "violations/*": frozenset({"from", "to", "count", "example"}),
+        "violations/*/example": _LENGTHS | {"cusps"},
+        "violations/*/example/cusps/*": _POINT,
+    },
 }
 """Kind → an object of the document → its members that are read, or named by a claim of their own.
 

@@ -49,6 +49,7 @@ def test_with_it_no_transition_is_missing() -> None:
     assert 0 < len(DOCUMENT["transitions"]) < len(DOCUMENT["certificate"]["full"]["events"])
     rest = {claim.at: claim for claim in verification.claims if claim.status is not ClaimStatus.PROVED}
     assert rest.pop("/intervals").status is ClaimStatus.NOT_CHECKED  # the aspects
+    assert rest.pop("").status is ClaimStatus.NOT_CHECKED  # what the certificate says beside
     assert {claim.status for claim in rest.values()} == {ClaimStatus.CHECKED}
     polynomials = {f"{FULL}/systems/{n}/polynomial" for n in (0, 1)}
     assert set(rest) == {*polynomials, "/transitions", "/degenerate"}

@@ -47,7 +47,7 @@ def test_a_table_by_the_method_of_the_article_is_accepted() -> None:
 
 @pytest.mark.parametrize(
     ("member", "name"),
-    [("samples", "a path"), ("checks", "a report of a check"), ("verdict", "a verification")],
+    [("samples", "a path"), ("checks", "a list of reports of checks"), ("verdict", "a verification")],
 )
 def test_other_documents_are_named(member: str, name: str) -> None:
     with pytest.raises(
