@@ -44,10 +44,12 @@ def opposite(bits: int) -> Pair:
 
 def separation(eliminant: Eliminant) -> int:
     """Bits at which the directions of all real lines are told apart."""
-    bits = _LEAST_APART
+    bits, ring = _LEAST_APART, eliminant.ring
     forms = ((eliminant.single, eliminant.single_roots), (eliminant.special, eliminant.special_roots))
+    roots = [(form, root) for form, roots in forms for root in roots]
     while True:
-        lines = [direction(eliminant.ring, form, root, bits) for form, roots in forms for root in roots]
+        roots = [(form, refined(ring, form, root, Fraction(1, 1 << bits))) for form, root in roots]
+        lines = [direction(ring, form, root, bits) for form, root in roots]
         if eliminant.special_at_infinity:
             lines.append(opposite(bits))
         if not any(meet(x, y) for n, x in enumerate(lines) for y in lines[:n]):

@@ -7,7 +7,7 @@ degree n has the whole line within reach: |u| < 1, |u| > 1 by the reversed form,
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, isqrt
@@ -64,18 +64,25 @@ def refined(ring: Ring, form: Sequence[Surd], root: Root, width: Fraction) -> Ro
     lower, upper = root.lower, root.upper
     # the upper end may be another root, a simple one
     at_upper = ring.sign(ring.at(p, upper)) or -ring.sign(ring.at(derivative(tuple(p)), upper))
+    values: dict[Fraction, Surd] = {}
+
+    def at(x: Fraction) -> Surd:
+        if x not in values:
+            values[x] = ring.at(p, x)
+        return values[x]
+
     k = 1
     while upper - lower > width:
         k = min(k, int((upper - lower) / width).bit_length())
         pieces = 1 << k
         step = (upper - lower) / pieces
-        place = min(max(_chord(ring, p, lower, upper, pieces), 1), pieces - 1)
+        place = min(max(_chord(ring, at, len(p) - 1, lower, upper, pieces), 1), pieces - 1)
         ends = [lower + place * step]
-        sides = [ring.sign(ring.at(p, ends[0])) * at_upper]
+        sides = [ring.sign(at(ends[0])) * at_upper]
         # the next point towards the root
         ends.append(ends[0] - step if sides[0] > 0 else ends[0] + step)
         if lower < ends[1] < upper:
-            sides.append(ring.sign(ring.at(p, ends[1])) * at_upper)
+            sides.append(ring.sign(at(ends[1])) * at_upper)
         for x, side in zip(ends, sides, strict=False):
             if not side:
                 return replace(root, lower=x, upper=x)
@@ -87,14 +94,15 @@ def refined(ring: Ring, form: Sequence[Surd], root: Root, width: Fraction) -> Ro
     return replace(root, lower=lower, upper=upper)
 
 
-def _chord(ring: Ring, p: Sequence[Surd], lower: Fraction, upper: Fraction, pieces: int) -> int:
-    """The piece where the chord of p is 0; any guess would do."""
-    size = len(p) - 1
+def _chord(
+    ring: Ring, at: Callable[[Fraction], Surd], degree: int, lower: Fraction, upper: Fraction, pieces: int
+) -> int:
+    """The piece where the chord of a form is 0; any guess would do."""
     guard = _GUARD_BITS + ceil(pieces / (upper - lower)).bit_length()
     omega = isqrt(ring.radicand << (2 * guard))
-    sides = [ring.at(p, x) for x in (lower, upper)]
+    sides = [at(x) for x in (lower, upper)]
     first, second = (abs((a << guard) + b * omega) for a, b in sides)
-    first, second = first * upper.denominator**size, second * lower.denominator**size
+    first, second = first * upper.denominator**degree, second * lower.denominator**degree
     return pieces * first // (first + second) if first + second else pieces // 2
 
 

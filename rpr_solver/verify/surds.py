@@ -15,6 +15,8 @@ Surd = tuple[int, int]
 Poly = tuple[Surd, ...]
 """Coefficients from the constant one on; without leading zeros, unless a formal degree is meant."""
 
+_LEADING_BITS = 128
+
 ZERO: Surd = (0, 0)
 ONE: Surd = (1, 0)
 
@@ -62,9 +64,20 @@ class Ring:
         a, b = x
         if not b or (a > 0) == (b > 0):
             return (a > 0) - (a < 0) if a else (b > 0) - (b < 0)
-        if not a or a * a < self.radicand * b * b:
+        if not a or self._is_less(abs(a), abs(b)):
             return 1 if b > 0 else -1
         return 1 if a > 0 else -1
+
+    def _is_less(self, a: int, b: int) -> bool:
+        """Whether a < b ω, by the leading bits of long numbers where they decide it."""
+        cut = max(a.bit_length(), b.bit_length()) - _LEADING_BITS
+        if cut > 0:
+            x, y = a >> cut, b >> cut
+            if (x + 1) ** 2 <= self.radicand * y * y:
+                return True
+            if x * x >= self.radicand * (y + 1) ** 2:
+                return False
+        return a * a < self.radicand * b * b
 
     def product(self, p: Poly, q: Poly) -> Poly:
         """The product of two polynomials."""

@@ -88,9 +88,10 @@ def table(question: Drawn) -> Document:
 
 
 def whole_census(question: Drawn) -> Document:
-    """A census of all lengths."""
-    digits = question.draw.choice([15, 30])
-    return census(question.manipulator, digits=digits, fixed_leg=question.leg).to_json()
+    """A census of all lengths, with a full certificate or without."""
+    digits, certificate = question.draw.choice([15, 30]), question.draw.choice(["short", "full"])
+    whole = census(question.manipulator, digits=digits, fixed_leg=question.leg, certificate=certificate)
+    return whole.to_json()
 
 
 def some_curves(question: Drawn) -> Document:

@@ -50,3 +50,12 @@ def test_rational_polynomials() -> None:
     }
     assert rational([-2, 0, 1]) in parts[1]
     assert rational([1, 1]) in parts[2]
+
+
+def test_signs_of_long_numbers_close_to_each_other() -> None:
+    for places in (30, 100, 400):
+        unit = 10**places
+        root = math.isqrt(7 * unit**2)
+        for near, sign in ((root, -1), (root + 1, 1), (2 * root, 1), (root // 2, -1)):
+            assert RING.sign((near, -unit)) == sign
+            assert RING.sign((-near, unit)) == -sign
