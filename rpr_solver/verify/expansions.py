@@ -10,12 +10,14 @@ from math import comb
 from rpr_solver.verify.intervals import Interval
 
 DEGREE = 6
-"""The greatest exponent of p, of q and of r."""
+"""The greatest exponent of p, of q and of r,"""
+_SHEARED = 3 * DEGREE
+"""and of r once p and q are counted from a line."""
 Index = tuple[int, int, int]
 """The exponents of p, q and r."""
 P, Q = (1, 0, 0), (0, 1, 0)
 
-_FALLING = ([1] * (DEGREE + 1), list(range(DEGREE + 1)), [k * (k - 1) for k in range(DEGREE + 1)])
+_FALLING = ([1] * (_SHEARED + 1), list(range(_SHEARED + 1)), [k * (k - 1) for k in range(_SHEARED + 1)])
 """What differentiating 0, 1 and 2 times multiplies a power by."""
 
 
@@ -65,7 +67,7 @@ class Expansion:
         result = []
         for x in bounds:
             row = [1 << self.bits]
-            for _ in range(DEGREE):
+            for _ in range(_SHEARED):
                 row.append((row[-1] * x >> self.bits) + 1)
             result.append(row)
         return result
@@ -81,27 +83,36 @@ class Expansion:
                 total += factor * size * x[i - a] * y[j - b] * z[k - c]
         return (total >> (3 * self.bits)) + 1
 
-    def about(self, point: Sequence[int]) -> Expansion | None:
-        """The same about another point, at most 1 from the origin in p, q and r; None beyond."""
-        if max(map(abs, point)) > 1 << self.bits:
+    def about(self, point: Sequence[int], slopes: Sequence[int] = ()) -> Expansion | None:
+        """The same about another point, p and q being counted from a line with these slopes, if any.
+
+        None if the point is more than 1 from the origin in p, q or r, or a slope more than 1.
+        """
+        if max(map(abs, (*point, *slopes))) > 1 << self.bits:
             return None
         forms, error = list(self.forms), self.error
-        for axis, x in enumerate(point):
+        steps = [(axis, x, False) for axis, x in enumerate(point)]
+        for axis, x, sheared in (*steps, *((axis, x, True) for axis, x in enumerate(slopes))):
             powers = [1 << self.bits]
             for _ in range(DEGREE):
                 powers.append(powers[-1] * x >> self.bits)
-            forms = [self._shifted(form, axis, powers) for form in forms]
-            # a sum of C(l, m) xˡ⁻ᵐ over l has at most 2⁶ · 7 in all; the powers are off by at most 6 units
             greatest = max(max(map(abs, form.values())) for form in forms) + error
+            forms = [self._shifted(form, axis, powers, sheared=sheared) for form in forms]
+            # a sum of C(l, m) xˡ⁻ᵐ over l has at most 2⁶ · 7 in all; the powers are off by at most 6 units
             error = 448 * (error + 1) + (448 * 6 * greatest >> self.bits) + 1
         return Expansion.of(forms[0], forms[1], (error, error), self.bits)
 
-    def _shifted(self, form: Mapping[Index, int], axis: int, powers: Sequence[int]) -> dict[Index, int]:
-        result: dict[Index, int] = dict.fromkeys(form, 0)
+    def _shifted(
+        self, form: Mapping[Index, int], axis: int, powers: Sequence[int], *, sheared: bool
+    ) -> dict[Index, int]:
+        """A form with x + w, or x + r w, in the place of the coordinate x; ``powers`` are those of w."""
+        result: dict[Index, int] = {} if sheared else dict.fromkeys(form, 0)
         for key, c in form.items():
-            if c:
+            n = key[axis]
+            for m in range(n + 1):
                 row = list(key)
-                for m in range(key[axis] + 1):
-                    row[axis] = m
-                    result[row[0], row[1], row[2]] += comb(key[axis], m) * c * powers[key[axis] - m]
+                row[axis] = m
+                row[2] += n - m if sheared else 0
+                place = row[0], row[1], row[2]
+                result[place] = result.get(place, 0) + comb(n, m) * c * powers[n - m]
         return {key: c >> self.bits for key, c in result.items()}

@@ -47,16 +47,19 @@ def turns(local: Local, entry: Interval, exit_: Interval) -> int | None:
 def _turns(local: Local, low: int, high: int) -> int | None:
     """The same between two values of r in units of 2^−bits."""
     middle, half = (low + high) // 2, (high - low) // 2 + 1
-    part = _Part.of(local, middle, half)
+    part = _Part.of(local, middle, half, along=False)
     slopes = part and part.slopes()
+    if not slopes or not slopes[_Z].sign:
+        part = _Part.of(local, middle, half, along=True)
+        slopes = part and part.slopes()
     if slopes and not slopes[_Z].sign:
-        part = _Part.within(local, middle, half, slopes)
+        part = _Part.within(local, middle, half, part)
         slopes = part and part.slopes()
     if not part or not slopes:
         return None
     if slopes[_Z].sign:
         return 0
-    bends = part.bends(slopes)
+    bends = part.bends()
     if not bends or not bends[_Z].sign:
         return None
     signs = [_sign(local, r) for r in (low, high)]
@@ -65,7 +68,7 @@ def _turns(local: Local, low: int, high: int) -> int | None:
 
 def _sign(local: Local, r: int) -> int:
     """The sign of z′ at one value of r, 0 if it is open."""
-    part = _Part.within(local, r, 0, [])
+    part = _Part.within(local, r, 0)
     slopes = part and part.slopes()
     return slopes[_Z].sign if slopes else 0
 
@@ -90,10 +93,10 @@ def _point(local: Local, r: int) -> tuple[list[int], list[int]] | None:
 
 
 class _Part:
-    """A part of a tube: an expansion about a point of the parabola, and bounds of p, q and r from there."""
+    """A part of a tube: bounds of r from its middle, and of p and q from a line near the curve."""
 
-    def __init__(self, known: Expansion, bounds: tuple[int, int, int]) -> None:
-        self._known, self._powers = known, known.powers(*bounds)
+    def __init__(self, known: Expansion, bounds: tuple[int, int, int], line: list[int]) -> None:
+        self._known, self._powers, self._line = known, known.powers(*bounds), line
         one = 1 << known.bits
         (a, b), (c, d) = (
             [known.derivative(sizes, self._powers, order) for order in (P, Q)] for sizes in known.sizes
@@ -102,35 +105,51 @@ class _Part:
         self._determinant = (one - a) * (one - d) - b * c if a < one and d < one else 0
 
     @classmethod
-    def of(cls, local: Local, middle: int, half: int) -> _Part | None:
-        """The part with |r − middle| ≤ half, in units; None if it is too large."""
-        tube, bounds = local.tube, []
+    def of(cls, local: Local, middle: int, half: int, *, along: bool) -> _Part | None:
+        """The part with |r − middle| ≤ half, in units; None if it is too large.
+
+        Bounds by a line along the curve are better, and dearer, than those by one along r.
+        """
+        tube, bounds, line = local.tube, [], []
         r, h = (Fraction(x, 1 << local.bits) for x in (middle, half))
         for slope, bend, radius in zip(tube.slopes, tube.bends, tube.radii, strict=True):
-            drift = h * (abs(slope + 2 * r * bend) + h * abs(bend))
-            bounds.append(local.up(drift + radius) + 1)
-        known = local.expansion.about([*local.parabola(r), middle])
-        return None if known is None else cls(known, (bounds[0], bounds[1], half))
+            steep = slope + 2 * r * bend
+            near = max(min(steep, Fraction(1)), Fraction(-1)) if along else Fraction(0)
+            line.append(local.down(near))
+            bounds.append(local.up(h * (abs(steep - near) + h * abs(bend)) + radius) + local.up(h) + 2)
+        known = local.expansion.about([*local.parabola(r), middle], line if along else ())
+        return None if known is None else cls(known, (bounds[0], bounds[1], half), line)
 
     @classmethod
-    def within(cls, local: Local, middle: int, half: int, slopes: list[Interval]) -> _Part | None:
-        """A smaller part with the same r about a point of the curve, by bounds of w′ in the part."""
+    def within(cls, local: Local, middle: int, half: int, wide: _Part | None = None) -> _Part | None:
+        """A smaller part with the same r about a point of the curve, by the bounds of w′ in a wide one."""
         found = _point(local, middle)
-        if found is None:
+        off = wide and wide._off_line()
+        if found is None or (wide and not off):
             return None
         point, bounds = found
-        for n, slope in enumerate(slopes):
+        for n, slope in enumerate(off or ()):
             bounds[n] += (max(abs(slope.lower), abs(slope.upper)) * half >> local.bits) + 1
-        known = local.expansion.about([*point, middle])
-        return None if known is None else cls(known, (bounds[0], bounds[1], half))
+        line = wide._line if wide else []
+        known = local.expansion.about([*point, middle], line)
+        return None if known is None else cls(known, (bounds[0], bounds[1], half), line)
 
     def slopes(self) -> list[Interval] | None:
         """All values of w′; None if there are no bounds."""
+        off = self._off_line()
+        if off is None or not self._line:
+            return off
+        return [x + Interval(s, s, x.bits) for x, s in zip(off, self._line, strict=True)]
+
+    def _off_line(self) -> list[Interval] | None:
+        """All values of w′ less the slopes of the line."""
         return self._solved([-self._values(n, _R) for n in (0, 1)])
 
-    def bends(self, slopes: list[Interval]) -> list[Interval] | None:
-        """All values of w″, from those of w′."""
-        right = []
+    def bends(self) -> list[Interval] | None:
+        """All values of w″."""
+        slopes, right = self._off_line(), []
+        if slopes is None:
+            return None
         for n in (0, 1):
             total = self._values(n, _RR)
             for k in (0, 1):
