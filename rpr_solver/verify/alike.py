@@ -37,27 +37,30 @@ class Located:
     finding: Finding
 
 
-def located(points: Points, printed: Sequence[Point], eliminant: Eliminant | None = None) -> list[Located]:
+def located(
+    points: Points, printed: Sequence[Point], eliminant: Eliminant | None = None, bits: int = 0
+) -> list[Located]:
     """A box for each printed cusp, different ones where cusps are printed alike.
 
     Args:
         points: the equations of the slice.
         printed: the cusps as they are printed.
         eliminant: the lines of the slice, if they are known.
+        bits: the boxes are of some 2^−``bits`` at most.
     """
     apart = separation(eliminant) if eliminant else 0
     if eliminant and eliminant.form and any(apart > point.bits for point in printed):
         hopeless = [Located(point, None, _OPEN) for point in printed]  # for Newton's method from the texts
-        found = _told_apart(points, eliminant, hopeless, set(range(len(printed))), apart)
+        found = _told_apart(points, eliminant, hopeless, set(range(len(printed))), apart, bits)
         return [x if x.box else Located(x.point, *points.cusp(x.point)) for x in found]
-    found = [Located(point, *points.cusp(point, 2 * apart)) for point in printed]
-    doubtful = _doubtful(found)
+    found = [Located(point, *points.cusp(point, max(bits, 2 * apart))) for point in printed]
+    doubtful = doubtful_of(found)
     if not doubtful or not (eliminant and eliminant.form):
         return found
-    return _told_apart(points, eliminant, found, doubtful, apart)
+    return _told_apart(points, eliminant, found, doubtful, apart, bits)
 
 
-def _doubtful(found: Sequence[Located]) -> set[int]:
+def doubtful_of(found: Sequence[Located]) -> set[int]:
     """The cusps that are not proved, or share a box with another."""
     doubtful = {n for n, x in enumerate(found) if x.finding[0] is not ClaimStatus.PROVED}
     for n, x in enumerate(found):
@@ -68,13 +71,13 @@ def _doubtful(found: Sequence[Located]) -> set[int]:
 
 
 def _told_apart(
-    points: Points, eliminant: Eliminant, found: Sequence[Located], doubtful: set[int], apart: int
+    points: Points, eliminant: Eliminant, found: Sequence[Located], doubtful: set[int], apart: int, least: int
 ) -> list[Located]:
     """Doubtful cusps are given the boxes above the lines they may lie on, each box once."""
     result = list(found)
     rest = sorted(doubtful)
     for order in _CONTACTS:
-        bits = max(order * apart, *(found[n].point.bits for n in rest))
+        bits = max(least, order * apart, *(found[n].point.bits for n in rest))
         boxes = [x.box for n, x in enumerate(result) if x.box and n not in rest]
         known = len(boxes)
         starts = _starts(points.system, eliminant, [found[n].point for n in rest], bits + _SPARE_BITS)
@@ -82,7 +85,7 @@ def _told_apart(
         for box in near:
             if box and not any(box.meets(other) for other in boxes):
                 boxes.append(box)
-        for box in boxes[known:]:
+        for box in sorted(boxes[known:], key=lambda box: box.theta.middle):
             findings = ((n, points.printed_right(found[n].point, box)) for n in rest)
             for n, finding in findings:
                 if finding[0] is ClaimStatus.PROVED:

@@ -9,10 +9,12 @@ from typing import Any
 
 from rpr_solver.contract import Progress, check_digits, check_leg
 from rpr_solver.errors import InputError
+from rpr_solver.verify.alike import doubtful_of, located
 from rpr_solver.verify.boxes import Box
 from rpr_solver.verify.chains import SIDES, Chains, Place
 from rpr_solver.verify.claims import Claim, ClaimStatus
 from rpr_solver.verify.counts import count_of
+from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.events import Finding, event_finding
 from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.links import Pose
@@ -180,12 +182,10 @@ class _Curves:
         The boxes of the points are put into ``poses``, as fine as ``bits`` says.
         """
         system = System.of(self.geometry, self.fixed, length)
-        points, boxes = Points(system), []
-        order = []
-        for item in listed:
-            point = Point.of(item.point, system, item.at)
-            place = str(self.curves[item.curve].get("name")), length
-            box, (status, reason) = points.cusp(point, bits.get(place, 0))
+        boxes, order = [], []
+        places = [(str(self.curves[item.curve].get("name")), length) for item in listed]
+        found = _located(system, listed, max(bits.get(place, 0) for place in places))
+        for item, place, (point, box, (status, reason)) in zip(listed, places, found, strict=True):
             if box:
                 scaled = Interval.of(length * surface.unit, box.alpha.bits)
                 poses[place] = Pose(box.alpha, box.theta, scaled)
@@ -217,6 +217,18 @@ class _Curves:
             yield Claim(at, "the numbers of the cusps", ClaimStatus.REFUSED, reason)
         claim = f"the {len(listed)} curves of {self.name} = {length} have all cusps of the slice"
         yield Claim(at, claim, *_all(system, len(listed)))
+
+
+def _located(system: System, listed: list[_Listed], bits: int) -> list[tuple[Point, Box | None, Finding]]:
+    """Each point with its box; those that are printed alike have theirs in the order of their numbers."""
+    points = Points(system)
+    ranked = sorted(listed, key=lambda item: item.cusp if isinstance(item.cusp, int) else 0)
+    printed = [Point.of(item.point, system, item.at) for item in ranked]
+    found = located(points, printed, bits=bits)
+    if doubtful_of(found):
+        found = located(points, printed, Eliminant.if_any(system), bits)
+    by_place = {id(item): (x.point, x.box, x.finding) for item, x in zip(ranked, found, strict=True)}
+    return [by_place[id(item)] for item in listed]
 
 
 def _doubled(boxes: list[Box]) -> bool:

@@ -17,7 +17,6 @@ from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.lines import separation, special_lines, unlisted
 from rpr_solver.verify.manipulator import Geometry, exact
 from rpr_solver.verify.points import Point, Points, read
-from rpr_solver.verify.surds import Indivisible
 from rpr_solver.verify.system import System
 
 
@@ -55,10 +54,7 @@ class _Slice:
 
     @cached_property
     def _eliminant(self) -> Eliminant | None:
-        try:
-            return Eliminant.of(self.system)
-        except Indivisible:
-            return None
+        return Eliminant.if_any(self.system)
 
     def claims(self) -> Iterator[Claim]:
         cusps = read(self.part.get("cusps"), self.system, f"{self.at}/cusps")

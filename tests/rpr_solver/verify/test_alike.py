@@ -12,6 +12,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, census, table_document, verify_document
 from tests.support.families import FAMILIES, family
+from tests.support.shared import curves_of
 from tests.support.verified import accepted, is_refused
 
 FLAT = EXAMPLES["zein-flat"]
@@ -52,6 +53,16 @@ def test_a_wrong_digit_of_one_of_two_cusps_printed_alike() -> None:
     second = document["slices"][0]["cusps"][1]
     second["l2"] = second["l2"][:-1] + str((int(second["l2"][-1]) + 1) % 10)
     assert "/slices/0/cusps/1" in [claim.at for claim in verify_document(document).refused]
+
+
+def test_points_of_two_curves_right_after_their_birth() -> None:
+    length = _beside(60)["slices"][0]["l1"]
+    document = curves_of(FLAT).part("0.8", "0.9", lengths=[length]).to_json()
+    first, second = (curve["points"][0] for curve in document["curves"])
+    assert first["theta1_deg"] == second["theta1_deg"]
+    accepted(document)
+    second["l2"] = second["l2"][:-1] + str((int(second["l2"][-1]) + 1) % 10)
+    assert is_refused(document)
 
 
 @pytest.mark.long
