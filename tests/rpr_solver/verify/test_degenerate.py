@@ -41,7 +41,7 @@ def test_nothing_is_where_all_roots_are_simple(
 @pytest.mark.parametrize(
     ("name", "change"),
     [
-        ("similar", {"count": 3}),
+        pytest.param("similar", {"count": 3}, marks=pytest.mark.long),
         pytest.param("similar", {"kind": "isolated-point"}, marks=pytest.mark.long),
         pytest.param("both flat", {"kind": "node"}, marks=pytest.mark.long),
         ("congruent", {"equation": "alpha = 180 deg"}),

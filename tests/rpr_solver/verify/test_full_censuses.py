@@ -101,13 +101,13 @@ def no_transition(document: Document) -> None:
     ("change", "where"),
     [
         (no_event, "/systems/0/real_roots"),
-        (no_root, "/systems/1/real_roots"),
-        (twice_an_event, "/systems/0/real_roots"),
+        pytest.param(no_root, "/systems/1/real_roots", marks=pytest.mark.long),
+        pytest.param(twice_an_event, "/systems/0/real_roots", marks=pytest.mark.long),
         (a_moved_box, "/events/2"),
         (another_kind, "/events/0"),
         (another_coefficient, "/systems/0/polynomial"),
-        (another_prime, "/systems/0/squarefree"),
-        (no_second_system, "/systems"),
+        pytest.param(another_prime, "/systems/0/squarefree", marks=pytest.mark.long),
+        pytest.param(no_second_system, "/systems", marks=pytest.mark.long),
         (no_transition, "/events/15"),
     ],
 )
