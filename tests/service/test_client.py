@@ -155,7 +155,7 @@ def test_slices_come_in_the_order_asked_while_the_job_runs(base_url: str, fresh:
 
 
 def test_the_first_slices_are_there_before_the_last(base_url: str, fresh: Callable[[], str]) -> None:
-    asked = cusp_table(ZEIN, [fresh() for _ in range(60)], digits=400)
+    asked = cusp_table(ZEIN, [fresh() for _ in range(300)], digits=400)
     with ServiceClient(base_url) as client:
         slices = client.slices(asked)
         next(slices)
