@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NotRequired, TypedDict
+from typing import Any, TypedDict
 
 from rpr_solver.contract import (
     DEFAULT_DIGITS,
@@ -49,7 +49,13 @@ class LengthKind(Kind):
     """No transition: the length 0, or infinity."""
 
 
-class CensusCertificate(TypedDict):
+class _ShortCertificate(TypedDict):
+    method: str
+    lengths_examined: int
+    counts_by: str
+
+
+class CensusCertificate(_ShortCertificate, total=False):
     """The proof of a census.
 
     ``method`` is ``"events"`` if the degenerate poses of all slices are isolated, else ``"components"``: as
@@ -58,10 +64,7 @@ class CensusCertificate(TypedDict):
     is present on request (full_certificate.py).
     """
 
-    method: str
-    lengths_examined: int
-    counts_by: str
-    full: NotRequired[dict[str, Any]]
+    full: dict[str, Any]
 
 
 @dataclass(frozen=True)
