@@ -8,7 +8,10 @@ from pydantic import Field, PositiveFloat
 
 Deadline = Annotated[
     PositiveFloat,
-    Field(description="maximum `deadline_s` of a request, and run time of a chunk, in seconds"),
+    Field(
+        allow_inf_nan=False,
+        description="maximum `deadline_s` of a request, and run time of a chunk, in seconds",
+    ),
 ]
 """A setting of the workers, and a limit of requests."""
 

@@ -61,6 +61,7 @@ def test_a_server_that_does_not_answer(tmp_path: Path) -> None:
 
 
 def test_an_invalid_setting(tmp_path: Path) -> None:
-    for name, value in {"deadline": -1, "poll_seconds": "soon", "hang_seconds": 0}.items():
+    wrong = [("deadline", -1), ("deadline", "inf"), ("poll_seconds", "soon"), ("hang_seconds", 0)]
+    for name, value in wrong:
         message = failure(tmp_path, {name: value}, status=2)
         assert message.startswith(f"rpr-cusps serve: RPR_CUSPS_{name.upper()}: ")
