@@ -95,12 +95,13 @@ def whole_census(question: Drawn) -> Document:
 
 
 def some_curves(question: Drawn) -> Document:
-    """The curves of a small window."""
+    """The curves of a small window, with a full certificate or without."""
     start = question.scale * Fraction(question.draw.randint(1, 400), 10)
     curves = cusp_curves(question.manipulator, digits=15, fixed_leg=question.leg)
     stop = start + question.scale * question.draw.choice([1, 4])
     lengths = [start + (stop - start) * Fraction(k, 3) for k in (1, 2)]
-    return curves.part(start, stop, lengths=lengths).to_json()
+    certificate = question.draw.choice(["short", "full"])
+    return curves.part(start, stop, lengths=lengths).to_json(certificate=certificate)
 
 
 KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Mutation, ...]]] = {
