@@ -6,7 +6,7 @@ G = w + N = 0 gives
     w′ = v − N_w w′ with v = −N_r,    w″ = u − N_w w″ with u = −(N_ww[w′, w′] + 2 N_wr w′ + N_rr).
 
 Bounds |N_w| ≤ D give |w′| ≤ (1 − D)⁻¹ |v|, so w′ lies within D (1 − D)⁻¹ |v| of v; likewise w″. An arc is
-halved until z′ has a sign on each part, or z″ has one and z′ one at either end.
+halved until z′ has a sign on each part, or z″ has one and z′ one at either end (docs/mathematics.md#turns).
 """
 
 from __future__ import annotations
