@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from math import ceil
 from typing import Any
 
 from rpr_solver.verify.angles import pi
@@ -13,7 +14,7 @@ from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.krawczyk import contracted, proved_zero
 from rpr_solver.verify.manipulator import exact
 from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.surface import Surface, Triple
+from rpr_solver.verify.surface import Surface
 
 _SPARE_BITS = 40
 Side = tuple[Fraction, Fraction]
@@ -55,11 +56,12 @@ class EventBox:
         sides = ((self.length, length, 0), (self.alpha, alpha, 360), (self.theta, theta, 360))
         return kind == self.kind and all(_near(side, printed, turn) for side, printed, turn in sides)
 
-    def intervals(self, surface: Surface, bits: int) -> list[Interval]:
-        """α and θ in radians and the scaled length."""
+    def intervals(self, surface: Surface, bits: int, shift: int) -> list[Interval]:
+        """α and θ in radians and the scaled length in units of 2^shift."""
         turn = pi(bits)
         angles = [turn * Interval.of(c / 180, bits, r / 180) for c, r in (self.alpha, self.theta)]
-        return [*angles, Interval.of(self.length[0] * surface.unit, bits, self.length[1] * surface.unit)]
+        unit = Fraction(surface.unit, 1 << shift)
+        return [*angles, Interval.of(self.length[0] * unit, bits, self.length[1] * unit)]
 
 
 @dataclass(frozen=True)
@@ -81,24 +83,20 @@ def proved_event(surface: Surface, box: EventBox) -> ProvedEvent | None:
     if radius <= 0:
         return None
     bits = (radius.denominator // radius.numerator).bit_length() + _SPARE_BITS
+    shift = ceil(abs(box.length[0]) * surface.unit).bit_length()
     for name, triple in surface.systems(box.kind):
-        for work in precisions(bits + _size(triple, box)):
-            wide = box.intervals(surface, work)
-            if contracted(triple, wide) is None:
+        near_one = triple.in_units_of(shift)
+        for work in precisions(bits + shift + near_one.coefficient_bits):
+            wide = box.intervals(surface, work, shift)
+            if contracted(near_one, wide) is None:
                 continue
-            zero = proved_zero(triple, wide, bits)
+            zero = proved_zero(near_one, wide, bits + shift)
             # the zero of the box is the only one, so a zero within it is this one
             if zero is not None and all(
                 x.lower < y.lower <= y.upper < x.upper for x, y in zip(wide, zero, strict=True)
             ):
-                return ProvedEvent(name, zero)
+                return ProvedEvent(name, [*zero[:2], zero[2].scaled(1 << shift)])
     return None
-
-
-def _size(triple: Triple, box: EventBox) -> int:
-    degree = max(len(p) for p in triple.functions)
-    length = box.length[0]
-    return triple.coefficient_bits + degree * (abs(length.numerator) // length.denominator).bit_length()
 
 
 def _near(side: Side, printed: Printed, turn: int) -> bool:

@@ -126,7 +126,7 @@ class Triple:
     ) -> list[Interval] | None:
         """A proved box near angles in degrees and a scaled length."""
         shift = (abs(length.numerator) // length.denominator).bit_length()
-        near_one = self._in_units_of(shift)
+        near_one = self.in_units_of(shift)
         for work in precisions(bits + shift + near_one.coefficient_bits):
             start = radians(alpha, work), radians(theta, work), Interval.of(length / (1 << shift), work)
             zero = proved_zero(near_one, start, bits + shift)
@@ -134,7 +134,7 @@ class Triple:
                 return [*zero[:2], zero[2].scaled(1 << shift)]
         return None
 
-    def _in_units_of(self, shift: int) -> Triple:
+    def in_units_of(self, shift: int) -> Triple:
         """The same equations, the length being a multiple of 2^shift: of the size of the angles."""
         first, second, third = (
             tuple(_multiple(row, 1 << (shift * k)) for k, row in enumerate(p)) for p in self.functions
