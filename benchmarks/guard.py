@@ -70,15 +70,15 @@ def works() -> list[Work]:
     of_long_sides = Manipulator(*(f"{side}.{'1234567890' * 5}" for side in (15, 3, 10, 17, 16, 20)))
     eliminant = eliminate(m)
     return [
-        Work("elimination", 480, lambda: eliminate(m), rounds=9),
-        Work("elimination, sides of 52 digits", 8500, lambda: eliminate(of_long_sides)),
-        Work("a slice", 55, lambda: solve_slice(eliminant, 27, 90), rounds=9),
-        Work("a slice of a scan", 32, lambda: list(solve_slices(eliminant, SCAN, 90)), parts=len(SCAN)),
-        Work("poses", 30, lambda: poses(m, 27, 20, 20), rounds=9),
-        Work("census", 5000, lambda: census(m, digits=30)),
-        Work("census and curves", 27000, lambda: cusp_curves(m, digits=15), rounds=1),
-        Work("singular curves", 1060, lambda: singular_curves(m, 27)),
-        Work("a loop", 1220, lambda: cusp_loop(m, 27, cusp=1)),
+        Work("elimination", 450, lambda: eliminate(m), rounds=9),
+        Work("elimination, sides of 52 digits", 8400, lambda: eliminate(of_long_sides)),
+        Work("a slice", 60, lambda: solve_slice(eliminant, 27, 90), rounds=9),
+        Work("a slice of a scan", 20, lambda: list(solve_slices(eliminant, SCAN, 90)), parts=len(SCAN)),
+        Work("poses", 22, lambda: poses(m, 27, 20, 20), rounds=9),
+        Work("census", 6600, lambda: census(m, digits=30)),
+        Work("census and curves", 35000, lambda: cusp_curves(m, digits=15), rounds=1),
+        Work("singular curves", 1470, lambda: singular_curves(m, 27)),
+        Work("a loop", 1650, lambda: cusp_loop(m, 27, cusp=1)),
     ]
 
 
