@@ -66,7 +66,15 @@ def event_finding(
     if any(value(box.directions, p, length).sign for p in _conditions(surface)):
         reason = "J = E = 0 does not hold for any numbers that round to the printed ones"
         return ClaimStatus.REFUSED, reason
-    return ClaimStatus.NOT_CHECKED, "no regular system of equations is known for this event"
+    unit = Interval.of(surface.unit, work)
+    for text, number, leg in zip(names[2:], numbers[2:], surface.legs, strict=True):
+        x = value(box.directions, leg.squared, length).root().over(unit)
+        if (x.contains(0) if number.is_zero else number.rounds(x)) is False:
+            return ClaimStatus.REFUSED, f"{text} is not the length at the printed angles"
+    return ClaimStatus.CHECKED, (
+        "no regular system of equations is known for this event; J = E = 0 and its lengths are possible for "
+        "numbers that round to the printed ones"
+    )
 
 
 def _conditions(surface: Surface) -> list[Graded]:

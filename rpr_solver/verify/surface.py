@@ -85,6 +85,9 @@ class Surface:
             for leg in self.legs:
                 yield SWALLOWTAIL, Triple((j, leg.kernel, leg.kernel2), self.ring.radicand)
         if kind not in ("lips", "beak-to-beak", "swallowtail"):
+            for leg in self.legs:  # a node of every slice where v gets the direction of a branch of J = 0
+                yield "grad J = 0, v·grad E = 0", Triple((*slopes, leg.kernel2), self.ring.radicand)
+                yield "grad J = 0, df/dtheta = 0", Triple((*slopes, leg.theta), self.ring.radicand)
             for leg, other in ((f, g), (g, f)):
                 for third in (other.alpha, other.theta):
                     triple = Triple((leg.alpha, leg.theta, third), self.ring.radicand)

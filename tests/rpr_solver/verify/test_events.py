@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+
 import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, census
@@ -9,6 +11,8 @@ from rpr_solver.verify.events import event_finding
 from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.printed import Printed
 from rpr_solver.verify.surface import Surface
+from tests.support.families import family
+from tests.support.mutations import other_digit
 
 
 def test_an_event_and_what_is_wrong_with_others() -> None:
@@ -50,3 +54,29 @@ def test_an_event_where_inputs_have_as_many_digits_as_it_is_printed_with() -> No
     surface = Surface.of(Geometry.of(document), 3)
     assert event["kind"] == "beak-to-beak"
     assert event_finding(surface, 15, Printed.of(row["l3"], "l3"), event, "/x")[0] is ClaimStatus.PROVED
+
+
+def test_the_digits_of_a_node_that_cusps_leave() -> None:
+    document = census(family("similar, mirrored"), digits=15, fixed_leg=2).to_json()
+    surface = Surface.of(Geometry.of(document), 2)
+    [row, *_] = [row for row in document["transitions"] if row["kind"] == "node"]
+    [event] = row["events"]
+    length = Printed.of(row["l2"], "l2")
+    status, reason = event_finding(surface, 15, length, event, "/x")
+    assert status is ClaimStatus.CHECKED
+    assert "grad J = 0" in reason
+    digit = "1" if event["l1"].endswith("0") else "0"
+    wrong = {**event, "l1": event["l1"][:-1] + digit}
+    assert event_finding(surface, 15, length, wrong, "/x") == (ClaimStatus.REFUSED, "a digit of l1 is wrong")
+
+
+def test_an_event_without_a_regular_system() -> None:
+    document = census(family("congruent, mirrored"), digits=15).to_json()
+    surface = Surface.of(Geometry.of(document), 1)
+    row = document["transitions"][0]
+    [event] = row["events"]
+    length = Printed.of(row["l1"], "l1")
+    assert event_finding(surface, 15, length, event, "/x")[0] is ClaimStatus.CHECKED
+    for name in ("alpha_deg", "theta1_deg", "l2", "l3"):
+        wrong = {**event, name: other_digit(random.Random(1), event[name])}
+        assert event_finding(surface, 15, length, wrong, "/x")[0] is ClaimStatus.REFUSED
