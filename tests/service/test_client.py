@@ -23,6 +23,7 @@ from service.client import (
     ServiceClient,
     census,
     check,
+    conversation,
     cusp_curves,
     cusp_loop,
     cusp_table,
@@ -189,7 +190,10 @@ def test_slices_that_are_known_wait_for_no_worker(idle_url: str, idle_queue: Job
         slices.close()
 
 
-def test_progress_is_told_and_results_have_forms(base_url: str, fresh: Callable[[], str]) -> None:
+def test_progress_is_told_and_results_have_forms(
+    base_url: str, fresh: Callable[[], str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(conversation, "_FIRST_WAIT", 0)  # in which most jobs of tests end
     seen: list[tuple[int, int]] = []
     with ServiceClient(base_url) as client:
 
