@@ -10,15 +10,12 @@ measure more exactly, and beside peers.
 
 from __future__ import annotations
 
-import random
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import fmpz_poly
-
+from benchmarks.long_inputs import product, seconds
 from rpr_solver import (
     EXAMPLES,
     Manipulator,
@@ -33,24 +30,8 @@ from rpr_solver import (
 )
 
 MARGIN = 4
+REFERENCE_BITS = 1000
 SCAN = [Fraction(k, 4) for k in range(1, 201)]
-
-
-def seconds(work: Callable[[], object], rounds: int) -> float:
-    """The least processor time of some rounds: the one that was disturbed the least."""
-    taken = []
-    for _ in range(rounds):
-        start = time.process_time()
-        work()
-        taken.append(time.process_time() - start)
-    return min(taken)
-
-
-def reference() -> float:
-    """Seconds of one product."""
-    draw = random.Random(0)
-    first, second = (fmpz_poly([draw.getrandbits(1000) for _ in range(25)]) for _ in range(2))
-    return seconds(lambda: [first * second for _ in range(2000)], 9) / 2000
 
 
 @dataclass(frozen=True)
@@ -84,7 +65,7 @@ def works() -> list[Work]:
 
 def main() -> int:
     """Print a row for each work, and tell whether one takes too long."""
-    unit = reference()
+    unit = product(REFERENCE_BITS)
     is_slow = False
     print(f"{'':32} {'products':>9} {'of those measured':>18}")
     for work in works():
