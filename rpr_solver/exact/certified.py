@@ -6,13 +6,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import islice
 from typing import Any
 
 from rpr_solver.exact.factors import exact_roots, norm_factors
 from rpr_solver.exact.modular import primes
 from rpr_solver.exact.quadratic import Form
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 
 _PRIMES = 4
@@ -46,6 +49,17 @@ class Certified:
             return cls(form, place, tuple((root, 1) for root in real_roots(p)))
         roots = () if p.is_zero else exact_roots(norm_factors(p))
         return cls(form, None, tuple((root.root, root.multiplicity) for root in roots))
+
+    def to_json(self, variable: str, intervals: Iterable[tuple[Fraction, Fraction, int]]) -> dict[str, Any]:
+        """The members of a certificate, with isolating intervals of the roots and their multiplicities."""
+        return {
+            "polynomial": self.polynomial_json(variable),
+            "squarefree": self.squarefree_json(),
+            "real_roots": [
+                {"lower": exact_str(low), "upper": exact_str(high), "multiplicity": multiplicity}
+                for low, high, multiplicity in intervals
+            ],
+        }
 
     def polynomial_json(self, variable: str) -> dict[str, Any]:
         """The exact coefficients, from the constant one on."""

@@ -23,7 +23,6 @@ from flint import arb, ctx
 
 from rpr_solver.exact.certified import Certified
 from rpr_solver.exact.quadratic import Form
-from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, fraction_of
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
 from rpr_solver.slices.joint_points import coordinate_names
@@ -39,12 +38,7 @@ def full_certificate(
     q = Certified.of(Form(eliminant.at(length * eliminant.slice_map.scale), DEGREE_U))
     intervals = sorted((*_ends(root), multiplicity) for root, multiplicity in q.roots)
     return {
-        "polynomial": q.polynomial_json(f"u = tan(theta{leg}/2)"),
-        "squarefree": q.squarefree_json(),
-        "real_roots": [
-            {"lower": exact_str(low), "upper": exact_str(high), "multiplicity": multiplicity}
-            for low, high, multiplicity in intervals
-        ],
+        **q.to_json(f"u = tan(theta{leg}/2)", intervals),
         "boxes": [{name: _box(cusp[name]) for name in coordinate_names(leg)} for cusp in cusps],
     }
 

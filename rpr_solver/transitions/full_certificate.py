@@ -105,15 +105,7 @@ class _Isolated:
 
     def to_json(self) -> dict[str, Any]:
         leg = self.system.slice_map.fixed_leg
-        return {
-            "name": self.name,
-            "polynomial": self.eliminant.polynomial_json(f"v = tan(theta{leg})"),
-            "squarefree": self.eliminant.squarefree_json(),
-            "real_roots": [
-                {"lower": exact_str(low), "upper": exact_str(high), "multiplicity": multiplicity}
-                for low, high, multiplicity in self.intervals
-            ],
-        }
+        return {"name": self.name, **self.eliminant.to_json(f"v = tan(theta{leg})", self.intervals)}
 
 
 def _ends(root: RealRoot, bits: int) -> End | None:
