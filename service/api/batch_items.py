@@ -15,14 +15,14 @@ from service.schemas.document import Source, at, part
 from service.schemas.limits import Limits
 from service.schemas.price import check_price
 from service.schemas.questions import Question
-from worker.answers import article, censuses, certified, curves, tables
+from worker.answers import article, certified
 from worker.answers.items import Item
 from worker.answers.requests import JobRequest
 
 _QUESTIONS: Mapping[str, type[Question]] = {
     kind.name: operation.question for operation in OPERATIONS for kind in operation.question.kinds
 }
-_CERTIFIED = (certified.KIND.name, certified.CENSUS.name, certified.CURVES.name)
+_CERTIFIED = tuple(kind.name for kind in certified.KINDS)
 
 
 def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> Item:
@@ -54,8 +54,9 @@ def _job_request(item: BatchItem, limits: Limits) -> JobRequest:
     if item.kind in _CERTIFIED:
         sent.setdefault("certificate", FULL)
     try:
-        request = part(_QUESTIONS[item.kind].model_validate, sent, Source(limits)).job_request()
-        if item.kind not in (request.kind.name, tables.KIND.name, censuses.KIND.name, curves.KIND.name):
+        question = _QUESTIONS[item.kind]
+        request = part(question.model_validate, sent, Source(limits)).job_request()
+        if item.kind not in (request.kind.name, question.kinds[0].name):
             field = "certificate" if item.kind in _CERTIFIED else "method"
             raise InputError.of(field, f"does not fit an item of the kind {item.kind}")
         check_price(request, limits)

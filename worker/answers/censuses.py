@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 import rpr_solver
-from rpr_solver.contract import Progress
+from rpr_solver.contract import SHORT, Progress
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, content_range
 from worker.answers.store import ResultStore
 
@@ -33,22 +33,32 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
         SolverError: a transition could not be decided.
     """
     start, stop = content_range(request.content)
-
-    def solved(start: Fraction, stop: Fraction | None) -> Document:
-        return rpr_solver.census(
-            request.manipulator,
-            fixed_leg=request.fixed_leg,
-            digits=request.digits,
-            start=start,
-            stop=stop,
-            progress=progress,
-        ).to_json()
-
-    whole = store.document(_whole(request, request.digits), lambda: solved(Fraction(0), None))
+    whole = store.document(
+        _whole(request, request.digits), lambda: solved(request, Fraction(0), None, progress)
+    )
     store.note_census(_family(request), request.digits)
     part = rpr_solver.restrict_census(whole, start, stop)
     # None: the decimals do not separate an end of the range from a transition that is very near or equal
-    return solved(start, stop) if part is None else part
+    return solved(request, start, stop, progress) if part is None else part
+
+
+def solved(
+    request: JobRequest, start: Fraction, stop: Fraction | None, progress: Progress, certificate: str = SHORT
+) -> Document:
+    """The census of a range, computed anew.
+
+    Raises:
+        SolverError: a transition could not be decided.
+    """
+    return rpr_solver.census(
+        request.manipulator,
+        fixed_leg=request.fixed_leg,
+        digits=request.digits,
+        start=start,
+        stop=stop,
+        certificate=certificate,
+        progress=progress,
+    ).to_json()
 
 
 def _whole(request: JobRequest, digits: int) -> JobRequest:

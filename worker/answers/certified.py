@@ -6,13 +6,14 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import FULL, Progress
-from worker.answers import curves
+from worker.answers import censuses, curves
 from worker.answers.requests import JobRequest, Kind, content_range
 from worker.answers.store import ResultStore
 
 KIND = Kind("certified-table", "cf-", unit="slices")
 CENSUS = Kind("certified-census", "cn-")
 CURVES = Kind("certified-curves", "cv-")
+KINDS = (KIND, CENSUS, CURVES)
 
 
 def compute(request: JobRequest, _store: ResultStore, progress: Progress) -> dict[str, Any]:
@@ -33,16 +34,7 @@ def compute_census(request: JobRequest, _store: ResultStore, progress: Progress)
     Raises:
         SolverError: a transition could not be decided.
     """
-    start, stop = content_range(request.content)
-    return rpr_solver.census(
-        request.manipulator,
-        fixed_leg=request.fixed_leg,
-        digits=request.digits,
-        start=start,
-        stop=stop,
-        certificate=FULL,
-        progress=progress,
-    ).to_json()
+    return censuses.solved(request, *content_range(request.content), progress, FULL)
 
 
 def compute_curves(request: JobRequest, store: ResultStore, progress: Progress) -> dict[str, Any]:

@@ -170,6 +170,6 @@ def _unchanged(part: StoredSlice, text: bytes | None) -> bytes:
     return text
 
 
-def in_groups(items: Sequence[str]) -> Iterable[Sequence[str]]:
-    """Yields the items in groups that are small enough to be held at once."""
-    return (items[first : first + _BATCH_SLICES] for first in range(0, len(items), _BATCH_SLICES))
+def in_groups(items: Sequence[str], size: int = _BATCH_SLICES) -> Iterable[Sequence[str]]:
+    """Yields the items in groups, by default small enough to be held at once."""
+    return (items[first : first + size] for first in range(0, len(items), size))

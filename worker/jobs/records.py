@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import secrets
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
@@ -20,6 +20,7 @@ from worker.answers.kinds import kind_of_job, request_from_json
 from worker.answers.packed import unpack
 from worker.answers.requests import JobRequest
 from worker.answers.store import dump, told
+from worker.answers.stored_tables import in_groups
 from worker.jobs import scripts
 from worker.jobs.announcements import VIEW_FIELDS
 from worker.jobs.attempts import Chunk, ChunkEntry, ChunkRef, Lost, chunk_of, entry_of
@@ -137,7 +138,7 @@ class JobRecords:
                 request.to_json(), asked, plan.chunk_size, plan.chunk_count, settings.job_ttl,
                 dump(_origin()), plan.lane, _ms(plan.seconds), _ms(settings.max_backlog),
                 "" if deadline_s is None else deadline_s, *(by.arguments if by else ("", "", 0)),
-                *(dump(list(part)) for part in _groups(todo, plan.chunk_size)),
+                *(dump(list(part)) for part in in_groups(todo, plan.chunk_size)),
             ],
         )  # fmt: skip
         if outcome == -1:
@@ -355,10 +356,6 @@ def _asking(job_id: str) -> str:
     """Returns the field with the request of a job as its chunks need it."""
     kind = kind_of_job(job_id)
     return "asked" if kind is not None and kind.by_slices else "request"
-
-
-def _groups(parts: Sequence[str], size: int) -> Iterator[Sequence[str]]:
-    return (parts[first : first + size] for first in range(0, len(parts), size))
 
 
 def _entry(ref: ChunkRef, raw: bytes) -> ChunkEntry:
