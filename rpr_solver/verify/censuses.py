@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from random import Random
 from typing import Any
@@ -19,6 +20,7 @@ from rpr_solver.verify.events import event_finding
 from rpr_solver.verify.full_censuses import AT
 from rpr_solver.verify.manipulator import Geometry, exact
 from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.recounts import Recount, no_room
 from rpr_solver.verify.surface import Surface
 
 
@@ -189,23 +191,14 @@ class Census:
         if not lengths:
             reason = "no number of so many digits lies between the transitions"
             return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason), None
-        doubt = False
-        for length in lengths:
-            found = cusps_counted(self.geometry, self.fixed, length)
-            if found is None:
-                reason = "the resultant vanishes identically"
-                return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason), False
-            number, proved = found
-            if number != count:
-                reason = f"the slice at {length} has {number}"
-                return Claim(at, claim, ClaimStatus.REFUSED, reason), None
-            doubt = doubt or not proved
-        if doubt:
-            reason = "Q has multiple roots in these slices, and the cusps above them were searched for"
-            return Claim(at, claim, ClaimStatus.CHECKED, reason), False
-        slices = "two slices have" if len(lengths) > 1 else "a slice has"
-        reason = f"{slices} as many, by Descartes' rule of signs; that it is constant rests on completeness"
-        return Claim(at, claim, ClaimStatus.PROVED, reason), True
+        return self.recount.throughout(at, claim, count, lengths)
+
+    @property
+    def recount(self) -> Recount:
+        """By Descartes' rule of signs."""
+        vanishes = "the resultant vanishes identically"
+        count = partial(cusps_counted, self.geometry, self.fixed)
+        return Recount(count, "by Descartes' rule of signs", (vanishes, vanishes))
 
     def complete(self) -> Claim:
         """That these are all transitions, without a full certificate."""
@@ -240,22 +233,10 @@ def _transition(surface: Surface, census: Census, n: int, row: Mapping[str, Any]
 
 def _bracketed(census: Census, n: int, row: Mapping[str, Any]) -> Claim:
     """A transition without a pose, by the counts on both sides of its last digit."""
-    at, claim = f"/transitions/{n}", "the number of cusps changes here"
-    length, parts = census.lengths[n], (census.bounds(n), census.bounds(n + 1))
+    at, length = f"/transitions/{n}", census.lengths[n]
+    parts = (census.bounds(n), census.bounds(n + 1))
+    if None in parts:
+        return no_room(at)
     sides = 2 * length.lower - length.value, 2 * length.upper - length.value
-    doubt = False
-    for bounds, beside, member in zip(parts, sides, ("count_before", "count_after"), strict=True):
-        if bounds is None or None in parts:
-            reason = "its digits leave no room between it and its neighbour"
-            return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
-        low, high = bounds
-        here = beside if low < beside < high else simplest_between(low, high)
-        found = cusps_counted(census.geometry, census.fixed, here)
-        if found is None:
-            return Claim(at, claim, ClaimStatus.NOT_CHECKED, "the resultant vanishes identically")
-        number, proved = found
-        if number != row.get(member):
-            return Claim(at, claim, ClaimStatus.REFUSED, f"{number} cusps are counted beside it")
-        doubt = doubt or not proved
-    reason = "the counts beside it, at most one unit of the last digit away, are these"
-    return Claim(at, claim, ClaimStatus.CHECKED if doubt else ClaimStatus.PROVED, reason)
+    counts = (row.get(member) for member in ("count_before", "count_after"))
+    return census.recount.beside(at, zip(parts, sides, counts, strict=True))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any
 
@@ -13,11 +13,11 @@ from rpr_solver.contract import Progress, check_digits, check_leg
 from rpr_solver.errors import InputError
 from rpr_solver.verify.censuses import Census
 from rpr_solver.verify.claims import Claim, ClaimStatus
-from rpr_solver.verify.counts import simplest_between
 from rpr_solver.verify.degenerate import degenerate_claims
 from rpr_solver.verify.manipulator import Geometry, exact
 from rpr_solver.verify.points import Point, Points
 from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.recounts import Recount
 from rpr_solver.verify.system import System
 from rpr_solver.verify.within_limits import Limits
 
@@ -119,28 +119,13 @@ class Report:
     def counted(self, n: int) -> tuple[Claim, bool | None]:
         """The number of cusps within the limits in an interval, by slices; whether roots are simple."""
         at, count = f"/intervals/{n}/count", self.census.intervals[n]["count"]
-        claim, simple = f"{count} cusps within the limits in every slice of this interval", True
+        claim = f"{count} cusps within the limits in every slice of this interval"
         # within limits a slice takes long, and two more are counted beside the ends
         lengths = self.census.lengths_within(n)[1 if self.limits.bounded else 0 :]
         if not lengths:
             reason = "no number of so many digits lies between its ends"
             return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason), None
-        for length in lengths:
-            found = self._cusps(length)
-            if found is None:
-                reason = "the cusps of its slices were not told from the limits"
-                return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason), False
-            number, proved = found
-            if number != count:
-                reason = f"the slice at {length} has {number}"
-                return Claim(at, claim, ClaimStatus.REFUSED, reason), None
-            simple = simple and proved
-        if not simple:
-            reason = "Q has multiple roots in these slices, and the cusps above them were searched for"
-            return Claim(at, claim, ClaimStatus.CHECKED, reason), False
-        slices = "two slices have" if len(lengths) > 1 else "a slice has"
-        reason = f"{slices} as many, counted exactly; that it is constant rests on completeness"
-        return Claim(at, claim, ClaimStatus.PROVED, reason), True
+        return self._recount.throughout(at, claim, count, lengths)
 
     def changed(self, n: int) -> Claim:
         """That the number of cusps changes between two intervals, by a slice on either side of the cut."""
@@ -148,21 +133,9 @@ class Report:
         cut, parts = self.census.lengths[n - 1], (self.census.bounds(n - 1), self.census.bounds(n))
         if not cut.is_zero and cut.digits != self.census.digits:
             return Claim(at, claim, ClaimStatus.REFUSED, "it has more or fewer digits")
-        sides, doubt = (2 * cut.lower - cut.value, 2 * cut.upper - cut.value), False
-        for k, (bounds, beside) in enumerate(zip(parts, sides, strict=True), n - 1):
-            if bounds is None:
-                reason = "its digits leave no room between it and its neighbour"
-                return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
-            low, high = bounds
-            found = self._cusps(beside if low < beside < high else simplest_between(low, high))
-            if found is None:
-                return Claim(at, claim, ClaimStatus.NOT_CHECKED, "the slices beside it were not decided")
-            number, proved = found
-            if number != self.census.intervals[k]["count"]:
-                return Claim(at, claim, ClaimStatus.REFUSED, f"{number} cusps are counted beside it")
-            doubt = doubt or not proved
-        reason = "the counts beside it, at most one unit of the last digit away, are these"
-        return Claim(at, claim, ClaimStatus.CHECKED if doubt else ClaimStatus.PROVED, reason)
+        sides = 2 * cut.lower - cut.value, 2 * cut.upper - cut.value
+        counts = (self.census.intervals[k]["count"] for k in (n - 1, n))
+        return self._recount.beside(at, zip(parts, sides, counts, strict=True))
 
     def example(self, k: int, violation: Mapping[str, Any]) -> Claim:
         """That an example is a slice of its interval with so many cusps within the limits, and these."""
@@ -192,8 +165,11 @@ class Report:
         reason = "each is proved in a box, with its digits; their number is that of the interval"
         return Claim(at, claim, ClaimStatus.PROVED, reason)
 
-    def _cusps(self, length: Fraction) -> tuple[int, bool] | None:
-        return self.limits.counted(self.census.geometry, self.census.fixed, length)
+    @property
+    def _recount(self) -> Recount:
+        count = partial(self.limits.counted, self.census.geometry, self.census.fixed)
+        untold = "the cusps of its slices were not told from the limits"
+        return Recount(count, "counted exactly", (untold, "the slices beside it were not decided"))
 
 
 def _bound(text: Any, at: str) -> Fraction | None:
