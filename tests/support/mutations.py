@@ -24,6 +24,13 @@ def other_digit(draw: random.Random, text: str) -> str:
     return text[:place] + digit + text[place + 1 :]
 
 
+def _change_a_digit(draw: random.Random, place: Document) -> str:
+    """Changes a digit of one coordinate that is not 0; returns its name."""
+    name = draw.choice([name for name in COORDINATES if name in place and place[name] != "0"])
+    place[name] = other_digit(draw, place[name])
+    return name
+
+
 def _slice(draw: random.Random, document: Document) -> Document | None:
     parts = [part for part in document["slices"] if part.get("cusps")]
     return draw.choice(parts) if parts else None
@@ -34,8 +41,7 @@ def digit_of_a_cusp(draw: random.Random, document: Document) -> str | None:
     if (part := _slice(draw, document)) is None:
         return None
     point = draw.choice(part["cusps"])
-    name = draw.choice([name for name in COORDINATES if name in point and point[name] != "0"])
-    point[name] = other_digit(draw, point[name])
+    name = _change_a_digit(draw, point)
     return f"a digit of {name}"
 
 
@@ -112,8 +118,7 @@ def digit_of_a_pose(draw: random.Random, document: Document) -> str | None:
     """One digit of one coordinate of a pose."""
     if (pose := _pose(draw, document)) is None:
         return None
-    name = draw.choice([name for name in COORDINATES if name in pose and pose[name] != "0"])
-    pose[name] = other_digit(draw, pose[name])
+    name = _change_a_digit(draw, pose)
     return f"a digit of {name}"
 
 
@@ -183,8 +188,7 @@ def digit_of_an_event(draw: random.Random, document: Document) -> str | None:
     if not events:
         return None
     event = draw.choice(events)
-    name = draw.choice([name for name in COORDINATES if name in event and event[name] != "0"])
-    event[name] = other_digit(draw, event[name])
+    name = _change_a_digit(draw, event)
     return f"a digit of {name} of an event"
 
 
@@ -303,8 +307,7 @@ def digit_of_an_example(draw: random.Random, document: Document) -> str | None:
     if not cusps:
         return None
     cusp = draw.choice(cusps)
-    name = draw.choice([name for name in COORDINATES if name in cusp and cusp[name] != "0"])
-    cusp[name] = other_digit(draw, cusp[name])
+    name = _change_a_digit(draw, cusp)
     return f"a digit of {name} of an example"
 
 
