@@ -133,15 +133,24 @@ def tables() -> Iterator[str]:
 def counts() -> Iterator[str]:
     """Every number of cusps of both manipulators, for all L1."""
     for name, which in NAMES.items():
-        table = census_of(name)
         yield f"The {which} manipulator:"
         yield ""
-        yield "| L1 from | to | cusps | transition at the end |"
-        yield "|---|---|---|---|"
-        for row in table.rows():
-            stop, kind = row["to_text"] or "∞", row["transition_at_end"] or ""
-            yield f"| {row['from_text']} | {stop} | {row['count']} | {kind} |"
+        yield from intervals_of(name)
         yield ""
+
+
+def eighteen() -> Iterator[str]:
+    """Every number of cusps of the manipulator with eighteen."""
+    yield from intervals_of("eighteen-cusps")
+
+
+def intervals_of(name: str) -> Iterator[str]:
+    """The census of a built-in manipulator as a table."""
+    yield "| L1 from | to | cusps | transition at the end |"
+    yield "|---|---|---|---|"
+    for row in census_of(name).rows():
+        stop, kind = row["to_text"] or "∞", row["transition_at_end"] or ""
+        yield f"| {row['from_text']} | {stop} | {row['count']} | {kind} |"
 
 
 def count_at(table: Census, length: Fraction) -> int:
@@ -226,6 +235,7 @@ PARTS: Mapping[str, Callable[[], Iterable[str]]] = {
     "counts": counts,
     "scan": scan,
     "maxima": maxima,
+    "eighteen": eighteen,
     "few": few,
     "factors": factors,
     "conjecture": conjecture,

@@ -16,7 +16,7 @@ from rpr_solver import EXAMPLES, Figure, census, cusp_curves, cusp_loop, cusp_ta
 from rpr_solver.figures.mechanism import point_figure
 
 FOLDER = Path(__file__).with_name("figures")
-FIRST, SECOND = EXAMPLES["innocenti"], EXAMPLES["zein-flat"]
+FIRST, SECOND, EIGHTEEN = EXAMPLES["innocenti"], EXAMPLES["zein-flat"], EXAMPLES["eighteen-cusps"]
 
 
 def _loop() -> Figure:
@@ -40,6 +40,8 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
     "article-4": lambda: singular_curves(FIRST, 27).figure(),
     "article-5": lambda: singular_curves(SECOND, 3).figure(),
     "ten-cusps": lambda: singular_curves(FIRST, "28.1").figure(),
+    "eighteen-cusps": lambda: singular_curves(EIGHTEEN, "15.6431").figure("torus"),
+    "eighteen-cusps-census": lambda: census(EIGHTEEN, digits=15).figure(),
     "aspects": lambda: singular_curves(FIRST, 27).figure("torus"),
     "loop": _loop,
     "cusp": _cusp,

@@ -236,10 +236,11 @@ EXAMPLES: Mapping[str, Manipulator] = MappingProxyType(
         "twelve-cusps": Manipulator("10", "16.5", "12.5", "22.5", "38", "25.5", CW),
         "fourteen-cusps": Manipulator("10", "16.212", "9.019", "20.433", "32.895", "22.502", CW),
         "sixteen-cusps": Manipulator("10", "16.73912", "7.39002", "23.66811", "24.59925", "5.45049", CCW),
+        "eighteen-cusps": Manipulator("10", "9.6358", "2.6742", "25.4175", "50.2854", "25.4175", CCW),
     }
 )
-"""Manipulators by name: the article's first and second, and three with many cusps in slices of leg 1.
+"""Manipulators by name: the article's first and second, and four with many cusps in slices of leg 1.
 
 >>> sorted(EXAMPLES)
-['fourteen-cusps', 'innocenti', 'sixteen-cusps', 'twelve-cusps', 'zein-flat']
+['eighteen-cusps', 'fourteen-cusps', 'innocenti', 'sixteen-cusps', 'twelve-cusps', 'zein-flat']
 """

@@ -26,7 +26,8 @@ class Requirement:
         fixed_leg: the leg whose length varies over the range, 1, 2 or 3.
         start: the lower end of the range, exact, in the user's unit like all lengths; 0 is an open end.
         stop: its upper end; None is an open end.
-        max_cusps: the maximum number of cusps in any slice (0: cusp-free), or None.
+        max_cusps: the maximum number of cusps in any slice (0: none at all, which does not prove that the
+            assembly mode cannot change), or None.
         min_cusps: the minimum number, or None. A single length at which cusps merge is not a violation.
         limits: the minimum and maximum lengths of the other legs, exact, None for an open end:
             ``{"l2": (5, "20.5"), "l3": (None, 30)}``, or with the legs' numbers as keys.

@@ -22,6 +22,7 @@ FIRST_SLICES = {
     "twelve-cusps": "8.28",
     "fourteen-cusps": "5.96",
     "sixteen-cusps": "14.46845",
+    "eighteen-cusps": "15.6431",
 }
 """The slice of each example that is shown first."""
 

@@ -176,7 +176,7 @@ PATHS = Operation(
 A loop begins and ends at one joint vector, where the manipulator has two poses of one sign of J. The platform
 follows the legs continuously, is nowhere singular, and yet arrives at the other pose. Proved along the whole
 path, not only at the samples: J keeps its sign, and the loop turns once round the cusp, counter-clockwise,
-and round no other cusp of the slice.
+and round no other cusp of the slice. This is one way to change the assembly mode, not the only one.
 
 From pose to pose, the answer is a path in the slice or, with `between`, with the fixed leg free to move; or
 the reason why there is none: J has different signs at both poses, or they lie in different aspects of the

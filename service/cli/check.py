@@ -2,7 +2,8 @@
 or the number of cusps in single slices.
 
 Several geometries are checked in parallel; a folder stands for its *.json files. With limits on the other
-legs, only cusps strictly within them are counted."""
+legs, only cusps strictly within them are counted. That there are no cusps does not prove that the assembly
+mode cannot change."""
 
 from __future__ import annotations
 
@@ -59,7 +60,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     text = "a single slice to check, with --expect-cusps; repeatable"
     arguments.add_options(parser, "--l{}", "slices", "X", text)
     parser.add_argument(
-        "--max-cusps", metavar="N", help="maximum number of cusps in any slice; 0 requires a cusp-free range"
+        "--max-cusps", metavar="N", help="maximum number of cusps in any slice; 0: none at all"
     )
     parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice")
     text = "number of cusps in each slice of --l1 (--l2, …), or in every slice of the range"

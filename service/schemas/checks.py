@@ -35,7 +35,9 @@ class RequirementDocument(Document):
     fixed_leg: FixedLeg = Field(default=1, description="The leg whose length varies over the range.")
     range: Range = range_field()
     max_cusps: Count = Field(
-        default=None, description="Maximum number of cusps in any slice; 0 requires a cusp-free range."
+        default=None,
+        description="Maximum number of cusps in any slice; 0 requires a range without cusps, which does not "
+        "prove that the assembly mode cannot change.",
     )
     min_cusps: Count = Field(default=None, description="Minimum number of cusps in any slice.")
     limits: JointLimits | None = Field(
