@@ -13,7 +13,8 @@ from service.schemas.exact_json import JsonError, parse_json
 _CALLBACK = rb'"callback_url"\s*:\s*("(?:[^"\\]|\\.)*"|[\w.+-]+)\s*'
 _BEGIN = re.compile(rb'\s*(?:(\[)|\{\s*(?:%s,\s*)?"items"\s*:\s*\[)' % _CALLBACK)
 _END = re.compile(rb",\s*%s\}" % _CALLBACK)
-_TOKEN = re.compile(rb'"(?:[^"\\]|\\.)*+"|["\[\]{},]', re.DOTALL)
+_MARK = re.compile(rb'["\[\]{},]')
+_IN_STRING = re.compile(rb'[^"\\]*+(?:\\.[^"\\]*+)*+', re.DOTALL)
 _SPACE = b" \t\r\n"
 _LONGEST_BEGIN = 16_000
 
@@ -44,7 +45,7 @@ class Lines:
     """Newline-delimited items; empty lines are skipped."""
 
     def __init__(self) -> None:
-        self._rest = b""
+        self._rest = bytearray()
 
     @property
     def held(self) -> int:
@@ -53,16 +54,23 @@ class Lines:
 
     def feed(self, piece: bytes) -> Iterator[bytes]:
         """Yields the lines that are complete with the next piece of the body."""
-        *lines, self._rest = (self._rest + piece).split(b"\n")
-        return (line for line in lines if line.strip(_SPACE))
+        lines, newline, rest = piece.rpartition(b"\n")
+        if not newline:
+            self._rest += piece
+            return iter(())
+        complete, self._rest = bytes(self._rest) + lines, bytearray(rest)
+        return (line for line in complete.split(b"\n") if line.strip(_SPACE))
 
     def end(self) -> Iterator[bytes]:
         """Yields the last line, if it does not end in a newline."""
-        return (line for line in (self._rest,) if line.strip(_SPACE))
+        return (line for line in (bytes(self._rest),) if line.strip(_SPACE))
 
 
 class Elements:
     """The elements of `{"items": […]}`, or of an array alone.
+
+    However the body is cut into pieces, each byte is looked at once: it remembers how far it has come, within
+    a string too.
 
     Attributes:
         callback_url: the member of that name beside the items, as it was sent; None without one.
@@ -70,8 +78,9 @@ class Elements:
 
     def __init__(self) -> None:
         self.callback_url: object = None
-        self._text = b""
+        self._text = bytearray()
         self._at = 0  # up to where the text was looked at
+        self._is_in_string = False
         self._depth = 0
         self._state = "before"
         self._is_object = False
@@ -104,7 +113,7 @@ class Elements:
             raise _no_items()
         if self._state == "inside":
             raise _invalid(f"it ends within items[{self._count}]")
-        rest = self._text.strip(_SPACE)
+        rest = bytes(self._text).strip(_SPACE)
         if rest == (b"}" if self._is_object else b""):
             return iter(())
         if self._is_object and self.callback_url is None and (match := _END.fullmatch(rest)):
@@ -116,43 +125,65 @@ class Elements:
         raise _invalid("it goes on after the items, or ends before their object does")
 
     def _begin(self) -> None:
-        match = _BEGIN.match(self._text)
-        if match is not None:
+        mark = self._next_mark()
+        while mark not in (b"", b"["):
+            mark = self._next_mark()
+        if self._at > _LONGEST_BEGIN:
+            raise _no_items()
+        if mark:
+            match = _BEGIN.fullmatch(bytes(self._text[: self._at]))
+            if match is None:
+                raise _no_items()
             self._state, self._is_object = "inside", match[1] is None
             self.callback_url = None if match[2] is None else _value(match[2])
-            self._text = self._text[match.end() :]
-        elif len(self._text) > _LONGEST_BEGIN:
-            raise _no_items()
+            self._drop(self._at)
 
     def _elements(self) -> Iterator[bytes]:
         start = 0
-        for match in _TOKEN.finditer(self._text, self._at):
-            token = match[0]
-            if token == b'"':  # a string that is not complete
-                self._at = match.start()
-                break
-            self._at = match.end()
-            if token in (b"[", b"{"):
+        while mark := self._next_mark():
+            if mark in b"[{":
                 self._depth += 1
-            elif self._depth and token in (b"]", b"}"):
+            elif self._depth and mark in b"]}":
                 self._depth -= 1
-            elif not self._depth and token in (b",", b"]"):
-                element = self._text[start : match.start()].strip(_SPACE)
-                start = match.end()
-                is_over = token == b"]"
+            elif not self._depth and mark in b",]":
+                element = bytes(self._text[start : self._at - 1]).strip(_SPACE)
+                start = self._at
                 if element:
                     self._count += 1
                     yield element
-                elif not is_over or self._count:
-                    raise _invalid(f"items[{self._count}] is missing before {token.decode()!r}")
-                if is_over:
+                elif mark == b"," or self._count:
+                    raise _invalid(f"items[{self._count}] is missing before {mark.decode()!r}")
+                if mark == b"]":
                     self._state = "after"
                     break
-            elif not self._depth and token == b"}":
+            elif not self._depth and mark == b"}":
                 raise _invalid(f"items[{self._count}] has a closing brace too many")
-        else:
-            self._at = len(self._text)
-        self._text, self._at = self._text[start:], self._at - start
+        self._drop(start)
+
+    def _next_mark(self) -> bytes:
+        """Returns the next mark outside strings, and goes behind it; empty if none has come yet."""
+        while True:
+            if self._is_in_string:
+                inside = _IN_STRING.match(self._text, self._at)
+                self._at = self._at if inside is None else inside.end()
+                # at the end of what has come, or at a backslash without what follows it
+                if self._text[self._at : self._at + 1] != b'"':
+                    return b""
+                self._at += 1
+                self._is_in_string = False
+            match = _MARK.search(self._text, self._at)
+            if match is None:
+                self._at = len(self._text)
+                return b""
+            self._at = match.end()
+            mark = self._text[match.start() : self._at]
+            if mark != b'"':
+                return bytes(mark)
+            self._is_in_string = True
+
+    def _drop(self, count: int) -> None:
+        del self._text[:count]
+        self._at -= count
 
 
 def _value(text: bytes) -> object:

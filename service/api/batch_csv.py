@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import codecs
 import csv
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rpr_solver.errors import InputError
+from service.api.batch_bodies import Lines
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.batches import KIND_NAMES
 from service.schemas.exact_json import JsonNumber
@@ -32,17 +32,15 @@ _WITH_LENGTHS = (*_BY_SLICES, curves.KIND.name)
 class Rows:
     """The rows of a table; the first line names the columns."""
 
-    def __init__(self, max_line: int) -> None:
-        self._decoder = codecs.getincrementaldecoder("utf-8-sig")()
-        self._max_line = max_line
-        self._rest = ""
+    def __init__(self) -> None:
+        self._lines = Lines()
         self._columns: Sequence[str] = ()
         self._row = 0
 
     @property
     def held(self) -> int:
-        """The characters that are kept until their row is complete."""
-        return len(self._rest)
+        """The bytes that are kept until their row is complete."""
+        return self._lines.held
 
     def feed(self, piece: bytes) -> Iterator[Mapping[str, Any]]:
         """Yields the items of the rows that are complete with the next piece of the body.
@@ -51,22 +49,17 @@ class Rows:
             InputError: the columns are not known.
             ProblemError: this is no CSV in UTF-8.
         """
-        *lines, self._rest = (self._rest + self._decode(piece)).split("\n")
-        return (item for line in lines for item in self._item(line))
+        return (item for line in self._lines.feed(piece) for item in self._item(line))
 
     def end(self) -> Iterator[Mapping[str, Any]]:
         """Yields the last item, if its row does not end in a newline."""
-        rest, self._rest = self._rest + self._decode(b"", final=True), ""
-        return self._item(rest)
+        return (item for line in self._lines.end() for item in self._item(line))
 
-    def _decode(self, piece: bytes, *, final: bool = False) -> str:
+    def _item(self, sent: bytes) -> Iterator[Mapping[str, Any]]:
         try:
-            return self._decoder.decode(piece, final)
+            line = sent.decode("utf-8" if self._row else "utf-8-sig").rstrip("\r")
         except UnicodeDecodeError as error:
             raise _invalid(f"a byte is not UTF-8 ({error.reason})") from None
-
-    def _item(self, line: str) -> Iterator[Mapping[str, Any]]:
-        line = line.rstrip("\r")
         if not line.strip():
             return
         self._row += 1

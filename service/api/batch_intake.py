@@ -32,6 +32,7 @@ from worker.jobs.views import JobView
 NDJSON_TYPES = (NDJSON, "application/ndjson", "application/jsonl")
 MEDIA_TYPES = (JSON_TYPES, *NDJSON_TYPES, CSV)
 
+_READ_AT_ONCE = 64 << 10  # bytes of a body, or what is left of it, that a thread is given to read
 _AT_ONCE = 500  # items that are pushed together
 _KEPT_AT_ONCE = 1 << 20  # or bytes
 
@@ -127,7 +128,7 @@ async def accept_batch(
         ProblemError, InputError, QueueFullError: it is refused.
     """
     queue = context.queue
-    cutter = _cutter_of(request, context.settings.limits)
+    cutter = _cutter_of(request)
     url = allowed_url(context, callback_url)
     caller = caller_of(request.scope)
     key = key_of(request, caller)
@@ -215,16 +216,22 @@ async def _repeated(
 
 
 async def _pieces(request: Request, limits: Limits) -> AsyncGenerator[bytes]:
-    size = 0
+    """The body in pieces that are worth the way to a thread, however it is sent."""
+    size, held = 0, bytearray()
     async for piece in request.stream():
         size += len(piece)
         if size > limits.max_batch_bytes:
             raise too_large("max_batch_bytes", limits.max_batch_bytes, "more was sent")
-        yield piece
+        held += piece
+        if len(held) >= _READ_AT_ONCE:
+            yield bytes(held)
+            held.clear()
+    if held:
+        yield bytes(held)
 
 
-def _cutter_of(request: Request, limits: Limits) -> Cutter:
+def _cutter_of(request: Request) -> Cutter:
     media_type = media_type_of(request, MEDIA_TYPES)
     if media_type == CSV:
-        return Rows(limits.max_body_bytes)
+        return Rows()
     return Lines() if media_type in NDJSON_TYPES else Elements()

@@ -23,14 +23,12 @@ async def read_body(request: Request, max_bytes: int) -> bytes:
     declared = request.headers.get("content-length", "")
     if declared.isascii() and declared.isdigit() and (len(declared) > 18 or int(declared) > max_bytes):
         raise too_large("max_body_bytes", max_bytes, f"{declared[:40]} bytes were announced")
-    chunks: list[bytes] = []
-    size = 0
-    async for chunk in request.stream():
-        size += len(chunk)
-        if size > max_bytes:
+    body = bytearray()
+    async for piece in request.stream():
+        body += piece
+        if len(body) > max_bytes:
             raise too_large("max_body_bytes", max_bytes, f"more than {max_bytes} bytes were sent")
-        chunks.append(chunk)
-    return b"".join(chunks)
+    return bytes(body)
 
 
 def json_of(body: bytes, limits: Limits) -> object:

@@ -71,6 +71,38 @@ def assert_problem(answer: bytes, status: int, slug: str) -> None:
     assert json.loads(body)["type"] == f"/problems/{slug}"
 
 
+def test_slow_bodies_cost_their_bytes(valkey: EmbeddedValkey) -> None:
+    """Twelve batches have begun with a long string, or line, and go on byte by byte. Whoever else asks is
+    answered at once, and the processor has little to do.
+    """
+    body = b'{"items":[{"id":"' + b"a" * 900_000
+    kinds = [(b"application/json", body), (b"application/x-ndjson", body), (b"text/csv", body)]
+    with (
+        api(valkey, body_seconds=PATIENCE) as address,
+        ExitStack() as clients,
+        httpx.Client(base_url="http://{}:{}".format(*address), timeout=PATIENCE) as other,
+    ):
+        slow = [clients.enter_context(connection(address)) for _ in range(12)]
+        for client, (kind, start) in zip(slow, kinds * 4, strict=True):
+            head = b"POST /v1/batches HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5000000\r\n"
+            client.sendall(head + b"Content-Type: " + kind + b"\r\n\r\n" + start)
+        assert other.get("/healthz").status_code == 200
+        times: list[float] = []
+        begin = time.process_time()
+        for turn in range(150):
+            for client in slow:
+                client.sendall(b"a")
+            time.sleep(0.01)
+            if turn % 15 == 0:
+                since = time.monotonic()
+                assert other.get("/healthz").status_code == 200
+                assert other.post("/v1/poses", json={"geometry": {}}).status_code == 422
+                times.append(time.monotonic() - since)
+        # each of the 1800 bytes took a millisecond or more when the string was read from its start
+        assert time.process_time() - begin < 1.5
+        assert sorted(times)[len(times) // 2] < 0.6, "for both, even on a busy machine"
+
+
 def test_slow_clients(valkey: EmbeddedValkey) -> None:
     """A client sends nothing, or half a head, or half a body, or is idle after its answer. Its connection is
     closed in time, with 408 if it had begun to ask.

@@ -1,0 +1,120 @@
+"""Bodies of batches that come in pieces of any size."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from service.api import batch_bodies
+from service.api.batch_bodies import Cutter, Elements, Lines
+from service.api.batch_csv import Rows
+from service.api.problems import ProblemError
+
+TEXTS = st.text(st.sampled_from('a"\\[]{},:\n é'), max_size=12)
+VALUES = st.recursive(TEXTS | st.booleans(), lambda inner: st.lists(inner, max_size=3), max_leaves=5)
+ITEMS = st.lists(st.dictionaries(TEXTS, VALUES, max_size=3), min_size=1, max_size=4)
+CUTS = st.lists(st.integers(1, 9), min_size=1, max_size=6)
+URL = "http://[::1]/a,b"
+
+
+class Counted:
+    """A pattern that counts the bytes that it has looked at."""
+
+    def __init__(self, pattern: re.Pattern[bytes]) -> None:
+        self._pattern = pattern
+        self.bytes = self.calls = 0
+
+    def search(self, text: bytes, at: int) -> re.Match[bytes] | None:
+        return self._noted(self._pattern.search(text, at), len(text), at)
+
+    def match(self, text: bytes, at: int) -> re.Match[bytes] | None:
+        return self._noted(self._pattern.match(text, at), len(text), at)
+
+    def _noted(self, found: re.Match[bytes] | None, size: int, at: int) -> re.Match[bytes] | None:
+        self.calls += 1
+        self.bytes += (size if found is None else found.end()) - at
+        return found
+
+
+@pytest.fixture
+def looked(monkeypatch: pytest.MonkeyPatch) -> list[Counted]:
+    counted = [Counted(batch_bodies._MARK), Counted(batch_bodies._IN_STRING)]
+    monkeypatch.setattr(batch_bodies, "_MARK", counted[0])
+    monkeypatch.setattr(batch_bodies, "_IN_STRING", counted[1])
+    return counted
+
+
+def pieces(body: bytes, cuts: Iterable[int]) -> Iterator[bytes]:
+    """The body in pieces of these sizes, again and again."""
+    sizes, at = list(cuts), 0
+    while at < len(body):
+        for size in sizes:
+            yield body[at : at + size]
+            at += size
+
+
+def taken(cutter: Cutter, parts: Iterable[bytes]) -> list[Any]:
+    found = [item for piece in parts for item in cutter.feed(piece)]
+    return [*found, *cutter.end()]
+
+
+@given(ITEMS, CUTS, st.sampled_from(["array", "object", "callback before", "callback after"]), st.booleans())
+def test_elements_do_not_depend_on_the_cuts(
+    items: list[Any], cuts: list[int], form: str, is_ascii: bool
+) -> None:
+    members: dict[str, Any] = {"items": items}
+    if form == "callback before":
+        members = {"callback_url": URL, **members}
+    elif form == "callback after":
+        members["callback_url"] = URL
+    body = json.dumps(items if form == "array" else members, ensure_ascii=is_ascii).encode()
+    cutter = Elements()
+    assert [json.loads(text) for text in taken(cutter, pieces(body, cuts))] == items
+    assert cutter.callback_url == (URL if form.startswith("callback") else None)
+
+
+@given(ITEMS, CUTS)
+def test_lines_and_rows_do_not_depend_on_the_cuts(items: list[Any], cuts: list[int]) -> None:
+    body = "\n".join(map(json.dumps, items)).encode()
+    assert [json.loads(text) for text in taken(Lines(), pieces(body, cuts))] == items
+    rows = b"\xef\xbb\xbfid,a2x,a3x,a3y,d1,d2,d3\r\n" + "".join(
+        f"é{k},1,2,3,4,5,{len(item)}\r\n" for k, item in enumerate(items)
+    ).encode("utf-8")
+    found: list[Mapping[str, Any]] = taken(Rows(), pieces(rows, cuts))
+    assert [row["id"] for row in found] == [f"é{k}" for k in range(len(items))]
+
+
+@pytest.mark.parametrize(
+    "inner",
+    [b"a", b"\\\\", b"\\u0041", b'\\"', b"[", b"a" * 900 + b"\\n"],
+    ids=["letters", "backslashes", "escapes", "quotes", "brackets", "lines"],
+)
+@pytest.mark.parametrize("size", [1, 2, 7, 1 << 16])
+@pytest.mark.parametrize("is_closed", [True, False])
+def test_each_byte_is_looked_at_once(looked: list[Counted], inner: bytes, size: int, is_closed: bool) -> None:
+    """A string of many bytes comes in small pieces. The work is that of its bytes, not of their square."""
+    text = inner * (30_000 // len(inner) // 2 * 2)
+    body = b'{"callback_url": "http://a/", "items": [{"id": "' + text + (b'"}]}' if is_closed else b"")
+    cutter = Elements()
+    found = [item for piece in pieces(body, [size]) for item in cutter.feed(piece)]
+    assert len(found) == is_closed
+    assert sum(pattern.bytes for pattern in looked) <= 2 * len(body)
+    assert sum(pattern.calls for pattern in looked) <= 3 * len(body) // min(size, 10) + 100
+
+
+@pytest.mark.parametrize("size", [1, 5, 4000])
+@pytest.mark.parametrize(
+    "body",
+    [b" " * 40_000, b'{"callback_url": "' + b"[" * 40_000, b'{"a": [1], "items": []}', b'{"a": 1}'],
+    ids=["spaces", "a long callback", "other members", "no items"],
+)
+def test_what_does_not_begin(looked: list[Counted], body: bytes, size: int) -> None:
+    with pytest.raises(ProblemError, match="does not begin"):
+        taken(Elements(), pieces(body, [size]))
+    assert sum(pattern.bytes for pattern in looked) <= 2 * len(body)
