@@ -11,6 +11,7 @@ from starlette.middleware.cors import CORSMiddleware
 
 from service import __version__
 from service.api.access.guard import Guard
+from service.api.access.rules import Rules
 from service.api.access_log import AccessLog
 from service.api.assets import Assets
 from service.api.compression import Compression
@@ -60,7 +61,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.mount("/static", Assets(directory=WEB), name="static")
     add_error_handlers(app)
     describe(app)
-    app.add_middleware(Guard, context=context)
+    app.add_middleware(Guard, context=context, rules=Rules(app.routes))
     app.add_middleware(
         Compression, minimum_size=settings.gzip_bytes, compresslevel=_GZIP_LEVEL, thread_minimum_size=1 << 14
     )

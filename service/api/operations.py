@@ -293,6 +293,12 @@ OPERATIONS = (
     VERIFICATIONS,
 )
 
+PICTURES = replace(PLOTS, path="/v1/plot.svg", forms={SVG: PLOTS.forms[SVG]})
+"""Pictures as addresses, for pages that show them."""
+
+QUERIES = (CUSP_TABLES, CENSUSES, PICTURES)
+"""Those that are asked by GET too. They compute, and so need what POST needs."""
+
 _BY_KIND: Mapping[str, Operation] = {
     kind.name: operation for operation in OPERATIONS for kind in operation.question.kinds
 }

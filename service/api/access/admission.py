@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from service.api.access.caller import Caller
+from service.api.access.rules import check_scope
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.limits import Limits
 from worker.answers.cost import seconds, sizes
@@ -16,7 +17,7 @@ def admit(caller: Caller | None, request: JobRequest, quotas: Quotas, limits: Li
     """Count a job as one of the caller's.
 
     Raises:
-        ProblemError: the caller has as many as it may have.
+        ProblemError: the caller has as many as it may have, or may not compute.
     """
     if caller is not None and caller.is_limited:
         admit_work(caller, request.job_id, seconds(request.kind, sizes(request)), quotas, limits)
@@ -26,10 +27,11 @@ def admit_work(caller: Caller | None, job_id: str, work: float, quotas: Quotas, 
     """Count a job of so many seconds of estimated work as one of the caller's.
 
     Raises:
-        ProblemError: the caller has as many as it may have.
+        ProblemError: the caller has as many as it may have, or may not compute.
     """
     if caller is None or not caller.is_limited:
         return
+    check_scope(caller, "submit")  # whatever the way that led here
     quota = Quota(limits.max_active_jobs, limits.max_active_seconds)
     try:
         quotas.admit(caller.id, job_id, work, quota)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from service.api.access.rules import scope_needed
+from service.api.access.rules import NEEDED
 from service.api.operation_docs import problems
 from service.api.problems import ProblemType
 
@@ -22,7 +22,7 @@ def describe_access(contract: dict[str, Any]) -> None:
     contract.setdefault("components", {})["securitySchemes"] = {"key": _SCHEME}
     for path, operations in contract["paths"].items():
         for method, operation in operations.items():
-            needed = scope_needed(method.upper(), path)
+            needed = NEEDED[f"{method.upper()} {path}"]
             kinds = [ProblemType.UNKNOWN_HOST]
             if needed is not None:
                 kinds += [ProblemType.UNAUTHORIZED, ProblemType.FORBIDDEN, ProblemType.TOO_MANY_REQUESTS]

@@ -14,23 +14,21 @@ from service.api.access.caller import Caller, set_caller
 from service.api.access.hosts import is_known
 from service.api.access.key_ring import KeyRing
 from service.api.access.key_store import KeyStore
-from service.api.access.keys import allows
 from service.api.access.rate import Allowance, RateLimit
-from service.api.access.rules import scope_needed
+from service.api.access.rules import CHALLENGE, Rules, check_scope
 from service.api.context import Context
 from service.api.error_handlers import problem_of
 from service.api.problems import ProblemError, ProblemType
-
-_CHALLENGE = 'Bearer realm="rpr-cusps"'
 
 
 class Guard:
     """A layer of the application; refuses before a body is read."""
 
-    def __init__(self, app: ASGIApp, context: Context) -> None:
+    def __init__(self, app: ASGIApp, context: Context, rules: Rules) -> None:
         settings, redis, prefix = context.settings, context.queue.redis, context.queue.settings.key_prefix
         self.app = app
         self.settings = settings
+        self.rules = rules
         self.ask = context.redis
         self.ring = KeyRing(KeyStore(redis, prefix), context.redis)
         self.rate = RateLimit(redis, prefix, settings.limits.max_requests_per_minute)
@@ -51,7 +49,7 @@ class Guard:
     async def _admit(self, scope: Scope, answer_headers: dict[str, str]) -> None:
         headers = Headers(scope=scope)
         _check_host(headers, self.settings.host_names)
-        needed = scope_needed(scope["method"], scope["path"])
+        needed = self.rules.scope_needed(scope["method"], scope["path"])
         if needed is None:
             return
         caller = await self._caller(scope, headers)
@@ -61,12 +59,7 @@ class Guard:
             answer_headers.update(allowance.headers())
             if allowance.is_over:
                 raise _too_many(allowance)
-        if not allows(caller.scope, needed):
-            raise ProblemError(
-                ProblemType.FORBIDDEN,
-                f"This call needs a key with scope {needed}; the key {caller.name} has scope {caller.scope}.",
-                headers={"WWW-Authenticate": f'{_CHALLENGE}, error="insufficient_scope", scope="{needed}"'},
-            )
+        check_scope(caller, needed)
 
     async def _caller(self, scope: Scope, headers: Headers) -> Caller:
         sent = headers.get("authorization", "")
@@ -80,7 +73,7 @@ class Guard:
             raise ProblemError(
                 ProblemType.UNAUTHORIZED,
                 "This service asks for a key: send it as Authorization: Bearer rpr_….",
-                headers={"WWW-Authenticate": _CHALLENGE},
+                headers={"WWW-Authenticate": CHALLENGE},
             )
         key = await self.ring.find(token)
         if key is None:
@@ -88,7 +81,7 @@ class Guard:
                 ProblemType.UNAUTHORIZED,
                 "The Authorization header has no valid key: the key is unknown, expired or revoked, or not "
                 "sent as Bearer rpr_….",
-                headers={"WWW-Authenticate": f'{_CHALLENGE}, error="invalid_token"'},
+                headers={"WWW-Authenticate": f'{CHALLENGE}, error="invalid_token"'},
             )
         return Caller(f"key:{key.id}", key.name, key.scope)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
@@ -15,9 +14,8 @@ from service.api.answering import answer_asked
 from service.api.batch_csv import ENDS, GEOMETRY, item_of
 from service.api.context import ContextDep
 from service.api.header_docs import RESULT_FORM, form_parameters
-from service.api.negotiation import SVG
 from service.api.operation_docs import question_responses
-from service.api.operations import CENSUSES, CUSP_TABLES, PLOTS, Operation
+from service.api.operations import CUSP_TABLES, PICTURES, QUERIES, Operation
 from service.api.prefer import Preferences
 from service.api.problems import ProblemError, ProblemType
 from service.api.reading import asked_of
@@ -73,10 +71,6 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
 }
 """Name → description and schema."""
-
-
-PICTURES = replace(PLOTS, path="/v1/plot.svg", forms={SVG: PLOTS.forms[SVG]})
-"""Pictures as addresses, for pages that show them."""
 
 
 def _names(operation: Operation) -> tuple[str, ...]:
@@ -145,14 +139,14 @@ def _seconds(text: str) -> int:
     return int(text)
 
 
-for _operation, _name in ((CUSP_TABLES, "get_cusp_table"), (CENSUSES, "get_census"), (PICTURES, "get_plot")):
+for _operation in QUERIES:
     _responses = question_responses(_operation)
     _responses[304] = {"description": "Not modified: the client has this representation (If-None-Match)."}
     router.add_api_route(
         _operation.path,
         _endpoint(_operation),
         methods=["GET"],
-        name=_name,
+        name=_operation.name.replace("post_", "get_"),
         tags=[_operation.tag[0]],
         summary=f"{_operation.summary}, as an address",
         description="The question of POST as query parameters, for spreadsheets, `read_csv` and `webread`: "

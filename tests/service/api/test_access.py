@@ -2,25 +2,36 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import socket
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
+from fastapi import APIRouter
+from fastapi.routing import iter_route_contexts
 
+from service.api.access.admission import admit_work
+from service.api.access.caller import Caller
 from service.api.access.key_ring import _LONGEST_AGE
 from service.api.access.key_store import KeyStore
 from service.api.access.keys import Scope, make_key
 from service.api.access.rate import RateLimit
+from service.api.access.rules import Rules
+from service.api.app import create_app
+from service.api.problems import ProblemError
 from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import GEOMETRY, serving
 from worker.connection import connect
+from worker.jobs.quotas import Quotas
+from worker.settings import WorkerSettings
 
 QUESTION = {"geometry": GEOMETRY, "l1": 14.98}
 A_JOB = "/v1/jobs/ct-0"
@@ -100,6 +111,56 @@ def test_a_key_does_what_its_scope_includes(guarded: httpx.Client, store: KeySto
     refused = guarded.delete(A_JOB, headers=read)
     assert refused.json()["type"] == "/problems/forbidden"
     assert 'error="insufficient_scope", scope="submit"' in refused.headers["www-authenticate"]
+
+
+OTHER_METHODS = ("PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "get", "QUERY")
+
+
+def test_a_key_that_reads_starts_nothing(guarded: httpx.Client, store: KeyStore) -> None:
+    """Not by any route of the application, whatever the method and however its address is written."""
+    query = {**{name: str(value) for name, value in GEOMETRY.items()}, "l1": "14.98", "wait": "0"}
+    batch = {"items": [{"kind": "cusp-table", "request": QUESTION}]}
+    read, submit = ({**bearer(store, scope), "Prefer": "respond-async"} for scope in ("read", "submit"))
+    begun = set()
+
+    def ask(key: dict[str, str], method: str, address: str) -> int:
+        body = batch if address.startswith("/v1/batches") else QUESTION
+        params = {name: value for name, value in query.items() if "censuses" not in address or name != "l1"}
+        sent: dict[str, Any] = {} if method in ("GET", "HEAD") else {"json": body}
+        return guarded.request(method, address, params=params, headers=key, **sent).status_code
+
+    def jobs() -> list[bytes]:
+        return list(store.redis.scan_iter("cusps:job:*:events"))
+
+    paths = {
+        re.sub(r"{\w+}", "ct-0", route.path_format or "")
+        for route in iter_route_contexts(create_app().routes)
+    }
+    for path in sorted(paths):
+        written = (path, f"{path}%0A", f"{path}/", f"/{path}", path.replace(".", "%2E").replace("-", "%2d"))
+        calls = {*itertools.product(("GET", "HEAD", "POST"), written), *((m, path) for m in OTHER_METHODS)}
+        assert {ask(read, *call) for call in calls}.isdisjoint({202, 500}), path
+        assert not jobs(), path
+        begun |= {f"{method} {path}" for method in ("GET", "POST") if ask(submit, method, path) == 202}
+        for name in jobs():
+            store.redis.delete(name)
+    assert {"GET /v1/plot.svg", "GET /v1/cusp-tables", "GET /v1/censuses", "POST /v1/batches"} <= begun
+
+
+def test_a_route_without_a_scope_is_not_served() -> None:
+    async def endpoint() -> None:
+        pass
+
+    router = APIRouter()
+    router.add_api_route("/v1/new", endpoint, methods=["GET"])
+    with pytest.raises(LookupError, match=r"GET /v1/new has no scope"):
+        Rules([*create_app().routes, *router.routes])
+
+
+def test_what_may_not_compute_is_refused_where_work_is_admitted(store: KeyStore) -> None:
+    caller = Caller("key:a", "a", "read")
+    with pytest.raises(ProblemError, match="needs a key with scope submit"):
+        admit_work(caller, "ct-0", 1.0, Quotas(store.redis, WorkerSettings()), Limits())
 
 
 def test_a_key_with_another_secret_is_refused(guarded: httpx.Client, store: KeyStore) -> None:
