@@ -81,10 +81,12 @@ class WorkerSettings(BaseSettings):
     )
     eliminant_ttl: PositiveInt = Field(default=30 * 86400, description="lifetime of an eliminant, in seconds")
 
-    store_max_mb: PositiveInt | None = Field(
+    store_max_mb: int | None = Field(
         default=None,
-        description="memory of Redis, in MiB, above which the oldest results are removed; without it, 80 % "
-        "of Redis' own `maxmemory`, if it has one",
+        ge=16,
+        description="memory of the store, in MiB; above 80 % of it the oldest results are removed. Without "
+        "it, the embedded store may take a quarter of the memory of the computer or the container, and "
+        "another Redis its `maxmemory`, if it has one",
     )
 
     beat_interval: PositiveFloat = Field(

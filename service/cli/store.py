@@ -22,7 +22,7 @@ examples:
   rpr-cusps store prune --max-bytes 500MB           the oldest, until 500 MB are left
 
 By themselves results go at the end of their lifetime (RPR_CUSPS_RESULT_TTL, RPR_CUSPS_ELIMINANT_TTL), and
-earlier when Redis uses more memory than RPR_CUSPS_STORE_MAX_MB.
+earlier when the store is nearly full (RPR_CUSPS_STORE_MAX_MB, or maxmemory of Redis).
 """
 _SECONDS = {"s": 1, "m": 60, "h": 3600, "d": 86400}
 _BYTES = {"": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}

@@ -27,6 +27,8 @@ from service.stack.aof import DIRECTORY, check_manifest, repair
 from service.stack.data_dir import DirectoryLock, default_data_dir, make_private, runtime_dir
 from service.stack.errors import EmbeddedError
 from worker.process.child import end_all
+from worker.process.os_limits import usable_memory
+from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.service")
 
@@ -34,6 +36,7 @@ _REFUSED = 1  # exit status of a server that cannot read its data
 _READY_PATIENCE = 30.0
 _STOP_PATIENCE = 10.0
 _LOG_LIMIT = 1 << 20
+_LEAST_BYTES = 64 << 20
 
 # Runs between fork and exec of the server, so that the Linux kernel ends the server with its parent. It is a
 # separate program, because running Python code in the forked child of a process with threads is unsafe.
@@ -62,6 +65,15 @@ def program() -> Path:
         for path in Path(directory).glob("_binaries/*/valkey-server"):
             return path
     raise EmbeddedError("there is no embedded Valkey for this system; give --redis-url")
+
+
+def store_bytes() -> int:
+    """Returns the memory that the server may use: the setting, or a quarter of what there is.
+
+    A rewrite of the append-only file may take as much again, and the workers need the rest.
+    """
+    megabytes = WorkerSettings().store_max_mb
+    return max(usable_memory() // 4, _LEAST_BYTES) if megabytes is None else megabytes << 20
 
 
 class EmbeddedValkey:
@@ -134,7 +146,7 @@ class EmbeddedValkey:
             *("--dir", str(self.data_dir), "--logfile", str(self.log_file), "--daemonize", "no"),
             *("--appendonly", "yes", "--appendfsync", "everysec", "--save", ""),
             *("--aof-load-truncated", "no"),  # it would cut the file without a copy and without a word
-            *("--maxmemory-policy", "noeviction"),
+            *("--maxmemory", str(store_bytes()), "--maxmemory-policy", "noeviction"),
         )
         self._process = subprocess.Popen(
             arguments,

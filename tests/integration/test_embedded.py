@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from service.stack import embedded_valkey
 from service.stack.data_dir import default_data_dir
 from service.stack.embedded_valkey import EmbeddedValkey
 from service.stack.errors import EmbeddedError
 from tests.support.processes import is_running
 from worker.connection import connect
+from worker.process.os_limits import usable_memory
 
 
 def test_private_durable_and_without_a_port(tmp_path: Path) -> None:
@@ -30,6 +32,18 @@ def test_private_durable_and_without_a_port(tmp_path: Path) -> None:
     assert server.log_file.exists()
     with EmbeddedValkey(data) as server, connect(server.url) as redis:
         assert redis.get("key") == b"value"
+
+
+def test_its_memory_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a quarter of what the computer or container has, or by the setting."""
+    for megabytes, bound in ((None, usable_memory() // 4), (100, 100 << 20)):
+        if megabytes is not None:
+            monkeypatch.setenv("RPR_CUSPS_STORE_MAX_MB", str(megabytes))
+        with EmbeddedValkey(tmp_path) as server, connect(server.url) as redis:
+            assert redis.info("memory")["maxmemory"] == bound
+    monkeypatch.setattr(embedded_valkey, "usable_memory", lambda: 10 << 20)
+    monkeypatch.delenv("RPR_CUSPS_STORE_MAX_MB")
+    assert embedded_valkey.store_bytes() == 64 << 20, "less would be no use"
 
 
 def test_a_long_path_is_accepted(tmp_path: Path) -> None:

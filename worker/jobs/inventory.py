@@ -28,7 +28,7 @@ OTHER = "other"
 _PAGE = 1000
 _MARGIN = 60.0  # seconds before an active job was recorded, in which it may have found its results
 _FULL_SHARE, _ENOUGH_SHARE = 0.8, 0.9
-_PAUSE, _LONGEST = 10.0, 0.1
+_PAUSE, _LONGEST = 1.0, 0.1
 
 # A key is removed only if its lifetime has not been renewed since the look at it.
 _REMOVE = """
@@ -137,11 +137,10 @@ class Inventory:
         return removed
 
     def _memory(self) -> tuple[int, float]:
-        """Returns what Redis uses, and its bound; 0: none."""
+        """Returns what Redis uses, and from where on it is too much; 0: never."""
         memory = self.redis.info("memory")
-        if self.settings.store_max_mb is not None:
-            return int(memory["used_memory"]), self.settings.store_max_mb * 2.0**20
-        return int(memory["used_memory"]), _FULL_SHARE * int(memory["maxmemory"])
+        bounds = [int(memory["maxmemory"]), (self.settings.store_max_mb or 0) << 20]
+        return int(memory["used_memory"]), _FULL_SHARE * min(filter(None, bounds), default=0)
 
     def _pages(self) -> Iterator[list[bytes]]:
         cursor, started = 0, False

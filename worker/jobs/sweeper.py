@@ -12,7 +12,7 @@ import threading
 from typing import cast
 
 from redis import Redis
-from redis.exceptions import RedisError
+from redis.exceptions import OutOfMemoryError, RedisError
 
 from worker.jobs.attempts import ChunkEntry
 from worker.jobs.chunks import ChunkQueue
@@ -44,16 +44,17 @@ class Sweeper:
     def sweep(self) -> int:
         """Search once, unless another search is recent; returns the number of chunks put back."""
         pause = int(self.settings.sweep_interval * 1000)
-        if not self.redis.set(self.keys.sweep_lock, 1, nx=True, px=pause):
-            return 0
+        try:
+            if not self.redis.set(self.keys.sweep_lock, 1, nx=True, px=pause):
+                return 0
+        except OutOfMemoryError:  # it is so full that there is no place for the lock
+            self._relieve()
+            raise
         # The order matters: a chunk that leaves the queue after this look has a heartbeat soon, and a chunk
         # opened after the look at the records is not among them.
         self.records.adopt(_WALK)
         self._end_overdue_jobs()
-        if removed := self.inventory.relieve():
-            log.warning(
-                "Redis uses more memory than its bound: removed the oldest results (%d keys)", removed
-            )
+        self._relieve()
         entries = self.records.open_chunks()
         waiting = self.chunks.waiting()
         missing = self._without_beat([e for e in entries if e.ref.rq_id not in waiting])
@@ -68,6 +69,10 @@ class Sweeper:
                 continue
             except Exception:
                 log.exception("a search for lost chunks failed")
+
+    def _relieve(self) -> None:
+        if removed := self.inventory.relieve():
+            log.warning("the store is nearly full: removed the oldest results (%d keys)", removed)
 
     def _end_overdue_jobs(self) -> None:
         for job_id in self.deadlines.over():

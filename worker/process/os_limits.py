@@ -9,7 +9,8 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -92,6 +93,30 @@ def lift_memory_limit() -> None:
 def usable_cores() -> int:
     """Returns the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def usable_memory(root: Path = Path("/")) -> int:
+    """Returns the bytes of memory that this process may use: the machine's, or less by its control groups.
+
+    `root` is where `/proc` and `/sys` are.
+    """
+    found = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")]
+    try:
+        groups = (root / "proc/self/cgroup").read_text().splitlines()
+    except OSError:  # not Linux
+        groups = []
+    for controllers, group in (line.split(":", 2)[1:] for line in groups):
+        if controllers and "memory" not in controllers.split(","):
+            continue
+        mount, name = ("memory", "memory.limit_in_bytes") if controllers else ("", "memory.max")
+        top = root / "sys/fs/cgroup" / mount
+        inner = top / group.lstrip("/")  # in a container this is often not there, but its root is
+        for directory in (inner, *inner.parents):
+            with suppress(OSError, ValueError):  # no such file, or no limit ("max")
+                found.append(int((directory / name).read_text()))
+            if directory == top:
+                break
+    return min(size for size in found if size > 0)
 
 
 def end_process(process: subprocess.Popen[Any], patience: float) -> None:

@@ -6,6 +6,7 @@ import random
 
 import pytest
 from redis import Redis
+from redis.exceptions import OutOfMemoryError
 
 from tests.support.jobs import a_request
 from worker.answers.requests import JobRequest
@@ -13,6 +14,7 @@ from worker.answers.store import packed
 from worker.jobs.inventory import Inventory
 from worker.jobs.queue import JobQueue
 from worker.jobs.records import ChunkRef
+from worker.jobs.sweeper import Sweeper
 from worker.settings import WorkerSettings
 
 DAY = 86400
@@ -94,15 +96,15 @@ def test_what_is_found_meanwhile_is_kept(queue: JobQueue, inventory: Inventory) 
 
 
 def test_the_sweeper_keeps_redis_below_its_bound(redis: Redis, queue: JobQueue) -> None:
-    old = [put(queue, a_request(f"{i}"), 3 * DAY, size=100_000)[0] for i in range(1, 61)]
-    young = [put(queue, a_request(f"{i}"), DAY, size=100_000)[0] for i in range(61, 121)]
+    old = [put(queue, a_request(f"{i}"), 3 * DAY, size=100_000)[0] for i in range(1, 101)]
+    young = [put(queue, a_request(f"{i}"), DAY, size=100_000)[0] for i in range(101, 201)]
     used = redis.info("memory")["used_memory"]
-    megabytes = (used - 3_000_000) // 2**20
+    megabytes = int((used - 3_000_000) / 0.8) // 2**20
     inventory = Inventory(redis, WorkerSettings(store_max_mb=megabytes))
     assert inventory.relieve() > 20
-    assert redis.info("memory")["used_memory"] < megabytes * 2**20
-    assert redis.exists(*old) < 40
-    assert redis.exists(*young) == 60, "of each page, the older half goes first"
+    assert redis.info("memory")["used_memory"] < 0.8 * megabytes * 2**20
+    assert redis.exists(*old) < 80
+    assert redis.exists(*young) == 100, "of each page, the older half goes first"
     before = redis.info("stats")["total_commands_processed"]
     assert inventory.relieve() == 0
     assert inventory.relieve() == 0
@@ -118,5 +120,21 @@ def test_a_server_with_a_limit_of_its_own_bounds_the_store(redis: Redis, queue: 
     redis.config_set("maxmemory", redis.info("memory")["used_memory"])
     try:
         assert inventory.relieve() > 0
+    finally:
+        redis.config_set("maxmemory", 0)
+
+
+def test_the_sweeper_makes_room_where_none_is_left(redis: Redis, queue: JobQueue) -> None:
+    for i in range(1, 61):
+        put(queue, a_request(f"{i}"), 3 * DAY, size=100_000)
+    redis.config_set("maxmemory", redis.info("memory")["used_memory"] - 500_000)
+    try:
+        with pytest.raises(OutOfMemoryError):
+            redis.set("one more", 1)
+        sweeper = Sweeper(redis, WorkerSettings())
+        with pytest.raises(OutOfMemoryError):
+            sweeper.sweep()  # there is no place for its lock
+        assert redis.set("one more", 1)
+        assert sweeper.sweep() == 0
     finally:
         redis.config_set("maxmemory", 0)

@@ -1,12 +1,14 @@
 from __future__ import annotations
 
+import os
 import signal
 import sys
+from pathlib import Path
 
 import pytest
 
 from tests.support.processes import completed, environment
-from worker.process.os_limits import STOP_SIGNALS, on_stop_signals
+from worker.process.os_limits import STOP_SIGNALS, on_stop_signals, usable_memory
 
 
 @pytest.mark.parametrize("is_ignored", [True, False])
@@ -31,3 +33,26 @@ def test_as_many_files_as_the_system_allows() -> None:
         "r.setrlimit(r.RLIMIT_NOFILE, (64, 200)); f(); f(); print(r.getrlimit(r.RLIMIT_NOFILE))"
     )
     assert completed([sys.executable, "-c", program], environment()).stdout == "(200, 200)\n"
+
+
+@pytest.mark.parametrize(
+    ("groups", "files", "megabytes"),
+    [
+        ("0::/a/b", {"a/b/memory.max": "max", "a/memory.max": 300 << 20, "memory.max": 500 << 20}, 300),
+        ("0::/not/here", {"memory.max": 200 << 20}, 200),
+        ("7:cpu:/\n4:memory:/a", {"memory/a/memory.limit_in_bytes": 100 << 20}, 100),
+        ("4:cpu,memory:/a", {"memory/memory.limit_in_bytes": 150 << 20}, 150),
+        ("0::/", {"memory.max": "max"}, None),
+        ("4:memory:/a", {"memory/a/memory.limit_in_bytes": 1 << 62}, None),
+    ],
+)
+def test_usable_memory(tmp_path: Path, groups: str, files: dict[str, object], megabytes: int | None) -> None:
+    machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    assert usable_memory(tmp_path) == machine, "no control groups"
+    for name, text in {
+        "proc/self/cgroup": groups,
+        **{f"sys/fs/cgroup/{k}": v for k, v in files.items()},
+    }.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(f"{text}\n")
+    assert usable_memory(tmp_path) == (machine if megabytes is None else megabytes << 20)
