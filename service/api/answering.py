@@ -9,6 +9,7 @@ from service.api.access.caller import caller_of, subscriber_of
 from service.api.body import read_body
 from service.api.calling_back import call_back
 from service.api.chosen_forms import choice_of
+from service.api.client_transport import CLIENT_ENDED
 from service.api.context import Context
 from service.api.job_view import job_json, retry_after
 from service.api.negotiation import JSON, negotiate
@@ -68,7 +69,7 @@ async def answer_asked(
             has_ended = await context.events.wait(outcome, seconds)
             outcome = await context.redis(_waited, context, outcome, job_request if has_ended else None)
             if isinstance(outcome, JobView):
-                is_gone = await request.is_disconnected()
+                is_gone = CLIENT_ENDED in request.scope or await request.is_disconnected()
                 outcome = await context.redis(_unanswered, context, outcome, who, is_gone)
     else:
         waited = None

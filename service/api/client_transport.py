@@ -11,6 +11,12 @@ import asyncio
 from collections.abc import Callable
 from typing import Any
 
+CLIENT_ENDED = "rpr_cusps.client_ended"
+"""In the scope of a request whose client has ended its half of the connection; it may be gone altogether."""
+
+FOLLOWS = "rpr_cusps.follows"
+"""In the scope of a request for a stream; a client that ends its half while it is sent is taken as gone."""
+
 _SENT_AT_ONCE = 64 << 10
 
 

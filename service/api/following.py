@@ -6,6 +6,7 @@ import re
 
 from fastapi import Request, Response
 
+from service.api.client_transport import FOLLOWS
 from service.api.context import Context
 from service.api.job_tail import EVENT_ID
 from service.api.problems import ProblemError, ProblemType
@@ -33,5 +34,6 @@ async def follow(request: Request, context: Context, view: JobView, with_known: 
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     if request.scope.get(IS_HEAD):
         return Response(headers=headers, media_type="text/event-stream")
+    request.scope[FOLLOWS] = True
     stream = context.events.follow(view, last, with_known and last == "0")
     return LongAnswer(stream, headers, "text/event-stream", context.followers)

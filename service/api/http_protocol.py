@@ -5,13 +5,14 @@ from __future__ import annotations
 import asyncio
 from collections import OrderedDict
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import h11
 from starlette.types import ASGIApp, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from service.api.client_transport import ClientTransport
+from service.api.client_transport import CLIENT_ENDED, FOLLOWS, ClientTransport
+from service.api.framing import NOT_IMPLEMENTED, StrictConnection
 from service.api.problems import MEDIA_TYPE, ProblemError, ProblemType
 from service.api.settings import Settings
 
@@ -34,7 +35,7 @@ def uvicorn_options(settings: Settings) -> dict[str, Any]:
             {"settings": settings, "all": Connections(most_connections(settings))},
         ),
         "timeout_keep_alive": settings.idle_seconds,
-        "h11_max_incomplete_event_size": settings.max_header_bytes,
+        "ws": "none",
     }
 
 
@@ -91,6 +92,8 @@ class LimitedProtocol(H11Protocol):
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._awaited: object = None
         self._thrown_away = 0
+        self._has_client_ended = False
+        self.conn = self._framing = StrictConnection(self.settings.max_header_bytes)
 
     # -- what asyncio and uvicorn call -------------------------------------------------------------
 
@@ -116,8 +119,27 @@ class LimitedProtocol(H11Protocol):
             super().data_received(data)
             self._mind()
 
+    def eof_received(self) -> bool:  # type: ignore[override]
+        """The client sends no more. It may be gone, or wait for the answer to what it has sent."""
+        self._has_client_ended = True
+        if self.transport.is_closing():
+            return False
+        if not (self._is_answering() or self.conn.trailing_data[0]):
+            self.transport.close()  # and not by the event loop, which would drop what is not sent yet
+            return True
+        has_begun = self.conn.our_state not in (h11.IDLE, h11.SEND_RESPONSE)
+        if not self._is_answering() or (self.conn.their_state is h11.SEND_BODY and not has_begun):
+            self._refuse(
+                ProblemType.MALFORMED_REQUEST, "The client ended the request before it was complete."
+            )
+            return True
+        cast(dict[str, object], self.scope)[CLIENT_ENDED] = True
+        return FOLLOWS not in self.scope
+
     def on_response_complete(self) -> None:
         super().on_response_complete()
+        if self._has_client_ended and not self._is_answering():
+            self.transport.close()
         self._mind()
 
     def timeout_keep_alive_handler(self) -> None:
@@ -134,10 +156,13 @@ class LimitedProtocol(H11Protocol):
 
     def send_400_response(self, msg: str) -> None:
         """Answer what is not HTTP, or has a header that is too long, as any other error."""
+        why = "" if self._framing.fault is None else f"{self._framing.fault}"[:200]
         if len(self.conn.trailing_data[0]) > self.settings.max_header_bytes:
             self._refuse(ProblemType.HEADERS_TOO_LARGE, _too_large(self.settings.max_header_bytes))
+        elif self._framing.fault is not None and self._framing.fault.error_status_hint == NOT_IMPLEMENTED:
+            self._refuse(ProblemType.TRANSFER_CODING_NOT_SUPPORTED, f"The request cannot be read: {why}.")
         else:
-            self._refuse(ProblemType.MALFORMED_REQUEST, msg)
+            self._refuse(ProblemType.MALFORMED_REQUEST, f"The request cannot be read: {why}." if why else msg)
 
     # -- the limits --------------------------------------------------------------------------------
 
@@ -161,6 +186,8 @@ class LimitedProtocol(H11Protocol):
 
     def _is_client_sending(self) -> bool:
         """Whether a request has begun, and has not ended."""
+        if self._has_client_ended:
+            return False
         if self.conn.their_state is h11.IDLE:
             return self.conn.trailing_data[0] != b""
         return self.conn.their_state in (h11.SEND_BODY, h11.ERROR)
@@ -169,6 +196,10 @@ class LimitedProtocol(H11Protocol):
         """Whether what comes now belongs to a request that has its answer."""
         is_answered = self.cycle is not None and self.cycle.response_complete
         return self.transport.is_closing() or (is_answered and self.conn.their_state is h11.SEND_BODY)
+
+    def _should_upgrade(self) -> bool:
+        """No other protocol is spoken here; the wish for one is passed over (RFC 9110, 7.8)."""
+        return False
 
     def _is_answering(self) -> bool:
         return self.cycle is not None and not self.cycle.response_complete

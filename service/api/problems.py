@@ -84,7 +84,8 @@ class ProblemType(Enum):
     )  # fmt: skip
     MALFORMED_REQUEST = (
         400, "The request is not HTTP",
-        "What was sent is not a request as HTTP/1.1 has it, or its head is too long.",
+        "What was sent is not a request as HTTP/1.1 has it, or could be read in two ways, as with both "
+        "Content-Length and Transfer-Encoding. The connection was closed.",
     )  # fmt: skip
     REQUEST_TIMEOUT = (
         408, "The request came too slowly",
@@ -152,6 +153,10 @@ class ProblemType(Enum):
     JOB_RESOURCE_EXHAUSTED = (
         500, "The job failed: it ran out of memory",
         "The computation reached the memory limit of a worker. Request fewer digits or simpler numbers.",
+    )  # fmt: skip
+    TRANSFER_CODING_NOT_SUPPORTED = (
+        501, "The body has a coding that is not understood",
+        "Transfer-Encoding may be chunked, and nothing else; compress no bodies.",
     )  # fmt: skip
     UNAVAILABLE = (
         503, "The queue cannot be reached",
