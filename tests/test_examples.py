@@ -49,7 +49,7 @@ def bash(script: str, folder: Path, **variables: str) -> subprocess.CompletedPro
 
 @pytest.mark.parametrize("example", EXPECTED, indirect=True)
 def test_on_github(example: Path) -> None:
-    [_, step] = loaded(example / ".github/workflows/cusps.yml")["jobs"]["check"]["steps"]
+    [_, step, upload] = loaded(example / ".github/workflows/cusps.yml")["jobs"]["check"]["steps"]
     action = loaded(ROOT / "action.yml")
     given = {name: part.get("default") for name, part in action["inputs"].items()} | step["with"]
     assert given.keys() == action["inputs"].keys()
@@ -61,6 +61,7 @@ def test_on_github(example: Path) -> None:
     done = bash(check["run"], example, GITHUB_ACTIONS="true", **variables)
     assert (done.returncode, done.stderr) == (EXPECTED[example.name], "")
     annotations = [line for line in done.stdout.splitlines() if line.startswith("::error")]
+    assert (upload["if"], upload["with"]["sarif_file"]) == ("always()", given["sarif"])
     cases = ElementTree.parse(example / given["junit"]).findall("testsuite/testcase")
     results = json.loads((example / given["sarif"]).read_text())["runs"][0]["results"]
     assert len(cases) == 2
@@ -99,9 +100,36 @@ def test_with_pre_commit(example: Path) -> None:
     [repository] = loaded(example / ".pre-commit-config.yaml")["repos"]
     [hook] = repository["hooks"]
     [known] = [entry for entry in loaded(ROOT / ".pre-commit-hooks.yaml") if entry["id"] == hook["id"]]
+    (example / "robots/package.json").write_text('{"name": "robots", "version": "1.0.0"}')
     files = [str(path.relative_to(example)) for path in sorted(example.rglob("*.json"))]
     chosen = [name for name in files if re.search(hook["files"], name)]
     script = " ".join([known["entry"], *hook["args"], *chosen])
     done = bash(script, example)
     assert done.returncode == EXPECTED[example.name]
-    assert done.stdout.splitlines()[-1].startswith("2 checked: ")
+    last = done.stdout.splitlines()[-1]
+    assert last.startswith("2 checked: ")
+    assert last.endswith("3 files read, 1 ignored without a geometry: robots/package.json")
+
+
+def test_gitlab_installs_the_given_commit_with_its_constraints(tmp_path: Path) -> None:
+    """All but the installation itself, whose command is recorded: no bare name is asked of a registry."""
+    copy, bin_ = tmp_path / "copy", tmp_path / "bin"
+    bin_.mkdir()
+    (bin_ / "python").write_text('#!/bin/sh\necho "$@"\ncat "$6"\n')
+    (bin_ / "python").chmod(0o755)
+    git = f"git -C {copy} -c user.name=a -c user.email=a@example.com"
+    made = (
+        f"git init -q {copy} && echo first > {copy}/constraints.txt && {git} add . && {git} commit -qm first"
+    )
+    later = f"{git} rev-parse HEAD && echo second > {copy}/constraints.txt && {git} commit -qam second"
+    commit = bash(f"{made} && {later}", tmp_path).stdout.strip()
+    spec, jobs = yaml.safe_load_all((ROOT / "templates/rpr-cusps-check.yml").read_text(encoding="utf-8"))
+    required = {name for name, part in spec["spec"]["inputs"].items() if "default" not in (part or {})}
+    assert required == {"requirement", "repository", "ref"}
+    script = "\n".join(jobs["rpr-cusps-check"]["before_script"]).replace(
+        "/tmp/rpr-cusps", str(tmp_path / "got")
+    )
+    script = script.replace("$[[ inputs.repository ]]", copy.as_uri()).replace("$[[ inputs.ref ]]", commit)
+    done = bash(f"PATH={bin_}:$PATH\n{script}", tmp_path)
+    got = tmp_path / "got"
+    assert done.stdout.splitlines() == [f"-m pip install --quiet -c {got}/constraints.txt {got}", "first"]

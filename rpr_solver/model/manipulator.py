@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 CCW, CW = "ccw", "cw"
 _LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 _FIELDS = (*_LENGTHS, "orientation")
+_NOTES = ("name", "unit")
+_BESIDE = ("$schema", *_NOTES)
+"""What a geometry may have beside its fields: for editors and readers, and no part of its identity."""
 _MISSING = object()
 
 
@@ -83,6 +86,9 @@ class Manipulator:
     def from_file(cls, path: str | PathLike[str]) -> Manipulator:
         """Reads a JSON file with the contract's geometry object; numbers are taken exactly as written.
 
+        The file may have a ``name`` and a ``unit``, which are left aside, or be an answer or another object
+        that holds its geometry as the member ``geometry``.
+
         Raises:
             InputError: naming the file: it cannot be read, or does not describe a manipulator.
 
@@ -101,7 +107,7 @@ class Manipulator:
         except (ValueError, RecursionError) as error:
             raise InputError.of("path", f"{name!r} is not JSON: {error}") from None
         try:
-            return cls.from_json(obj)
+            return cls.from_json(geometry_within(obj))
         except InputError as error:
             problems = [FieldProblem(p.field, f"{p.message} (in {name!r})") for p in error.problems]
             raise InputError(problems) from None
@@ -124,8 +130,9 @@ class Manipulator:
         problems = [
             FieldProblem(f"geometry.{name}", f"unknown field; known are {', '.join(_FIELDS)}")
             for name in obj
-            if name not in (*_FIELDS, "$schema")  # which a file may name, for editors
+            if name not in (*_FIELDS, *_BESIDE)
         ]
+        problems += _problems_beside(obj)
 
         def length(value: Any, field: str) -> Fraction:
             if value is _MISSING:
@@ -216,6 +223,49 @@ class Manipulator:
         if self.orientation not in (CCW, CW):
             problem("orientation", f'{shown(self.orientation)} is neither "ccw" nor "cw"')
         return problems
+
+
+def geometry_within(value: Any) -> Any:
+    """The geometry in a JSON value: the value, or the member ``geometry`` of an answer or another object.
+
+    >>> geometry_within({"count": 6, "geometry": {"a2x": "20"}})
+    {'a2x': '20'}
+    """
+    if isinstance(value, Mapping) and not any(name in value for name in _LENGTHS):
+        inner = value.get("geometry")
+        return inner if isinstance(inner, Mapping) else value
+    return value
+
+
+def notes_on(geometry: Mapping[str, Any]) -> dict[str, str]:
+    """The name and the unit that a geometry gives.
+
+    Raises:
+        InputError: one of them is no text.
+    """
+    if problems := _problems_beside(geometry):
+        raise InputError(problems)
+    return {name: geometry[name] for name in _NOTES if name in geometry}
+
+
+def without_notes(geometry: Mapping[str, Any]) -> dict[str, Any]:
+    """A geometry without what it may have beside its fields.
+
+    Raises:
+        InputError: its name or its unit is no text.
+    """
+    notes_on(geometry)
+    return {name: value for name, value in geometry.items() if name not in _BESIDE}
+
+
+def _problems_beside(geometry: Mapping[str, Any]) -> list[FieldProblem]:
+    wrong = {name: geometry[name] for name in _NOTES if type(geometry.get(name, "")) is not str}
+    return [
+        FieldProblem(
+            f"geometry.{name}", f"is {value if isinstance(value, str) else shown(value)}; give a text"
+        )
+        for name, value in wrong.items()
+    ]
 
 
 def hash_of_canonical(geometry: Mapping[str, str]) -> str:

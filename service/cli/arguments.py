@@ -16,6 +16,7 @@ from pydantic import TypeAdapter
 from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.contract import CERTIFICATES, SHORT
 from rpr_solver.errors import InputError
+from rpr_solver.model.manipulator import geometry_within
 from service.schemas.document import Source, named, part, read
 from service.schemas.exact_json import JsonError, parse_json
 from service.schemas.lengths import SliceRange, split_ends, split_range
@@ -35,7 +36,8 @@ STANDARD_INPUT = "-"
 *_FIRST, _LAST = EXAMPLES
 GEOMETRY = (
     "GEOMETRY is a JSON file, - for standard input, or a built-in manipulator: "
-    f'{", ".join(_FIRST)} or {_LAST}. Numbers are exact: 17.04, "17.04", "426/25".'
+    f'{", ".join(_FIRST)} or {_LAST}. Numbers are exact: 17.04, "17.04", "426/25". A file may have a name '
+    "and a unit, or be an answer of rpr-cusps in JSON, whose geometry is taken."
 )
 
 _OPTIONS = {name: f"--{name.replace('_', '-')}" for name in ("digits", "fixed_leg", "samples", "method")}
@@ -122,12 +124,12 @@ def ask(model: type[Q], args: argparse.Namespace, members: Mapping[str, object],
 
 
 def geometry_of(name: str) -> object:
-    """Returns a built-in manipulator, or the JSON of a file or of standard input.
+    """Returns a built-in manipulator, or the geometry in the JSON of a file or of standard input.
 
     Raises:
         InputError: the file cannot be read or is not JSON.
     """
-    return EXAMPLES[name] if name in EXAMPLES else json_of(name, text_of(name))
+    return EXAMPLES[name] if name in EXAMPLES else geometry_within(json_of(name, text_of(name)))
 
 
 def text_of(name: str) -> bytes:

@@ -1,9 +1,10 @@
 """Prove or refute a requirement: a maximum or minimum number of cusps in every slice of a range of lengths,
 or the number of cusps in single slices.
 
-Several geometries are checked in parallel; a folder stands for its *.json files. With limits on the other
-legs, only cusps strictly within them are counted. That there are no cusps does not prove that the assembly
-mode cannot change."""
+Several geometries are checked in parallel. A folder stands for the geometries in its *.json files and in
+those of the folders within it, hidden ones excepted; files without a geometry are named and ignored. With
+limits on the other legs, only cusps strictly within them are counted. That there are no cusps does not prove
+that the assembly mode cannot change."""
 
 from __future__ import annotations
 
@@ -24,7 +25,7 @@ from service.cli.check_files import github_annotations, junit_xml, sarif
 from service.cli.check_remote import check_by_service
 from service.cli.check_reports import Outcome, document, page, summary
 from service.cli.check_run import Demand, check_all
-from service.cli.check_sources import expand, geometry
+from service.cli.check_sources import Found, find
 from service.cli.expectation import Expectation
 from service.cli.pages import write_document
 from service.schemas.checks import RequirementDocument
@@ -56,6 +57,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     text = "a JSON file, a folder, -, or a built-in name"
     parser.add_argument("geometry", metavar="GEOMETRY", nargs="+", help=text)
+    text = "ignore files without a geometry also where they are named, as pre-commit does"
+    parser.add_argument("--ignore-others", action="store_true", help=text)
     arguments.add_ranges(parser, "the range of lengths to check; either end may be omitted")
     text = "a single slice to check, with --expect-cusps; repeatable"
     arguments.add_options(parser, "--l{}", "slices", "X", text)
@@ -87,7 +90,8 @@ def run(args: argparse.Namespace) -> int:
     demand = _demand(args)
     jobs = _jobs(args.jobs)
     deadline = remote.seconds_of(args)
-    geometries = list(map(geometry, expand(args.geometry)))
+    found = find(args.geometry, ignore_others=args.ignore_others)
+    geometries = found.geometries
     with ExitStack() as stack:
         files = {
             form: stack.enter_context(_opened(f"--{form}", name))
@@ -100,7 +104,7 @@ def run(args: argparse.Namespace) -> int:
             outcomes = check_by_service(args.url, geometries, demand, digits, deadline)
         for form, file in files.items():
             _write(file, _FILES[form](outcomes))
-    _print(outcomes, demand, args)
+    _print(outcomes, demand, found, args)
     if any(outcome.is_bad for outcome in outcomes):
         return BAD_INPUT
     return PASSED if all(outcome.passed for outcome in outcomes) else FAILED
@@ -191,16 +195,16 @@ def _write(file: TextIO, text: str) -> None:
         raise output.OutputError(f"cannot write to {file.name!r}: {error.strerror}") from None
 
 
-def _print(outcomes: Sequence[Outcome], demand: Demand, args: argparse.Namespace) -> None:
+def _print(outcomes: Sequence[Outcome], demand: Demand, found: Found, args: argparse.Namespace) -> None:
     requirement = demand.to_json()
-    write_document(document(outcomes, requirement), page(outcomes, requirement), args.format)
+    write_document(document(outcomes, requirement, found), page(outcomes, requirement, found), args.format)
     is_json = args.format == "json"
     if is_json:
         for outcome in outcomes:
             if outcome.error is not None:
                 where = f"rpr-cusps check: {outcome.name}"
                 output.say(f"{where}: {outcome.verdict} ({outcome.error['type']}): {outcome.message}")
-        output.say(summary(outcomes))
+        output.say(summary(outcomes, found))
     if args.github or os.environ.get("GITHUB_ACTIONS") == "true":
         # GitHub reads both streams, and stdout must stay a single JSON document
         for line in github_annotations(outcomes):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 from collections.abc import Iterator, Sequence
@@ -17,11 +18,27 @@ SUITE = "rpr-cusps check"
 SARIF_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 _NOT_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _RULES = {
-    "requirement": "The manipulator violates the requirement.",
-    "degenerate": "The manipulator is degenerate, which the requirement allows.",
-    "input-error": "The file is not a geometry.",
-    "no-answer": "The requirement could not be decided.",
+    "requirement": (
+        "The manipulator violates the requirement.",
+        "In at least one slice it has more or fewer cusps than the requirement allows, or it is degenerate "
+        "where that is refused. This is proved. `rpr-cusps census FILE` shows the number for all lengths.",
+    ),
+    "degenerate": (
+        "The manipulator is degenerate, which the requirement allows.",
+        "Poses of every slice of an interval, or along a whole curve of one, are degenerate, as for flat, "
+        "similar or congruent triangles. `--degenerate refused` makes this a failure.",
+    ),
+    "input-error": (
+        "The file is not a geometry.",
+        "A geometry is a JSON object with a2x, a3x, a3y, d1, d2, d3 and, if the platform runs clockwise, "
+        "`orientation`. The message names each member at fault.",
+    ),
+    "no-answer": (
+        "The requirement could not be decided.",
+        "The requirement is neither proved nor refuted; the message says why.",
+    ),
 }
+"""Rule → what it says in short, and what to know about it."""
 
 
 def junit_xml(outcomes: Sequence[Outcome]) -> str:
@@ -43,17 +60,18 @@ def junit_xml(outcomes: Sequence[Outcome]) -> str:
             case.set("file", _xml(outcome.source))
         if outcome.is_file and outcome.line is not None:
             case.set("line", str(outcome.line))
-        if outcome.degenerate:
+        said = [*outcome.notes.items(), *(("degenerate", words) for words in outcome.degenerate)]
+        if said:
             properties = ElementTree.SubElement(case, "properties")
-            for words in outcome.degenerate:
-                ElementTree.SubElement(properties, "property", name="degenerate", value=_xml(words))
+            for name, words in said:
+                ElementTree.SubElement(properties, "property", name=name, value=_xml(words))
         if outcome.error is not None:
-            kind, name = _xml(outcome.error["type"]), "error"
+            kind, tag = _xml(outcome.error["type"]), "error"
         elif not outcome.passed:
-            kind, name = "requirement", "failure"
+            kind, tag = "requirement", "failure"
         else:
             continue
-        element = ElementTree.SubElement(case, name, message=_xml(outcome.message), type=kind)
+        element = ElementTree.SubElement(case, tag, message=_xml(outcome.message), type=kind)
         element.text = "\n".join(" ".join(row) for row in outcome.rows(shorten=True))
     suites = ElementTree.Element("testsuites")
     suites.append(suite)
@@ -66,7 +84,10 @@ def sarif(outcomes: Sequence[Outcome]) -> str:
     driver = {
         "name": "rpr-cusps",
         "version": __version__,
-        "rules": [{"id": name, "shortDescription": {"text": text}} for name, text in _RULES.items()],
+        "rules": [
+            {"id": name, "shortDescription": {"text": short}, "help": {"text": more, "markdown": more}}
+            for name, (short, more) in _RULES.items()
+        ],
     }
     results = [_result(o) for o in outcomes if not o.passed]
     results += [_remark(o) for o in outcomes if o.remarks]
@@ -108,7 +129,20 @@ def _located(outcome: Outcome, rule: str, level: str, message: str) -> dict[str,
         place["region"] = {"startLine": outcome.line}
     located = {"locations": [{"physicalLocation": place}]} if outcome.is_file else {}
     text = f"{outcome.name}: {message}"
-    return {"ruleId": rule, "level": level, "message": {"text": text}, **located}
+    return {
+        "ruleId": rule,
+        "level": level,
+        "message": {"text": text},
+        **located,
+        "partialFingerprints": {"geometryAndRequirement/v1": _fingerprint(outcome, rule)},
+    }
+
+
+def _fingerprint(outcome: Outcome, rule: str) -> str:
+    """Returns what is the same for one complaint about one file and requirement, whatever the numbers are."""
+    requirement = None if outcome.report is None else outcome.report["requirement"]
+    parts = [PurePath(outcome.source).as_posix(), rule, requirement]
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
 def _xml(text: str) -> str:

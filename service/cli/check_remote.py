@@ -58,7 +58,7 @@ async def _check_all(
                     group.cancel_scope.cancel()
                     return
                 report, error = None, {"type": _kind(failure), "detail": str(failure)}
-        outcomes[i] = Outcome(geometries[i].source, report, error, line=geometries[i].line)
+        outcomes[i] = Outcome.of(geometries[i], report, error)
         progress(len(outcomes), len(geometries))
 
     with progress_bar(len(geometries), "geometries") as progress:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Context, Decimal
 from fractions import Fraction
 from typing import Any
@@ -12,9 +12,12 @@ from rpr_solver import EXAMPLES
 from rpr_solver.notebook import degenerate_words
 from rpr_solver.transitions.requirement import REFUSED
 from service.cli.arguments import STANDARD_INPUT
+from service.cli.check_sources import Found, Geometry, listed
 from service.cli.pages import Page, Section, counted, counted_range
 
-_SHORT = Context(prec=6)
+_DIGITS = 6
+_PLAIN = 15
+"""Numbers of up to so many places are written without an exponent."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +30,7 @@ class Outcome:
         error: a type ("input-error", "solver-error", …) and a detail.
         seconds: how long it took.
         line: the line of the file to look at, if it is a file.
+        notes: the name and the unit that the geometry gives.
     """
 
     source: str
@@ -34,11 +38,25 @@ class Outcome:
     error: Mapping[str, str] | None = None
     seconds: float = 0.0
     line: int | None = None
+    notes: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls,
+        geometry: Geometry,
+        report: Mapping[str, Any] | None = None,
+        error: Mapping[str, str] | None = None,
+        seconds: float = 0.0,
+    ) -> Outcome:
+        """The outcome of a geometry."""
+        return cls(geometry.source, report, error, seconds, geometry.line, geometry.notes)
 
     @property
     def name(self) -> str:
-        """The source as messages name it."""
-        return "standard input" if self.source == STANDARD_INPUT else self.source
+        """The source as messages name it, with what the geometry says about itself."""
+        source = "standard input" if self.source == STANDARD_INPUT else self.source
+        words = ", ".join(" ".join(text.split()) for text in self.notes.values())
+        return f"{source} ({words})" if words else source
 
     @property
     def is_file(self) -> bool:
@@ -75,7 +93,7 @@ class Outcome:
         first = self.report["violations"][0]
         leg = f"l{self.report['requirement']['fixed_leg']}"
         count = counted(first["count"], "cusp")
-        length = short(first["example"][leg])
+        length = inside(first["example"][leg], first.get("from"), first.get("to"))
         text = f"{count} at {leg.upper()} = {length}, {_demand(self.report['requirement'])}"
         if cusps := first["example"]["cusps"]:
             text += "; the first: " + ", ".join(f"{key} = {short(value)}" for key, value in cusps[0].items())
@@ -96,48 +114,92 @@ class Outcome:
         return [] if refused else self.degenerate
 
     def rows(self, *, shorten: bool = False) -> Iterator[list[str]]:
-        """Yields what violates the requirement as a table, its headings first."""
+        """Yields what violates the requirement as a table, its headings first; shortened, the ends of an
+        interval can still be told apart."""
         if self.report is None or not self.report["violations"]:
             return
         leg = f"l{self.report['requirement']['fixed_leg']}"
-        number = short if shorten else str
         violations = self.report["violations"]
         if leg in violations[0]:
             yield [leg.upper(), "cusps"]
-            yield from ([number(part[leg]), str(part["count"])] for part in violations)
+            yield from ([part[leg], str(part["count"])] for part in violations)
             return
         yield ["from", "to", "cusps"]
-        for part in violations:
-            stop = "∞" if part["to"] is None else number(part["to"])
-            yield [number(part["from"]), stop, str(part["count"])]
+        ends = [(part["from"], part["to"]) for part in violations]
+        texts = _shortened(ends) if shorten else {}
+        for (start, stop), part in zip(ends, violations, strict=True):
+            yield [texts.get(start) or start, texts.get(stop) or stop or "∞", str(part["count"])]
 
     def to_json(self) -> dict[str, object]:
         """Returns the report, or the error, with the name of the geometry."""
-        verdict = {"source": self.source, "passed": self.passed}
+        verdict = {"source": self.source, **self.notes, "passed": self.passed}
         return {**verdict, "report": self.report} if self.error is None else {**verdict, "error": self.error}
 
 
-def short(text: str) -> str:
-    """Returns a number with six significant digits.
+def short(text: str, digits: int = _DIGITS) -> str:
+    """Returns a number with at most so many significant digits, without an exponent unless it is long.
 
-    >>> short("426/25"), short("-69.1293760614882"), short("1e-30")
-    ('17.04', '-69.1294', '1e-30')
+    >>> short("426/25"), short("-69.1293760614882"), short("10.00"), short("1e-30")
+    ('17.04', '-69.1294', '10', '1e-30')
     """
-    x = Fraction(text)
-    value = _SHORT.divide(Decimal(x.numerator), Decimal(x.denominator))
-    return f"{value.normalize(_SHORT):.6g}"
+    x, context = Fraction(text), Context(prec=digits)
+    value = context.divide(Decimal(x.numerator), Decimal(x.denominator)).normalize(context)
+    is_plain = value.is_zero() or -_PLAIN < value.adjusted() < _PLAIN
+    return f"{value:f}" if is_plain else str(value).lower()
 
 
-def document(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> dict[str, object]:
-    """Returns all outcomes as one JSON document."""
+def apart(low: str, high: str | None) -> tuple[str, str | None]:
+    """Returns the ends of an interval in as few digits as show its width to a tenth.
+
+    >>> apart("10", "14.5792206267995"), apart("10.9056632492710", "10.9056666270906")
+    (('10', '14.5792'), ('10.9056632', '10.9056666'))
+    """
+    if high is None:
+        return short(low), None
+    width = Fraction(high) - Fraction(low)
+    for digits in range(_DIGITS, max(len(low), len(high), _DIGITS) + 1):
+        ends = short(low, digits), short(high, digits)
+        if abs(Fraction(ends[1]) - Fraction(ends[0]) - width) <= width / 10:
+            return ends
+    return low, high
+
+
+def _shortened(ends: Sequence[tuple[str, str | None]]) -> dict[str | None, str | None]:
+    """Returns the ends of intervals, each in the digits that the narrowest interval at it needs."""
+    texts: dict[str | None, str | None] = {}
+    for pair in ends:
+        for end, text in zip(pair, apart(*pair), strict=True):
+            texts[end] = max(texts.get(end) or "", text or "", key=len)
+    return texts
+
+
+def inside(text: str, low: str | None, high: str | None) -> str:
+    """Returns a length in as few digits as keep it inside an interval, if there is one.
+
+    >>> inside("10.905664", "10.9056632492710", "10.9056666270906"), inside("749/50", None, None)
+    ('10.905664', '14.98')
+    """
+    for digits in range(_DIGITS, max(len(text), _DIGITS) + 1):
+        number = Fraction(shown := short(text, digits))
+        if (low is None or Fraction(low) < number) and (high is None or number < Fraction(high)):
+            return shown
+    return text
+
+
+def document(
+    outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Found | None = None
+) -> dict[str, object]:
+    """Returns all outcomes as one JSON document, with what was found."""
+    read = {} if found is None else {"files": found.files, "ignored": list(found.ignored)}
     return {
         "passed": all(outcome.passed for outcome in outcomes),
         "requirement": requirement,
         "checks": [outcome.to_json() for outcome in outcomes],
+        **read,
     }
 
 
-def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> Page:
+def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Found | None = None) -> Page:
     """Returns all outcomes as a page."""
     sections = []
     for outcome in outcomes:
@@ -147,17 +209,20 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any]) -> Page:
             continue
         title = f"{outcome.name}: {outcome.verdict}: {outcome.message}"
         sections.append(Section(title, list(outcome.rows()), notes, failed=True))
-    return Page(about(requirement), sections, last=summary(outcomes))
+    return Page(about(requirement), sections, last=summary(outcomes, found))
 
 
-def summary(outcomes: Sequence[Outcome]) -> str:
-    """Returns a line such as "27 checked: 11 passed, 14 failed, 2 bad"."""
+def summary(outcomes: Sequence[Outcome], found: Found | None = None) -> str:
+    """Returns a line such as "27 checked: 11 passed, 14 failed, 2 bad", and what was read."""
     bad = sum(outcome.is_bad for outcome in outcomes)
     without = sum(outcome.error is not None for outcome in outcomes) - bad
     passed = sum(outcome.passed for outcome in outcomes)
     parts = [f"{passed} passed", f"{len(outcomes) - passed - bad - without} failed"]
     parts += [f"{count} {what}" for count, what in ((bad, "bad"), (without, "without an answer")) if count]
-    return f"{len(outcomes)} checked: {', '.join(parts)}"
+    read = "" if found is None or not found.files else f"; {counted(found.files, 'file')} read"
+    if found is not None and found.ignored:
+        read += f", {len(found.ignored)} ignored without a geometry: {listed(found.ignored)}"
+    return f"{len(outcomes)} checked: {', '.join(parts)}{read}"
 
 
 def about(requirement: Mapping[str, Any]) -> str:

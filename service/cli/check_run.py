@@ -43,7 +43,7 @@ def check_all(geometries: Sequence[Geometry], demand: Demand, digits: int, jobs:
 def unreadable(geometries: Sequence[Geometry]) -> dict[int, Outcome]:
     """Returns the outcomes of geometries that cannot be read, by their position."""
     return {
-        i: Outcome(g.source, error={"type": "input-error", "detail": g.fault}, line=g.line)
+        i: Outcome.of(g, error={"type": "input-error", "detail": g.fault})
         for i, g in enumerate(geometries)
         if g.manipulator is None
     }
@@ -66,7 +66,7 @@ def _run(
     except (InputError, SolverError) as failure:
         kind = "input-error" if isinstance(failure, InputError) else "solver-error"
         error = {"type": kind, "detail": str(failure)}
-    return Outcome(geometry.source, report, error, time.monotonic() - begin, geometry.line)
+    return Outcome.of(geometry, report, error, time.monotonic() - begin)
 
 
 def _in_processes(
@@ -95,7 +95,7 @@ def _in_processes(
             except BrokenProcessPool:
                 detail = "a process ended unexpectedly; fewer --jobs leave more memory for each"
                 error = {"type": "process-lost", "detail": detail}
-                yield i, Outcome(geometries[i].source, error=error, line=geometries[i].line)
+                yield i, Outcome.of(geometries[i], error=error)
     except BaseException:
         for child in multiprocessing.active_children():
             child.kill()

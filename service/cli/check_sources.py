@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rpr_solver import EXAMPLES, Manipulator
 from rpr_solver.errors import InputError
+from rpr_solver.model.manipulator import geometry_within, notes_on
 from service.cli.arguments import STANDARD_INPUT, read_manipulator, text_of
 from service.schemas.exact_json import JsonError, parse_json
+
+_LENGTHS = frozenset(("a2x", "a3x", "a3y", "d1", "d2", "d3"))
+_TELLING = 2
+"""So many lengths of a geometry tell that an object is meant to be one."""
 
 
 @dataclass(frozen=True)
@@ -23,50 +28,135 @@ class Geometry:
         manipulator: the manipulator, or None.
         fault: why there is none.
         line: the line of the fault, or the first line; None if it is not in a file.
+        notes: its name and its unit, as far as the file gives them.
     """
 
     source: str
     manipulator: Manipulator | None = None
     fault: str = ""
     line: int | None = None
+    notes: Mapping[str, str] = field(default_factory=dict)
 
 
-def expand(sources: Sequence[str]) -> Iterator[str]:
-    """Yields the geometries; a folder stands for its JSON files, sorted by name.
+@dataclass(frozen=True)
+class Found:
+    """What the arguments of a check stand for.
+
+    Attributes:
+        geometries: in the order of the arguments, those of a folder sorted by name.
+        ignored: JSON files that hold no geometry.
+        files: the number of files that were read.
+    """
+
+    geometries: Sequence[Geometry]
+    ignored: Sequence[str] = ()
+    files: int = 0
+
+
+def find(sources: Sequence[str], *, ignore_others: bool = False) -> Found:
+    """Reads all geometries. A folder stands for all JSON files in it and below, hidden ones excepted.
+
+    Files of a folder that hold no geometry are ignored; so are those that are named, with `ignore_others`.
 
     Raises:
-        InputError: a folder without JSON files, or a second `-`.
+        InputError: a folder that cannot be read or has no geometry, or a second `-`.
     """
     if sources.count(STANDARD_INPUT) > 1:
         raise InputError.of("GEOMETRY", "is - twice; standard input can be read only once")
+    folders = {source: _is_folder(source) for source in sources}
+    known = {os.path.normpath(source) for source, is_folder in folders.items() if not is_folder}
+    geometries: list[Geometry] = []
+    ignored: list[str] = []
     for source in sources:
-        folder = Path(source)
-        if source in EXAMPLES or source == STANDARD_INPUT or not folder.is_dir():
-            yield source
-            continue
-        files = sorted(path for path in folder.iterdir() if path.suffix == ".json" and path.is_file())
-        if not files:
-            raise InputError.of("GEOMETRY", f"the folder {source!r} has no *.json files")
-        yield from map(str, files)
+        if not folders[source]:
+            names, is_named = [source], not ignore_others
+        else:
+            names, is_named = [file for file in _files(source) if file not in known], False
+            known.update(names)
+        found = [(name, _geometry(name, is_named=is_named)) for name in names]
+        inside = [geometry for _, geometry in found if geometry is not None]
+        others = [_shown(name) for name, geometry in found if geometry is None]
+        if folders[source] and not inside and not _holds_any(source, known - set(names)):
+            what = f"no geometry in its JSON files: {listed(others)}" if others else "no *.json files"
+            raise InputError.of("GEOMETRY", f"the folder {source!r} has {what}")
+        geometries += inside
+        ignored += others
+    return Found(geometries, ignored, sum(g.line is not None for g in geometries) + len(ignored))
 
 
-def geometry(source: str) -> Geometry:
-    """Reads one geometry."""
-    name = os.fsencode(source).decode("utf-8", "replace")  # file names are arbitrary bytes
+def listed(names: Sequence[str], most: int = 5) -> str:
+    """Returns names in a line, the first few of many.
+
+    >>> listed(["a", "b", "c"], most=2)
+    'a, b and 1 more'
+    """
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
+
+
+def _is_folder(source: str) -> bool:
+    return source not in EXAMPLES and source != STANDARD_INPUT and Path(source).is_dir()
+
+
+def _holds_any(folder: str, files: Iterable[str]) -> bool:
+    """Whether one of these files, which are read elsewhere, is in the folder."""
+    return any(Path(file).is_relative_to(os.path.normpath(folder)) for file in files)
+
+
+def _files(folder: str) -> Iterator[str]:
+    """Yields the JSON files in a folder and in those within it, each folder once, sorted by name."""
+
+    def refuse(error: OSError) -> None:
+        raise InputError.of("GEOMETRY", f"the folder {error.filename!r} cannot be read ({error.strerror})")
+
+    seen = set()
+    for root, folders, files in os.walk(folder, onerror=refuse, followlinks=True):
+        seen.add(os.path.realpath(root))
+        inner = sorted(name for name in folders if not name.startswith("."))
+        folders[:] = [name for name in inner if os.path.realpath(Path(root, name)) not in seen]
+        for name in sorted(files):
+            if name.lower().endswith(".json") and not name.startswith("."):
+                yield os.path.normpath(Path(root, name))
+
+
+def _geometry(source: str, *, is_named: bool) -> Geometry | None:
+    """Reads one geometry; returns None for JSON that holds none, unless it is named."""
+    name = _shown(source)
     if source in EXAMPLES:
         return Geometry(name, EXAMPLES[source])
     in_file = source != STANDARD_INPUT
     text = b""
     try:
         text = text_of(source)
-        manipulator = read_manipulator(parse_json(text, "The text"))
+        value = geometry_within(parse_json(text, "The text"))
+        if not is_named and not _is_meant(value):
+            return None
+        manipulator = read_manipulator(value)
+        assert isinstance(value, Mapping)
+        return Geometry(name, manipulator, line=1 if in_file else None, notes=notes_on(value))
     except JsonError as error:
+        if not is_named and _is_something_else(text):
+            return None
         line = error.line or _line_of(text, error.field, last=True)
         return Geometry(name, None, error.detail, line if in_file else None)
     except InputError as error:
         line = _line_of(text, error.problems[0].field.rpartition(".")[2])
         return Geometry(name, None, str(error), line if in_file else None)
-    return Geometry(name, manipulator, line=1 if in_file else None)
+
+
+def _is_meant(value: object) -> bool:
+    """Whether an object is meant to be a geometry, right or wrong."""
+    return isinstance(value, Mapping) and len({name.lower() for name in value} & _LENGTHS) >= _TELLING
+
+
+def _is_something_else(text: bytes) -> bool:
+    """Whether a text that is no strict JSON has members, none of them a length of a geometry."""
+    names = {name.decode("ascii", "replace").lower() for name in re.findall(rb"(\w+)[\"']?\s*:", text)}
+    return bool(names) and not names & _LENGTHS
+
+
+def _shown(source: str) -> str:
+    return os.fsencode(source).decode("utf-8", "replace")  # file names are arbitrary bytes
 
 
 def _line_of(text: bytes, key: str, *, last: bool = False) -> int:

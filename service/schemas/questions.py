@@ -10,10 +10,11 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, PlainSerializer, PlainValidator, ValidationInfo
+from pydantic import ConfigDict, Field, PlainSerializer, PlainValidator, ValidationInfo
 
 from rpr_solver import Manipulator
 from rpr_solver.errors import InputError
+from rpr_solver.model.manipulator import without_notes
 from service.schemas.document import Document, Expected, Source, part, unnamed
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.schemas.numbers import DeadlineSeconds, Exact, Positive
@@ -25,9 +26,21 @@ Examples = Mapping[str, tuple[str, Mapping[str, Any]]]
 """Name → summary and body; the geometry defaults to the article's first manipulator."""
 
 
+_NOTES = {
+    "name": "What the manipulator is called. It is no part of its identity.",
+    "unit": "The unit of its lengths, for readers; nothing is converted.",
+}
+
+
+def _with_notes(schema: dict[str, Any]) -> None:
+    schema["properties"] |= {name: {"type": "string", "description": text} for name, text in _NOTES.items()}
+
+
 class Geometry(Document):
     """A planar 3-RPR manipulator: base points A1 = (0, 0), A2 = (a2x, 0), A3 = (a3x, a3y), and a platform
     B1B2B3 with sides d1 = |B1B2|, d2 = |B2B3|, d3 = |B3B1|. All lengths in one unit of your choice."""
+
+    model_config = ConfigDict(json_schema_extra=_with_notes)
 
     expected: ClassVar[str] = "give an object with a2x, a3x, a3y, d1, d2, d3"
 
@@ -52,11 +65,10 @@ def schema_of_geometry(address: str) -> dict[str, Any]:
 def _manipulator(value: object, info: ValidationInfo) -> Manipulator:
     if isinstance(value, Manipulator):
         return value
-    if isinstance(value, Mapping):  # a file may name its schema, for editors
-        value = {name: item for name, item in value.items() if name != "$schema"}
-    geometry = part(Geometry.model_validate, value, Source.of(info))
     with unnamed("geometry"):
-        return Manipulator(**dict(geometry))
+        if isinstance(value, Mapping):
+            value = without_notes(value)
+        return Manipulator(**dict(part(Geometry.model_validate, value, Source.of(info))))
 
 
 GeometryField = Annotated[

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, Manipulator
+from rpr_solver import EXAMPLES, InputError, Manipulator, census, cusp_table, table_json
 
 ARTICLE: dict[str, object] = {
     "a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84",
@@ -74,3 +74,22 @@ def test_a_geometry_may_name_its_schema(tmp_path: Path) -> None:
     robot = tmp_path / "robot.json"
     robot.write_text(json.dumps({"$schema": "schemas/geometry.json", **EXAMPLES["innocenti"].to_json()}))
     assert Manipulator.from_file(robot) == EXAMPLES["innocenti"]
+
+
+def test_a_file_may_have_a_name_and_a_unit_or_be_an_answer(tmp_path: Path) -> None:
+    robot, innocenti = tmp_path / "robot.json", EXAMPLES["innocenti"]
+    named = {"name": "Gripper", "unit": "mm", **innocenti.to_json()}
+    [table] = cusp_table(innocenti, 3, digits=15)
+    answer = table_json(innocenti, 1, 15, [table.to_json()])
+    for content in (named, {"geometry": named}, answer, census(innocenti, digits=15, stop=1).to_json()):
+        robot.write_text(json.dumps(content))
+        assert Manipulator.from_file(robot).geometry_hash == innocenti.geometry_hash
+    for wrong in (
+        {**named, "unit": 5},
+        {**named, "geometry": named},
+        {"geometry": [named]},
+        {"geometry": {}},
+    ):
+        robot.write_text(json.dumps(wrong))
+        with pytest.raises(InputError, match="geometry"):
+            Manipulator.from_file(robot)

@@ -56,6 +56,10 @@ def test_a_geometry_may_name_its_schema(idle: httpx.Client) -> None:
     schema = answer.json()
     assert schema["$id"] == str(answer.url)
     assert {"$schema", *GEOMETRY} <= schema["properties"].keys()
-    named = {**QUESTION, "geometry": {"$schema": schema["$id"], **GEOMETRY}}
+    assert {"name", "unit"} <= schema["properties"].keys()
+    beside = {"$schema": schema["$id"], "name": "Gripper", "unit": "mm"}
+    named = {**QUESTION, "geometry": {**beside, **GEOMETRY}}
     ids = {idle.post("/v1/cusp-tables", json=body).json()["id"] for body in (QUESTION, named)}
     assert len(ids) == 1, "it is no part of the question"
+    refused = idle.post("/v1/cusp-tables", json={**QUESTION, "geometry": {**GEOMETRY, "unit": 5}})
+    assert (refused.status_code, refused.json()["detail"]) == (422, "geometry.unit: is 5; give a text")

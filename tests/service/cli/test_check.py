@@ -25,7 +25,8 @@ def designs(tmp_path: Path) -> Path:
     folder = tmp_path / "designs"
     folder.mkdir()
     turned = json.dumps({**EXAMPLES["zein-flat"].to_json(), "orientation": "cw"})
-    for name, text in (("b.json", ZEIN), ("a.json", turned), ("c.json", "{}"), ("notes.txt", "{")):
+    wrong = '{"a2x": 1, "a3x": 2}'
+    for name, text in (("b.json", ZEIN), ("a.json", turned), ("c.json", wrong), ("notes.txt", "{")):
         (folder / name).write_text(text)
     return folder
 
@@ -72,7 +73,7 @@ def test_a_folder_in_parallel_with_all_reports(designs: Path) -> None:
     assert done.returncode == 2
     assert done.stderr == ""
     assert done.stdout.count("c.json: bad input: ") == 1
-    assert done.stdout.splitlines()[-1] == "3 checked: 2 passed, 0 failed, 1 bad"
+    assert done.stdout.splitlines()[-1] == "3 checked: 2 passed, 0 failed, 1 bad; 3 files read"
     titles = [line for line in done.stdout.splitlines() if line.startswith(str(designs))]
     assert [Path(line.split(":")[0]).name for line in titles] == ["a.json", "b.json", "c.json"]
     cases = ElementTree.parse(report).findall("testsuite/testcase")
@@ -130,11 +131,13 @@ def test_a_bad_option_is_one_line_and_status_2(run_here: Run, args: tuple[str, .
 
 def test_a_file_name_that_is_no_text(tmp_path: Path) -> None:
     (tmp_path / os.fsdecode(b"a\xff.json")).write_text(ZEIN)
-    (tmp_path / os.fsdecode(b"b\xff.json")).write_text("{}")
+    (tmp_path / os.fsdecode(b"b\xff.json")).write_text("{")
+    (tmp_path / os.fsdecode(b"c\xff.json")).write_text("{}")
     report = tmp_path / "report.xml"
     done = run("check", str(tmp_path), *RANGE, "--max-cusps", "4", "--github", "--junit", str(report))
     assert done.returncode == 2
     assert "a\ufffd.json: passed" in done.stdout
+    assert done.stdout.count("1 ignored without a geometry: ") == done.stdout.count("c\ufffd.json") == 1
     assert len(ElementTree.parse(report).findall("testsuite/testcase")) == 2
 
 
@@ -190,10 +193,100 @@ def test_a_fault_in_a_file_is_annotated_at_its_line(run_here: Run, tmp_path: Pat
     assert done.stdout.count("a.json") == 2
 
 
-def test_an_empty_folder_is_bad_input(run_here: Run, tmp_path: Path) -> None:
+def test_a_folder_without_a_geometry_is_bad_input(run_here: Run, tmp_path: Path) -> None:
     done = run_here("check", str(tmp_path), *RANGE, "--max-cusps", "4")
     assert (done.returncode, done.stdout) == (2, "")
     assert "has no *.json" in done.stderr
+    (tmp_path / "package.json").write_text('{"name": "robots"}')
+    done = run_here("check", str(tmp_path), "zein-flat", *RANGE, "--max-cusps", "4")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "has no geometry in its JSON files: " in done.stderr
+
+
+OTHERS = {
+    "package.json": '{"name": "robots", "version": "1.0.0"}',
+    "place.json": '{"type": "Feature", "geometry": {"type": "Point", "coordinates": [1, 2]}}',
+    "list.json": "[]",
+    "tsconfig.json": '{"compilerOptions": {}, // as TypeScript has it\n}',
+}
+"""JSON that is no geometry, the last in the loose way of some programs."""
+
+
+def test_a_folder_is_read_with_all_folders_in_it(run_here: Run, tmp_path: Path) -> None:
+    """A violation in the lowest folder is found; what is no geometry is ignored, and named."""
+    deep = tmp_path / "sub" / "deeper"
+    deep.mkdir(parents=True)
+    (tmp_path / ".hidden").mkdir()
+    (deep / "loop").symlink_to(tmp_path)
+    for path in (tmp_path / "top.json", deep / "bad.JSON", tmp_path / ".hidden" / "not-seen.json"):
+        path.write_text(ZEIN)
+    for name, text in OTHERS.items():
+        (tmp_path / "sub" / name).write_text(text)
+    done = run_here("check", str(tmp_path), *RANGE, "--max-cusps", "3")
+    assert (done.returncode, done.stderr) == (1, "")
+    titles = [Path(line.split(":")[0]).name for line in done.stdout.splitlines() if ": failed: " in line]
+    assert titles == ["top.json", "bad.JSON"]
+    last = done.stdout.splitlines()[-1]
+    assert last.startswith("2 checked: 0 passed, 2 failed; 6 files read, 4 ignored without a geometry: ")
+    assert [Path(name).name for name in last.partition("geometry: ")[2].split(", ")] == sorted(OTHERS)
+    for name in OTHERS:
+        named = run_here("check", str(tmp_path / "sub" / name), *RANGE, "--max-cusps", "4")
+        assert (named.returncode, named.stdout.count("bad input")) == (2, 1)
+
+
+def test_a_file_that_is_named_is_read_once(run_here: Run, tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_text(ZEIN)
+    (tmp_path / "b.json").write_text("{}")
+    args = ("check", str(tmp_path), f"{tmp_path}/./a.json", *RANGE, "--max-cusps", "4")
+    done = run_here(*args, "--format", "json")
+    assert (
+        done.stderr
+        == f"1 checked: 1 passed, 0 failed; 2 files read, 1 ignored without a geometry: {tmp_path}/b.json\n"
+    )
+    printed = json.loads(done.stdout)
+    assert (len(printed["checks"]), printed["files"], printed["ignored"]) == (1, 2, [f"{tmp_path}/b.json"])
+    done = run_here("check", str(tmp_path / "b.json"), *args[1:])
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (
+        2,
+        "2 checked: 1 passed, 0 failed, 1 bad; 2 files read",
+    )
+
+
+def test_files_without_a_geometry_are_ignored_where_they_are_named(run_here: Run, tmp_path: Path) -> None:
+    names = []
+    for name, text in {**OTHERS, "broken.json": '{"a2x": 1'}.items():
+        (tmp_path / name).write_text(text)
+        names.append(str(tmp_path / name))
+    done = run_here("check", "--ignore-others", *names[:-1], *RANGE, "--max-cusps", "4")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "0 checked: 0 passed, 0 failed; 4 files read, 4 ignored without a geometry" in done.stdout
+    done = run_here("check", "--ignore-others", *names, *RANGE, "--max-cusps", "4")
+    assert done.returncode == 2
+    assert "broken.json: bad input: " in done.stdout
+
+
+def test_a_name_and_a_unit_are_in_every_report(run_here: Run, tmp_path: Path) -> None:
+    named = {"name": "Gripper <2>", "unit": "mm", **EXAMPLES["zein-flat"].to_json()}
+    (tmp_path / "a.json").write_text(json.dumps(named))
+    (tmp_path / "b.json").write_text(json.dumps({"count": 4, "geometry": named}))
+    report, log = tmp_path / "r.xml", tmp_path / "r.sarif"
+    files = ("--junit", str(report), "--sarif", str(log))
+    done = run_here("check", str(tmp_path), *RANGE, "--max-cusps", "3", *files, "--github")
+    assert done.stdout.count(".json (Gripper <2>, mm): failed: ") == 2
+    properties = [(x.get("name"), x.get("value")) for x in ElementTree.parse(report).iter("property")]
+    assert properties == [("name", "Gripper <2>"), ("unit", "mm")] * 2
+    results = json.loads(log.read_text())["runs"][0]["results"]
+    assert all(".json (Gripper <2>, mm): " in result["message"]["text"] for result in results)
+    assert len({result["partialFingerprints"]["geometryAndRequirement/v1"] for result in results}) == 2
+    printed = json.loads(
+        run_here("check", str(tmp_path), *RANGE, "--max-cusps", "3", "--format", "json").stdout
+    )
+    for part in printed["checks"]:
+        assert (part["name"], part["unit"]) == ("Gripper <2>", "mm")
+        assert part["report"]["geometry_hash"] == EXAMPLES["zein-flat"].geometry_hash
+    (tmp_path / "a.json").write_text(json.dumps({**named, "name": 5}))
+    done = run_here("check", str(tmp_path / "a.json"), *RANGE, "--max-cusps", "3")
+    assert (done.returncode, "geometry.name: is 5; give a text" in done.stdout) == (2, True)
 
 
 def test_ctrl_c_ends_all_processes() -> None:

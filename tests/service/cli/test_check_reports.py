@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 from xml.etree import ElementTree
 
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rpr_solver import exact_str
 from service.cli.check_files import github_annotations, junit_xml, sarif
-from service.cli.check_reports import Outcome, document, page, summary
+from service.cli.check_reports import Outcome, apart, document, page, summary
 
 REQUIREMENT: dict[str, Any] = {
     "fixed_leg": 2,
@@ -107,6 +111,49 @@ def test_sarif_has_a_result_for_each_geometry_that_does_not_pass() -> None:
     assert places[0] == {"artifactLocation": {"uri": "a/bad.json"}, "region": {"startLine": 7}}
     assert places[2] == {"artifactLocation": {"uri": "b%20d.json"}, "region": {"startLine": 3}}
     assert run["results"][0]["message"]["text"] == f"a/bad.json: {BAD.message}"
+
+
+NARROW = ("10", "10.9056632492710", "10.9056666270906", "14.5792206267995", "14.5792206353915", "20")
+
+
+def test_numbers_are_readable_and_tell_narrow_windows_apart() -> None:
+    """Each transition is written alike in all rows, and the example lies in its window."""
+    violations = [
+        {"from": a, "to": b, "count": 6, "example": {"l2": a, "cusps": []}} for a, b in pairwise(NARROW)
+    ]
+    case = ElementTree.fromstring(junit_xml([Outcome("a.json", {**FAILED_REPORT, "violations": violations})]))
+    [failure] = case.iter("failure")
+    assert (failure.text or "").splitlines()[1:] == [
+        "10 10.9056632 6",
+        "10.9056632 10.9056666 6",
+        "10.9056666 14.579220627 6",
+        "14.579220627 14.579220635 6",
+        "14.579220635 20 6",
+    ]
+    example = {**violations[1], "example": {"l2": "10.90566412345", "cusps": []}}
+    assert "6 cusps at L2 = 10.905664," in Outcome("a", {**FAILED_REPORT, "violations": [example]}).message
+
+
+@given(st.fractions(0, 10**4), st.fractions(0, 10**4))
+def test_the_shown_ends_of_an_interval_show_its_width(a: Fraction, b: Fraction) -> None:
+    low, high = sorted((exact_str(a), exact_str(b)), key=Fraction)
+    shown = [Fraction(end or "0") for end in apart(low, high)]
+    width = Fraction(high) - Fraction(low)
+    assert abs(shown[1] - shown[0] - width) <= width / 10
+
+
+def test_sarif_says_what_to_know_about_each_rule_and_knows_a_complaint_again() -> None:
+    run = json.loads(sarif([BAD, FAULTY, LOST]))["runs"][0]
+    assert all(rule["help"]["text"] for rule in run["tool"]["driver"]["rules"])
+
+    def prints(*outcomes: Outcome) -> list[str]:
+        results = json.loads(sarif(outcomes))["runs"][0]["results"]
+        return [result["partialFingerprints"]["geometryAndRequirement/v1"] for result in results]
+
+    other = {**FAILED_REPORT, "violations": [{**VIOLATION, "count": 6}]}
+    assert prints(BAD) == prints(replace(BAD, report=other, line=9))
+    stricter = {**FAILED_REPORT, "requirement": {**REQUIREMENT, "max_cusps": 1}}
+    assert len({*prints(BAD, FAULTY, LOST), *prints(replace(BAD, report=stricter))}) == 4
 
 
 def test_the_summary_counts_each_verdict() -> None:

@@ -69,6 +69,10 @@ def test_the_geometry_may_come_from_a_file_or_standard_input(run_here: Run, tmp_
     )
     assert named.stdout == read.stdout == piped.stdout
     assert json.loads(named.stdout)["slices"]
+    noted = json.dumps({"name": "Gripper", "unit": "mm", **GEOMETRY})
+    for text in (named.stdout, noted, f'{{"geometry": {noted}}}'):
+        again = run_here("solve", "-", "--l1", "3", "--digits", "20", "--format", "json", stdin=text)
+        assert again.stdout == named.stdout
 
 
 @pytest.mark.parametrize(
