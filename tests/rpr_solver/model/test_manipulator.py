@@ -85,7 +85,7 @@ def test_a_file_may_have_a_name_and_a_unit_or_be_an_answer(tmp_path: Path) -> No
         robot.write_text(json.dumps(content))
         assert Manipulator.from_file(robot).geometry_hash == innocenti.geometry_hash
     for wrong in (
-        {**named, "unit": 5},
+        {**named, "unit": ["mm"]},
         {**named, "geometry": named},
         {"geometry": [named]},
         {"geometry": {}},
