@@ -14,6 +14,7 @@ from rpr_solver.verify.curves import curve_claims
 from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.poses import pose_claims
 from rpr_solver.verify.tables import table_claims
+from rpr_solver.verify.texts import check_texts
 from rpr_solver.verify.unread import unread_claims
 
 Claims = Callable[[Geometry, Mapping[str, Any], Progress], Iterator[Claim]]
@@ -88,6 +89,8 @@ def verify_document(document: Mapping[str, Any], *, progress: Progress = silent)
     >>> verify_document(document).refused[0].at
     '/slices/0/count'
     """
+    if isinstance(document, Mapping):
+        check_texts(document)
     kind, geometry = kind_of(document)
     claims_of = CLAIMS[kind]
     try:

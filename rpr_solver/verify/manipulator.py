@@ -6,6 +6,7 @@ import hashlib
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
 from math import isqrt
@@ -28,7 +29,8 @@ def exact(value: Any, field: str) -> Fraction:
     if not isinstance(text, str) or len(text) > _MOST_DIGITS or not _NUMBER.fullmatch(text):
         raise InputError.of(field, f'{shown(value)} is not an exact number; write a text such as "14.98"')
     try:
-        return Fraction(text)
+        above, _, below = text.partition("/")
+        return Fraction(Decimal(above)) / Fraction(Decimal(below or 1))  # int() reads 4300 digits at most
     except ZeroDivisionError:
         raise InputError.of(field, f"{shown(value)} has the denominator 0") from None
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 
 from rpr_solver.errors import InputError, shown
@@ -33,10 +34,11 @@ class Printed:
             raise InputError.of(field, f"{shown(text)} is not a decimal as documents print it")
         sign, whole, part, exponent = match.groups()
         places = int(exponent or 0) - len(part or "")
-        number = int(whole + (part or ""))
+        number = int(Decimal(whole + (part or "")))  # int() alone reads 4300 digits at most
         unit = Fraction(10) ** places
         half = Fraction(0) if text == "0" else unit / 2  # "0" is exact
-        return cls(str(text), (-number if sign else number) * unit, half, len(str(number)))
+        digits = len((whole + (part or "")).lstrip("0")) or 1
+        return cls(str(text), (-number if sign else number) * unit, half, digits)
 
     @property
     def is_zero(self) -> bool:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-MAX_DEPTH = 32
-"""Maximum depth; no document of the contract comes near it."""
+from rpr_solver.verify.texts import MAX_DEPTH
 
 
 class JsonError(ValueError):
@@ -89,6 +89,17 @@ def json_kind(value: object) -> str:
         return json.dumps(value)
     kinds: dict[type, str] = {JsonNumber: "a number", str: "a string", list: "a list", dict: "an object"}
     return kinds.get(type(value), type(value).__name__)
+
+
+def plain(value: object) -> Any:
+    """A document with its integers as such, so that it is what the service sent; other numbers are text."""
+    if isinstance(value, JsonNumber):
+        return int(value) if value.lstrip("-").isdigit() and len(value) < 20 else str(value)
+    if isinstance(value, Mapping):
+        return {name: plain(item) for name, item in value.items()}
+    if isinstance(value, list):
+        return [plain(item) for item in value]
+    return value
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ from pydantic.json_schema import SkipJsonSchema
 
 from rpr_solver import MAX_DIGITS, MIN_DIGITS, Manipulator
 from rpr_solver.errors import InputError
+from rpr_solver.verify.texts import check_texts
 from service.schemas.document import Expected, Source, unnamed
-from service.schemas.exact_json import JsonNumber, json_kind
+from service.schemas.exact_json import json_kind, plain
 from service.schemas.points import GeometryText
 from service.schemas.questions import Examples, GeometryField, Question
 from worker.answers import verifications
@@ -35,26 +36,13 @@ def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
         raise InputError.of("", f"is {json_kind(value)}; give a document of this service")
     from rpr_solver.verify.documents import kind_of  # the verifier is loaded when it is needed first
 
-    document: dict[str, Any] = _plain(value)
+    limits = Source.of(info).limits
+    check_texts(value, number_digits=limits.max_number_digits, most_digits=limits.max_digits)
+    document: dict[str, Any] = plain(value)
     with unnamed("document"):
         kind_of(document)
-        Manipulator.from_json(document["geometry"])
-    limits = Source.of(info).limits
-    for name, text in document["geometry"].items():
-        if len(str(text)) > 2 * limits.max_number_digits + 20:
-            raise InputError.of(f"geometry.{name}", f"has more than {limits.max_number_digits} digits")
+        Manipulator.from_json(document["geometry"], max_digits=limits.max_number_digits)
     return document
-
-
-def _plain(value: object) -> Any:
-    """The document with its integers as such, so that it is what the service sent."""
-    if isinstance(value, JsonNumber):
-        return int(value) if value.lstrip("-").isdigit() and len(value) < 20 else str(value)
-    if isinstance(value, Mapping):
-        return {name: _plain(item) for name, item in value.items()}
-    if isinstance(value, list):
-        return [_plain(item) for item in value]
-    return value
 
 
 class VerificationRequest(Question):
@@ -82,8 +70,8 @@ class VerificationRequest(Question):
         document = value.get("document")
         geometry = document.get("geometry") if isinstance(document, Mapping) else None
         try:
-            manipulator = Manipulator.from_json(_plain(geometry))
-        except InputError:
+            manipulator = Manipulator.from_json(plain(geometry))
+        except (InputError, RecursionError):
             manipulator = Manipulator.from_json(_EXAMPLE["geometry"])
         return {**value, "geometry": manipulator}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from copy import deepcopy
 from typing import Any
 
@@ -9,6 +10,8 @@ import httpx
 import pytest
 
 from rpr_solver import EXAMPLES, table_document, verify_document
+from service.api.batch_items import read_item
+from service.schemas.limits import Limits
 from tests.service.api.test_documents_api import is_whole
 
 TABLE = table_document(EXAMPLES["zein-flat"], [10], digits=15)
@@ -41,14 +44,30 @@ def test_a_document_is_accepted_or_refused(api: httpx.Client, document: dict[str
             {"document": {**TABLE, "geometry": {**TABLE["geometry"], "a2x": "9" * 999}}},
             "document.geometry.a2x",
         ),
+        (
+            {"document": {**TABLE, "geometry": {**TABLE["geometry"], "d1": "1/" + "3" * 15_000}}},
+            "document.geometry.d1",
+        ),
+        (
+            {"document": {**TABLE, "geometry": {**TABLE["geometry"], "\ud800": "1"}}},
+            "document.geometry",
+        ),
+        ({"document": {**TABLE, "slices": [{"l1": "9" * 4400}]}}, "document.slices[0].l1"),
+        ({"document": {**TABLE, "slices": [{"l1": "14." + "9" * 1000}]}}, "document.slices[0].l1"),
+        ({"document": {**TABLE, "slices": [{"l1": "1", "count": 10**4000}]}}, "document.slices[0].count"),
         ({"document": TABLE, "geometry": TABLE["geometry"]}, "geometry"),
         ({"document": {**TABLE, "slices": [{"l1": "1", "cusps": []}] * 3000}}, "document"),
     ],
 )
 def test_what_cannot_be_verified_is_refused_at_once(api: httpx.Client, body: object, field: str) -> None:
-    answer = api.post("/v1/verifications", json=body)
+    text = json.dumps(body)  # ASCII: httpx would not send half of a character
+    sent = {"content": text, "headers": {"Content-Type": "application/json"}}
+    answer = api.post("/v1/verifications", **sent)
     assert answer.status_code == 422
     assert field in [fault["field"] for fault in answer.json()["errors"]]
+    item = read_item(json.dumps({"kind": "verification", "request": body}).encode(), 0, Limits())
+    assert item.problem is not None
+    assert f"items[0].request.{field}" in [fault["field"] for fault in item.problem["errors"]]
 
 
 def test_a_document_that_cannot_be_read_fails_as_a_job(api: httpx.Client) -> None:

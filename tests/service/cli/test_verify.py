@@ -32,7 +32,17 @@ def test_a_document_is_verified_or_refused(run_here: Run, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize(
     ("stdin", "said"),
-    [("", "is not JSON"), ("[1]", "holds no object"), ("{}", "of no kind"), ('{"slices": []}', "geometry")],
+    [
+        ("", "is not valid JSON"),
+        ("[1]", "holds no object"),
+        ("{}", "of no kind"),
+        ('{"slices": []}', "geometry"),
+        (f'{{"slices": [{{"l1": {"9" * 5000}}}]}}', "slices[0].l1: has 5000 digits"),
+        (f'{{"slices": [{{"l1": "14.{"9" * 1000}"}}]}}', "slices[0].l1: has 1002 digits"),
+        ('{"slices": [], "\\ud800": 1}', "is no text"),
+        ("[" * 5000, "nested more than 32 levels deep"),
+    ],
+    ids=lambda text: text[:30],
 )
 def test_what_is_no_document_is_bad_input(run_here: Run, stdin: str, said: str) -> None:
     done = run_here("verify", "-", stdin=stdin)
