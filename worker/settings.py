@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, ValidationError
+from pydantic import (
+    Field,
+    NonNegativeFloat,
+    NonNegativeInt,
+    PositiveFloat,
+    PositiveInt,
+    PrivateAttr,
+    ValidationError,
+)
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from rpr_solver import SOLVER_VERSION
 from worker.limits import DEADLINE, Deadline
 from worker.logs import LogFormat
 
@@ -110,6 +119,19 @@ class WorkerSettings(BaseSettings):
     log_format: LogFormat = Field(
         default="text", description="form of log lines: `text`, or `json` with one object a line"
     )
+
+    _solver_version: str = PrivateAttr(default=SOLVER_VERSION)
+
+    @property
+    def solver_version(self) -> str:
+        """The version of the solver whose jobs and results are meant; see `of_version`."""
+        return self._solver_version
+
+    def of_version(self, version: str) -> WorkerSettings:
+        """Returns the same for the jobs and results of another version of the solver, on the same Redis."""
+        settings = self.model_copy()
+        settings._solver_version = version
+        return settings
 
 
 def settings_problem(error: ValidationError) -> str:

@@ -45,8 +45,8 @@ class BatchResults:
 
     def __init__(self, context: Context, view: JobView) -> None:
         self.context = context
-        self.queue = context.queue
-        self.batches = Batches(context.queue.redis, context.queue.settings)
+        self.queue = context.queue.of(view.id)
+        self.batches = Batches(self.queue.redis, self.queue.settings)
         self.view = view
 
     async def pieces(self, wanted: Wanted) -> AsyncGenerator[bytes]:

@@ -27,7 +27,7 @@ async def end(
     Raises:
         ProblemError: 404, or 403 if the caller may not cancel it for all.
     """
-    caller, queue = caller_of(request.scope), context.queue
+    caller = caller_of(request.scope)
     if force and (caller is None or caller.is_anonymous or not allows(caller.scope, "admin")):
         raise ProblemError(
             ProblemType.FORBIDDEN, "Only a key with scope admin can end what others have asked for (force)."
@@ -35,6 +35,7 @@ async def end(
 
     def act() -> JobView:
         find(context, job_id)
+        queue = context.queue.of(job_id)
         ended = queue.cancel(job_id) if force else queue.withdraw(job_id, subscriber_of(caller, subscription))
         return ended or find(context, job_id)
 

@@ -166,7 +166,7 @@ class JobEvents:
                 yield b": waiting\n\n"
 
     async def _known_before(self, view: JobView) -> AsyncIterator[bytes]:
-        lengths = await self.access(self.queue.records.known_before, view.id)
+        lengths = await self.access(self.queue.of(view.id).records.known_before, view.id)
         progress = json_bytes({"done": view.done, "total": view.total})
         for first in range(0, len(lengths), _AT_ONCE):
             group = lengths[first : first + _AT_ONCE]
@@ -211,19 +211,20 @@ class JobEvents:
         return batch_json(view, settings) if is_batch(job_id) else job_json(view, settings)
 
     def _slices(self, job_id: str, l1: Sequence[str]) -> dict[str, bytes]:
-        asked = self.queue.records.asked(job_id, l1)
+        queue = self.queue.of(job_id)
+        asked = queue.records.asked(job_id, l1)
         if asked is None:
             return {}
         request, errors = asked
-        texts = self.queue.store.get_texts(request, l1, request.digits)
-        others = self.queue.store.get_slices(request, [x for x in l1 if x not in texts])
+        texts = queue.store.get_texts(request, l1, request.digits)
+        others = queue.store.get_slices(request, [x for x in l1 if x not in texts])
         return texts | {x: dump(value).encode() for x, value in {**others, **errors}.items()}
 
     async def _view(self, job_id: str) -> JobView | None:
         return await self.access(self.queue.get, job_id)
 
     def _key(self, job_id: str) -> str:
-        return self.queue.records.keys.job(job_id).events
+        return self.queue.of(job_id).records.keys.job(job_id).events
 
 
 _Place = tuple[str, str, str]

@@ -12,7 +12,6 @@ from subprocess import Popen
 import pytest
 from redis import Redis
 
-from rpr_solver import SOLVER_VERSION
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request, ended
 from tests.support.networks import Network, network
@@ -78,7 +77,7 @@ def site(tmp_path: Path) -> Iterator[Site]:
 
         def start(place: str) -> Popen[bytes]:
             before = queue.workers()
-            module = ("-m", "tests.support.odd_worker", SOLVER_VERSION, REDIS_TIMEOUT)
+            module = ("-m", "tests.support.odd_worker", REDIS_TIMEOUT)
             command = [*net.inside(place), sys.executable, *module, "--name", place]
             log = stack.enter_context((tmp_path / f"{place}.log").open("ab"))
             worker = stack.enter_context(started(command, env=variables, stderr=log))

@@ -15,7 +15,6 @@ from redis import Redis
 from rq import Queue
 from rq.serializers import JSONSerializer
 
-from rpr_solver import SOLVER_VERSION
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request, ended
 from tests.support.processes import (
@@ -27,16 +26,12 @@ from tests.support.processes import (
     started,
     until,
 )
-from worker.answers import keys as answer_keys
-from worker.answers import requests
 from worker.connection import connect
-from worker.jobs import chunks, lanes
-from worker.jobs import keys as job_keys
+from worker.jobs import chunks
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
 ODD = "tests.support.odd_worker"
-OTHER = "99"
 
 
 @pytest.fixture
@@ -75,7 +70,7 @@ def test_redis_is_killed_and_comes_back(own_valkey: EmbeddedValkey, own_workers:
 
 def test_redis_answers_too_late(redis: Redis, workers: Workers) -> None:
     """Redis answers later than the worker waits. The worker tries again and goes on."""
-    worker = workers.start_odd(ODD, SOLVER_VERSION, "0.7")  # less than it waits for a chunk
+    worker = workers.start_odd(ODD, "0.7")  # less than it waits for a chunk
     until(lambda: "no work is possible (TimeoutError" in workers.log.read_text())
     assert succeeds(redis)
     assert worker.poll() is None
@@ -188,34 +183,6 @@ def test_a_closed_terminal_is_a_stop(redis: Redis, workers: Workers, number: sig
     assert queue.depth() == 1
     workers.start()
     assert ended(queue, view.id).status == "succeeded"  # with a loss it would have failed
-
-
-def test_each_version_of_the_solver_has_its_own_workers(
-    redis: Redis, workers: Workers, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Workers of two solver versions share one Redis. Each takes the jobs of its own version only."""
-    workers.start_odd(ODD, OTHER, "20")
-    ours = JobQueue(redis)
-    assert ours.workers() == 0
-    view = ours.submit(a_request("1"))
-
-    with monkeypatch.context() as other_version:
-        for module in (answer_keys, requests, job_keys, lanes):
-            other_version.setattr(module, "SOLVER_VERSION", OTHER)
-        theirs = JobQueue(redis)
-        assert theirs.workers() == 1
-        old = theirs.submit(a_request("1"))
-        assert ended(theirs, old.id).status == "succeeded"
-        assert theirs.result(old.id) is not None
-    # It was free for our job as well, and has searched for lost chunks meanwhile.
-    assert old.id != view.id
-    assert ours.get(view.id) == view
-    assert ours.depth() == 1
-
-    workers.start()
-    assert ours.workers() == 1
-    assert ended(ours, view.id).status == "succeeded"
-    assert ours.result(view.id) is not None
 
 
 def test_a_worker_by_itself_tells_what_it_does(valkey: EmbeddedValkey, redis: Redis) -> None:

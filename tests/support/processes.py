@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import IO, Any, TypeVar
 
@@ -44,9 +45,11 @@ def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen
 
 
 @contextmanager
-def forked(arguments: Sequence[str], env: dict[str, str], stderr: IO[bytes]) -> Iterator[Forked]:
+def forked(
+    arguments: Sequence[str], env: dict[str, str], stderr: IO[bytes], root: Path = ROOT
+) -> Iterator[Forked]:
     """A worker forked from one that is loaded, in a new session that ends with the block."""
-    process = template(str(ROOT)).fork(arguments, env, stderr.fileno())
+    process = template(str(root)).fork(arguments, env, stderr.fileno())
     try:
         yield process
     finally:
@@ -88,11 +91,12 @@ class Workers:
     url: str
     log: Path
     processes: list[Process] = field(default_factory=list)
+    root: Path = ROOT
     _running: ExitStack = field(default_factory=ExitStack)
 
     def start(self, **settings: object) -> Process:
         """Forks a worker and waits until it is ready; settings as in `WorkerSettings`."""
-        return self._start(forked, settings)
+        return self._start(partial(forked, root=self.root), settings)
 
     def start_odd(self, module: str, *arguments: str, **settings: object) -> Process:
         """Starts a worker by another module than `worker`."""
@@ -115,6 +119,10 @@ class Workers:
         with connect(self.url) as client:
             until(lambda: client.hget(f"rq:worker:{name}", "state") == b"idle")
         return process
+
+    def alive(self) -> list[Process]:
+        """Those that have not ended."""
+        return [process for process in self.processes if process.poll() is None]
 
     def stop(self) -> None:
         """End all workers in an orderly way."""

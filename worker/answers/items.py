@@ -39,10 +39,10 @@ class Item:
         return json.dumps(parts, separators=(",", ":"))  # ASCII: what it quotes may not be encodable
 
 
-def item_from_json(text: bytes) -> Item:
+def item_from_json(text: bytes, version: str = rpr_solver.SOLVER_VERSION) -> Item:
     """The inverse of :meth:`Item.to_json`."""
     parts = json.loads(text)
-    request = request_from_json(text) if "content" in parts else None
+    request = request_from_json(text, version) if "content" in parts else None
     return Item(parts.get("id"), request, parts.get("problem"))
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from rpr_solver import SOLVER_VERSION
 from rpr_solver.contract import Progress
 from worker.answers import (
     article,
@@ -90,6 +91,8 @@ def known_answer(
 
 def known_document(request: JobRequest, store: ResultStore) -> Document | None:
     """Returns a document in one piece if it is in the store or follows from stored documents, else None."""
+    if request.version != SOLVER_VERSION:  # another version may cut documents in another way
+        return store.get_document(request)
     return store.get_document(request) or COMPUTATIONS[request.kind].derive(request, store)
 
 
@@ -120,9 +123,10 @@ def is_batch(job_id: str) -> bool:
     return job_id.startswith(batches.KIND.prefix)
 
 
-def request_from_json(text: str | bytes) -> JobRequest:
+def request_from_json(text: str | bytes, version: str = SOLVER_VERSION) -> JobRequest:
     """The inverse of :meth:`JobRequest.to_json`; it also reads the records of tables of version 0.1.0."""
     record = json.loads(text)
     if "kind" in record:
-        return JobRequest(_BY_NAME[record["kind"]], record["content"])
-    return JobRequest(tables.KIND, {key: record[key] for key in ("geometry", "fixed_leg", "digits", "l1")})
+        return JobRequest(_BY_NAME[record["kind"]], record["content"], version)
+    content = {key: record[key] for key in ("geometry", "fixed_leg", "digits", "l1")}
+    return JobRequest(tables.KIND, content, version)

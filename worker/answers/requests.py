@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -37,11 +37,13 @@ class Kind:
 class JobRequest:
     """A request for a document, which a job computes.
 
-    `content` is canonical plain JSON, so equal questions are equal requests with one id.
+    `content` is canonical plain JSON, so equal questions are equal requests with one id. `version`: of the
+    solver that is to answer it, or has.
     """
 
     kind: Kind
     content: Mapping[str, Any]
+    version: str = SOLVER_VERSION
 
     @property
     def geometry(self) -> Mapping[str, str]:
@@ -84,7 +86,7 @@ class JobRequest:
 
     def of_slices(self, l1: Sequence[str]) -> JobRequest:
         """Returns the question for other slices of the same table."""
-        return JobRequest(self.kind, {**self.content, "l1": list(l1)})
+        return replace(self, content={**self.content, "l1": list(l1)})
 
     @cached_property
     def content_hash(self) -> str:
@@ -94,7 +96,7 @@ class JobRequest:
             question = [self.geometry_hash, self.fixed_leg, self.digits, self.parts]
         elif self.kind.by_items:  # known before its items are
             question = [self.kind.name, self.content["batch"]]
-        return hashlib.sha256(json.dumps([SOLVER_VERSION, *question], sort_keys=True).encode()).hexdigest()
+        return hashlib.sha256(json.dumps([self.version, *question], sort_keys=True).encode()).hexdigest()
 
     @property
     def job_id(self) -> str:

@@ -86,7 +86,7 @@ class ResultStore:
         self.redis = redis
         self.settings = settings
         self.holder = holder
-        self.keys = ResultKeys(self.settings.key_prefix)
+        self.keys = ResultKeys(settings.key_prefix, settings.solver_version)
         self._heads = redis.register_script(_HEADS)
         self._keep = redis.register_script(_KEEP)
         self._acquire = redis.register_script(_ACQUIRE)

@@ -54,7 +54,8 @@ class StoredTable:
     @property
     def head(self) -> dict[str, Any]:
         """The members of the document before the slices."""
-        return document_head(self.request, self.request.digits, self.request.fixed_leg)
+        head = document_head(self.request, self.request.digits, self.request.fixed_leg)
+        return {**head, "solver_version": self.request.version}
 
     @cached_property
     def size(self) -> int:
@@ -121,7 +122,8 @@ def stored_table(
         found[l1] = StoredSlice(l1, measured(text), request.digits, text)
     absent = [l1 for l1 in request.parts if l1 not in found]
     found |= _known(request, store, absent)
-    longer = iter([]) if len(found) == len(request.parts) else iter(store.more_digits(request))
+    is_complete = len(found) == len(request.parts) or request.version != rpr_solver.SOLVER_VERSION
+    longer = iter([]) if is_complete else iter(store.more_digits(request))
     for digits in longer:
         absent = [l1 for l1 in request.parts if l1 not in found]
         found |= _shortened(request, store, absent, digits)

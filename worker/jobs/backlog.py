@@ -17,7 +17,7 @@ class Backlog:
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
-        self.keys = Keys(settings.key_prefix)
+        self.keys = Keys.of(settings)
         self._place = redis.register_script(scripts.PRELUDE + scripts.PLACE)
 
     def place(self, job_id: str) -> Place | None:

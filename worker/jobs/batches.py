@@ -74,7 +74,7 @@ class Batches:
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
         self.settings = settings
-        self.keys = Keys(settings.key_prefix)
+        self.keys = Keys.of(settings)
         self.records = JobRecords(redis, settings)
         self._item = redis.register_script(scripts.PRELUDE + _ITEM)
 
@@ -167,7 +167,8 @@ class Batches:
             pipe.hmget(keys.errors, [str(index) for index in indices])
             *texts, bits, outcomes = pipe.execute()
         found = zip(indices, texts, outcomes, strict=True)
-        return [_stored(index, text, bits or b"", outcome) for index, text, outcome in found if text]
+        version = self.settings.solver_version
+        return [_stored(i, item_from_json(text, version), bits or b"", o) for i, text, o in found if text]
 
     def _items(self, job_id: str) -> str:
         return self.keys.items(job_id)
@@ -178,8 +179,8 @@ def is_done(bits: bytes, index: int) -> bool:
     return index // 8 < len(bits) and bool(bits[index // 8] & (0x80 >> index % 8))
 
 
-def _stored(index: int, text: bytes, bits: bytes, outcome: bytes | None) -> StoredItem:
-    item, kept = item_from_json(text), outcome_from_json(outcome)
+def _stored(index: int, item: Item, bits: bytes, outcome: bytes | None) -> StoredItem:
+    kept = outcome_from_json(outcome)
     state: ItemState = "open"
     if item.problem is not None or kept.failure is not None:
         state = "failed"

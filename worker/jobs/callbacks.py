@@ -146,7 +146,7 @@ class Callbacks:
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
-        self.keys = Keys(settings.key_prefix)
+        self.keys = Keys.of(settings)
         self._add = redis.register_script(scripts.PRELUDE + _ADD)
         self._claim = redis.register_script(scripts.PRELUDE + _CLAIM)
         self._settle = redis.register_script(scripts.PRELUDE + _SETTLE)

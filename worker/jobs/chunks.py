@@ -33,7 +33,7 @@ class ChunkQueue:
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
         self.settings = settings
-        self.keys = Keys(settings.key_prefix)
+        self.keys = Keys.of(settings)
         self.queues: Mapping[Lane, Queue] = {
             lane: Queue(queue_name(lane, settings), connection=redis, serializer=JSONSerializer)
             for lane in LANES

@@ -16,7 +16,7 @@ class Deadlines:
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
-        self.keys = Keys(settings.key_prefix)
+        self.keys = Keys.of(settings)
         self._extend = redis.register_script(scripts.PRELUDE + scripts.EXTEND)
 
     def extend(self, job_id: str, seconds: float | None) -> None:

@@ -16,10 +16,11 @@ from typing import cast
 
 from redis import Redis
 
-from rpr_solver import SOLVER_VERSION
+from worker.answers.keys import UNNAMED
+from worker.jobs.keys import Keys
 from worker.settings import WorkerSettings
 
-VERSIONED = frozenset({"slice", "digits", "eliminant"})
+_WITHIN = frozenset({"slice", "digits", "eliminant"})  # kinds whose names have the version behind the kind
 KINDS = ("slice", "digits", "eliminant", "document", "census-digits", "question", "job")
 """The kinds of keys that may be removed; all others are counted as `other`."""
 
@@ -167,10 +168,14 @@ class Inventory:
             yield Item(key, kind, version, left, age, size or 0)
 
     def _kind(self, key: bytes) -> tuple[str, str]:
-        kind, _, rest = key.removeprefix(self._prefix).decode(errors="replace").partition(":")
-        if kind not in KINDS:
-            return OTHER, SOLVER_VERSION
-        return kind, rest.partition(":")[0] if kind in VERSIONED else SOLVER_VERSION
+        """Returns the kind of a key, and the version of the solver to which it belongs."""
+        name, _, rest = key.removeprefix(self._prefix).decode(errors="replace").partition(":")
+        if name in _WITHIN:
+            return name, rest.partition(":")[0]
+        if name in KINDS:
+            return name, UNNAMED
+        kind, _, version = name.rpartition("-")
+        return (kind, version) if kind in KINDS and kind not in _WITHIN else (OTHER, UNNAMED)
 
     def _lifetime(self, kind: str) -> float:
         settings = self.settings
@@ -188,7 +193,7 @@ class Inventory:
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.time()
             for version in versions:
-                pipe.zrange(f"{self.settings.key_prefix}:active:{version}", 0, 0, withscores=True)
+                pipe.zrange(Keys(self.settings.key_prefix, version).active, 0, 0, withscores=True)
             (seconds, _), *oldest = pipe.execute()
         ages = {
             version: seconds - first[0][1] + _MARGIN if first else 0.0

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from rpr_solver import SOLVER_VERSION
+from worker.answers.keys import kind_of
+from worker.settings import WorkerSettings
 
 
 class JobKeys(NamedTuple):
@@ -22,15 +24,22 @@ class JobKeys(NamedTuple):
 class Keys:
     """Key names with one prefix.
 
-    What workers share carries the solver's version, as job ids do: only workers of its own version search for
-    the lost chunks of a job.
+    All that is of jobs carries the solver's version, as job ids do: nothing of one version touches a job of
+    another. Shared are the counts of ends, the deliveries (also those of a version that no API is left of),
+    API keys and Idempotency-Keys.
     """
 
     prefix: str
+    version: str = SOLVER_VERSION
+
+    @classmethod
+    def of(cls, settings: WorkerSettings) -> Keys:
+        """Returns those of an installation and the version of the solver that is meant."""
+        return cls(settings.key_prefix, settings.solver_version)
 
     def job(self, job_id: str) -> JobKeys:
         """Returns the keys of the job `job_id`."""
-        base = f"{self.prefix}:job:{job_id}"
+        base = f"{self.prefix}:{kind_of('job', self.version)}:{job_id}"
         return JobKeys(base, f"{base}:chunks", f"{base}:bits", f"{base}:errors", f"{base}:events")
 
     def items(self, job_id: str) -> str:
@@ -51,7 +60,7 @@ class Keys:
 
     def client(self, client: str) -> str:
         """Returns the key of what a client holds."""
-        return f"{self.prefix}:client:{client}"
+        return f"{self.prefix}:{kind_of('client', self.version)}:{client}"
 
     def beat(self, chunk_id: str) -> str:
         """Returns the key of a running chunk's heartbeat."""
@@ -60,7 +69,7 @@ class Keys:
     @property
     def active(self) -> str:
         """The sorted set of queued and running jobs."""
-        return f"{self.prefix}:active:{SOLVER_VERSION}"
+        return f"{self.prefix}:active:{self.version}"
 
     @property
     def ends(self) -> str:
@@ -95,12 +104,17 @@ class Keys:
     @property
     def suspects(self) -> str:
         """The chunks that no worker seems to run, with the time of the first suspicion."""
-        return f"{self.prefix}:suspects:{SOLVER_VERSION}"
+        return f"{self.prefix}:suspects:{self.version}"
 
     @property
     def walk(self) -> str:
         """How far the search for active jobs among all keys has come."""
-        return f"{self.prefix}:walk"
+        return f"{self.prefix}:walk:{self.version}"
+
+    @property
+    def versions(self) -> str:
+        """The set of the versions of the solver that have worked here."""
+        return f"{self.prefix}:versions"
 
     @property
     def trial(self) -> str:
@@ -110,9 +124,9 @@ class Keys:
     @property
     def sweep_lock(self) -> str:
         """The lock that limits the search for lost chunks to one at a time in the whole installation."""
-        return f"{self.prefix}:sweep-lock:{SOLVER_VERSION}"
+        return f"{self.prefix}:sweep-lock:{self.version}"
 
     @property
     def workers(self) -> str:
         """The sorted set of live workers."""
-        return f"{self.prefix}:workers:{SOLVER_VERSION}"
+        return f"{self.prefix}:workers:{self.version}"

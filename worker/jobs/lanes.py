@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from rpr_solver import SOLVER_VERSION
 from worker.answers.cost import Cost
 from worker.settings import WorkerSettings
 
@@ -103,7 +102,7 @@ def queue_name(lane: Lane, settings: WorkerSettings) -> str:
 
     Each version of the solver has its own, so a worker never takes a chunk of another version.
     """
-    return f"{settings.queue_name}-{SOLVER_VERSION}{'' if lane == 'small' else f'-{lane}'}"
+    return f"{settings.queue_name}-{settings.solver_version}{'' if lane == 'small' else f'-{lane}'}"
 
 
 def lanes_of(duty: Duty) -> tuple[tuple[Lane, ...], ...]:

@@ -39,7 +39,7 @@ class Load:
 
 def read_load(redis: Redis, settings: WorkerSettings) -> Load:
     """Returns the load; the ages are in seconds."""
-    keys, roster = Keys(settings.key_prefix), Roster(redis, settings)
+    keys, roster = Keys.of(settings), Roster(redis, settings)
     lanes = {lane: queue.key for lane, queue in ChunkQueue(redis, settings).queues.items()}
     with redis.pipeline(transaction=False) as pipe:
         for key in lanes.values():

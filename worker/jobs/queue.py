@@ -28,6 +28,7 @@ from worker.jobs.readiness import Readiness, readiness
 from worker.jobs.records import JobRecords
 from worker.jobs.roster import Roster
 from worker.jobs.subscriptions import Subscriber, Subscription, Subscriptions
+from worker.jobs.versions import Versions
 from worker.jobs.views import JobView, view_of
 from worker.settings import WorkerSettings
 
@@ -49,6 +50,8 @@ class JobQueue:
         self.backlog = Backlog(redis, self.settings)
         self._remembered: dict[str, float] = {}
         self.quotas = Quotas(redis, self.settings)
+        self.versions = Versions(redis, self.settings)
+        self._of_others: dict[str, JobQueue] = {}
 
     def submit(
         self,
@@ -158,8 +161,24 @@ class JobQueue:
         return known_answer(request, self.store)
 
     def get(self, job_id: str) -> JobView | None:
-        """Returns the current state of a job, or None if there is none."""
-        return self.records.view(job_id)
+        """Returns the current state of a job, of whatever version of the solver, or None if there is none."""
+        view = self.records.view(job_id)
+        if view is None and (other := self._other(job_id)) is not None:
+            return other.records.view(job_id)
+        return view
+
+    def of(self, job_id: str) -> JobQueue:
+        """Returns the queue of the version of the solver to which a job belongs that was looked up."""
+        return self._of_others.get(job_id, self)
+
+    def _other(self, job_id: str) -> JobQueue | None:
+        """Returns the queue of another version of the solver that has a job, or None."""
+        version = self.versions.other_of(job_id)
+        if version is None:
+            return None
+        if len(self._of_others) >= _REMEMBERED:
+            self._of_others.clear()
+        return self._of_others.setdefault(job_id, JobQueue(self.redis, self.settings.of_version(version)))
 
     def result(self, job_id: str) -> Answer | None:
         """Returns the answer of a job that succeeded, or None if it did not or its results have expired."""
@@ -169,7 +188,8 @@ class JobQueue:
         """Returns the current state of a job, None if there is none, and its answer as `result` does."""
         record = self.records.request(job_id)
         if record is None:
-            return None, None
+            other = self._other(job_id)
+            return (None, None) if other is None else other.outcome(job_id)
         view, request, errors = record
         return view, known_answer(request, self.store, errors) if view.status == "succeeded" else None
 
@@ -191,7 +211,10 @@ class JobQueue:
     def asked(self, job_id: str) -> Answer | None:
         """Returns the answer to a question that is kept, or None if there is none or it has expired."""
         kept = cast("bytes | None", self.redis.get(self.store.keys.question(job_id)))
-        return None if kept is None else self.known(request_from_json(zlib.decompress(kept)))
+        if kept is None:
+            other = self._other(job_id)
+            return None if other is None else other.asked(job_id)
+        return self.known(request_from_json(zlib.decompress(kept), self.settings.solver_version))
 
     def cancel(self, job_id: str) -> JobView | None:
         """Cancel a queued or running job, whoever wants it; a job that has ended is unchanged."""
@@ -215,7 +238,7 @@ class JobQueue:
         """Returns the state of a job with its place in the queue, if it waits there."""
         if view.status != "queued":
             return view
-        return replace(view, place=self.backlog.place(view.id))
+        return replace(view, place=self.of(view.id).backlog.place(view.id))
 
     def readiness(self) -> Readiness:
         """Returns whether a job would be done now.

@@ -68,7 +68,7 @@ class Quotas:
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
-        self.keys = Keys(settings.key_prefix)
+        self.keys = Keys.of(settings)
         self._admit = redis.register_script(scripts.PRELUDE + _ADMIT)
 
     def admit(self, client: str, job_id: str, seconds: float, quota: Quota) -> None:

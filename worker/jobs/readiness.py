@@ -28,7 +28,7 @@ def readiness(redis: Redis, settings: WorkerSettings) -> Readiness:
     Raises:
         RedisError: Redis cannot be reached, or accepts no data.
     """
-    redis.set(Keys(settings.key_prefix).trial, 1, px=_TTL)
+    redis.set(Keys.of(settings).trial, 1, px=_TTL)
     workers = len(Roster(redis, settings).names())
     warning = eviction_warning(redis)
     return Readiness(workers, () if warning is None else (warning,))

@@ -53,8 +53,8 @@ class JobRecords:
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
         self.settings = settings
-        self.keys = Keys(settings.key_prefix)
-        self.result_keys = ResultKeys(settings.key_prefix)
+        self.keys = Keys.of(settings)
+        self.result_keys = ResultKeys(settings.key_prefix, settings.solver_version)
         self._create = self._script(scripts.CREATE)
         self._beat = self._script(scripts.BEAT)
         self._end_beat = self._script(scripts.END_BEAT)
@@ -88,7 +88,7 @@ class JobRecords:
         if view is None or fields[-1] is None:
             return None
         by_l1 = {raw.decode(): json.loads(unpack(error)) for raw, error in errors.items()}
-        return view, request_from_json(fields[-1]), by_l1
+        return view, request_from_json(fields[-1], self.settings.solver_version), by_l1
 
     def asked(self, job_id: str, l1: Sequence[str]) -> tuple[JobRequest, dict[str, Any]] | None:
         """Returns a job's request for some of its slices, and the errors of these by L1, or None."""
@@ -100,7 +100,7 @@ class JobRecords:
         if not asked:
             return None
         by_l1 = {x: json.loads(unpack(error)) for x, error in zip(l1, errors, strict=True) if error}
-        return request_from_json(asked).of_slices(l1), by_l1
+        return request_from_json(asked, self.settings.solver_version).of_slices(l1), by_l1
 
     def known_before(self, job_id: str) -> list[str]:
         """Returns the parts of a job that were known when it was made, in their order."""
@@ -320,14 +320,16 @@ class JobRecords:
     def adopt(self, count: int) -> None:
         """Search about `count` of all keys for active jobs that are missing in the set of active jobs.
 
-        Each call continues where the previous one stopped, in whatever process.
+        Each call continues where the previous one stopped, in whatever process. Jobs of other versions of the
+        solver have other names, so none of them is found.
         """
         before = cast("bytes | None", self.redis.get(self.keys.walk))
         cursor, names = self.redis.scan(
             int(before or 0), match=self.keys.job("*").record, count=count, _type="hash"
         )
         self.redis.set(self.keys.walk, cursor)
-        job_ids = [name.decode().rpartition(":job:")[2] for name in cast("list[bytes]", names)]
+        start = self.keys.job("").record
+        job_ids = [name.decode().removeprefix(start) for name in cast("list[bytes]", names)]
         with self.redis.pipeline(transaction=False) as pipe:
             for job_id in job_ids:
                 pipe.hget(self.keys.job(job_id).record, "status")

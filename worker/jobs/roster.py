@@ -52,7 +52,7 @@ class Roster:
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
-        self.key = Keys(settings.key_prefix).workers
+        self.key = Keys.of(settings).workers
         self._ttl = int((settings.beat_ttl + _IDLE_WAIT) * 1000)
         self._beat = redis.register_script(_BEAT)
         self._silences = redis.register_script(_SILENCES)

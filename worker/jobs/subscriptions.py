@@ -94,7 +94,7 @@ class Subscriptions:
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
-        self.keys = Keys(settings.key_prefix)
+        self.keys = Keys.of(settings)
         self._subscribe = redis.register_script(scripts.PRELUDE + _SUBSCRIBE)
         self._withdraw = redis.register_script(scripts.PRELUDE + _WITHDRAW)
 

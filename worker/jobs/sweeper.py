@@ -20,6 +20,7 @@ from worker.jobs.deadlines import Deadlines
 from worker.jobs.interruption import run_again
 from worker.jobs.inventory import Inventory
 from worker.jobs.records import JobRecords
+from worker.jobs.versions import Versions
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
@@ -39,6 +40,7 @@ class Sweeper:
         self.chunks = ChunkQueue(redis, settings)
         self.inventory = Inventory(redis, settings)
         self.deadlines = Deadlines(redis, settings)
+        self.versions = Versions(redis, settings)
         self.keys = self.records.keys
 
     def sweep(self) -> int:
@@ -52,6 +54,7 @@ class Sweeper:
             raise
         # The order matters: a chunk that leaves the queue after this look has a heartbeat soon, and a chunk
         # opened after the look at the records is not among them.
+        self.versions.note()
         self.records.adopt(_WALK)
         self._end_overdue_jobs()
         self._relieve()

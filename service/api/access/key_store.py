@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from typing import Any, cast
 
 from redis import Redis
 from redis.client import Pipeline
 
 from service.api.access.keys import ApiKey
+
+_MEMBERS = [member.name for member in fields(ApiKey)]
 
 
 class KeyStore:
@@ -63,4 +65,9 @@ def _dump(key: ApiKey) -> str:
 
 
 def _parsed(records: Mapping[bytes, bytes]) -> dict[str, ApiKey]:
-    return {key_id.decode(): ApiKey(**json.loads(record)) for key_id, record in records.items()}
+    return {key_id.decode(): _read(json.loads(record)) for key_id, record in records.items()}
+
+
+def _read(record: Mapping[str, Any]) -> ApiKey:
+    """A key, without what a newer release may say of it."""
+    return ApiKey(**{name: record[name] for name in _MEMBERS if name in record})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 
 import pytest
 from redis import Redis
@@ -85,6 +86,17 @@ def test_what_an_active_job_has_found_or_computed_is_kept(queue: JobQueue, inven
     assert queue.result(view.id) is not None
     assert inventory.prune(older_than=-1).needed == 0
     assert queue.get(view.id) is None
+
+
+def test_what_jobs_of_another_version_need_is_kept(redis: Redis, queue: JobQueue) -> None:
+    others = JobQueue(redis, queue.settings.of_version("99"))
+    document = others.store.keys.document("ab")
+    queue.redis.set(document, "{}", px=1000 * (queue.settings.result_ttl - 10))
+    others.submit(replace(a_request("1"), version="99"))
+    pruned = Inventory(redis, queue.settings).prune(older_than=0)
+    assert (pruned.keys, pruned.needed) == (0, 1)
+    assert redis.exists(document)
+    assert {"document", "job"} <= Inventory(redis, queue.settings).stock().keys()
 
 
 def test_what_is_found_meanwhile_is_kept(queue: JobQueue, inventory: Inventory) -> None:

@@ -1,0 +1,144 @@
+"""Two versions of the solver on one Redis, as in an upgrade."""
+
+from __future__ import annotations
+
+import random
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from functools import partial
+from typing import Any
+
+import pytest
+from redis import Redis
+
+from rpr_solver import SOLVER_VERSION, Manipulator, table_document
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import PATIENCE, ROOT, until
+from tests.support.service_server import GEOMETRY, ended
+from tests.support.versions import Side, side, tree_of
+
+OTHER = "99"
+SHORT = {"beat_interval": 0.2, "beat_ttl": 1.5, "sweep_interval": 0.2, "lost_grace": 0.2}
+DIGITS = 40
+
+
+@pytest.fixture(scope="module")
+def both(valkey: EmbeddedValkey, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Side, Side]]:
+    """The API processes of both versions."""
+    folder = tmp_path_factory.mktemp("versions")
+    trees = {SOLVER_VERSION: ROOT, OTHER: tree_of(OTHER, folder)}
+    with ExitStack() as stack:
+        old, new = (
+            stack.enter_context(side(version, tree, valkey.url, folder, **SHORT))
+            for version, tree in trees.items()
+        )
+        yield old, new
+
+
+@pytest.fixture
+def sides(both: tuple[Side, Side], redis: Redis) -> Iterator[tuple[Side, Side]]:  # noqa: ARG001
+    """The same on an empty database, without workers."""
+    yield both
+    for of in both:
+        of.workers.stop()
+
+
+def question(number: int, slices: int) -> dict[str, Any]:
+    """A table; each number stands for another manipulator."""
+    geometry = {**GEOMETRY, "d1": f"17.{number + 100}"}
+    return {"geometry": geometry, "l1": [f"{12 + i / 4}" for i in range(slices)], "digits": DIGITS}
+
+
+def answer_to(asked: dict[str, Any], version: str) -> dict[str, Any]:
+    """The answer as the library gives it."""
+    texts = {name: str(value) for name, value in asked["geometry"].items()}
+    table = table_document(Manipulator.from_json(texts), asked["l1"], digits=DIGITS)
+    return {**table, "solver_version": version}
+
+
+@pytest.mark.parametrize(
+    ("jobs", "kills", "slices"), [(12, 3, 40), pytest.param(200, 20, 60, marks=pytest.mark.long)]
+)
+def test_workers_of_two_versions_are_killed(
+    redis: Redis, sides: tuple[Side, Side], jobs: int, kills: int, slices: int
+) -> None:
+    """Two versions have jobs that wait and jobs that run, while workers of either are missing, killed and
+    come back. Each job is computed by its own version, and its API gives the right answer; so does the other.
+    """
+    chance = random.Random(f"{jobs} {kills}")
+    taken: list[tuple[Side, dict[str, Any], str]] = []
+    for _ in range(kills):
+        victim = chance.choice(sides)
+        if not victim.workers.alive():
+            victim.workers.start(**SHORT)
+        for of in sides:
+            for _ in range(jobs // (2 * kills)):
+                asked = question(len(taken), slices)
+                answer = of.api.post("/v1/cusp-tables", json=asked)
+                assert answer.status_code == 202
+                taken.append((of, asked, answer.json()["id"]))
+        until(partial(is_busy_or_done, redis, victim))
+        time.sleep(chance.uniform(0, 0.1))
+        [worker] = victim.workers.alive()
+        worker.kill()
+        worker.wait(PATIENCE)
+        if chance.random() < 0.5:
+            victim.workers.start(**SHORT)
+    for of in sides:
+        if not of.workers.alive():
+            of.workers.start(**SHORT)
+
+    assert len(taken) == jobs
+    for of, asked, job_id in taken:
+        assert ended(of.api, job_id)["status"] == "succeeded"
+        result = of.api.get(f"/v1/jobs/{job_id}/result")
+        assert result.json() == answer_to(asked, of.version)
+        for other in sides:
+            again = other.api.get(f"/v1/jobs/{job_id}/result")
+            assert (again.content, again.headers["etag"]) == (result.content, result.headers["etag"])
+    for of in sides:
+        assert count(redis, f"cusps:slice:{of.version}:*") == slices * jobs / 2
+        assert count(redis, f"cusps:active:{of.version}*") == 0
+    assert count(redis, "rq:queue:*") == count(redis, "rq:job:*") == 0
+
+
+def test_a_job_is_followed_and_ended_by_the_api_of_another_version(
+    redis: Redis, sides: tuple[Side, Side]
+) -> None:
+    """A job or a batch is looked up, followed, sent again and canceled at an API process of another version
+    than the one that took it. It is the same job; nothing of the other version changes.
+    """
+    first, second = sides
+    job = first.api.post("/v1/cusp-tables", json=question(0, 2)).json()
+    items = {"items": [{"kind": "cusp-table", "request": question(1, 2)}]}
+    once = {"Idempotency-Key": "upgrade"}
+    batch = first.api.post("/v1/batches", json=items, headers=once).json()
+    here, there = f"/v1/jobs/{job['id']}", f"/v1/batches/{batch['id']}"
+    assert second.api.get(here).json()["status"] == "queued"
+    assert second.api.post("/v1/batches", json=items, headers=once).json()["id"] == batch["id"]
+    assert second.api.delete(here).json()["status"] == "canceled"
+    assert first.api.get(here).json()["status"] == "canceled"
+    assert redis.llen(f"rq:queue:cusps-{first.version}") == 0
+
+    second.workers.start(**SHORT)
+    own = second.api.post("/v1/cusp-tables", json=question(1, 2), headers={"Prefer": "wait=60"})
+    assert own.json()["solver_version"] == second.version
+    assert first.api.get(there).json()["status"] == "queued"
+    first.workers.start(**SHORT)
+    with second.api.stream("GET", f"{there}/events") as events:
+        assert '"status":"succeeded"' in list(events.iter_lines())[-2]
+    lines = [of.api.get(f"{there}/results") for of in sides]
+    assert lines[0].content == lines[1].content
+    assert lines[0].json()["result"] == answer_to(question(1, 2), first.version)
+
+
+def is_busy_or_done(redis: Redis, of: Side) -> bool:
+    """Whether a worker of a version runs a chunk, or none is left."""
+    names = set(redis.zrange(f"cusps:workers:{of.version}", 0, -1))
+    beats = (redis.get(key) for key in redis.scan_iter("cusps:beat:*", count=1000))
+    return any(name in names for name in beats) or not redis.exists(f"cusps:active:{of.version}")
+
+
+def count(redis: Redis, pattern: str) -> int:
+    return sum(1 for _ in redis.scan_iter(pattern, count=1000))
