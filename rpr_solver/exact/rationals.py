@@ -62,10 +62,10 @@ def parse_exact(value: Exact, field: str, *, max_digits: int = MAX_DIGITS) -> Fr
         return _bounded(Fraction(numerator, denominator), field, max_digits)
     decimal = _DECIMAL.fullmatch(text)
     if decimal is None or not (decimal[2] or decimal[3]):
-        raise InputError.of(
-            field,
-            f'{shown(text)} is not a finite number; write a decimal such as "17.04" or a quotient "426/25"',
-        )
+        hint = 'write a decimal such as "17.04" or a quotient "426/25"'
+        if _DECIMAL.fullmatch(pointed := text.replace(",", ".")):
+            hint = f'write a decimal point, "{pointed}"'
+        raise InputError.of(field, f"{shown(text)} is not a finite number; {hint}")
     sign, whole, part, exponent = decimal[1], decimal[2] or "", decimal[3] or "", int(decimal[4] or 0)
     significand = _integer(whole + part)
     shift = exponent - len(part)

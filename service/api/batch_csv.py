@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import difflib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -25,6 +26,12 @@ COLUMNS = (
 )  # fmt: skip
 """All columns that there are."""
 
+_SEPARATORS = (",", ";", "\t")
+"""What may stand between columns, as the first line tells; with all but the comma go decimal commas."""
+
+_WORDS = ("id", "kind", "orientation", "method", "plot", "theme", "cusp", "degenerate")
+"""Columns whose cells are no numbers."""
+
 _BY_SLICES = (tables.KIND.name, article.KIND.name)
 _WITH_LENGTHS = (*_BY_SLICES, curves.KIND.name)
 
@@ -35,6 +42,7 @@ class Rows:
     def __init__(self) -> None:
         self._lines = Lines()
         self._columns: Sequence[str] = ()
+        self._separator = ","
         self._row = 0
 
     @property
@@ -63,8 +71,10 @@ class Rows:
         if not line.strip():
             return
         self._row += 1
+        if not self._columns:
+            self._separator = max(_SEPARATORS, key=line.count)
         try:
-            [cells] = csv.reader([line], strict=True)
+            [cells] = csv.reader([line], strict=True, delimiter=self._separator)
         except csv.Error as error:
             raise _invalid(f"line {self._row}: {error}") from None
         cells = [cell.strip() for cell in cells]
@@ -72,8 +82,13 @@ class Rows:
             self._columns = _checked(cells)
             return
         if len(cells) > len(self._columns):
-            raise _invalid(f"line {self._row} has {len(cells)} cells for {len(self._columns)} columns")
-        yield item_of({name: cell for name, cell in zip(self._columns, cells, strict=False) if cell})
+            hint = "; numbers with decimal commas need columns separated by semicolons"
+            counts = f"{len(cells)} cells for {len(self._columns)} columns"
+            raise _invalid(f"line {self._row} has {counts}{hint if self._separator == ',' else ''}")
+        row = {name: cell for name, cell in zip(self._columns, cells, strict=False) if cell}
+        if self._separator != ",":
+            row = {name: cell if name in _WORDS else cell.replace(",", ".") for name, cell in row.items()}
+        yield item_of(row)
 
 
 def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
@@ -102,10 +117,13 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
     return {**name, "kind": kind, "request": {**request, **cells}}
 
 
-def _checked(names: Sequence[str]) -> Sequence[str]:
-    errors = [name for name in names if name not in COLUMNS]
-    if errors:
-        raise InputError.of(errors[0][:60] or "body", f"unknown column; known are {', '.join(COLUMNS)}")
+def _checked(sent: Sequence[str]) -> Sequence[str]:
+    names = [name if name in COLUMNS else name.lower() for name in sent]
+    for given, name in zip(sent, names, strict=True):
+        if name not in COLUMNS:
+            near = difflib.get_close_matches(name[:60], COLUMNS, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(COLUMNS)}"
+            raise InputError.of(given[:60] or "body", f"unknown column; {hint}")
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise InputError.of(twice[0], "this column is given twice")

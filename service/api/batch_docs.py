@@ -108,7 +108,8 @@ POST_BODY: dict[str, Any] = {
             NDJSON: _text("One item per line.", _LINES),
             CSV: _text(
                 f"One geometry per row; the first line names its columns, some of {', '.join(COLUMNS)}. "
-                "Several lengths in a cell are separated by semicolons.",
+                "Several lengths in a cell are separated by semicolons. Columns may also be separated by "
+                "semicolons or tabs; then numbers may have decimal commas.",
                 _ROWS,
             ),
         },

@@ -10,7 +10,7 @@ from rpr_solver.errors import InputError
 from service.api.body import json_of
 from service.api.operations import OPERATIONS
 from service.api.problems import ProblemError
-from service.schemas.batches import BatchItem
+from service.schemas.batches import KIND_NAMES, BatchItem
 from service.schemas.document import Source, at, part
 from service.schemas.limits import Limits
 from service.schemas.price import check_price
@@ -27,11 +27,13 @@ _CERTIFIED = tuple(kind.name for kind in certified.KINDS)
 
 def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> Item:
     """Read an item, the text of a JSON object or its members."""
-    place, name = f"items[{index}]", None
+    place, name, kind = f"items[{index}]", None, None
     try:
         value = json_of(sent, limits) if isinstance(sent, bytes) else sent
         if isinstance(value, Mapping) and type(value.get("id")) is str:
             name = value["id"][:200]
+        if isinstance(value, Mapping) and value.get("kind") in KIND_NAMES:
+            kind = str(value["kind"])
         item = part(BatchItem.model_validate, value, Source(limits))
         request = _job_request(item, limits)
     except ProblemError as error:  # it is not JSON
@@ -39,7 +41,7 @@ def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> It
         problem = ProblemError(error.kind, f"{place}: {error.detail}", errors=faults)
         return Item(name, problem=problem.document())
     except InputError as error:
-        return Item(name, problem=ProblemError.of_input(at(error, place)).document())
+        return Item(name, problem=ProblemError.of_input(at(error, place)).document(), kind=kind)
     return Item(item.id, request)
 
 

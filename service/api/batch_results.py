@@ -197,9 +197,9 @@ class _Completions:
 
 
 def _start(stored: StoredItem, status: str) -> bytes:
-    request = stored.item.request
-    kind = None if request is None else request.kind.name
-    return _ascii({"index": stored.index, "id": stored.item.id, "kind": kind, "status": status})[:-1]
+    item = stored.item
+    kind = item.kind if item.request is None else item.request.kind.name
+    return _ascii({"index": stored.index, "id": item.id, "kind": kind, "status": status})[:-1]
 
 
 def _without_result(stored: StoredItem, status: str, problem: Any = None) -> bytes:

@@ -37,7 +37,7 @@ class ItemResult:
     Attributes:
         index: its position in the batch, from 0.
         name: the name that its sender gave it.
-        kind: the kind of its document; None if the item is not valid.
+        kind: the kind of its document; None if the item names none.
         status: how it ended.
         answer: the document, if it succeeded.
         problem: why there is none, if it failed.

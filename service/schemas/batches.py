@@ -124,7 +124,7 @@ class BatchResult(Model):
     index: int = Field(description="The position of the item in the batch, from 0.")
     id: str | None = Field(description="The name that its sender gave it.")
     kind: str | None = Field(
-        default=None, description="The kind of the document; null for an item that is not valid."
+        default=None, description="The kind of the document; null for an item that names none."
     )
     status: Literal["succeeded", "failed", "canceled"]
     result: dict[str, Any] | None = optional("The document, exactly as the question alone is answered.")

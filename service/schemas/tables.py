@@ -56,7 +56,8 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
 
     l1: Slices = slices_field(
         "The slices: the fixed length L1 as a number, a list or a range. With `fixed_leg` 2 or 3 use `l2` or "
-        "`l3`. Duplicate values are removed.",
+        "`l3`. Duplicate values are removed. A length <= 0 among others has an error in place of its answer; "
+        "alone it is refused.",
         examples=["14.98", ["14.98", 27], _SCAN],
     )
     l2: Slices = slices_field("The slices, with `fixed_leg` 2.")
@@ -90,6 +91,16 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
         if method == ARTICLE and leg != 1:
             raise InputError.of("", f"is article, which fixes leg 1, but fixed_leg is {leg}")
         return method
+
+    @model_validator(mode="after")
+    def _has_a_slice(self) -> Self:
+        """A slice without an answer leaves the others alone; but there must be others."""
+        if not any(x > 0 for x in self.slices):
+            shown = ", ".join(exact_str(x)[:40] for x in self.slices[:3]) + (
+                "" if len(self.slices) < 4 else ", …"
+            )
+            raise InputError.of(f"l{self.fixed_leg}", f"is {shown}; a leg length must be > 0")
+        return self
 
     @model_validator(mode="after")
     def _article_takes_few_slices(self, info: ValidationInfo) -> Self:

@@ -23,15 +23,19 @@ class Item:
         id: the name that its sender gave it.
         request: the question in canonical form.
         problem: a problem document.
+        kind: of an item that is not valid, the kind that it names, if it names one.
     """
 
     id: str | None = None
     request: JobRequest | None = None
     problem: Mapping[str, Any] | None = None
+    kind: str | None = None
 
     def to_json(self) -> str:
         """Returns the item as it is kept."""
         parts: dict[str, Any] = {} if self.id is None else {"id": self.id}
+        if self.kind is not None:
+            parts["kind"] = self.kind
         if self.request is not None:
             parts |= {"kind": self.request.kind.name, "content": self.request.content}
         if self.problem is not None:
@@ -43,7 +47,8 @@ def item_from_json(text: bytes, version: str = rpr_solver.SOLVER_VERSION) -> Ite
     """The inverse of :meth:`Item.to_json`."""
     parts = json.loads(text)
     request = request_from_json(text, version) if "content" in parts else None
-    return Item(parts.get("id"), request, parts.get("problem"))
+    kind = parts.get("kind") if request is None else None
+    return Item(parts.get("id"), request, parts.get("problem"), kind)
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rpr_solver.errors import InputError
 from service.api import batch_bodies
 from service.api.batch_bodies import Cutter, Elements, Lines
-from service.api.batch_csv import Rows
+from service.api.batch_csv import COLUMNS, Rows
 from service.api.problems import ProblemError
+from service.schemas.batches import KIND_NAMES
+from tests.support.processes import ROOT
 
 TEXTS = st.text(st.sampled_from('a"\\[]{},:\n é'), max_size=12)
 VALUES = st.recursive(TEXTS | st.booleans(), lambda inner: st.lists(inner, max_size=3), max_leaves=5)
@@ -88,6 +91,58 @@ def test_lines_and_rows_do_not_depend_on_the_cuts(items: list[Any], cuts: list[i
     ).encode("utf-8")
     found: list[Mapping[str, Any]] = taken(Rows(), pieces(rows, cuts))
     assert [row["id"] for row in found] == [f"é{k}" for k in range(len(items))]
+
+
+GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"}
+
+
+def test_the_page_names_every_kind_and_every_column() -> None:
+    page = (ROOT / "docs/batches.md").read_text(encoding="utf-8")
+    assert {*KIND_NAMES, *COLUMNS} <= set(re.findall(r"`(\w[\w-]*)`", page))
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "ID,A2X,a3x,a3y,d1,d2,d3,L1,digits\na,15.91,0,10,17.04,16.54,20.84,27;28.1,20\n",
+        'id;a2x;a3x;a3y;d1;d2;d3;L1;Digits\na;15,91;0;10;17,04;16,54;20,84;"27;28,1";20\n',
+        "id\ta2x\ta3x\ta3y\td1\td2\td3\tl1\tdigits\na\t15,91\t0\t10\t17,04\t16,54\t20,84\t27;28.1\t20\n",
+    ],
+    ids=["capitals", "semicolons and decimal commas", "tabs"],
+)
+def test_tables_as_spreadsheets_write_them(table: str) -> None:
+    [item] = taken(Rows(), [table.encode()])
+    assert item == {
+        "id": "a",
+        "kind": "cusp-table",
+        "request": {"geometry": GEOMETRY, "l1": ["27", "28.1"], "digits": "20"},
+    }
+
+
+def test_a_name_with_a_comma_stays_as_it_is() -> None:
+    head, row = "id;a2x;a3x;a3y;d1;d2;d3;cusp", "a,b;1;2;3;4,5;5;6;B"
+    [item] = taken(Rows(), [f"{head}\n{row}\n".encode()])
+    assert (item["id"], item["request"]["cusp"], item["request"]["geometry"]["d1"]) == ("a,b", "B", "4.5")
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "said"),
+    [
+        ("a2x,a3x,a3y,d1,d2,d3,l11", "", "l11: unknown column; did you mean l1?"),
+        ("a2x,a3x,a3y,d1,d2,d3,colour", "", "colour: unknown column; known are id, kind, a2x"),
+        ("a2x,a3x,a3y,d1,d2,d3,l1,L1", "", "l1: this column is given twice"),
+        (
+            "a2x,a3x,a3y,d1,d2,d3,l1",
+            "1,2,3,4,5,6,14,98",
+            "decimal commas need columns separated by semicolons",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_table_is_one_sentence(head: str, row: str, said: str) -> None:
+    with pytest.raises((InputError, ProblemError)) as caught:
+        taken(Rows(), [f"{head}\n{row}\n".encode()])
+    assert said in str(caught.value)
+    assert str(caught.value).count("column") <= 2
 
 
 @pytest.mark.parametrize(

@@ -181,6 +181,7 @@ def test_rows_of_every_kind(client: httpx.Client) -> None:
     got = results(client, submitted(client, "\n".join([head, *rows]), CSV))
     assert [line["id"] for line in got] == ["a", "b", "c", "d, e", "f", "g", "h"]
     assert [line["status"] for line in got] == [*["succeeded"] * 5, "failed", "failed"]
+    assert [line["kind"] for line in got[3:]] == ["check", "cusp-table", "cusp-table", "poses"]
     assert [part["l1"] for part in got[1]["result"]["slices"]] == ["26", "27", "28"]
     assert got[2]["result"]["range"] == {"from": "20", "to": "30"}
     assert got[3]["result"]["passed"] is False

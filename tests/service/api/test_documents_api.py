@@ -242,6 +242,16 @@ def test_cusp_curves_are_followed_once_and_sampled_at_will(api: httpx.Client) ->
     assert rows[0]["theta2_deg"] == expected.curves[0].points[0].point.theta2_deg
 
 
+@pytest.mark.parametrize("form", ["application/json", "text/csv", "application/x-ndjson"])
+def test_a_table_without_a_possible_slice_is_422(idle: httpx.Client, form: str) -> None:
+    body = {"geometry": GEOMETRY, "l1": -1, "digits": 15}
+    posted = idle.post("/v1/cusp-tables", json=body, headers={"Accept": form, "Prefer": "wait=1"})
+    asked = idle.get("/v1/cusp-tables", params={**GEOMETRY, "l1": "-1;0"})
+    details = [answer.json()["detail"] for answer in (posted, asked)]
+    assert (posted.status_code, asked.status_code) == (422, 422)
+    assert details == ["l1: is -1; a leg length must be > 0", "l1: is -1, 0; a leg length must be > 0"]
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -66,9 +66,10 @@ def test_a_closed_stdout_is_noticed_before_the_work() -> None:
 
 
 def test_a_closed_stderr_leaves_stdout_alone() -> None:
-    done = into(("solve", "innocenti", "--l1", "0", "--digits", "15", "--format", "csv"), "2>&-")
+    args = ("solve", "innocenti", "--l1", "0.1", "--l1", "0", "--digits", "15", "--format", "csv")
+    done = into(args, "2>&-")
     assert done.returncode == 2
-    assert [line.split(",")[0] for line in done.stdout.splitlines()] == ["l1", "0"]
+    assert [line.split(",")[0] for line in done.stdout.splitlines()] == ["l1", "0.1", "0"]
 
 
 def test_ctrl_c_keeps_the_slices_of_a_scan_that_are_done() -> None:

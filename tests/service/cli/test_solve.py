@@ -83,6 +83,8 @@ def test_the_geometry_may_come_from_a_file_or_standard_input(run_here: Run, tmp_
         (("solve",), "", "GEOMETRY"),
         (("solve", "nope", "--l1", "1"), "", "one of innocenti, zein-flat"),
         (("solve", "innocenti"), "", "--l1: is missing"),
+        (("solve", "innocenti", "--l1", "0"), "", "--l1: is 0; a leg length must be > 0"),
+        (("solve", "innocenti", "--l1", "14,98"), "", 'write a decimal point, "14.98"'),
         (("solve", "innocenti", "--l1", "abc"), "", "--l1: 'abc' is not a finite number"),
         (("solve", "innocenti", "--l1", "1", "--digits", "14"), "", "min_digits is 15"),
         (("solve", "innocenti", "--l1", "1", "--digits", "1001"), "", "max_digits is 1000"),

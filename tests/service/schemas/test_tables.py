@@ -52,7 +52,22 @@ def test_slices(slices: str, expected: list[str]) -> None:
     assert with_slices(slices) == expected
 
 
-@given(st.integers(-(10**6), 10**6), st.integers(1, 10**6), st.integers(0, 9), st.integers(0, 6))
+@pytest.mark.parametrize(
+    ("slices", "said"),
+    [
+        ("-1", "l1: is -1; a leg length must be > 0"),
+        ("[0, -2.5]", "l1: is 0, -2.5; a leg length must be > 0"),
+        ('{"from": -9, "to": 0, "step": 1}', "l1: is -9, -8, -7, …; a leg length must be > 0"),
+    ],
+)
+def test_a_question_without_a_possible_slice_is_refused(slices: str, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        with_slices(slices)
+    assert str(caught.value) == said
+    assert with_slices("[-1, 0, 3]") == ["-1", "0", "3"], "among others it has an error in its place"
+
+
+@given(st.integers(1, 10**6), st.integers(1, 10**6), st.integers(0, 9), st.integers(0, 6))
 def test_a_range_is_exact_and_holds_its_stop_only_when_it_is_hit(
     start: int, step: int, count: int, shift: int
 ) -> None:
