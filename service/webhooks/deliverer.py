@@ -3,6 +3,9 @@
 They, and not the workers, since they are the ones that are reached from outside, and a receiver that is slow
 holds up no computation. One thread claims, a few send. A process that is killed leaves its deliveries to the
 others, or to its successor, once their lease is over.
+
+No receiver may hold up the others: hosts take turns, each has only a share of the senders, and one that did
+not answer in time has a rest.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ import logging
 import random
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 
@@ -22,7 +26,7 @@ from redis.exceptions import RedisError
 from rpr_solver.errors import InputError
 from service.webhooks.sending import Answer, RefusedError, post
 from service.webhooks.settings import SecretError, WebhookSettings
-from service.webhooks.urls import target_of
+from service.webhooks.urls import fits, target_of
 from worker.answers.kinds import is_batch
 from worker.jobs.callbacks import Attempt, Callbacks, Delivery, State
 from worker.jobs.views import JobView
@@ -31,12 +35,15 @@ from worker.settings import WorkerSettings
 log = logging.getLogger("rpr_cusps.service")
 
 _SENDERS = 8
+_OF_ONE_HOST = 2
+_OF_ONE_PATTERN = 4  # whoever owns a domain has as many names in it as wanted
+_REST = 3.0  # of a host that did not answer in time, in time-outs
 _LOOK = 0.5  # seconds between two looks at what is due
 _LONGEST_WISH = 86400.0  # of a Retry-After
 _JITTER = 0.2
 
 LEASE_MARGIN = 20.0
-"""Seconds beyond the time-out of an attempt, for a look-up of the name, which has no time-out of its own."""
+"""Seconds beyond the time-out of an attempt, for a computer that is busy."""
 
 Shown = Callable[[JobView], Mapping[str, object]]
 """Gives the document of a job or a batch."""
@@ -65,25 +72,37 @@ class Deliverer:
         self._settings = settings
         self._shown = shown
         self._lease = settings.webhook_timeout_seconds + margin
-        self._free = threading.Semaphore(_SENDERS)
+        self._rest = _REST * settings.webhook_timeout_seconds
+        self._sending: list[str] = []
+        self._is_free = threading.Event()
 
     def run(self, stop: threading.Event) -> None:
         """Deliver what is due until `stop` is set; for a thread of an API process."""
         with ThreadPoolExecutor(_SENDERS, thread_name_prefix="webhooks") as senders:
             while not stop.is_set():
-                delivery = None
-                self._free.acquire()
-                try:
-                    delivery = self._callbacks.claim(self._lease)
-                except RedisError:
-                    pass
-                except Exception:
-                    log.exception("a search for deliveries failed")
+                self._is_free.clear()
+                delivery = self._claimed() if len(self._sending) < _SENDERS else None
                 if delivery is None:
-                    self._free.release()
-                    stop.wait(_LOOK)
+                    self._is_free.wait(_LOOK)
                 else:
+                    self._sending.append(delivery.host)
                     senders.submit(self._deliver, delivery)
+
+    def _claimed(self) -> Delivery | None:
+        try:
+            return self._callbacks.claim(self._lease, self._must_wait())
+        except RedisError:
+            pass
+        except Exception:
+            log.exception("a search for deliveries failed")
+        return None
+
+    def _must_wait(self) -> list[str]:
+        """Returns the hosts and patterns that have their share of the senders."""
+        hosts = tuple(self._sending)
+        full = [host for host, count in Counter(hosts).items() if count >= _OF_ONE_HOST]
+        patterns = [pattern for pattern in self._settings.hosts if pattern.startswith("*.")]
+        return full + [p for p in patterns if sum(fits(host, p) for host in hosts) >= _OF_ONE_PATTERN]
 
     def _deliver(self, delivery: Delivery) -> None:
         try:
@@ -93,12 +112,14 @@ class Deliverer:
         except Exception:
             log.exception("a delivery failed")
         finally:
-            self._free.release()
+            self._sending.remove(delivery.host)
+            self._is_free.set()
 
     def attempt(self, delivery: Delivery) -> None:
         """Make one attempt, and note how it ended."""
         at, status, problem, wish = time.time(), None, None, None
         state: State = "pending"
+        rest = 0.0
         try:
             target = target_of(delivery.url, self._settings)
             answer = post(target, delivery.id, event_of(delivery, self._shown), self._settings)
@@ -109,8 +130,10 @@ class Deliverer:
         except SecretError as error:
             log.warning("webhooks cannot be signed: RPR_CUSPS_WEBHOOK_SECRET_FILE %s", error)
             problem = "it could not be signed"
-        except (httpcore.NetworkError, httpcore.ProtocolError, httpcore.TimeoutException, OSError) as error:
-            problem = (f"{type(error).__name__}: {error}" if str(error) else type(error).__name__)[:200]
+        except (httpcore.TimeoutException, TimeoutError) as error:
+            problem, rest = _told(error), self._rest
+        except (httpcore.NetworkError, httpcore.ProtocolError, OSError) as error:
+            problem = _told(error)
         except Exception as error:
             log.exception("a delivery failed")
             problem = type(error).__name__
@@ -121,7 +144,11 @@ class Deliverer:
                 state = "exhausted"
             else:
                 delay = pause(pauses[delivery.claim - 1], wish)
-        self._callbacks.settle(delivery, state, Attempt(at, status, problem), delay)
+        self._callbacks.settle(delivery, state, Attempt(at, status, problem), delay, rest)
+
+
+def _told(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}".removesuffix(": ")[:200]
 
 
 def judged(answer: Answer) -> tuple[State, str | None]:

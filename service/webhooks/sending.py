@@ -6,8 +6,10 @@ import base64
 import hmac
 import socket
 import ssl
+import threading
 import time
 from collections.abc import Iterable, Mapping
+from concurrent.futures import Future
 from dataclasses import dataclass
 from email.utils import parsedate_to_datetime
 
@@ -16,6 +18,8 @@ import httpcore
 from service import __version__
 from service.webhooks.settings import Network, WebhookSettings
 from service.webhooks.urls import Target, is_allowed
+
+_MOST_ADDRESSES = 6
 
 
 class RefusedError(Exception):
@@ -101,15 +105,42 @@ class _Backend(httpcore.NetworkBackend):
         local_address: str | None = None,
         socket_options: Iterable[httpcore.SOCKET_OPTION] | None = None,
     ) -> httpcore.NetworkStream:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-        addresses = [str(entry[4][0]) for entry in found]
-        allowed = [address for address in addresses if is_allowed(address, self._networks)]
+        addresses = _look_up(host, port, _left(self._end))
+        allowed = [address for address in addresses if is_allowed(address, self._networks)][:_MOST_ADDRESSES]
         if not allowed:
             raise RefusedError(f"{host} is {addresses[0]}, which is no public address")
-        left = _left(self._end)
-        return _Stream(
-            self._inner.connect_tcp(allowed[0], port, left, local_address, socket_options), self._end
-        )
+        while True:
+            address, *allowed = allowed
+            time_for_one = _left(self._end) / (1 + len(allowed))
+            try:
+                stream = self._inner.connect_tcp(address, port, time_for_one, local_address, socket_options)
+                return _Stream(stream, self._end)
+            except (httpcore.ConnectError, httpcore.ConnectTimeout):
+                if not allowed:
+                    raise
+
+
+def _look_up(host: str, port: int, seconds: float) -> list[str]:
+    """Returns the addresses of a host, each once, within a time that the system's resolver does not know.
+
+    Raises:
+        ConnectTimeout: it takes longer.
+        OSError: there are none.
+    """
+    answer: Future[list[str]] = Future()
+
+    def ask() -> None:
+        try:
+            found = socket.getaddrinfo(host.encode(), port, type=socket.SOCK_STREAM)
+            answer.set_result(list(dict.fromkeys(str(entry[4][0]) for entry in found)))
+        except Exception as error:
+            answer.set_exception(error)
+
+    threading.Thread(target=ask, name="look-up", daemon=True).start()
+    try:
+        return answer.result(seconds)
+    except TimeoutError:
+        raise httpcore.ConnectTimeout(f"the name {host} was not found out in time") from None
 
 
 class _Stream(httpcore.NetworkStream):

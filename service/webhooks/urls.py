@@ -13,7 +13,24 @@ from service.webhooks.settings import Network, WebhookSettings
 FIELD = "callback_url"
 LONGEST = 2000
 _FORM = re.compile(r"https?://[!-~]+")
-_TUNNELS = tuple(map(ipaddress.ip_network, ("64:ff9b::/96", "64:ff9b:1::/48", "2002::/16", "2001::/32")))
+_LABEL = re.compile(r"[a-z0-9_]([a-z0-9_-]{0,61}[a-z0-9_])?")
+_LONGEST_NAME = 253
+
+# The registries of special-purpose addresses of IANA (RFC 6890), as far as they are not global, with what was
+# in them and is no longer. Python's own table depends on its version.
+_SPECIAL = tuple(
+    ipaddress.IPv4Network(network)
+    for network in (
+        *("0.0.0.0/8", "10.0.0.0/8", "100.64.0.0/10", "127.0.0.0/8", "169.254.0.0/16", "172.16.0.0/12"),
+        *("192.0.0.0/24", "192.0.2.0/24", "192.88.99.0/24", "192.168.0.0/16", "198.18.0.0/15"),
+        *("198.51.100.0/24", "203.0.113.0/24", "224.0.0.0/4", "240.0.0.0/4"),
+    )
+)
+_GLOBAL = ipaddress.IPv6Network("2000::/3")  # all else is local, embeds an IPv4 address, or is not assigned
+_SPECIAL_IN_GLOBAL = tuple(
+    ipaddress.IPv6Network(network)
+    for network in ("2001::/23", "2001:db8::/32", "2002::/16", "3ffe::/16", "3fff::/20")
+)
 
 
 @dataclass(frozen=True)
@@ -47,15 +64,18 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
         raise InputError.of(FIELD, f"is {shown}; give a URL such as https://example.com/hooks/cusps")
     try:
         parts = urlsplit(url)
-        port = parts.port or {"http": 80, "https": 443}[parts.scheme]
+        port = {"http": 80, "https": 443}[parts.scheme] if parts.port is None else parts.port
         host = (parts.hostname or "").lower()
+        is_host = port > 0 and _is_host(host, parts.netloc)
     except ValueError:
-        raise InputError.of(FIELD, f"is {shown}; its host or port cannot be read") from None
+        is_host = False
+    if not is_host:
+        raise InputError.of(FIELD, f"is {shown}; its host or port cannot be read")
     if parts.scheme == "http" and not settings.webhook_allow_http:
         raise InputError.of(FIELD, f"is {shown}; it must be https:// (RPR_CUSPS_WEBHOOK_ALLOW_HTTP)")
     if "@" in parts.netloc or "#" in url:
         raise InputError.of(FIELD, f"is {shown}; it must have no user, password or fragment")
-    if not any(_fits(host, pattern) for pattern in settings.hosts):
+    if not any(fits(host, pattern) for pattern in settings.hosts):
         raise InputError.of(
             FIELD, f"names the host {host[:80]!r}, which RPR_CUSPS_WEBHOOK_HOSTS does not allow"
         )
@@ -63,8 +83,28 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
     return Target(parts.scheme, host, port, path)
 
 
-def _fits(host: str, pattern: str) -> bool:
+def fits(host: str, pattern: str) -> bool:
+    """Whether a host is the one of a pattern, or one of those below `*.name`.
+
+    >>> fits("a.example.com", "*.example.com"), fits("example.com", "*.example.com")
+    (True, False)
+    """
     return host.endswith(pattern[1:]) if pattern.startswith("*.") else host == pattern.strip("[]")
+
+
+def _is_host(host: str, authority: str) -> bool:
+    """Whether this is an address, or a name that can be looked up.
+
+    Raises:
+        ValueError: it is not.
+    """
+    if authority.startswith("[") or ":" in host:
+        return ipaddress.IPv6Address(host).scope_id is None
+    labels = host.split(".")
+    for label in labels:
+        if label.startswith("xn--"):
+            label[4:].encode().decode("punycode")
+    return len(host) <= _LONGEST_NAME and all(map(_LABEL.fullmatch, labels))
 
 
 def is_allowed(address: str, networks: tuple[Network, ...]) -> bool:
@@ -78,5 +118,6 @@ def is_allowed(address: str, networks: tuple[Network, ...]) -> bool:
         ip = ip.ipv4_mapped
     if any(ip in network for network in networks if network.version == ip.version):
         return True
-    is_tunnel = any(ip in network for network in _TUNNELS if network.version == ip.version)
-    return ip.is_global and not ip.is_multicast and not is_tunnel
+    if isinstance(ip, ipaddress.IPv4Address):
+        return not any(ip in network for network in _SPECIAL)
+    return ip in _GLOBAL and not any(ip in network for network in _SPECIAL_IN_GLOBAL)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import ssl
 import threading
 import time
@@ -21,6 +22,13 @@ class Receiver:
 
     url: str = ""
     received: list[tuple[dict[str, str], bytes]] = field(default_factory=list)
+
+
+@contextmanager
+def silent() -> Iterator[str]:
+    """The URL of a receiver that accepts connections, as many as the system lets it, and never answers."""
+    with socket.create_server(("127.0.0.1", 0), backlog=200) as listener:
+        yield f"http://127.0.0.1:{listener.getsockname()[1]}/"
 
 
 @contextmanager

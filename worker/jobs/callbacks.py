@@ -7,9 +7,10 @@ delivery survives those who make it.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal, cast
+from urllib.parse import urlsplit
 
 from redis import Redis
 
@@ -21,6 +22,11 @@ from worker.settings import WorkerSettings
 
 MANY = 100
 """Callbacks of one job, at most."""
+
+_READY_SECONDS = 60
+"""After which a delivery that waits for its host's turn is looked at again, in case that turn was lost."""
+
+_MANY_AT_ONCE = 1000
 
 State = Literal["pending", "delivered", "gone", "refused", "exhausted"]
 """How a delivery stands: `gone` if the receiver answered 410, `refused` if its address is not allowed,
@@ -48,30 +54,70 @@ return 1
 """
 
 # Returns the fields of a delivery that is due, and leases it; nothing if none is.
+#
+# What is due goes into the sorted set of its host first, so that a host that must wait holds up no other: the
+# hosts take turns, the one that was served longest ago first. There it waits under a lease too, so that a set
+# that is lost, or a process of an older version, changes nothing. The arguments after `many` are the names of
+# hosts that must wait, or `*.` and what they end with.
 _CLAIM = """
 local due = KEYS[1]
-local lease = ARGV[1]
+local lease, waits, many = unpack(ARGV)
+local hosts = due .. '-hosts'
 
-while true do
-    local id = redis.call('ZRANGEBYSCORE', due, '-inf', now, 'LIMIT', 0, 1)[1]
-    if not id then return false end
-    local key = due .. ':' .. id
-    if redis.call('EXISTS', key) == 1 then
-        redis.call('ZADD', due, now + lease, id)
-        local claim = redis.call('HINCRBY', key, 'claims', 1)
-        redis.call('HSET', key, 'attempt:' .. claim, string.format('{"at":%s}', now))
-        redis.call('HSET', key, 'next', string.format('%.3f', now + lease))
-        return redis.call('HGETALL', key)
+for _, id in ipairs(redis.call('ZRANGEBYSCORE', due, '-inf', now, 'LIMIT', 0, many)) do
+    local url = redis.call('HGET', due .. ':' .. id, 'url')
+    if url then
+        local authority = string.lower(string.match(url, '^%a+://([^/?#]*)'))
+        local host = string.match(authority, '^%[(.*)%]') or string.match(authority, '^[^:]*')
+        redis.call('ZADD', due .. '-to:' .. host, 'NX', now, id)
+        redis.call('ZADD', hosts, 'NX', now, host)
+        redis.call('ZADD', due, now + waits, id)
+    else
+        redis.call('ZREM', due, id)
     end
-    redis.call('ZREM', due, id)
 end
+
+local function must_wait(host)
+    for i = 4, #ARGV do
+        local name = ARGV[i]
+        if name == host then return true end
+        if string.sub(name, 1, 1) == '*' and string.sub(host, 1 - #name) == string.sub(name, 2) then
+            redis.call('ZADD', hosts, now, host)
+            return true
+        end
+    end
+    return false
+end
+
+for _, host in ipairs(redis.call('ZRANGEBYSCORE', hosts, '-inf', now, 'LIMIT', 0, many)) do
+    local ready = due .. '-to:' .. host
+    while not must_wait(host) do
+        local id = redis.call('ZRANGE', ready, 0, 0)[1]
+        if not id then
+            redis.call('ZREM', hosts, host)
+            break
+        end
+        redis.call('ZREM', ready, id)
+        local key = due .. ':' .. id
+        if redis.call('ZSCORE', due, id) and redis.call('EXISTS', key) == 1 then
+            redis.call('ZADD', hosts, now, host)
+            redis.call('ZADD', due, now + lease, id)
+            local claim = redis.call('HINCRBY', key, 'claims', 1)
+            redis.call('HSET', key, 'attempt:' .. claim, string.format('{"at":%s}', now))
+            redis.call('HSET', key, 'next', string.format('%.3f', now + lease))
+            return redis.call('HGETALL', key)
+        end
+    end
+end
+return false
 """
 
 # Notes the outcome of an attempt; no effect if another has claimed the delivery meanwhile.
 _SETTLE = """
 local due, counts = unpack(KEYS)
-local id, claim, state, delay, entry, ttl = unpack(ARGV)
+local id, claim, state, delay, entry, ttl, host, rest = unpack(ARGV)
 
+if host then redis.call('ZADD', due .. '-hosts', now + rest, host) end
 local key = due .. ':' .. id
 if redis.call('HGET', key, 'claims') ~= claim then return 0 end
 redis.call('HSET', key, 'attempt:' .. claim, entry, 'state', state)
@@ -140,6 +186,11 @@ class Delivery:
     job: JobView
     attempts: tuple[Attempt, ...]
 
+    @property
+    def host(self) -> str:
+        """The name of its receiver, as it takes turns with others."""
+        return urlsplit(self.url).hostname or ""
+
 
 class Callbacks:
     """The callbacks of an installation and their deliveries. Instances are cheap, and safe for threads."""
@@ -161,17 +212,32 @@ class Callbacks:
         if self._add(keys=keys, args=[job_id, url, MANY]) == -1:
             raise TooManyCallbacksError(job_id)
 
-    def claim(self, lease: float) -> Delivery | None:
-        """Begin an attempt at a delivery that is due; nobody else does for `lease` seconds."""
-        reply = self._claim(keys=[self.keys.deliveries], args=[lease])
+    def claim(self, lease: float, must_wait: Iterable[str] = ()) -> Delivery | None:
+        """Begin an attempt at a delivery that is due; nobody else does for `lease` seconds.
+
+        Args:
+            lease: how long.
+            must_wait: hosts whose deliveries are passed over: their names, or `*.` and what names end with.
+        """
+        reply = self._claim(
+            keys=[self.keys.deliveries], args=[lease, _READY_SECONDS, _MANY_AT_ONCE, *must_wait]
+        )
         return _delivery(dict(zip(reply[::2], reply[1::2], strict=True))) if reply else None
 
-    def settle(self, delivery: Delivery, state: State, attempt: Attempt, delay: float = 0.0) -> bool:
+    def settle(
+        self, delivery: Delivery, state: State, attempt: Attempt, delay: float = 0.0, rest: float = 0.0
+    ) -> bool:
         """Note how an attempt ended; the next one is due in `delay` seconds if it is still pending.
+
+        Args:
+            delivery, state, attempt, delay: as said.
+            rest: how long no other delivery goes to this host, in seconds.
 
         Returns False if the lease was over and another attempt has begun.
         """
         args: list[str | float] = [delivery.id, delivery.claim, state, delay, attempt.to_json(), DELIVERY_TTL]
+        if rest:
+            args += [delivery.host, rest]
         return bool(self._settle(keys=[self.keys.deliveries, self.keys.delivery_counts], args=args))
 
     def of_job(self, job_id: str) -> list[Delivery]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import base64
 import hmac
+import ipaddress
 import itertools
 import json
 import os
 import signal
+import socket
 import sys
 import threading
 import time
@@ -33,7 +35,7 @@ from service.webhooks.sending import signature
 from service.webhooks.settings import WebhookSettings
 from service.webhooks.urls import is_allowed, target_of
 from tests.support.processes import PATIENCE, started, until
-from tests.support.receivers import Receiver, receiving
+from tests.support.receivers import Receiver, receiving, silent
 from tests.support.service_server import GEOMETRY, serving
 from tests.support.stack import running
 from tests.support.tls import Certificates
@@ -300,27 +302,41 @@ def test_a_private_address_is_refused_whatever_its_name(
     assert "no public address" in delivery["attempts"][0]["problem"]
 
 
+SPECIAL = [
+    *("0.0.0.0/8", "10.0.0.0/8", "100.64.0.0/10", "127.0.0.0/8", "169.254.0.0/16", "172.16.0.0/12"),
+    *("192.0.0.0/24", "192.0.2.0/24", "192.88.99.0/24", "192.168.0.0/16", "198.18.0.0/15"),
+    *("198.51.100.0/24", "203.0.113.0/24", "224.0.0.0/4", "240.0.0.0/4", "255.255.255.255/32"),
+    *("::/128", "::1/128", "::/96", "::ffff:0:0:0/96", "64:ff9b::/96", "64:ff9b:1::/48", "100::/64"),
+    *("100:0:0:1::/64", "2001::/23", "2001::/32", "2001:2::/48", "2001:10::/28", "2001:20::/28"),
+    *("2001:db8::/32", "2002::/16", "3fff::/20", "5f00::/16", "fc00::/7", "fe80::/10", "fec0::/10"),
+    *("ff00::/8", "4000::/3", "e000::/4"),
+    *("::ffff:10.0.0.0/104", "::ffff:127.0.0.0/104", "::ffff:192.168.0.0/112", "::ffff:224.0.0.0/100"),
+]
+"""The special-purpose addresses of IANA's registries, what was in them, and what is not assigned."""
+
+
+@pytest.mark.parametrize("special", SPECIAL)
+def test_addresses_that_are_not_public(special: str) -> None:
+    network = ipaddress.ip_network(special)
+    size = network.num_addresses
+    for place in (0, size // 3, size - 1):
+        address = str(network[place])
+        assert not is_allowed(address, ()), address
+        assert is_allowed(address, (network,)) == (":ffff:" not in special or "0:0/" in special), address
+
+
 @pytest.mark.parametrize(
     "address",
     [
-        *("127.0.0.1", "10.0.0.1", "172.16.0.1", "192.168.1.1", "169.254.169.254", "0.0.0.0", "224.0.0.1"),
-        *(
-            "100.64.0.1",
-            "255.255.255.255",
-            "::1",
-            "::",
-            "fe80::1%eth0",
-            "fc00::1",
-            "ff02::1",
-            "64:ff9b::7f00:1",
-        ),
-        *("::ffff:10.0.0.1", "2002:7f00:1::"),
+        *("1.0.0.0", "9.255.255.255", "11.0.0.0", "100.63.255.255", "100.128.0.0", "126.255.255.255"),
+        *("128.0.0.0", "169.253.255.255", "172.15.255.255", "172.32.0.0", "192.0.1.0", "192.0.3.0"),
+        *("192.88.98.255", "192.167.255.255", "198.17.255.255", "198.20.0.0", "223.255.255.255"),
+        *("192.31.196.1", "192.175.48.1", "2000::", "2001:200::1", "2001:4860:4860::8888", "2003::1"),
+        *("2606:4700::1111", "2620:4f:8000::1", "3ffd:ffff::1", "::ffff:8.8.8.8"),
     ],
 )
-def test_addresses_that_are_not_public(address: str) -> None:
-    assert not is_allowed(address, ())
-    assert is_allowed("1.1.1.1", ())
-    assert is_allowed("2606:4700::1111", ())
+def test_addresses_that_are_public(address: str) -> None:
+    assert is_allowed(address, ())
 
 
 @pytest.mark.parametrize(
@@ -334,6 +350,23 @@ def test_addresses_that_are_not_public(address: str) -> None:
         ("http://a.example.com/", "must be https://"),
         ("https://a.example.com:x/", "cannot be read"),
         (f"https://a.example.com/{2000 * 'x'}", "at most 2000"),
+        ("https://a..example.com/", "cannot be read"),
+        ("https://.example.com/", "cannot be read"),
+        ("https://a.example.com./", "cannot be read"),
+        (f"https://{64 * 'a'}.example.com/", "cannot be read"),
+        (f"https://{'a.' * 125}example.com/", "cannot be read"),
+        ("https://-a.example.com/", "cannot be read"),
+        ("https://a-.example.com/", "cannot be read"),
+        ("https://%61.example.com/", "cannot be read"),
+        ("https://a!.example.com/", "cannot be read"),
+        ("https://ä.example.com/", "give a URL"),
+        ("https://xn--9999999999999.example.com/", "cannot be read"),
+        ("https://[::1/", "cannot be read"),
+        ("https://[::1%25lo]/", "cannot be read"),
+        ("https://[a.example.com]/", "cannot be read"),
+        ("https://a.example.com:0/", "cannot be read"),
+        ("https://a.example.com:99999/", "cannot be read"),
+        ("https://:443/", "cannot be read"),
     ],
 )
 def test_urls_that_are_refused(url: str, message: str, webhooks: Callable[..., WebhookSettings]) -> None:
@@ -342,6 +375,7 @@ def test_urls_that_are_refused(url: str, message: str, webhooks: Callable[..., W
         target_of(url, settings)
     assert message in str(caught.value)
     assert target_of("https://A.example.com/x?y", settings).host == "a.example.com"
+    assert target_of("https://xn--mnchen-3ya.example.com:8443/", settings).port == 8443
 
 
 @pytest.mark.parametrize("url", ["https://evil.example/", 7, "nonsense"])
@@ -377,6 +411,98 @@ def test_a_batch_of_lines_names_it_in_the_query(
         assert answer.status_code == 202
         assert over(idle, answer.json()["id"])["state"] == "delivered"
     assert verified(receiver, SECRETS[0])[0]["data"]["failed"] == 1
+
+
+def test_a_receiver_that_says_nothing_holds_up_no_other(
+    idle: httpx.Client, idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
+) -> None:
+    """Its attempts would take a minute each, and there are many more of them than senders."""
+    settings = webhooks(webhook_hosts="127.0.0.1,localhost", webhook_timeout_seconds=60)
+    with receiving() as good, delivering(idle_redis, settings), silent() as slow:
+        jobs = [canceled(idle, slow) for _ in range(30)]
+        for job_id in jobs:  # asked for again after the end, of a host that the service here does not allow
+            Callbacks(idle_redis, WorkerSettings()).add(job_id, good.url.replace("127.0.0.1", "localhost"))
+        until(lambda: len(good.received) == len(jobs))
+        logs = [log for job_id in jobs for log in log_of(idle, job_id)]
+        begun = [log["state"] for log in logs if log["host"] == "127.0.0.1" and log["attempts"]]
+        assert begun == ["pending"] * 2
+
+
+def test_a_host_that_did_not_answer_in_time_has_a_rest(
+    idle: httpx.Client, idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
+) -> None:
+    settings = webhooks(webhook_timeout_seconds=0.3, webhook_retry_seconds="60")
+    with silent() as slow, delivering(idle_redis, settings):
+        jobs = [canceled(idle, slow) for _ in range(8)]
+        until(lambda: idle_redis.zcount("cusps:deliveries-hosts", time.time() + 0.3, "+inf"))
+        assert sum(len(log["attempts"]) for job in jobs for log in log_of(idle, job)) <= 4
+        until(lambda: all(log_of(idle, job)[0]["attempts"] for job in jobs))  # each in its turn
+    assert not idle_redis.keys("cusps:deliveries-to:*")
+
+
+def test_names_of_one_pattern_have_half_of_the_senders(
+    idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
+) -> None:
+    own = WorkerSettings()
+    deliverer = Deliverer(idle_redis, webhooks(webhook_hosts="*.ci.test,a.ci.test,b.test"), own, shown(own))
+    deliverer._sending += ["a.ci.test", "b.test", "b.test", "c.ci.test", "d.ci.test"]
+    assert deliverer._must_wait() == ["b.test"]
+    deliverer._sending += ["e.ci.test"]
+    assert deliverer._must_wait() == ["b.test", "*.ci.test"]
+
+
+def test_what_waits_for_its_hosts_turn_is_not_lost(idle: httpx.Client, idle_redis: Redis) -> None:
+    jobs = [canceled(idle, f"http://127.0.0.1:1/{number}") for number in range(3)]
+    callbacks = Callbacks(idle_redis, WorkerSettings())
+    assert callbacks.claim(60, ["127.0.0.1"]) is None
+    assert callbacks.claim(60, ["*.0.0.1"]) is None
+    idle_redis.delete("cusps:deliveries-to:127.0.0.1", "cusps:deliveries-hosts")
+    assert callbacks.claim(60) is None
+    for name, _ in idle_redis.zrange("cusps:deliveries", 0, -1, withscores=True):
+        idle_redis.zadd("cusps:deliveries", {name: 0})  # a minute later
+    claimed = [callbacks.claim(60) for _ in jobs]
+    assert {one.job.id for one in claimed if one is not None} == set(jobs)
+    assert callbacks.claim(60) is None
+
+
+def test_all_allowed_addresses_of_a_name_are_tried(
+    idle: httpx.Client,
+    idle_redis: Redis,
+    webhooks: Callable[..., WebhookSettings],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    known = socket.getaddrinfo
+
+    def found(host: str | bytes, *port: Any, **options: Any) -> list[Any]:
+        addresses = ["10.0.0.1", "127.0.0.9", "127.0.0.1"] if host == b"127.0.0.1" else [host]
+        return [entry for address in addresses for entry in known(address, *port, **options)]
+
+    with receiving() as receiver, delivering(idle_redis, webhooks(webhook_timeout_seconds=20)):
+        monkeypatch.setattr(socket, "getaddrinfo", found)  # nobody listens at the second address
+        job_id = canceled(idle, receiver.url)
+        until(lambda: receiver.received)
+        assert over(idle, job_id)["state"] == "delivered"
+
+
+def test_a_name_that_is_not_found_out_in_time(
+    idle: httpx.Client,
+    idle_redis: Redis,
+    webhooks: Callable[..., WebhookSettings],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hangs, known = threading.Event(), socket.getaddrinfo
+
+    def hanging(host: str | bytes, *port: Any, **options: Any) -> Any:
+        return hangs.wait(PATIENCE) if host == b"127.0.0.1" else known(host, *port, **options)
+
+    settings = webhooks(webhook_timeout_seconds=0.3, webhook_retry_seconds="")
+    with receiving() as receiver, delivering(idle_redis, settings):
+        job_id = canceled(idle, receiver.url)
+        monkeypatch.setattr(socket, "getaddrinfo", hanging)
+        delivery = over(idle, job_id)
+    hangs.set()
+    assert delivery["state"] == "exhausted"
+    assert "was not found out in time" in delivery["attempts"][0]["problem"]
 
 
 def test_several_callers_are_told_and_each_once(
