@@ -47,7 +47,7 @@ class Intake:
         self.count = 0
         self.costs: dict[int, float] = {}
         self._seen: set[str] = set()
-        self._texts: list[str] = []
+        self._texts: list[tuple[str, str]] = []
         self._waiting = self._kept = 0
 
     @property
@@ -75,11 +75,11 @@ class Intake:
             item = read_item(text, self.count, limits)
             if item.request is not None:
                 self.costs[self.count] = seconds_after(item.request, self._seen)
-            kept = item.to_json()
+            texts = item.to_texts()
             self.count += 1
-            self._texts.append(kept)
-            self._waiting += len(kept)
-            self._kept += len(kept)
+            self._texts.append(texts)
+            self._waiting += sum(map(len, texts))
+            self._kept += sum(map(len, texts))
             if self._kept > limits.max_batch_bytes:
                 shown = f"take {self._kept} bytes with their ranges written out"
                 raise LimitError.exceeded(limits, "max_batch_bytes", shown, "items")

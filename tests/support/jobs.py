@@ -58,7 +58,7 @@ def ended(queue: JobQueue, job_id: str) -> JobView:
 def submit_batch(queue: JobQueue, items: Sequence[Item]) -> JobView:
     """Makes a batch of items, as they are."""
     token, batches = new_batch(), Batches(queue.redis, queue.settings)
-    batches.push(token, [item.to_json() for item in items])
+    batches.push(token, [item.to_texts() for item in items])
     costs = {i: 0.01 for i, item in enumerate(items) if item.request is not None}
     return batches.begin(token, len(items), costs)
 

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import rpr_solver
-from worker.answers.kinds import compute, known_document, missing_parts, request_from_json
+from worker.answers.kinds import (
+    KEPT_WHOLE,
+    as_kept,
+    compute,
+    known_document,
+    missing_parts,
+    request_from_json,
+)
 from worker.answers.requests import JobRequest
 from worker.answers.single_flight import single_flight
 from worker.answers.store import ResultStore, SliceJson, dump
@@ -41,6 +48,14 @@ class Item:
         if self.problem is not None:
             parts["problem"] = self.problem
         return json.dumps(parts, separators=(",", ":"))  # ASCII: what it quotes may not be encodable
+
+    def to_texts(self) -> tuple[str, str]:
+        """Returns the item as it is kept beside its result, and the whole of it if that is more, or empty."""
+        whole = self.to_json()
+        if self.request is None or len(whole) <= KEPT_WHOLE:
+            return whole, ""
+        kept = replace(self, request=as_kept(self.request)).to_json()
+        return kept, "" if kept == whole else whole
 
 
 def item_from_json(text: bytes, version: str = rpr_solver.SOLVER_VERSION) -> Item:

@@ -70,6 +70,9 @@ _OF_JOBS = (*KINDS, batches.KIND)
 _BY_NAME = {kind.name: kind for kind in _OF_JOBS}
 
 
+KEPT_WHOLE = 1000
+"""Characters of a question that are kept in any case."""
+
 Answer = Document | StoredTable
 """What is known: a document in one piece, or a table that is read slice by slice."""
 
@@ -94,6 +97,18 @@ def known_document(request: JobRequest, store: ResultStore) -> Document | None:
     if request.version != SOLVER_VERSION:  # another version may cut documents in another way
         return store.get_document(request)
     return store.get_document(request) or COMPUTATIONS[request.kind].derive(request, store)
+
+
+def as_kept(request: JobRequest) -> JobRequest:
+    """Returns what is kept of a question once it is answered, or will never be: what finds its answer.
+
+    That is the question itself if the answer is put together by it, from slices or from another document, and
+    if it is short. Of a long one, such as a document to verify, it is the hash.
+    """
+    is_whole = request.kind not in COMPUTATIONS or COMPUTATIONS[request.kind].derive is not _nothing
+    if is_whole or len(request.to_json()) <= KEPT_WHOLE:
+        return request
+    return request.cut()
 
 
 def missing_parts(request: JobRequest, store: ResultStore) -> Sequence[str]:

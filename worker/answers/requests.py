@@ -13,6 +13,8 @@ from typing import Any
 from rpr_solver import SOLVER_VERSION, Manipulator
 from rpr_solver.model.manipulator import hash_of_canonical
 
+_HASH = "content_hash"
+
 
 @dataclass(frozen=True)
 class Kind:
@@ -38,7 +40,8 @@ class JobRequest:
     """A request for a document, which a job computes.
 
     `content` is canonical plain JSON, so equal questions are equal requests with one id. `version`: of the
-    solver that is to answer it, or has.
+    solver that is to answer it, or has. Of a request that is `cut`, the content has the hash alone, by which
+    the answer is found.
     """
 
     kind: Kind
@@ -91,12 +94,23 @@ class JobRequest:
     @cached_property
     def content_hash(self) -> str:
         """The hash of the question and the solver's version."""
+        if self.is_cut:
+            return str(self.content[_HASH])
         question: list[object] = [self.kind.name, self.content]
         if self.kind.by_slices:
             question = [self.geometry_hash, self.fixed_leg, self.digits, self.parts]
         elif self.kind.by_items:  # known before its items are
             question = [self.kind.name, self.content["batch"]]
         return hashlib.sha256(json.dumps([self.version, *question], sort_keys=True).encode()).hexdigest()
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether only the hash of the question is left."""
+        return _HASH in self.content
+
+    def cut(self) -> JobRequest:
+        """Returns the same without the question."""
+        return replace(self, content={_HASH: self.content_hash})
 
     @property
     def job_id(self) -> str:

@@ -1,8 +1,9 @@
 """Batches in Redis: jobs whose parts are items, in a list beside the record.
 
 The items are pushed while they are received, before the job is made; until then the list has a short
-lifetime. An item that is not valid carries its problem, and is no part of what is to be done. What an item
-leaves beside the results in the store is in the hash of errors, and its bit says that it is done.
+lifetime. Beside it is a list with the whole of those that are long, which goes when the job ends. An item
+that is not valid carries its problem, and is no part of what is to be done. What an item leaves beside the
+results in the store is in the hash of errors, and its bit says that it is done.
 """
 
 from __future__ import annotations
@@ -80,18 +81,18 @@ class Batches:
 
     # -- accepting ---------------------------------------------------------------------------------
 
-    def push(self, token: str, items: Sequence[str]) -> None:
-        """Add items, as JSON, to a batch that has not begun."""
-        key = self._items(batch_request(token).job_id)
+    def push(self, token: str, items: Sequence[tuple[str, str]]) -> None:
+        """Add items, by their :meth:`~worker.answers.items.Item.to_texts`, to a batch that has not begun."""
         with self.redis.pipeline() as pipe:
-            if items:
-                pipe.rpush(key, *items)
-            pipe.expire(key, INTAKE_TTL)
+            for key, texts in zip(self._lists(token), zip(*items, strict=True), strict=False):
+                pipe.rpush(key, *texts)
+            for key in self._lists(token):
+                pipe.expire(key, INTAKE_TTL)
             pipe.execute()
 
     def drop(self, token: str) -> None:
         """Forget the items of a batch that has not begun."""
-        self.redis.delete(self._items(batch_request(token).job_id))
+        self.redis.delete(*self._lists(token))
 
     def begin(self, token: str, count: int, costs: Mapping[int, float]) -> JobView:
         """Make the job of a batch from its items.
@@ -125,10 +126,18 @@ class Batches:
             ItemsLostError: Redis no longer has them.
         """
         first, last = int(chunk.parts[0]), int(chunk.parts[-1])
-        texts = cast("list[bytes]", self.redis.lrange(self._items(ref.job_id), first, last))
-        if len(texts) != last - first + 1:
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.lrange(self.keys.questions(ref.job_id), first, last)
+            pipe.lrange(self._items(ref.job_id), first, last)
+            whole, kept = cast("list[list[bytes]]", pipe.execute())
+        whole = whole or [b""] * len(kept)  # of a batch that was made before there was such a list
+        if not len(whole) == len(kept) == last - first + 1:
             raise ItemsLostError(ref.job_id)
-        return [item_from_json(texts[int(part) - first]) for part in chunk.parts]
+        at = [int(part) - first for part in chunk.parts]
+        items = [item_from_json(whole[i] or kept[i]) for i in at]
+        if any(item.request is not None and item.request.is_cut for item in items):
+            raise ItemsLostError(ref.job_id)
+        return items
 
     def put_item(self, ref: ChunkRef, chunk: Chunk, offset: int, outcome: Outcome) -> bool:
         """Count an item of a chunk, whose results are kept; returns False if this attempt is over."""
@@ -172,6 +181,10 @@ class Batches:
 
     def _items(self, job_id: str) -> str:
         return self.keys.items(job_id)
+
+    def _lists(self, token: str) -> tuple[str, str]:
+        job_id = batch_request(token).job_id
+        return self._items(job_id), self.keys.questions(job_id)
 
 
 def is_done(bits: bytes, index: int) -> bool:

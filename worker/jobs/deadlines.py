@@ -10,6 +10,21 @@ from worker.jobs import scripts
 from worker.jobs.keys import Keys
 from worker.settings import WorkerSettings
 
+# Gives an active job the deadline of one more client; the latest counts, and none is the latest of all.
+_EXTEND = """
+local record, active = unpack(KEYS)
+local job_id, deadline_s = unpack(ARGV)
+
+local status, deadline = unpack(redis.call('HMGET', record, 'status', 'deadline'))
+if not is_active(status) or not deadline then return end
+if deadline_s == '' then
+    redis.call('HDEL', record, 'deadline')
+    redis.call('ZREM', active .. ':deadlines', job_id)
+elseif now + deadline_s > tonumber(deadline) then
+    set_deadline(record, active, job_id, deadline_s)
+end
+"""
+
 
 class Deadlines:
     """The deadlines of active jobs; `JobRecords.create` sets the first one."""
@@ -17,7 +32,7 @@ class Deadlines:
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
         self.keys = Keys.of(settings)
-        self._extend = redis.register_script(scripts.PRELUDE + scripts.EXTEND)
+        self._extend = redis.register_script(scripts.PRELUDE + _EXTEND)
 
     def extend(self, job_id: str, seconds: float | None) -> None:
         """Give an active job the deadline of one more client; the latest counts, and None is none."""

@@ -46,6 +46,10 @@ class Keys:
         """Returns the key of the items of a batch; the scripts derive it from the record's."""
         return f"{self.job(job_id).record}:items"
 
+    def questions(self, job_id: str) -> str:
+        """Returns the key of the long questions of an active batch; the scripts derive it in the same way."""
+        return f"{self.job(job_id).record}:questions"
+
     def todo(self, job_id: str) -> str:
         """Returns the key of what the chunks of a job are to do; the scripts derive it in the same way."""
         return f"{self.job(job_id).record}:todo"

@@ -15,7 +15,7 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from worker.answers.cost import cost
-from worker.answers.kinds import Answer, known_answer, missing_parts, request_from_json
+from worker.answers.kinds import Answer, as_kept, known_answer, missing_parts, request_from_json
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.jobs.announcements import VIEW_FIELDS
@@ -198,7 +198,7 @@ class JobQueue:
         now = time.monotonic()
         if now - self._remembered.get(request.job_id, -_REMEMBERED_SECONDS) < _REMEMBERED_SECONDS:
             return True
-        text = zlib.compress(request.to_json().encode(), 1)
+        text = zlib.compress(as_kept(request).to_json().encode(), 1)
         try:
             self.redis.set(self.store.keys.question(request.job_id), text, ex=self.settings.job_ttl)
         except RedisError:

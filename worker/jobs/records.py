@@ -16,7 +16,7 @@ from rq.job import Job
 from worker import tracing
 from worker.answers import tables
 from worker.answers.keys import ResultKeys
-from worker.answers.kinds import kind_of_job, request_from_json
+from worker.answers.kinds import as_kept, kind_of_job, request_from_json
 from worker.answers.packed import unpack
 from worker.answers.requests import JobRequest
 from worker.answers.store import dump, told
@@ -131,11 +131,13 @@ class JobRecords:
         """
         settings, run = self.settings, secrets.token_hex(4)
         asked = request.of_slices(()).to_json() if request.kind.by_slices else ""
+        kept = as_kept(request)
         outcome, *more = self._create(
             keys=[*self.keys.job(request.job_id), self.keys.active, self.keys.ends, self.keys.workers],
             args=[
                 request.job_id, run, seen_run, len(request.parts), len(todo),
-                request.to_json(), asked, plan.chunk_size, plan.chunk_count, settings.job_ttl,
+                request.to_json(), asked, "" if kept is request else kept.to_json(),
+                plan.chunk_size, plan.chunk_count, settings.job_ttl,
                 dump(_origin()), plan.lane, _ms(plan.seconds), _ms(settings.max_backlog),
                 "" if deadline_s is None else deadline_s, *(by.arguments if by else ("", "", 0)),
                 *(dump(list(part)) for part in in_groups(todo, plan.chunk_size)),

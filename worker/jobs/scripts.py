@@ -116,6 +116,9 @@ end
 -- The list of a batch's items; no other job has one.
 local function items_of(record) return record .. ':items' end
 
+-- The list of those items of an active batch of which only a part is kept, as a whole; the others are empty.
+local function questions_of(record) return record .. ':questions' end
+
 -- The list of the parts that each chunk of an active job is to do, as JSON.
 local function todo_of(record) return record .. ':todo' end
 
@@ -124,7 +127,12 @@ local function finish(record, chunks, bits, errors, events, active, ends, job_id
     redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
     retire(record, active, job_id)
     announce_to_all(record, ends, job_id)
-    redis.call('DEL', chunks, todo_of(record))
+    local kept = redis.call('HGET', record, 'kept')
+    if kept then
+        redis.call('HSET', record, 'request', kept)
+        redis.call('HDEL', record, 'kept')
+    end
+    redis.call('DEL', chunks, todo_of(record), questions_of(record))
     if redis.call('EXPIRE', items_of(record), ttl) == 0 then redis.call('DEL', bits) end
     redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'status', 'status', status)
     for _, key in ipairs({record, bits, errors, events}) do redis.call('EXPIRE', key, ttl) end
@@ -170,13 +178,14 @@ PRELUDE = _NOW + COUNT_END + ANNOUNCE + _JOBS
 
 # Returns {1, its event} if the job was created, {0} if another client has created or changed it meanwhile or
 # items of a batch are missing, and {-1, milliseconds until the backlog is done} if its lane is full; one in
-# which no job waits is never full. `asked` is the request without its slices. The other arguments are the
-# parts to do, chunk by chunk; the items of a batch that are none of them have failed.
+# which no job waits is never full. `asked` is the request without its slices, `kept` what stays of it at the
+# end, empty if it stays whole. The other arguments are the parts to do, chunk by chunk; the items of a batch
+# that are none of them have failed.
 CREATE = """
 local record, chunks, bits, errors, events, active, ends, workers = unpack(KEYS)
-local job_id, run, seen_run, total, todo_count, request, asked = unpack(ARGV)
-local chunk_size, chunk_count, ttl, origin = unpack(ARGV, 8)
-local lane, work, max_backlog, deadline_s, name, token, seconds = unpack(ARGV, 12)
+local job_id, run, seen_run, total, todo_count, request, asked, kept = unpack(ARGV)
+local chunk_size, chunk_count, ttl, origin = unpack(ARGV, 9)
+local lane, work, max_backlog, deadline_s, name, token, seconds = unpack(ARGV, 13)
 
 local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if old_run and (is_active(old_status) or old_run ~= seen_run) then return {0} end
@@ -193,11 +202,12 @@ redis.call('DEL', record, chunks, bits, errors, events, todo_of(record))
 redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done', total - todo_count,
     'request', request, 'asked', asked, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
     'origin', origin)
+if kept ~= '' then redis.call('HSET', record, 'kept', kept) end
 if is_batch then
-    redis.call('PERSIST', items)
+    for _, key in ipairs({items, questions_of(record)}) do redis.call('PERSIST', key) end
     redis.call('HSET', record, 'failed', total - todo_count)
     local open = {}
-    for i = 19, #ARGV do
+    for i = 20, #ARGV do
         for _, item in ipairs(cjson.decode(ARGV[i])) do open[tonumber(item)] = true end
     end
     for item = 0, total - 1 do
@@ -211,7 +221,7 @@ if tonumber(todo_count) == 0 then
 end
 for index = 0, chunk_count - 1 do
     redis.call('HSET', chunks, index, 'queued:0:0:0:0')
-    redis.call('RPUSH', todo_of(record), ARGV[19 + index])
+    redis.call('RPUSH', todo_of(record), ARGV[20 + index])
 end
 redis.call('ZADD', active, now, job_id)
 redis.call('HSET', record, 'lane', lane, 'left', work, 'ahead', added)
@@ -220,36 +230,6 @@ add_work(active, lane, 'added', work)
 if deadline_s ~= '' then set_deadline(record, active, job_id, deadline_s) end
 if name ~= '' then subscribe(record, name, token, seconds) end
 return {1, redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued')}
-"""
-
-# Gives an active job the deadline of one more client; the latest counts, and none is the latest of all.
-EXTEND = """
-local record, active = unpack(KEYS)
-local job_id, deadline_s = unpack(ARGV)
-
-local status, deadline = unpack(redis.call('HMGET', record, 'status', 'deadline'))
-if not is_active(status) or not deadline then return end
-if deadline_s == '' then
-    redis.call('HDEL', record, 'deadline')
-    redis.call('ZREM', active .. ':deadlines', job_id)
-elseif now + deadline_s > tonumber(deadline) then
-    set_deadline(record, active, job_id, deadline_s)
-end
-"""
-
-# Returns the number of jobs before a queued job in its lane, and the milliseconds that the work before it
-# takes its workers; nothing if the job is not queued.
-PLACE = """
-local record, active, workers = unpack(KEYS)
-local job_id = ARGV[1]
-
-local own = redis.call('ZSCORE', active .. ':queued', job_id)
-local lane, ahead = unpack(redis.call('HMGET', record, 'lane', 'ahead'))
-if not own or not ahead then return false end
-local before = redis.call('ZCOUNT', active .. ':queued', rank(lane, 0), '(' .. own)
-local _, added = backlog(active, lane)
-local done = redis.call('HGET', active .. ':work', lane .. ':done') or 0
-return {before, math.ceil(math.max(0, math.min(ahead, added) - done) / workers_of(lane, workers))}
 """
 
 # Returns 1 if the attempt is open.
@@ -388,7 +368,10 @@ local job_id, problem, ttl = unpack(ARGV)
 local status = redis.call('HGET', record, 'status')
 if not is_active(status) then
     retire(record, active, job_id)
-    if not status then redis.call('DEL', chunks, bits, errors, events, items_of(record), todo_of(record)) end
+    if not status then
+        redis.call('DEL', chunks, bits, errors, events, items_of(record), questions_of(record),
+            todo_of(record))
+    end
     return 0
 end
 if redis.call('EXISTS', chunks) == 0 then

@@ -6,7 +6,10 @@ import pytest
 from redis import Redis
 
 from rpr_solver import EXAMPLES, SolverError, poses
+from tests.support.jobs import a_request
+from worker.answers import censuses, curves, verifications
 from worker.answers import poses as poses_kind
+from worker.answers.kinds import as_kept, request_from_json
 from worker.answers.requests import JobRequest
 from worker.jobs.attempts import ChunkRef
 from worker.jobs.queue import JobQueue
@@ -48,6 +51,57 @@ def test_from_queued_to_succeeded(queue: JobQueue, request_: JobRequest) -> None
     expected = poses(EXAMPLES["innocenti"], "14.98", 15, 30, digits=20).to_json()
     assert queue.result(view.id) == queue.known(request_) == expected
     assert queue.submit(request_).run == view.run
+
+
+@pytest.mark.parametrize("end", ["succeeds", "fails", "is canceled", "is known"])
+def test_an_ended_job_keeps_the_hash_of_a_long_question(queue: JobQueue, redis: Redis, end: str) -> None:
+    """Its state, its answer, and the same question again do not need more."""
+    head = {"geometry": EXAMPLES["innocenti"].to_json(), "digits": 20}
+    document = {**head, "slices": [], "padding": "x" * 100_000}
+    request = JobRequest(verifications.KIND, {**head, "document": document})
+    if end == "is known":
+        queue.store.put_document(request, {"answer": 42})
+    view, key = queue.submit(request), queue.records.keys.job(request.job_id).record
+    if end != "is known":
+        assert redis.memory_usage(key) > 100_000
+        ref = open_chunk(queue)
+        chunk = queue.records.start(ref)
+        assert chunk is not None
+        assert chunk.request == request
+        if end == "succeeds":
+            queue.records.put_document(ref, request, {"answer": 42})
+        elif end == "fails":
+            queue.records.fail(ref, "solver-error", "undecided")
+        else:
+            queue.cancel(view.id)
+    assert sum(redis.memory_usage(name) or 0 for name in redis.keys("cusps:job:*")) < 8000
+    has_answer = end in ("succeeds", "is known")
+    assert queue.result(view.id) == ({"answer": 42} if has_answer else None)
+    queue.remember(request)
+    assert queue.asked(view.id) == queue.result(view.id)
+    assert (redis.memory_usage(queue.store.keys.question(view.id)) or 0) < 1000
+    redis.delete(queue.store.keys.document(request.content_hash))
+    assert queue.result(view.id) is queue.asked(view.id) is None
+    again = queue.submit(request)
+    assert (again.status, again.id) == ("queued", view.id)
+    chunk = queue.records.start(open_chunk(queue))
+    assert chunk is not None
+    assert chunk.request == request, "whole again"
+
+
+def test_what_is_needed_for_an_answer_is_kept() -> None:
+    """A table is put together from its slices, a census may be cut from a longer one."""
+    table = a_request(*(f"{n}.{'1' * 100}" for n in range(100)))
+    assert as_kept(table) is table
+    for kind in (censuses.KIND, curves.KIND):
+        request = JobRequest(kind, {"range": "9" * 5000})
+        assert as_kept(request) is request
+    short, long = (JobRequest(poses_kind.KIND, {"l1": "9" * count}) for count in (100, 5000))
+    assert as_kept(short) is short
+    cut = request_from_json(as_kept(long).to_json())
+    assert (cut.content_hash, cut.job_id) == (long.content_hash, long.job_id)
+    assert cut.is_cut
+    assert as_kept(cut) == cut
 
 
 def test_a_known_document_needs_no_work(queue: JobQueue, redis: Redis, request_: JobRequest) -> None:

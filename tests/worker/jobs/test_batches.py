@@ -8,7 +8,7 @@ import pytest
 
 from rpr_solver import EXAMPLES
 from tests.support.jobs import a_document, a_request
-from worker.answers import censuses
+from worker.answers import censuses, poses
 from worker.answers.batches import batch_request, new_batch
 from worker.answers.items import Item, ItemSolver, Outcome
 from worker.answers.requests import ALL_LENGTHS, JobRequest
@@ -32,7 +32,7 @@ def batches(queue: JobQueue) -> Batches:
 def begin(batches: Batches, items: Sequence[Item]) -> JobView:
     token = new_batch()
     for first in range(0, len(items), 2):
-        batches.push(token, [item.to_json() for item in items[first : first + 2]])
+        batches.push(token, [item.to_texts() for item in items[first : first + 2]])
     costs = {i: 0.01 for i, item in enumerate(items) if item.problem is None}
     return batches.begin(token, len(items), costs)
 
@@ -139,7 +139,7 @@ def test_all_items_bad_is_done_at_once(batches: Batches) -> None:
 
 def test_items_that_are_missing(queue: JobQueue, batches: Batches) -> None:
     token = new_batch()
-    batches.push(token, [questions("1")[0].to_json()])
+    batches.push(token, [questions("1")[0].to_texts()])
     with pytest.raises(ItemsLostError):
         batches.begin(token, 2, {0: 1.0, 1: 1.0})
     batches.drop(token)
@@ -221,3 +221,52 @@ def test_a_whole_census_is_computed_and_its_parts_are_kept(queue: JobQueue) -> N
         assert ItemSolver(queue.store).answer(request) == Outcome()
         assert queue.store.get_document(request) is not None
     assert queue.redis.keys("cusps:*lock*") == []
+
+
+@pytest.mark.parametrize("is_canceled", [False, True])
+def test_long_questions_go_with_the_end(queue: JobQueue, batches: Batches, is_canceled: bool) -> None:
+    long = [JobRequest(poses.KIND, {"l1": f"{n}{'9' * 100_000}"}) for n in range(3)]
+    items = [*questions("1"), BAD, *(Item(f"long {n}", request) for n, request in enumerate(long))]
+    view = begin(batches, items)
+    keys = batches.keys.questions(view.id), batches.keys.items(view.id)
+    assert [queue.redis.ttl(key) for key in keys] == [-1, -1]
+    for ref in [entry.ref for entry in entries(queue)]:
+        chunk = queue.records.start(ref)
+        assert chunk is not None
+        asked = [items[int(part)] for part in chunk.parts]
+        assert batches.items_of(ref, chunk) == asked
+        if is_canceled:
+            queue.cancel(view.id)
+            break
+        for item in asked:
+            assert item.request is not None
+            queue.store.put_document(item.request, {"answer": item.id})
+        work(queue, batches, ref, *[Outcome()] * len(asked))
+    assert not queue.redis.exists(keys[0])
+    assert (queue.redis.memory_usage(keys[1], samples=0) or 0) < 3000
+    stored = batches.read(view.id, range(view.total))
+    assert [one.item.id for one in stored] == [item.id for item in items]
+    if not is_canceled:
+        for request, one in zip(long, stored[2:], strict=True):
+            assert one.item.request is not None
+            assert queue.known(one.item.request) == queue.known(request) == {"answer": one.item.id}
+
+
+def test_a_batch_that_lost_its_long_questions(queue: JobQueue, batches: Batches) -> None:
+    view = begin(batches, [Item("long", JobRequest(poses.KIND, {"l1": "9" * 5000}))])
+    queue.redis.delete(batches.keys.questions(view.id))
+    [entry] = entries(queue)
+    chunk = queue.records.start(entry.ref)
+    assert chunk is not None
+    with pytest.raises(ItemsLostError):
+        batches.items_of(entry.ref, chunk)
+
+
+def test_what_is_dropped_before_it_begins(queue: JobQueue, batches: Batches) -> None:
+    token = new_batch()
+    batches.push(token, [Item("long", JobRequest(poses.KIND, {"l1": "9" * 5000})).to_texts()])
+    names = queue.redis.keys("cusps:job:*")
+    assert len(names) == 2
+    assert all(queue.redis.ttl(name) > 0 for name in names)
+    batches.drop(token)
+    assert not queue.redis.keys("cusps:job:*")
