@@ -127,6 +127,8 @@ def number_of(cusp: int | str, count: int = MOST_CUSPS) -> int:
         if number is None:
             raise InputError.of("cusp", f"{shown(cusp)} names no cusp; give {expected}")
         return number
+    if isinstance(cusp, int) and count < cusp <= MOST_CUSPS:
+        raise InputError.of("cusp", f"is {cusp} ({letter(cusp)}); give {expected}")
     return check_integer(cusp, "cusp", expected, 1, count)
 
 

@@ -92,7 +92,7 @@ def joint_path(
     table = poses(manipulator, *lengths.values(), digits=digits)
     ends = [_end(table, number, field) for number, field in ((start, "start"), (stop, "stop"))]
     if ends[0] == ends[1]:
-        raise InputError.of("stop", f"is {stop}, as start; give another pose")
+        raise InputError.of("stop", f"is {stop}, where the path begins; give another pose")
     slice_map = SliceMap.of(manipulator, leg)
     first, last = (isolated(slice_map, table, number) for number in ends)
     named = of_table(table, ends[0], leg), of_table(table, ends[1], leg)

@@ -6,10 +6,10 @@ import argparse
 import codecs
 import difflib
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pydantic import TypeAdapter
 
@@ -66,9 +66,21 @@ def add_options(parser: argparse.ArgumentParser, form: str, dest: str, metavar: 
     parser.add_argument(*names, dest=dest, action=Options, default=[], metavar=metavar, help=text)
 
 
-def add_geometry(parser: argparse.ArgumentParser) -> None:
-    """Add the single manipulator."""
-    parser.add_argument("geometry", metavar="GEOMETRY", help="a JSON file, -, or a built-in name")
+def add_geometry(parser: argparse.ArgumentParser, what: str = "a JSON file", **options: Any) -> None:
+    """Add the manipulator, or several."""
+    text = f"{what}, -, or a built-in name"
+    action = parser.add_argument("geometry", metavar="GEOMETRY", help=text, **options)
+    action.completer = _geometries  # type: ignore[attr-defined]  # for argcomplete
+
+
+def _geometries(prefix: str, **_: object) -> Iterator[str]:
+    """Yields what may stand for a manipulator and begins so."""
+    yield from (name for name in EXAMPLES if name.startswith(prefix))
+    place, slash, begin = prefix.rpartition("/")
+    folder = Path(f"{place}{slash}")
+    for path in sorted(folder.iterdir()) if folder.is_dir() else ():
+        if path.name.startswith(begin) and (path.is_dir() or path.suffix == ".json"):
+            yield f"{place}{slash}{path.name}{'/' if path.is_dir() else ''}"
 
 
 def add_slice(parser: argparse.ArgumentParser, text: str) -> None:

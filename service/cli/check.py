@@ -55,8 +55,7 @@ _FILES: Mapping[str, Callable[[Sequence[Outcome]], str]] = {"junit": junit_xml, 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    text = "a JSON file, a folder, -, or a built-in name"
-    parser.add_argument("geometry", metavar="GEOMETRY", nargs="+", help=text)
+    arguments.add_geometry(parser, "a JSON file, a folder", nargs="+")
     text = "ignore files without a geometry also where they are named, as pre-commit does"
     parser.add_argument("--ignore-others", action="store_true", help=text)
     arguments.add_ranges(parser, "the range of lengths to check; either end may be omitted")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import re
 import sys
 import textwrap
 from collections.abc import Sequence
@@ -12,6 +13,9 @@ from typing import Any, NoReturn
 from service.cli import output
 
 BAD_INPUT = 2
+
+_NEGATIVE = re.compile(r"-\.?\d.*")
+"""What begins with a minus sign and is a value, not an option."""
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):
@@ -55,6 +59,7 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, prog: str | None = None, **options: Any) -> None:
         super().__init__(prog, **{"formatter_class": Formatter, **options})
+        self._negative_number_matcher = _NEGATIVE  # argparse takes -1:5 and -1/2 for options
 
     def error(self, message: str) -> NoReturn:
         """Print one line instead of the whole usage."""
@@ -66,6 +71,24 @@ class Parser(argparse.ArgumentParser):
             output.flush()
         else:
             output.say(message.rstrip("\n"))
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Name the choice that was meant, or all."""
+        choices = list(map(str, action.choices or ()))
+        if choices and value not in choices:
+            near = difflib.get_close_matches(str(value), choices, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"choose from {', '.join(choices)}"
+            raise argparse.ArgumentError(action, f"invalid choice: {value!r}; {hint}")
+
+    def option_of(self, field: str) -> str:
+        """Returns the option behind the member of a question that the solver refuses, or the member."""
+        place, dot, end = field.partition(".")
+        name = f"--{place.replace('_', '-')}"
+        if place == "limits" and end:
+            leg, dot, end = end.partition(".")
+            name = f"--{leg}-limits"
+        known = {option for action in self._actions for option in action.option_strings}
+        return f"{name}{dot}{end}" if name in known else field
 
     def refuse_unknown(self, words: Sequence[str]) -> NoReturn:
         """Name the words that the command does not know, and the option that was meant."""

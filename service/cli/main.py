@@ -13,9 +13,9 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from rpr_solver.errors import InputError, SolverError
+from rpr_solver.errors import FieldProblem, InputError, SolverError
 from service import __version__
-from service.cli import output
+from service.cli import completion, output
 from service.cli.help import BAD_INPUT, Parser
 from service.errors import JobInterrupted, ServiceError
 
@@ -42,6 +42,7 @@ COMMANDS = {
     "keys": "make, list and revoke API keys",
     "store": "show and bound what a service keeps",
     "demo": "run the whole service on one example",
+    "completion": "print what makes a shell complete commands and options",
 }
 """Command → summary; each command is a module of this package."""
 
@@ -55,6 +56,7 @@ examples:
   rpr-cusps solve innocenti --l1 14.98             solve locally, without a service
   rpr-cusps serve                                  run the service on http://127.0.0.1:8000
   rpr-cusps solve robot.json --l1 27 --url http://127.0.0.1:8000
+  rpr-cusps help census                            the options of a command
 """
 
 
@@ -62,9 +64,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit status."""
     output.prepare()
     argv = sys.argv[1:] if argv is None else argv
-    name = "rpr-cusps"
+    name, parser = "rpr-cusps", None
     try:
-        args, command = _parsed(argv)
+        args, command, parser = _parsed(_as_option(argv))
         name = f"rpr-cusps {args.command}"
         if args.command not in _SERVERS:
             output.stdout()  # a closed one is noticed before the work, not after it
@@ -72,7 +74,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         output.flush()
         return status
     except InputError as error:
-        return _fail(name, str(error), BAD_INPUT)
+        name_of = parser.option_of if parser else str
+        named = InputError([FieldProblem(name_of(p.field), p.message) for p in error.problems])
+        return _fail(name, str(named), BAD_INPUT)
     except SolverError as error:
         return _fail(name, f"no answer (solver-error): {error}", NO_ANSWER)
     except ServiceError as error:
@@ -97,12 +101,20 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(name, settings_problem(error), BAD_INPUT)
 
 
-def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Any]:
-    """Returns the arguments and the module of the command; to start quickly, no other module is imported."""
+def _as_option(argv: Sequence[str]) -> Sequence[str]:
+    """`help` and `help COMMAND` as `--help` and `COMMAND --help`."""
+    return [*argv[1:], "--help"] if argv and argv[0] == "help" else argv
+
+
+def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Any, Parser]:
+    """Returns the arguments, the module and the parser of the command; to start quickly, no other module is
+    imported."""
     parser = Parser("rpr-cusps", description=_DESCRIPTION, epilog=_EXAMPLES)
     parser.add_argument("--version", action="version", version=f"rpr-cusps {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    chosen = next((word for word in argv if not word.startswith("-")), None)
+    asked = completion.typed()
+    words = argv if asked is None else asked
+    chosen = next((word for word in words if not word.startswith("-")), None)
     module: Any = None
     own = parser
     for name, summary in COMMANDS.items():
@@ -114,10 +126,15 @@ def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Any]:
         if name == chosen:
             module.configure(command)
             own = command
+    if asked is not None:
+        completion.complete(parser)
+    if not argv:
+        parser.print_help()
+        parser.exit(BAD_INPUT)
     args, unknown = parser.parse_known_args(argv)
     if unknown:
         own.refuse_unknown(unknown)
-    return args, module
+    return args, module, own
 
 
 def _loaded(name: str) -> Any:

@@ -50,7 +50,7 @@ _CUSP_SCHEMA = (
 
 def cusp_number(value: object, info: ValidationInfo) -> int:
     """Read a cusp by its number or its letter."""
-    expected = f"its number, 1 to {MOST_CUSPS}, or its letter, A to {_LAST}"
+    expected = "its number in the table of the slice, 1, 2, …, or its letter, A, B, …"
     if isinstance(value, str) and (Source.of(info).is_text or not isinstance(value, JsonNumber)):
         number = value
     elif isinstance(value, str | int):

@@ -112,7 +112,7 @@ def test_a_path_within_joint_limits(api: httpx.Client) -> None:
 def test_a_cusp_that_a_slice_lacks_is_bad_input(api: httpx.Client) -> None:
     refused = api.post("/v1/paths", json={"geometry": GEOMETRY, "l1": 27, "cusp": "I"})
     assert (refused.status_code, refused.json()["type"]) == (422, "/problems/job-input-error")
-    assert "is 9; give 1 to 8, or A to H" in refused.text
+    assert "is 9 (I); give 1 to 8, or A to H" in refused.text
 
 
 def test_a_document_can_be_had_by_its_job(api: httpx.Client) -> None:

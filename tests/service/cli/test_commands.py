@@ -213,10 +213,10 @@ def test_cusp_curves_of_another_leg(run_here: Run) -> None:
         ),
         (
             ("paths", "innocenti", "--l1", "27", "--cusp", "B", "--l2-limits", "20:"),
-            "limits.l2: exclude cusp 2",
+            "--l2-limits: exclude cusp 2",
         ),
-        (("paths", "innocenti", "--l1", "27", "--cusp", "Z"), "--cusp: is 'Z'; give its number, 1 to 24"),
-        (("paths", "innocenti", "--l1", "27", "--cusp", "9"), "cusp: is 9; give 1 to 8, or A to H"),
+        (("paths", "innocenti", "--l1", "27", "--cusp", "Z"), "--cusp: is 'Z'; give its number in the table"),
+        (("paths", "innocenti", "--l1", "27", "--cusp", "9"), "cusp: is 9 (I); give 1 to 8, or A to H"),
         (("paths", "innocenti", "--l1", "27", "--l2", "1"), "--l2"),
         (("paths", "innocenti", "--l1", "27", "--samples", "1"), "--samples: is 1; give 2 to 10001"),
         (("paths", "innocenti", "--l1", "27", "--duration", "0"), "--duration: is 0; a duration must be > 0"),

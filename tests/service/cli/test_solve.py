@@ -78,7 +78,6 @@ def test_the_geometry_may_come_from_a_file_or_standard_input(run_here: Run, tmp_
 @pytest.mark.parametrize(
     ("args", "stdin", "said"),
     [
-        ((), "", "COMMAND"),
         (("bogus",), "", "invalid choice"),
         (("solve",), "", "GEOMETRY"),
         (("solve", "nope", "--l1", "1"), "", "one of innocenti, zein-flat"),
