@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import random
 import re
+import ssl
+import threading
+import time
 from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from typing import Any, TypeVar, cast
 from urllib.parse import parse_qs, urlsplit
 
 from redis import Redis
 from redis.backoff import ExponentialBackoff
 from redis.connection import SSLConnection
+from redis.exceptions import (
+    AuthenticationError,
+    AuthorizationError,
+    NoPermissionError,
+    RedisError,
+    ResponseError,
+)
 from redis.exceptions import ConnectionError as RedisConnectionError
-from redis.exceptions import NoPermissionError, RedisError, ResponseError
 from redis.exceptions import TimeoutError as RedisTimeoutError
 from redis.retry import Retry
 
@@ -28,11 +39,21 @@ NO_EVICTION = "noeviction"
 _OWN_FAULTS = ("ERR", "WRONGTYPE", "NOSCRIPT", "EXECABORT", "CROSSSLOT")
 _CODE = re.compile(r"[A-Z]+")
 _IN_SCRIPT = re.compile(r"-(?:MISCONF|OOM|READONLY|NOREPLICAS|NOPERM)\b")
+_FIRST_PAUSE, _LONGEST_PAUSE, _TICK = 0.1, 5.0, 0.05
 _TLS_TIMEOUT = 4.0  # a server without TLS waits for ever for the end of what it takes for a command
 
 
 class UnreachableError(Exception):
-    """Nobody answers at the address; the message is for the user, and has no password in it."""
+    """Nobody answers at the address; the message is for the user, and has no password in it.
+
+    Attributes:
+        may_pass: whether another try may succeed: the server is not there yet, its name is not known yet, or
+            it loads its data. A wrong address, password or certificate does not mend itself.
+    """
+
+    def __init__(self, message: str, *, may_pass: bool = False) -> None:
+        super().__init__(message)
+        self.may_pass = may_pass
 
 
 class _Retry(Retry):
@@ -123,7 +144,68 @@ def check(url: str) -> None:
             redis.ping()
     except (RedisError, ValueError) as error:
         hint = _tls_hint(error) if url.startswith("rediss:") else ""
-        raise UnreachableError(f"cannot reach Redis: {error}{hint}") from error
+        raise UnreachableError(
+            f"cannot reach Redis: {error}{hint}", may_pass=_may_pass(error, url)
+        ) from error
+
+
+def _may_pass(error: Exception, url: str) -> bool:
+    """Whether the same may succeed later, and nothing but time is needed."""
+    cause = error.__cause__ or error.__context__
+    if isinstance(cause, FileNotFoundError):
+        return url.startswith("unix:")  # the socket of a server comes by itself, a certificate does not
+    if isinstance(cause, PermissionError) or isinstance(error, AuthenticationError | AuthorizationError):
+        return False
+    if isinstance(cause, ssl.SSLError):
+        return isinstance(cause, ssl.SSLEOFError)  # it was ending, or there is only a proxy yet
+    return isinstance(error, RedisConnectionError | RedisTimeoutError)
+
+
+def wait_for(url: str, is_wanted: Callable[[], bool], tell: Callable[[str], object]) -> bool:
+    """Wait until the server at `url` answers, with growing pauses; says once that it waits.
+
+    Each try is made in a thread, so that whoever is no longer wanted need not wait for its end.
+
+    Returns False if it is no longer wanted.
+
+    Raises:
+        UnreachableError: waiting is of no use.
+    """
+    pause, is_told = _FIRST_PAUSE, False
+    while is_wanted():
+        tried: Future[None] = Future()
+        threading.Thread(target=_try, args=(url, tried), daemon=True).start()
+        if not _until(tried.done, is_wanted):
+            return False
+        problem = tried.exception()
+        if problem is None:
+            return True
+        if not (isinstance(problem, UnreachableError) and problem.may_pass):
+            raise problem
+        if not is_told:
+            tell(f"{problem}; waiting for it")
+            is_told = True
+        end = time.monotonic() + pause * random.uniform(0.5, 1.0)  # not all of a machine at the same time
+        _until(lambda end=end: time.monotonic() >= end, is_wanted)  # type: ignore[misc]
+        pause = min(2 * pause, _LONGEST_PAUSE)
+    return False
+
+
+def _try(url: str, outcome: Future[None]) -> None:
+    try:
+        check(url)
+    except Exception as error:
+        outcome.set_exception(error)
+    else:
+        outcome.set_result(None)
+
+
+def _until(is_so: Callable[[], bool], is_wanted: Callable[[], bool]) -> bool:
+    while not is_so():
+        if not is_wanted():
+            return False
+        time.sleep(_TICK)
+    return True
 
 
 def _tls_hint(error: Exception) -> str:

@@ -20,25 +20,24 @@ def is_loopback(listener: socket.socket) -> bool:
     return ipaddress.ip_address(listener.getsockname()[0].partition("%")[0]).is_loopback
 
 
-def keys_policy(listener: socket.socket, asked: KeysPolicy, redis_url: str, where: str) -> KeysPolicy:
-    """Returns whether the service asks for keys; `where` is the option that finds them, for the message.
+def keys_policy(listener: socket.socket, asked: KeysPolicy) -> KeysPolicy:
+    """Returns whether the service asks for keys."""
+    return "always" if asked == "auto" and not is_loopback(listener) else asked
+
+
+def check_keys(listener: socket.socket, redis_url: str, where: str) -> None:
+    """Have a service that asks for keys have one; `where` is the option that finds them, for the message.
 
     Raises:
-        StackError: it would ask for keys, and there is none.
+        StackError: there is none.
     """
-    policy = "always" if asked == "auto" and not is_loopback(listener) else asked
-    if policy == "always" and not _has_key(redis_url):
-        raise StackError(
-            f"on {listener.getsockname()[0]} the service asks for keys, and there is none yet: make one with "
-            f"`rpr-cusps keys create NAME{where}`, or let everyone in with --insecure"
-        )
-    return policy
-
-
-def _has_key(redis_url: str) -> bool:
     try:
         with connect(redis_url) as redis:
             keys = KeyStore(redis, WorkerSettings().key_prefix).all().values()
     except RedisError as error:
         raise StackError(f"cannot read the keys from Redis: {error}") from error
-    return any(key.state(time.time()) == "valid" for key in keys)
+    if not any(key.state(time.time()) == "valid" for key in keys):
+        raise StackError(
+            f"on {listener.getsockname()[0]} the service asks for keys, and there is none yet: make one with "
+            f"`rpr-cusps keys create NAME{where}`, or let everyone in with --insecure"
+        )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 import socket
-import threading
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
@@ -18,12 +17,12 @@ from service.api.settings import KeysPolicy, Settings
 from service.stack.api_child import ApiChild
 from service.stack.embedded_valkey import EmbeddedValkey
 from service.stack.errors import BadAddressError, StackError
-from service.stack.exposure import is_loopback, keys_policy
+from service.stack.exposure import check_keys, is_loopback, keys_policy
+from service.stack.given_redis import GivenRedis
 from service.stack.output import note, say
 from service.stack.settings import SupervisorSettings
 from service.stack.supervisor import Supervisor
 from service.stack.valkey_child import ValkeyChild
-from worker.connection import UnreachableError, check
 from worker.process.os_limits import on_stop_signals, raise_file_limit, usable_cores
 from worker.process.pool import WorkerPool
 from worker.settings import WorkerSettings, settings_problem
@@ -74,7 +73,8 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     patience = SupervisorSettings().hang_seconds
     raise_file_limit()
     listener = stack.enter_context(_bind(settings.host, settings.port))
-    valkey = None
+    policy = keys_policy(listener, "never" if settings.insecure else Settings().require_keys)
+    valkey = given = None
     if settings.redis_url is None:
         server = EmbeddedValkey(settings.data_dir, tell)
         valkey = ValkeyChild(server, tell, patience)
@@ -83,12 +83,16 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
         url, where = server.url, f"data in {server.data_dir}"
     else:
         url, where = settings.redis_url, "data in the given Redis"
-        _check_redis(url, signals)
+        check = partial(_check_keys, policy, settings, listener, url)
+        given = GivenRedis(url, check, signals.is_quiet, tell)
+        given.look()
     if not signals.is_quiet():
         return
+    if given is None:
+        _check_keys(policy, settings, listener, url)
     of_api = {
         "redis_url": url,
-        "require_keys": _keys_policy(settings, listener, url),
+        "require_keys": policy,
         "allowed_hosts": f"{Settings().allowed_hosts},{settings.host}",
         "log_level": level,
     }
@@ -96,7 +100,12 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
     api = ApiChild(listener, of_api, tell, patience)
     supervisor = Supervisor(valkey, api, pool, _announcement(settings, listener, where))
     stack.callback(supervisor.stop, signals.is_repeated)
-    supervisor.run(signals.is_quiet)
+    if given is None:
+        supervisor.run(signals.is_quiet)
+        return
+    supervisor.run(lambda: signals.is_quiet() and given.problem is None, lambda: given.is_reached)
+    if given.problem is not None:
+        raise given.problem
 
 
 class _Signals:
@@ -145,30 +154,6 @@ def _bind(host: str, port: int) -> socket.socket:
     return listener
 
 
-def _check_redis(url: str, signals: _Signals) -> None:
-    """Have the given Redis answer once, in a thread, so that a signal need not wait for it.
-
-    Raises:
-        StackError: it does not answer.
-        BadAddressError: the address cannot be understood.
-    """
-    problems: list[UnreachableError] = []
-
-    def run() -> None:
-        try:
-            check(url)
-        except UnreachableError as error:
-            problems.append(error)
-
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-    while thread.is_alive() and signals.is_quiet():
-        thread.join(0.05)
-    for problem in problems:
-        is_address = isinstance(problem.__cause__, ValueError)
-        raise (BadAddressError if is_address else StackError)(str(problem)) from problem
-
-
 def _announcement(settings: ServeSettings, listener: socket.socket, where: str) -> str:
     host = f"[{settings.host}]" if ":" in settings.host else settings.host
     count = settings.worker_count
@@ -177,10 +162,14 @@ def _announcement(settings: ServeSettings, listener: socket.socket, where: str) 
     return f"rpr-cusps is ready at http://{host}:{port} ({workers}, {where}); Ctrl-C stops it"
 
 
-def _keys_policy(settings: ServeSettings, listener: socket.socket, url: str) -> KeysPolicy:
-    asked = "never" if settings.insecure else Settings().require_keys
-    where = "" if settings.data_dir is None else f" --data-dir {settings.data_dir}"
-    policy = keys_policy(listener, asked, url, where if settings.redis_url is None else " --redis-url …")
+def _check_keys(policy: KeysPolicy, settings: ServeSettings, listener: socket.socket, url: str) -> None:
+    """Refuse to ask for keys if there is none; say it if strangers are let in.
+
+    Raises:
+        StackError: there is none.
+    """
+    if policy == "always":
+        where = "" if settings.data_dir is None else f" --data-dir {settings.data_dir}"
+        check_keys(listener, url, where if settings.redis_url is None else " --redis-url …")
     if policy == "never" and not is_loopback(listener):
         say(f"without keys: whoever reaches {settings.host} port {listener.getsockname()[1]} may use it")
-    return policy

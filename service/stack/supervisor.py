@@ -25,8 +25,11 @@ class Supervisor:
         self._announcement = announcement
         self._announce_at = float("inf")
 
-    def run(self, is_wanted: Callable[[], bool]) -> None:
-        """Start the API and the workers, and keep everything running as long as it is wanted."""
+    def run(self, is_wanted: Callable[[], bool], is_reached: Callable[[], bool] = lambda: True) -> None:
+        """Start the API and the workers, and keep everything running as long as it is wanted.
+
+        It is announced once Redis is reached.
+        """
         self._api.start()
         self._pool.start()
         while is_wanted():
@@ -34,7 +37,8 @@ class Supervisor:
                 self._valkey.look_after()
             self._api.look_after()
             self._pool.look_after()
-            self._announce()
+            if is_reached():
+                self._announce()
             time.sleep(_TICK)
 
     def stop(self, is_hurried: Callable[[], bool]) -> None:

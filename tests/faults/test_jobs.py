@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-import sys
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 from redis import Redis
@@ -15,9 +13,7 @@ from tests.support.jobs import a_document, a_pose_table, a_request, ended, table
 from tests.support.processes import (
     PATIENCE,
     Workers,
-    completed,
     descendants,
-    environment,
     is_running,
     until,
 )
@@ -480,12 +476,3 @@ def test_an_elimination_is_one_workers_as_long_as_it_takes(redis: Redis, workers
     until(lambda: redis.ttl(lock) < 10)  # the beat has given it another short time
     queue.cancel(request.job_id)
     until(lambda: not redis.exists(lock))  # it does not outlive its holder
-
-
-def test_a_worker_without_its_server_says_so(tmp_path: Path) -> None:
-    """A worker is started without its Redis. It ends with one line that says so."""
-    for url in (f"unix://{tmp_path}/nothing.sock", "nonsense://"):
-        ended_worker = completed([sys.executable, "-m", "worker", "--redis-url", url], environment())
-        assert ended_worker.returncode == 1
-        assert ended_worker.stderr.startswith("worker: cannot reach Redis: ")
-        assert ended_worker.stderr.count("\n") == 1

@@ -25,11 +25,12 @@ class Attendance:
         self._redis = connect(redis_url, timeout=_TIMEOUT)
         self._roster = Roster(self._redis, WorkerSettings())
         self._heard: dict[str, float] = {}
-        self._answered = self._returned = 0.0
+        self._began = self._answered = self._returned = 0.0
         self._is_over = threading.Event()
 
     def start(self) -> None:
         """Begin to read."""
+        self._began = time.monotonic()
         threading.Thread(target=self._run, daemon=True).start()
 
     def stop(self) -> None:
@@ -56,7 +57,7 @@ class Attendance:
 
     def _note(self, silences: dict[str, float]) -> None:
         now = time.monotonic()
-        if 0 < self._answered < now - _OUTAGE:
+        if max(self._began, self._answered) < now - _OUTAGE:  # it may not have been there at the start
             self._returned = now + _RETURN
         self._answered = now
         heard = self._heard | {name: now - silence for name, silence in silences.items()}

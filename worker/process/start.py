@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import gc
 import logging
+import os
+import signal
+import threading
 
 from redis.exceptions import RedisError
 
 from worker import tracing
-from worker.connection import UnreachableError, check, connect, eviction_warning
+from worker.connection import UnreachableError, connect, eviction_warning, wait_for
 from worker.jobs.lanes import Duty
 from worker.logs import set_up
-from worker.process.os_limits import die_with_parent
+from worker.process.os_limits import die_with_parent, on_stop_signals
 from worker.process.preload import load_solver
 from worker.process.tasks import Context, set_context
 from worker.process.worker import CuspWorker
@@ -30,11 +33,11 @@ def run_worker(
     """Run one worker until it is stopped; returns the exit status.
 
     With light duty it takes short chunks only. With `parent_pid`, it ends at once when that parent process is
-    gone.
+    gone. If Redis is not there yet, it waits for it.
 
     Raises:
         ValidationError: a setting is invalid.
-        WorkerError: Redis cannot be reached at the start.
+        WorkerError: Redis cannot be used, and will not be by waiting.
     """
     settings = WorkerSettings()
     level = (settings.log_level or "INFO").upper()
@@ -45,7 +48,8 @@ def run_worker(
     if parent_pid is not None:
         die_with_parent(parent_pid)
     try:
-        check(redis_url)
+        if not _reached(redis_url, parent_pid):
+            return 0
         redis = connect(redis_url)
         warning = None if parent_pid else eviction_warning(redis)  # else its parent says so
         worker = CuspWorker(redis, settings, name, parent_pid, duty)
@@ -53,8 +57,6 @@ def run_worker(
         raise WorkerError(str(error)) from error
     except RedisError as error:
         raise WorkerError(f"lost the connection to Redis: {error}") from error
-    except KeyboardInterrupt:
-        return 130
     if warning is not None:
         log.warning("%s", warning)
     set_context(Context(redis, settings, worker.name))
@@ -63,3 +65,22 @@ def run_worker(
     gc.freeze()  # the horses share this memory, and a collection would copy it
     worker.run()
     return 0
+
+
+def _reached(redis_url: str, parent_pid: int | None) -> bool:
+    """Wait for Redis; returns False if a stop signal comes, or the parent ends, before it is there.
+
+    Raises:
+        UnreachableError: waiting is of no use.
+    """
+    stop = threading.Event()
+    before = on_stop_signals(lambda *_: stop.set())
+    try:
+        return wait_for(
+            redis_url,
+            lambda: not stop.is_set() and parent_pid in (None, os.getppid()),
+            log.warning if parent_pid is None else log.debug,  # the parent says so itself
+        )
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -34,7 +34,7 @@ def test_every_setting_is_known_and_in_the_reference() -> None:
 
 @pytest.mark.parametrize("command", ["serve", "worker"])
 def test_each_process_of_the_service_tells(command: str) -> None:
-    nobody = ["--redis-url", "redis://127.0.0.1:1/0"]
+    nobody = ["--redis-url", "redis://127.0.0.1:1/none"]
     words = [sys.executable, "-m", "service", command, *nobody]
     done = completed(words, environment(log_levle="INFO"))
     told = [line for line in done.stderr.splitlines() if "LEVLE" in line]

@@ -5,8 +5,8 @@ from pathlib import Path
 from tests.support.cli_process import Run, run
 
 
-def test_a_worker_without_its_server_says_so(tmp_path: Path) -> None:
-    done = run("worker", "--redis-url", f"unix://{tmp_path}/nothing.sock")
+def test_a_server_that_cannot_be_used() -> None:
+    done = run("worker", "--redis-url", "redis://127.0.0.1:1", RPR_CUSPS_REDIS_PASSWORD_FILE="nothing")
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.startswith("rpr-cusps worker: cannot reach Redis: ")
     assert done.stderr.count("\n") == 1
