@@ -15,6 +15,7 @@ from service.api.job_view import job_json, retry_after
 from service.api.negotiation import JSON, negotiate
 from service.api.operations import Operation
 from service.api.prefer import Preferences, parse_prefer
+from service.api.prefix import here
 from service.api.problems import ProblemError
 from service.api.reading import Asked
 from service.api.responses import answer_response
@@ -79,12 +80,12 @@ async def answer_asked(
     if applied := prefer.applied(waited, isinstance(outcome, JobView)):
         headers["Preference-Applied"] = applied
     if isinstance(outcome, JobView):
-        headers |= {"Location": f"/v1/jobs/{outcome.id}", **retry_after(outcome, settings)}
+        headers |= {"Location": here(f"/v1/jobs/{outcome.id}"), **retry_after(outcome, settings)}
         return Response(
             json_bytes(job_json(outcome, context.queue.settings, who)), 202, headers, media_type=JSON
         )
     if is_kept:
-        headers["Content-Location"] = f"/v1/jobs/{job_request.job_id}/result{choice.query}"
+        headers["Content-Location"] = here(f"/v1/jobs/{job_request.job_id}/result{choice.query}")
     return await answer_response(context, request, outcome, choice, headers=headers)
 
 

@@ -73,5 +73,6 @@ def create_app(settings: Settings | None = None) -> FastAPI:
             allow_headers=_SENT,
             expose_headers=_TOLD,
         )
-    app.add_middleware(RequestEnvelope, metrics=context.metrics, access_log=AccessLog(settings.access_log))
+    log = AccessLog(settings.access_log)
+    app.add_middleware(RequestEnvelope, metrics=context.metrics, access_log=log, settings=settings)
     return app

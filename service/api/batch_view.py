@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from service.api.job_view import cancel_link, expires_at
+from service.api.prefix import here
 from worker.jobs.subscriptions import Subscriber
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
@@ -10,9 +11,9 @@ from worker.settings import WorkerSettings
 
 def batch_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = None) -> dict[str, object]:
     """Returns the state of a batch; for the client that submits it, with the way to withdraw it."""
-    here = f"/v1/batches/{view.id}"
+    own = here(f"/v1/batches/{view.id}")
     left = view.total - view.done
-    cancel = {} if who is None else {"cancel": cancel_link(here, who)}
+    cancel = {} if who is None else {"cancel": cancel_link(own, who)}
     return {
         "id": view.id,
         "status": view.status,
@@ -27,5 +28,5 @@ def batch_json(view: JobView, settings: WorkerSettings, who: Subscriber | None =
         "expires_at": expires_at(view, settings),
         "error": view.error,
         "position": None if view.place is None else view.place.position,
-        "links": {"self": here, "results": f"{here}/results", "events": f"{here}/events", **cancel},
+        "links": {"self": own, "results": f"{own}/results", "events": f"{own}/events", **cancel},
     }

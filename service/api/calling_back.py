@@ -8,12 +8,14 @@ from rpr_solver.errors import InputError
 from service.api.batch_view import batch_json
 from service.api.context import Context
 from service.api.job_view import job_json
+from service.api.prefix import prefixed
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.webhooks.deliverer import Shown, event_type
 from service.webhooks.urls import FIELD, target_of
 from worker.answers.kinds import is_batch
 from worker.jobs.callbacks import MANY, Delivery, TooManyCallbacksError
 from worker.jobs.subscriptions import Subscriber
+from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 
@@ -54,9 +56,14 @@ def deliveries_json(deliveries: list[Delivery]) -> dict[str, object]:
     return {"deliveries": [_delivery_json(delivery) for delivery in deliveries]}
 
 
-def shown(settings: WorkerSettings) -> Shown:
-    """Returns what gives the document of a job or a batch for an event."""
-    return lambda view: batch_json(view, settings) if is_batch(view.id) else job_json(view, settings)
+def shown(settings: WorkerSettings, prefix: str = "") -> Shown:
+    """Returns what gives the document of a job or a batch for an event, whose links have a prefix."""
+
+    def document(view: JobView) -> dict[str, object]:
+        with prefixed(prefix):
+            return batch_json(view, settings) if is_batch(view.id) else job_json(view, settings)
+
+    return document
 
 
 def _delivery_json(delivery: Delivery) -> dict[str, object]:

@@ -12,6 +12,7 @@ from starlette.exceptions import HTTPException
 
 from rpr_solver.errors import InputError
 from service.api.context import Context
+from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
 from worker.connection import is_refusal
 from worker.jobs.lanes import QueueFullError
@@ -68,10 +69,10 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
 def _http_problem(request: Request, error: HTTPException) -> ProblemError:
     path, headers, detail = request.url.path[:200], dict(error.headers or {}), str(error.detail)
     if error.status_code == 404:
-        detail = f"There is nothing at {path}; /docs lists all addresses."
+        detail = f"There is nothing at {here(path)}; {here('/docs')} lists all addresses."
     elif error.status_code == 405:
         headers["Allow"] = ", ".join(sorted(_methods(request.app, request.url.path)))
-        detail = f"{request.method} is not allowed at {path}; allowed are {headers['Allow']}."
+        detail = f"{request.method} is not allowed at {here(path)}; allowed are {headers['Allow']}."
     return ProblemError.of_status(error.status_code, detail, headers)
 
 

@@ -13,6 +13,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from service.api.client_transport import CLIENT_ENDED, FOLLOWS, ClientTransport
 from service.api.framing import NOT_IMPLEMENTED, StrictConnection
+from service.api.prefix import PEER, prefixed
 from service.api.problems import MEDIA_TYPE, ProblemError, ProblemType
 from service.api.settings import Settings
 
@@ -239,7 +240,8 @@ class LimitedProtocol(H11Protocol):
         if self._is_answering():
             self.cycle.disconnected = True
             self.cycle.message_event.set()
-        answer = ProblemError(kind, detail).response()
+        with prefixed(self.settings.root_path):
+            answer = ProblemError(kind, detail).response()
         headers = [
             ("content-type", MEDIA_TYPE),
             ("content-length", str(len(answer.body))),
@@ -270,6 +272,7 @@ class LimitedProtocol(H11Protocol):
 
 
 async def _with_short_headers(app: ASGIApp, most: int, scope: Scope, receive: Receive, send: Send) -> None:
+    scope[PEER] = scope["client"]
     if sum(len(name) + len(value) + len(": \r\n") for name, value in scope["headers"]) <= most:
         await app(scope, receive, send)
         return

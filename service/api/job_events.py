@@ -19,6 +19,7 @@ from redis.exceptions import RedisError
 from service.api.batch_view import batch_json
 from service.api.job_tail import BLOCK, Tail, Tails, event_id, is_terminal
 from service.api.job_view import job_json, state_then
+from service.api.prefix import here
 from service.api.redis_access import RedisAccess, Refusals
 from service.api.settings import Settings
 from service.api.table_forms import json_bytes
@@ -124,7 +125,7 @@ class JobEvents:
 
     async def after(self, view: JobView, last_id: str) -> Sequence[Event]:
         """Returns the next events after `last_id` that exist already."""
-        return await self._batches.get((view.run, view.id, last_id), self.access, self._read)
+        return await self._batches.get((view.run, view.id, last_id, here("")), self.access, self._read)
 
     async def follow(self, view: JobView, last_id: str, with_known: bool = False) -> AsyncGenerator[bytes]:
         """Yields the stream as text/event-stream, from after `last_id` to the end of the job.
@@ -227,8 +228,8 @@ class JobEvents:
         return self.queue.of(job_id).records.keys.job(job_id).events
 
 
-_Place = tuple[str, str, str]
-"""The run of a job, the job, and an event of it."""
+_Place = tuple[str, str, str, str]
+"""The run of a job, the job, an event of it, and the prefix of the links of those who are there."""
 
 
 class _Batches:

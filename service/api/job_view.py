@@ -5,6 +5,7 @@ from __future__ import annotations
 from datetime import datetime, timedelta
 from math import ceil
 
+from service.api.prefix import here
 from service.api.settings import Settings
 from worker.answers.kinds import kind_of_job
 from worker.jobs.subscriptions import Subscriber
@@ -15,7 +16,7 @@ from worker.settings import WorkerSettings
 def job_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = None) -> dict[str, object]:
     """Returns the job document; for a client that asks for the job, with the way to withdraw."""
     kind = kind_of_job(view.id)
-    here = f"/v1/jobs/{view.id}"
+    own = here(f"/v1/jobs/{view.id}")
     return {
         "id": view.id,
         "kind": None if kind is None else kind.name,
@@ -35,8 +36,8 @@ def job_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = N
         "position": None if view.place is None else view.place.position,
         "deadline_at": view.deadline_at,
         "links": {
-            **{"self": here, "result": f"{here}/result", "events": f"{here}/events"},
-            **({} if who is None else {"cancel": cancel_link(here, who)}),
+            **{"self": own, "result": f"{own}/result", "events": f"{own}/events"},
+            **({} if who is None else {"cancel": cancel_link(own, who)}),
         },
     }
 
@@ -69,9 +70,9 @@ def _seconds(start: str | None, end: str | None) -> float | None:
     return round((datetime.fromisoformat(end) - datetime.fromisoformat(start)).total_seconds(), 3)
 
 
-def cancel_link(here: str, who: Subscriber) -> str:
+def cancel_link(own: str, who: Subscriber) -> str:
     """Returns the address at which a client withdraws what it has just asked for."""
-    return here if who.is_known else f"{here}?subscription={who.token}"
+    return own if who.is_known else f"{own}?subscription={who.token}"
 
 
 def retry_after(view: JobView, settings: Settings) -> dict[str, str]:

@@ -13,12 +13,15 @@ from contextlib import AbstractContextManager, nullcontext
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
+from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.access_log import AccessLog
 from service.api.metrics import Metrics
+from service.api.prefix import forwarded_prefix, prefixed, without_prefix
 from service.api.problems import ProblemError, ProblemType
 from service.api.sending import IS_HEAD
+from service.api.settings import Settings
 from worker import tracing
 from worker.logs import about
 
@@ -34,8 +37,9 @@ _CLIENT_GONE = 499  # as nginx has it: the client left before there was an answe
 class RequestEnvelope:
     """The outermost layer of the application."""
 
-    def __init__(self, app: ASGIApp, metrics: Metrics, access_log: AccessLog) -> None:
+    def __init__(self, app: ASGIApp, metrics: Metrics, access_log: AccessLog, settings: Settings) -> None:
         self.app = app
+        self.root_path, self.proxies = settings.root_path, settings.proxies
         self.metrics = metrics
         self.access_log = access_log
 
@@ -47,9 +51,28 @@ class RequestEnvelope:
         sent_id = Headers(scope=scope).get(REQUEST_ID, "")
         request_id = sent_id if _REQUEST_ID.fullmatch(sent_id) else secrets.token_hex(8)
         with about(request_id=request_id), self.metrics.in_flight.track_inprogress(), _span(scope):
-            await self._answer(request_id, scope, receive, send)
+            prefix, app = self._found(scope)
+            with prefixed(prefix):
+                await self._answer(app, request_id, scope, receive, send)
 
-    async def _answer(self, request_id: str, scope: Scope, receive: Receive, send: Send) -> None:
+    def _found(self, scope: Scope) -> tuple[str, ASGIApp]:
+        """Take the prefix from the path; returns it, and what answers."""
+        try:
+            forwarded = forwarded_prefix(scope, self.proxies)
+        except ValueError as error:
+            return self.root_path, ProblemError(
+                ProblemType.INVALID_HEADER, f"X-Forwarded-Prefix: {error}"
+            ).response()
+        prefix = self.root_path if forwarded is None else forwarded
+        if prefix and scope["path"] == prefix:
+            scope["path"] = "/"
+            return prefix, RedirectResponse(f"{prefix}/", 308)
+        scope["path"] = without_prefix(scope["path"], prefix)
+        return prefix, self.app
+
+    async def _answer(
+        self, app: ASGIApp, request_id: str, scope: Scope, receive: Receive, send: Send
+    ) -> None:
         start = time.perf_counter()
         is_head = scope["method"] == "HEAD"
         if is_head:
@@ -76,7 +99,7 @@ class RequestEnvelope:
             await send(message)
 
         try:
-            await self.app(scope, receive, send_on)
+            await app(scope, receive, send_on)
         except ClientDisconnect:
             status = status if started else _CLIENT_GONE
         except Exception:

@@ -10,6 +10,7 @@ from enum import Enum
 from starlette.responses import Response
 
 from rpr_solver.errors import InputError
+from service.api.prefix import here
 from service.schemas.limits import LimitError
 from worker.jobs.views import JobView
 
@@ -230,7 +231,7 @@ class ProblemError(Exception):
     @classmethod
     def of_job(cls, view: JobView) -> ProblemError:
         """Returns the problem of a job that failed or was canceled, in place of its result."""
-        extra = {"job": f"/v1/jobs/{view.id}"}
+        extra = {"job": here(f"/v1/jobs/{view.id}")}
         if view.status == "failed":
             error = view.error or {"type": "", "detail": "The job failed."}
             return cls.of_failure(error["type"], error["detail"], extra)
@@ -257,14 +258,14 @@ class ProblemError(Exception):
     def document(self, instance: str | None = None) -> dict[str, object]:
         """Returns the problem document."""
         document: dict[str, object] = {
-            "type": self.kind.uri,
+            "type": here(self.kind.uri),
             "title": self.kind.title,
             "status": self.kind.status,
             "detail": self.detail,
             "errors": [self._error(field, message) for field, message in self.errors],
         }
         if instance is not None:
-            document["instance"] = instance
+            document["instance"] = here(instance)
         return {**document, **self.extra}
 
     def _error(self, field: str, message: str) -> dict[str, str]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import ipaddress
 import re
 from typing import Literal
 
 from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt, field_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from service.api.prefix import Network, read_prefix
 from service.schemas.limits import Limits
 from service.webhooks.settings import WebhookSettings
 
@@ -103,6 +105,15 @@ class Settings(BaseSettings):
     large_answer_bytes: PositiveInt = Field(
         default=256 << 20, description="maximum memory of large results that are sent, in bytes, about"
     )
+    root_path: str = Field(
+        default="",
+        description="path under which a reverse proxy shows the service, such as `/cusps`; links begin so",
+    )
+    trusted_proxies: str = Field(
+        default="",
+        description="addresses and networks of reverse proxies whose `X-Forwarded-Prefix` counts, "
+        "comma-separated, such as `127.0.0.1,10.1.0.0/16`; none if empty",
+    )
     limits: Limits = Field(default_factory=Limits.of_environment)
     webhooks: WebhookSettings = Field(default_factory=WebhookSettings)
 
@@ -115,6 +126,26 @@ class Settings(BaseSettings):
                     f"{origin!r} is no origin; write one such as https://tools.example.com, or *"
                 )
         return text
+
+    @field_validator("root_path")
+    @classmethod
+    def _is_prefix(cls, text: str) -> str:
+        return read_prefix(text)
+
+    @field_validator("trusted_proxies")
+    @classmethod
+    def _are_networks(cls, text: str) -> str:
+        for part in _listed(text):
+            try:
+                ipaddress.ip_network(part)
+            except ValueError:
+                raise ValueError(f"{part[:60]!r} is no address or network such as 10.1.0.0/16") from None
+        return text
+
+    @property
+    def proxies(self) -> tuple[Network, ...]:
+        """The networks in `trusted_proxies`."""
+        return tuple(map(ipaddress.ip_network, _listed(self.trusted_proxies)))
 
     @property
     def origins(self) -> tuple[str, ...]:

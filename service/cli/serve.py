@@ -7,6 +7,7 @@ import argparse
 import signal
 from pathlib import Path
 
+from service.api.prefix import read_prefix
 from service.cli.environment import warn_of_unknown_settings
 from service.cli.options import add_redis_url, whole
 from service.stack.serve import ServeSettings, serve
@@ -46,6 +47,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="number of worker processes (default: one per core)",
     )
+    parser.add_argument(
+        "--root-path",
+        type=_prefix,
+        metavar="PATH",
+        help="path under which a reverse proxy shows the service, such as /cusps",
+    )
     add_redis_url(parser, "the Redis or Valkey server to use (default: an embedded one)")
     parser.add_argument(
         "--data-dir",
@@ -54,6 +61,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="data directory of the embedded Valkey (default: the user's data directory)",
     )
     parser.add_argument("--parent-pid", type=int, help=argparse.SUPPRESS)
+
+
+def _prefix(text: str) -> str:
+    try:
+        return read_prefix(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def run(args: argparse.Namespace) -> int:
@@ -69,5 +83,6 @@ def run(args: argparse.Namespace) -> int:
             redis_url=args.redis_url,
             data_dir=args.data_dir,
             insecure=args.insecure,
+            root_path=args.root_path,
         )
     )

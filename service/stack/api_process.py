@@ -86,7 +86,9 @@ def deliver(settings: Settings) -> None:
     """Deliver webhooks, if there are any."""
     if settings.webhooks.is_on:
         own = WorkerSettings()
-        deliverer = Deliverer(connect(settings.redis_url), settings.webhooks, own, shown(own))
+        deliverer = Deliverer(
+            connect(settings.redis_url), settings.webhooks, own, shown(own, settings.root_path)
+        )
         threading.Thread(target=deliverer.run, args=(threading.Event(),), daemon=True).start()
 
 

@@ -40,6 +40,7 @@ class ServeSettings:
     redis_url: str | None = None  # None: an embedded Valkey
     data_dir: Path | None = None  # None: the platform's directory for user data
     insecure: bool = False  # without keys, on whatever address
+    root_path: str | None = None  # None: as the environment says
 
     @property
     def worker_count(self) -> int:
@@ -95,6 +96,7 @@ def _run(settings: ServeSettings, signals: _Signals, stack: ExitStack) -> None:
         "require_keys": policy,
         "allowed_hosts": f"{Settings().allowed_hosts},{settings.host}",
         "log_level": level,
+        "root_path": Settings().root_path if settings.root_path is None else settings.root_path,
     }
     pool = WorkerPool(settings.worker_count, url, level, tell, patience)
     api = ApiChild(listener, of_api, tell, patience)

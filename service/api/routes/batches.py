@@ -17,6 +17,7 @@ from service.api.following import follow
 from service.api.job_view import retry_after
 from service.api.negotiation import JSON, NDJSON, negotiate
 from service.api.prefer import parse_prefer
+from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
 from service.api.sending import IS_HEAD, LARGE, LargeAnswer
 from service.api.table_forms import json_bytes
@@ -165,6 +166,6 @@ def _response(context: Context, view: JobView, who: Subscriber | None = None) ->
     if not view.is_terminal:
         headers |= retry_after(view, context.settings)
     if who is not None:
-        headers["Location"] = f"/v1/batches/{view.id}"
+        headers["Location"] = here(f"/v1/batches/{view.id}")
     body = json_bytes(batch_json(view, context.queue.settings, who))
     return Response(body, 200 if who is None else 202, headers, media_type=JSON)

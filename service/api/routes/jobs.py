@@ -15,6 +15,7 @@ from service.api.following import follow
 from service.api.job_view import job_json, retry_after
 from service.api.negotiation import JSON, negotiate
 from service.api.operations import forms_of
+from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
 from service.api.responses import answer_response
 from service.api.table_forms import json_bytes
@@ -101,7 +102,7 @@ def _result(context: Context, job_id: str) -> Answer:
             ProblemType.JOB_NOT_FINISHED,
             f"The job is {view.status}: {view.done} of {view.total} {_unit(job_id)} are done.",
             headers=retry_after(view, context.settings),
-            extra={"job": f"/v1/jobs/{job_id}"},
+            extra={"job": here(f"/v1/jobs/{job_id}")},
         )
     if view.status != "succeeded":
         raise ProblemError.of_job(view)
@@ -130,7 +131,9 @@ async def get_deliveries(job_id: JobId, context: ContextDep) -> Response:
 
 def _job(context: Context, job_id: str) -> JobView:
     if is_batch(job_id):
-        raise ProblemError(ProblemType.NOT_FOUND, f"This is a batch: see /v1/batches/{job_id[:80]}.")
+        raise ProblemError(
+            ProblemType.NOT_FOUND, f"This is a batch: see {here(f'/v1/batches/{job_id[:80]}')}."
+        )
     view = context.queue.get(job_id) if _JOB_ID.fullmatch(job_id) else None
     if view is None:
         raise _not_found(job_id)

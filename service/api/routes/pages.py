@@ -14,6 +14,7 @@ from service import __version__
 from service.api.explorer_page import EXPLORER_POLICY, explorer_markup
 from service.api.negotiation import JSON
 from service.api.operations import WEB
+from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
 from service.api.table_forms import json_bytes
 from service.schemas.questions import schema_of_geometry
@@ -42,14 +43,17 @@ async def docs() -> Response:
 @router.get("/openapi.json")
 async def openapi_json(request: Request) -> Response:
     """The OpenAPI document."""
-    return Response(json_bytes(request.app.openapi()), headers={"Cache-Control": "no-cache"}, media_type=JSON)
+    contract, base = request.app.openapi(), here("")
+    if base:
+        contract = {**contract, "servers": [{"url": base}]}
+    return Response(json_bytes(contract), headers={"Cache-Control": "no-cache"}, media_type=JSON)
 
 
 @router.get("/schemas/geometry.json")
 async def geometry_schema(request: Request) -> Response:
     """The JSON Schema of a file with a geometry, for editors."""
-    here = f"{str(request.base_url).rstrip('/')}/schemas/geometry.json"
-    body = json_bytes(schema_of_geometry(here))
+    address = str(request.base_url).rstrip("/") + here("/schemas/geometry.json")
+    body = json_bytes(schema_of_geometry(address))
     return Response(body, headers={"Cache-Control": "no-cache"}, media_type="application/schema+json")
 
 

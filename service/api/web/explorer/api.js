@@ -33,7 +33,8 @@ export const key = {
 
 /** The address of a call, as other programs write it. */
 export function address(path) {
-  return new URL(path.replace(/^\//, ""), document.baseURI.replace(/#.*/, "")).href;
+  const base = new URL(".", document.baseURI); // links in answers have its path already, if a proxy adds one
+  return new URL(path.startsWith(base.pathname) ? path.slice(base.pathname.length) : path.replace(/^\//, ""), base).href;
 }
 
 /** Sends a request; anything but success is an error. */
