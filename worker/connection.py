@@ -36,7 +36,8 @@ after three times this."""
 
 NO_EVICTION = "noeviction"
 
-_OWN_FAULTS = ("ERR", "WRONGTYPE", "NOSCRIPT", "EXECABORT", "CROSSSLOT")
+_OWN_FAULTS = ("ERR", "WRONGTYPE", "NOSCRIPT", "EXECABORT")
+_OTHER_SERVER = re.compile(r"(ERR )?unknown command\b|.*\bin a cluster node\b", re.DOTALL)  # or a Sentinel
 _CODE = re.compile(r"[A-Z]+")
 _IN_SCRIPT = re.compile(r"-(?:MISCONF|OOM|READONLY|NOREPLICAS|NOPERM)\b")
 _FIRST_PAUSE, _LONGEST_PAUSE, _TICK = 0.1, 5.0, 0.05
@@ -44,7 +45,7 @@ _TLS_TIMEOUT = 4.0  # a server without TLS waits for ever for the end of what it
 
 
 class UnreachableError(Exception):
-    """Nobody answers at the address; the message is for the user, and has no password in it.
+    """Nobody who could keep a queue answers; the message is for the user, and has no password in it.
 
     Attributes:
         may_pass: whether another try may succeed: the server is not there yet, its name is not known yet, or
@@ -137,16 +138,37 @@ def check(url: str) -> None:
     """Have the server at `url` answer once.
 
     Raises:
-        UnreachableError: it does not, or the address cannot be understood.
+        UnreachableError: it does not, or cannot keep a queue, or the address cannot be understood.
     """
     try:
         with connect(url, timeout=_TLS_TIMEOUT if url.startswith("rediss:") else None) as redis:
             redis.ping()
+            fault = _unfitness(redis)
     except (RedisError, ValueError) as error:
         hint = _tls_hint(error) if url.startswith("rediss:") else ""
         raise UnreachableError(
             f"cannot reach Redis: {error}{hint}", may_pass=_may_pass(error, url)
         ) from error
+    if fault is not None:
+        raise UnreachableError(f"cannot use this Redis: {fault}")
+
+
+def _unfitness(redis: Redis) -> str | None:
+    """Returns why a server cannot keep a queue, if so; one that does not let us ask is believed."""
+    try:
+        server = cast("Mapping[str, Any]", redis.info("server"))
+        copies = cast("Mapping[str, Any]", redis.info("replication"))
+    except NoPermissionError:
+        return None
+    mode = server.get("redis_mode") or server.get("server_mode")  # as Redis calls it, and as Valkey does
+    if mode == "cluster":
+        return "it is a node of a Redis Cluster, which spreads keys; give a single server, without a cluster"
+    if mode == "sentinel":
+        return "it is a Sentinel, which keeps no data; give the address of the server that it watches"
+    if copies.get("role") == "slave":
+        primary = f"{copies.get('master_host')}:{copies.get('master_port')}"
+        return f"it is a replica, which takes no data; give the address of its primary, {primary}"
+    return None
 
 
 def _may_pass(error: Exception, url: str) -> bool:
@@ -224,7 +246,11 @@ def is_refusal(error: Exception) -> bool:
         return False
     text = str(error).rpartition("caused error: ")[2]  # redis-py quotes the command of a pipeline before it
     code = error.status_code or text.partition(" ")[0]
-    return bool(_CODE.fullmatch(code) and code not in _OWN_FAULTS) or bool(_IN_SCRIPT.search(text))
+    return (
+        bool(_CODE.fullmatch(code) and code not in _OWN_FAULTS)
+        or bool(_IN_SCRIPT.search(text))
+        or bool(_OTHER_SERVER.match(text))
+    )
 
 
 def eviction_warning(redis: Redis) -> str | None:

@@ -4,21 +4,27 @@ from __future__ import annotations
 
 import logging
 import os
+import shutil
 import signal
+import socket
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import httpx
 import pytest
 from redis import Redis
+from redis.exceptions import RedisError
 
 from service.api.settings import Settings
-from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.processes import PATIENCE, Workers, until
+from service.stack.embedded_valkey import EmbeddedValkey, program
+from tests.support.processes import PATIENCE, Workers, completed, environment, started, until
 from tests.support.service_server import GEOMETRY, serving
+from tests.support.stack import failure
 from worker.connection import connect
 
 KNOWN = {"geometry": GEOMETRY, "l1": "14.98", "l2": "15", "l3": "30"}
@@ -159,6 +165,59 @@ def test_redis_takes_no_data(
     assert 1 <= len(told) <= 2
     assert all("Redis cannot be used" in record.message and not record.exc_info for record in told)
     until(lambda: api.get("/readyz").status_code == 200)
+
+
+UNFIT = {
+    "cluster": (["--cluster-enabled", "yes"], "a node of a Redis Cluster"),
+    "sentinel": (["--sentinel"], "a Sentinel, which keeps no data"),
+    "replica": (
+        ["--replicaof", "127.0.0.1 1"],
+        "a replica, which takes no data; give the address of its primary",
+    ),
+}
+
+
+@contextmanager
+def unfit(kind: str, which: str, directory: Path) -> Iterator[str]:
+    """A server of this kind; gives its address."""
+    path = str(program()) if which == "embedded" else shutil.which(which)
+    if path is None:
+        pytest.skip(f"there is no {which} on this computer")
+    with socket.create_server(("127.0.0.1", 0)) as one, socket.create_server(("127.0.0.1", 0)) as two:
+        port, bus = (free.getsockname()[1] for free in (one, two))
+    (directory / "server.conf").write_text(f"port {port}\ndir {directory}\nbind 127.0.0.1\n")
+    options = [*UNFIT[kind][0], *(["--cluster-port", str(bus)] if kind == "cluster" else [])]
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": directory}
+    url = f"redis://127.0.0.1:{port}"
+    with started([path, str(directory / "server.conf"), *options], **silent), connect(url) as client:
+
+        def answers() -> bool:
+            with suppress(RedisError):
+                return bool(client.ping())
+            return False
+
+        until(answers)
+        yield url
+
+
+@pytest.mark.parametrize("which", ["embedded", "redis-server"])
+@pytest.mark.parametrize("kind", UNFIT)
+def test_a_server_that_cannot_keep_a_queue(tmp_path: Path, kind: str, which: str) -> None:
+    """The address is that of a node of a cluster, of a Sentinel, or of a replica. `serve` and the workers
+    refuse it at their start, in one line; an API that runs already answers 503, and `/readyz` too.
+    """
+    with unfit(kind, which, tmp_path) as url:
+        reason = UNFIT[kind][1]
+        assert reason in failure(tmp_path / "data", url=url)
+        command = [sys.executable, "-m", "service", "worker", "--redis-url", url]
+        done = completed(command, environment())
+        assert done.returncode == 1
+        assert done.stderr.startswith("rpr-cusps worker: cannot use this Redis: it is ")
+        assert reason in done.stderr
+        assert done.stderr.count("\n") == 1
+        with serving(Settings(redis_url=url)) as here, httpx.Client(base_url=here, timeout=PATIENCE) as api:
+            assert_unavailable(api.get("/readyz"))
+            assert_unavailable(api.post("/v1/poses", json=KNOWN))
 
 
 def test_redis_forgets_its_clients(api: httpx.Client, admin: Redis) -> None:
