@@ -61,6 +61,16 @@ class WorkerSettings(BaseSettings):
         default=300.0,
         description="estimated work of one lane of the queue, in seconds per worker, beyond which it is full",
     )
+    overrun_factor: PositiveFloat = Field(
+        default=5.0,
+        description="a chunk that has had this many times its estimate of a processor's time has overrun: "
+        "its job and the log say so, and a worker with light duty gives it back to the heavy lane",
+    )
+    overrun_floor: PositiveFloat = Field(
+        default=2.0,
+        description="seconds of a processor's time below which no chunk has overrun; one that waits instead "
+        "of computing may do so for five times as long",
+    )
     deadline: Deadline = DEADLINE
     memory_limit_mb: int | None = Field(
         default=4096, ge=64, description="maximum address space of a work horse, in MiB"

@@ -28,5 +28,7 @@ def batch_json(view: JobView, settings: WorkerSettings, who: Subscriber | None =
         "expires_at": expires_at(view, settings),
         "error": view.error,
         "position": None if view.place is None else view.place.position,
+        "estimate_s": view.estimate_s,
+        "overruns": view.overruns,
         "links": {"self": own, "results": f"{own}/results", "events": f"{own}/events", **cancel},
     }

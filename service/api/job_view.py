@@ -35,6 +35,8 @@ def job_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = N
         "error": view.error,
         "position": None if view.place is None else view.place.position,
         "deadline_at": view.deadline_at,
+        "estimate_s": view.estimate_s,
+        "overruns": view.overruns,
         "links": {
             **{"self": own, "result": f"{own}/result", "events": f"{own}/events"},
             **({} if who is None else {"cancel": cancel_link(own, who)}),

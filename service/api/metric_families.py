@@ -59,6 +59,11 @@ FAILURES = _counter("job_failures", "failed jobs by the reason, as in their prob
 WAIT = _histogram("job_wait_seconds", "time of an ended job in the queue", "kind")
 RUN = _histogram("job_run_seconds", "time from a job's first chunk to its end", "kind")
 LOST = _counter("chunks_lost", "chunks that lost their work horse, or their worker", "what")
+OVERRUNS = _counter(
+    "chunks_overrun",
+    "chunks that took a few times their estimate: left to their worker, or given back to the heavy lane",
+    *("kind", "outcome"),
+)
 WEBHOOKS = _counter(
     "webhook_attempts", "attempts to deliver a webhook, by what they left; `pending`: to be repeated", "state"
 )
@@ -68,5 +73,5 @@ MEMORY_LIMIT = _gauge("redis_memory_limit_bytes", "maxmemory of Redis; 0: none")
 OF_PROCESS = (INFO, REQUESTS, SECONDS, IN_FLIGHT, FOLLOWERS, TABLES, ANSWERS)
 OF_INSTALLATION = (
     *(UP, QUEUE_DEPTH, QUEUE_AGE, WORKERS, BEAT_AGE, ACTIVE, SUSPECTED),
-    *(JOBS_ENDED, FAILURES, WAIT, RUN, LOST, WEBHOOKS, MEMORY, MEMORY_LIMIT),
+    *(JOBS_ENDED, FAILURES, WAIT, RUN, LOST, OVERRUNS, WEBHOOKS, MEMORY, MEMORY_LIMIT),
 )

@@ -64,6 +64,7 @@ def _of_ends(ends: Ends) -> Iterator[Metric]:
     yield _counter(families.JOBS_ENDED, ends.by_status)
     yield _counter(families.FAILURES, ends.failures)
     yield _counter(families.LOST, {(name,): ends.lost[key] for key, name in _LOST.items()})
+    yield _counter(families.OVERRUNS, ends.overruns)
     yield _histogram(families.WAIT, ends.waits)
     yield _histogram(families.RUN, ends.runs)
 

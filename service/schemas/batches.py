@@ -10,7 +10,7 @@ from pydantic import ConfigDict, Field, PlainValidator
 from rpr_solver.errors import InputError
 from service.schemas.document import Document, Expected
 from service.schemas.exact_json import JsonNumber, json_kind
-from service.schemas.jobs import JobError
+from service.schemas.jobs import ESTIMATE, OVERRUNS, JobError
 from service.schemas.model import Model
 from service.schemas.points import optional
 from service.schemas.problems import ProblemDocument
@@ -115,6 +115,8 @@ class Batch(Model):
     position: int | None = Field(
         description="Batches before it in its lane of the queue; null unless it is queued."
     )
+    estimate_s: float | None = ESTIMATE
+    overruns: int = OVERRUNS
     links: BatchLinks
 
 

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
 from service.schemas.model import Model
 from service.schemas.points import optional
 from worker.answers.kinds import KINDS
+
+ESTIMATE: Any = Field(
+    default=None, description="The estimated work, in seconds of one core; null if it is not known."
+)
+OVERRUNS: Any = Field(
+    default=0,
+    description="How many of its chunks took a few times their estimate. A worker that is kept for short "
+    "work has given them back to the others, without a loss; each is told by a `status` event.",
+)
 
 
 class Progress(Model):
@@ -49,8 +58,9 @@ class StreamEvent(Model):
     id: str = Field(description="Resumes the stream, as Last-Event-ID.")
     event: Literal["status", "slice", "progress", "item"]
     data: str = Field(
-        description="JSON. `status`: the job or batch as it was then. `slice`: `l1`, `slice` and `progress`. "
-        "`progress`: `progress`. `item`: `index`, `status` and `progress`.",
+        description="JSON. `status`: the job or batch as it was then; also when a chunk has overrun. "
+        "`slice`: `l1`, `slice` and `progress`. `progress`: `progress`. `item`: `index`, `status` and "
+        "`progress`.",
         json_schema_extra={"contentMediaType": "application/json", "contentSchema": {"type": "object"}},
     )
 
@@ -85,4 +95,6 @@ class Job(Model):
     deadline_at: str | None = Field(
         description="When it fails unless it is done, by the latest `deadline_s`; null without one."
     )
+    estimate_s: float | None = ESTIMATE
+    overruns: int = OVERRUNS
     links: JobLinks

@@ -94,9 +94,10 @@ class Workers:
     root: Path = ROOT
     _running: ExitStack = field(default_factory=ExitStack)
 
-    def start(self, **settings: object) -> Process:
+    def start(self, duty: str = "all", **settings: object) -> Process:
         """Forks a worker and waits until it is ready; settings as in `WorkerSettings`."""
-        return self._start(partial(forked, root=self.root), settings)
+        begin = partial(forked, root=self.root)
+        return self._start(lambda options, *more: begin([*options, "--duty", duty], *more), settings)
 
     def start_odd(self, module: str, *arguments: str, **settings: object) -> Process:
         """Starts a worker by another module than `worker`."""

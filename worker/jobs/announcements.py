@@ -10,6 +10,7 @@ from __future__ import annotations
 
 VIEW_FIELDS = (
     *("run", "status", "done", "total", "created", "started", "finished", "error", "deadline", "failed"),
+    *("work", "overruns"),
 )
 """The fields of a record that are shown."""
 

@@ -30,14 +30,26 @@ class ChunkRef:
 
 
 @dataclass(frozen=True)
+class Estimate:
+    """What a chunk was estimated to take, in seconds of one core, and the HTTP request that made its job."""
+
+    seconds: float
+    request_id: str = ""
+
+
+@dataclass(frozen=True)
 class ChunkEntry:
-    """A chunk that is not done yet, as in the record of its job."""
+    """A chunk that is not done yet, as in the record of its job.
+
+    `moved` is its work in milliseconds if it was given back to the heavy lane, else 0.
+    """
 
     ref: ChunkRef
     state: str
     horses_lost: int = 0
     workers_lost: int = 0
     offset: int = 0
+    moved: int = 0
 
 
 @dataclass(frozen=True)

@@ -44,13 +44,15 @@ class ChunkQueue:
         for ref in refs:
             self._enqueue(ref, lane, pipe)
 
-    def put_back(self, ref: ChunkRef, lane: Lane) -> None:
-        """Enqueue the next attempt at a chunk before others, unless it is in the queue already."""
+    def put_back(self, ref: ChunkRef, lane: Lane, *, is_first: bool = True) -> None:
+        """Enqueue the next attempt at a chunk before others, or behind them, unless it is in the queue."""
         with self.redis.pipeline(transaction=False) as pipe, suppress(DuplicateJobError):
-            self._enqueue(ref, lane, pipe, is_again=True)
+            self._enqueue(ref, lane, pipe, is_again=True, is_first=is_first)
             pipe.execute()
 
-    def _enqueue(self, ref: ChunkRef, lane: Lane, pipe: Pipeline, *, is_again: bool = False) -> None:
+    def _enqueue(
+        self, ref: ChunkRef, lane: Lane, pipe: Pipeline, *, is_again: bool = False, is_first: bool = False
+    ) -> None:
         self.queues[lane].enqueue_call(
             self.settings.task,
             kwargs=asdict(ref),
@@ -60,7 +62,7 @@ class ChunkQueue:
             result_ttl=0,
             failure_ttl=600,
             description=ref.rq_id,
-            at_front=is_again,
+            at_front=is_first,
             pipeline=pipe,
         )
 

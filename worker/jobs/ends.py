@@ -2,7 +2,8 @@
 
 A field `n:KIND:STATUS:REASON:WAIT:RUN` counts the jobs that ended alike, where WAIT and RUN are the numbers
 of time intervals, so that the end of a job costs one count. `wait:KIND` and `run:KIND` add up the seconds,
-and `lost:horses` and `lost:workers` count losses.
+and `lost:horses` and `lost:workers` count losses. `overruns:KIND:WHAT` counts chunks that took a few times
+their estimate: `given-back` to the heavy lane, or `left` to their worker.
 """
 
 from __future__ import annotations
@@ -59,6 +60,7 @@ class Ends:
     waits: defaultdict[str, Durations] = field(default_factory=lambda: defaultdict(Durations))
     runs: defaultdict[str, Durations] = field(default_factory=lambda: defaultdict(Durations))
     lost: Counter[str] = field(default_factory=Counter)
+    overruns: Counter[tuple[str, ...]] = field(default_factory=Counter)
 
 
 def read_ends(fields: Mapping[bytes, bytes]) -> Ends:
@@ -71,7 +73,9 @@ def read_ends(fields: Mapping[bytes, bytes]) -> Ends:
             continue
         known = kind_of_job(f"{kind}-")
         kind = kind if known is None else known.name
-        if what == "wait":
+        if what == "overruns":
+            ends.overruns[kind, rest[0]] += int(value)
+        elif what == "wait":
             ends.waits[kind].seconds = float(value)
         elif what == "run":
             ends.runs[kind].seconds = float(value)

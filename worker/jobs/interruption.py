@@ -58,6 +58,6 @@ def fail(records: JobRecords, chunks: ChunkQueue, ref: ChunkRef, kind: str, deta
 
 def _enqueue(records: JobRecords, chunks: ChunkQueue, following: ChunkRef | str) -> bool:
     if isinstance(following, ChunkRef):
-        chunks.put_back(following, records.lane(following.job_id))
+        chunks.put_back(following, records.lane(following))
         return True
     return False

@@ -33,12 +33,14 @@ class Plan:
         chunk_size: the number of parts in a chunk; the last one may have fewer.
         chunk_count: the number of chunks.
         seconds: the estimated work, in seconds of one core.
+        each: that of a chunk, as its lane was chosen by.
     """
 
     lane: Lane
     chunk_size: int
     chunk_count: int
     seconds: float
+    each: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ def plan(cost: Cost, parts: int, settings: WorkerSettings) -> Plan:
         lane: Lane = "heavy"
     else:
         lane = "small" if count == 1 else "bulk"
-    return Plan(lane, size, -(-parts // size), cost.of(parts))
+    return Plan(lane, size, -(-parts // size), cost.of(parts), cost.of(size))
 
 
 def plan_batch(costs: Sequence[float], settings: WorkerSettings) -> Plan:
@@ -94,7 +96,14 @@ def plan_batch(costs: Sequence[float], settings: WorkerSettings) -> Plan:
     size = max(size, -(-len(costs) // _MOST_CHUNKS))
     size = max(1, min(size, int(_SAFE_SHARE * settings.deadline / max(longest, 1e-9))))
     is_heavy = max(longest, mean * size) > settings.heavy_seconds
-    return Plan("heavy-batch" if is_heavy else "batch", size, -(-len(costs) // size), total)
+    lane: Lane = "heavy-batch" if is_heavy else "batch"
+    each = max(longest, mean * min(size, len(costs)))
+    return Plan(lane, size, -(-len(costs) // size), total, each)
+
+
+def heavy_twin(lane: Lane) -> Lane:
+    """Returns the lane of chunks that were given back from this one; the scripts find it in the same way."""
+    return "heavy-batch" if lane in ("batch", "heavy-batch") else "heavy"
 
 
 def queue_name(lane: Lane, settings: WorkerSettings) -> str:

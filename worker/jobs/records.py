@@ -23,9 +23,9 @@ from worker.answers.store import dump, told
 from worker.answers.stored_tables import in_groups
 from worker.jobs import scripts
 from worker.jobs.announcements import VIEW_FIELDS
-from worker.jobs.attempts import Chunk, ChunkEntry, ChunkRef, Lost, chunk_of, entry_of
+from worker.jobs.attempts import Chunk, ChunkEntry, ChunkRef, Estimate, Lost, chunk_of, entry_of
 from worker.jobs.keys import Keys
-from worker.jobs.lanes import Lane, Plan, QueueFullError
+from worker.jobs.lanes import Lane, Plan, QueueFullError, heavy_twin
 from worker.jobs.slices import SLICES
 from worker.jobs.subscriptions import Subscription
 from worker.jobs.views import ACTIVE, JobView, view_of
@@ -72,10 +72,23 @@ class JobRecords:
         fields = self.redis.hmget(self.keys.job(job_id).record, VIEW_FIELDS)
         return view_of(job_id, cast("list[bytes | None]", fields))
 
-    def lane(self, job_id: str) -> Lane:
-        """Returns the lane of a job's chunks."""
-        lane = cast("bytes | None", self.redis.hget(self.keys.job(job_id).record, "lane"))
-        return cast(Lane, lane.decode()) if lane else "small"
+    def lane(self, ref: ChunkRef) -> Lane:
+        """Returns the lane of a chunk: its job's, unless it was given back to the heavy one."""
+        keys = self.keys.job(ref.job_id)
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.hget(keys.record, "lane")
+            pipe.hget(keys.chunks, str(ref.index))
+            raw, entry = pipe.execute()
+        lane = cast(Lane, raw.decode()) if raw else "small"
+        return heavy_twin(lane) if entry and _entry(ref, entry).moved else lane
+
+    def estimate(self, ref: ChunkRef) -> Estimate | None:
+        """Returns what a chunk was estimated to take, or None if that is not known."""
+        fields = self.redis.hmget(self.keys.job(ref.job_id).record, ["run", "each", "origin"])
+        run, each, origin = cast("list[bytes | None]", fields)
+        if run is None or run.decode() != ref.run or each is None:
+            return None
+        return Estimate(int(each) / 1000, json.loads(origin or b"{}").get("request_id", ""))
 
     def request(self, job_id: str) -> tuple[JobView, JobRequest, dict[str, Any]] | None:
         """Returns a job, its request and the errors of single slices by L1, or None if there is none."""
@@ -138,7 +151,7 @@ class JobRecords:
                 request.job_id, run, seen_run, len(request.parts), len(todo),
                 request.to_json(), asked, "" if kept is request else kept.to_json(),
                 plan.chunk_size, plan.chunk_count, settings.job_ttl,
-                dump(_origin()), plan.lane, _ms(plan.seconds), _ms(settings.max_backlog),
+                dump(_origin()), plan.lane, _ms(plan.seconds), _ms(plan.each), _ms(settings.max_backlog),
                 "" if deadline_s is None else deadline_s, *(by.arguments if by else ("", "", 0)),
                 *(dump(list(part)) for part in in_groups(todo, plan.chunk_size)),
             ],

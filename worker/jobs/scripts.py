@@ -8,18 +8,18 @@ overwrite a newer state.
 A chunk's entry is `state:attempt:horses_lost:workers_lost:offset`; it is deleted when the chunk is done. The
 slices before `offset` are done, and losses are counted since the last one was. The state is `queued`,
 `running`, `solving` while it solves the slice `offset`, or `ahead` while it solves this or one of the next,
-some of which are not kept yet. Entries of version 0.1.0 end after the first count.
+some of which are not kept yet. Entries of version 0.1.0 end after the first count. That of a chunk that was
+given back to the heavy lane has the milliseconds of its work at its end; see `accounts`.
 
 Beside the set of active jobs, and named after it, there are: `:queued`, the queued jobs by lane and age;
-`:deadlines`, the jobs with a deadline by its time; `:work`, the milliseconds of estimated work that each lane
-was given (`LANE:added`) and that are done or dropped (`LANE:done`). Their difference is the lane's backlog. A
-record keeps what is `left` of its job's work, and the `ahead` of it: its lane's `added` when it was queued.
+`:deadlines`, the jobs with a deadline by its time; `:work`, the accounts of the lanes.
 
 Each script begins with the names of its keys and arguments, in the order in which `records` passes them.
 """
 
 from __future__ import annotations
 
+from worker.jobs.accounts import ACCOUNTS
 from worker.jobs.announcements import ANNOUNCE
 from worker.jobs.ends import COUNT_END
 
@@ -35,16 +35,16 @@ local function is_active(status) return status == 'queued' or status == 'running
 local function open_chunk(record, chunks, run, index, attempt)
     local job_run, status = unpack(redis.call('HMGET', record, 'run', 'status'))
     if job_run ~= run or not is_active(status) then return nil end
-    local state, open_attempt, horses, workers, offset = string.match(
-        redis.call('HGET', chunks, index) or '', '(%a+):(%d+):(%d+):?(%d*):?(%d*)')
+    local state, open_attempt, horses, workers, offset, moved = string.match(
+        redis.call('HGET', chunks, index) or '', '(%a+):(%d+):(%d+):?(%d*):?(%d*):?(%d*)')
     if open_attempt ~= attempt then return nil end
     return {state = state, attempt = attempt, horses = horses,
-        workers = tonumber(workers) or 0, offset = tonumber(offset) or 0}
+        workers = tonumber(workers) or 0, offset = tonumber(offset) or 0, moved = tonumber(moved) or 0}
 end
 
 local function put_chunk(chunks, index, chunk)
-    redis.call('HSET', chunks, index, string.format('%s:%d:%d:%d:%d',
-        chunk.state, chunk.attempt, chunk.horses, chunk.workers, chunk.offset))
+    redis.call('HSET', chunks, index, string.format('%s:%d:%d:%d:%d%s', chunk.state, chunk.attempt,
+        chunk.horses, chunk.workers, chunk.offset, chunk.moved > 0 and ':' .. chunk.moved or ''))
 end
 
 -- Whether the request of a field `wait:TOKEN` still waits; see `subscriptions`.
@@ -70,29 +70,6 @@ local function subscribe(record, name, token, seconds)
     end
 end
 
-local LANES = {small = 1, bulk = 2, heavy = 3, batch = 4, ['heavy-batch'] = 5}
--- A score that orders by lane, then by time to 10 microseconds: a double holds no more.
-local function rank(lane, time) return string.format('%.5f', LANES[lane] * 1e10 + time) end
-local function add_work(active, lane, what, work)
-    redis.call('HINCRBY', active .. ':work', lane .. ':' .. what, work)
-end
-
--- Returns the work of a lane that is not done, in milliseconds, and all that it was given.
-local function backlog(active, lane)
-    local added, done = unpack(redis.call('HMGET', active .. ':work', lane .. ':added', lane .. ':done'))
-    return math.max(0, (added or 0) - (done or 0)), added or 0
-end
-
--- Returns the number of live workers that take chunks of a lane; 1 if there is none.
-local function workers_of(lane, workers)
-    local alive = '(' .. time[1] * 1000 + math.floor(time[2] / 1000)
-    local count = redis.call('ZCOUNT', workers, alive, '+inf')
-    if string.find(lane, '^heavy') then
-        count = count - redis.call('ZCOUNT', workers .. ':light', alive, '+inf')
-    end
-    return math.max(1, count)
-end
-
 local function set_deadline(record, active, job_id, seconds)
     redis.call('HSET', record, 'deadline', string.format('%.6f', now + seconds))
     redis.call('ZADD', active .. ':deadlines', now + seconds, job_id)
@@ -104,13 +81,10 @@ local function retire(record, active, job_id)
     for _, key in ipairs({active, active .. ':queued', active .. ':deadlines'}) do
         redis.call('ZREM', key, job_id)
     end
-    local lane, left = unpack(redis.call('HMGET', record, 'lane', 'left'))
     if redis.call('EXISTS', active) == 0 then
         redis.call('DEL', active .. ':queued', active .. ':deadlines', active .. ':work')
-    elseif left then
-        add_work(active, lane, 'done', left)
     end
-    redis.call('HDEL', record, 'left', 'ahead')
+    drop_work(record, active)
 end
 
 -- The list of a batch's items; no other job has one.
@@ -139,9 +113,10 @@ local function finish(record, chunks, bits, errors, events, active, ends, job_id
 end
 
 -- Notes that the chunk has done the part `offset`, the last one of it or not.
-local function advance(chunks, index, chunk, offset, is_last)
+local function advance(record, active, chunks, index, chunk, offset, is_last)
     if is_last then
         redis.call('HDEL', chunks, index)
+        if chunk.moved > 0 then end_moved(record, active, chunk) end
     elseif tonumber(offset) >= chunk.offset then
         chunk.offset, chunk.horses, chunk.workers = offset + 1, 0, 0
         put_chunk(chunks, index, chunk)
@@ -150,7 +125,7 @@ end
 
 -- Counts parts that are done, and ends the job with the last one; `events` are what to tell of each.
 -- Returns 1 if more parts remain, 2 if the job is done.
-local function count_parts(record, chunks, bits, errors, stream, active, ends, job_id, job_ttl, events)
+local function count_parts(record, chunks, bits, errors, stream, active, ends, job_id, job_ttl, chunk, events)
     local total, before = unpack(redis.call('HMGET', record, 'total', 'done'))
     local done = tonumber(before)
     for _, event in ipairs(events) do
@@ -160,12 +135,7 @@ local function count_parts(record, chunks, bits, errors, stream, active, ends, j
     end
     redis.call('HSET', record, 'done', done)
     if done < tonumber(total) then
-        local lane, left = unpack(redis.call('HMGET', record, 'lane', 'left'))
-        if left then
-            local share = math.floor(left * #events / (total - before))
-            redis.call('HSET', record, 'left', left - share)
-            add_work(active, lane, 'done', share)
-        end
+        count_work(record, active, chunk, #events, total - before)
         return 1
     end
     finish(record, chunks, bits, errors, stream, active, ends, job_id, 'succeeded', '', job_ttl)
@@ -173,7 +143,7 @@ local function count_parts(record, chunks, bits, errors, stream, active, ends, j
 end
 """
 
-PRELUDE = _NOW + COUNT_END + ANNOUNCE + _JOBS
+PRELUDE = _NOW + COUNT_END + ANNOUNCE + ACCOUNTS + _JOBS
 """The definitions that precede every script."""
 
 # Returns {1, its event} if the job was created, {0} if another client has created or changed it meanwhile or
@@ -185,7 +155,7 @@ CREATE = """
 local record, chunks, bits, errors, events, active, ends, workers = unpack(KEYS)
 local job_id, run, seen_run, total, todo_count, request, asked, kept = unpack(ARGV)
 local chunk_size, chunk_count, ttl, origin = unpack(ARGV, 9)
-local lane, work, max_backlog, deadline_s, name, token, seconds = unpack(ARGV, 13)
+local lane, work, each, max_backlog, deadline_s, name, token, seconds = unpack(ARGV, 13)
 
 local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if old_run and (is_active(old_status) or old_run ~= seen_run) then return {0} end
@@ -201,13 +171,13 @@ end
 redis.call('DEL', record, chunks, bits, errors, events, todo_of(record))
 redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done', total - todo_count,
     'request', request, 'asked', asked, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
-    'origin', origin)
+    'origin', origin, 'work', work, 'each', each)
 if kept ~= '' then redis.call('HSET', record, 'kept', kept) end
 if is_batch then
     for _, key in ipairs({items, questions_of(record)}) do redis.call('PERSIST', key) end
     redis.call('HSET', record, 'failed', total - todo_count)
     local open = {}
-    for i = 20, #ARGV do
+    for i = 21, #ARGV do
         for _, item in ipairs(cjson.decode(ARGV[i])) do open[tonumber(item)] = true end
     end
     for item = 0, total - 1 do
@@ -221,7 +191,7 @@ if tonumber(todo_count) == 0 then
 end
 for index = 0, chunk_count - 1 do
     redis.call('HSET', chunks, index, 'queued:0:0:0:0')
-    redis.call('RPUSH', todo_of(record), ARGV[20 + index])
+    redis.call('RPUSH', todo_of(record), ARGV[21 + index])
 end
 redis.call('ZADD', active, now, job_id)
 redis.call('HSET', record, 'lane', lane, 'left', work, 'ahead', added)

@@ -17,7 +17,7 @@ local offset, is_last, position, digits, ttl, error_ttl, job_ttl = unpack(ARGV, 
 local slices = keep_slices(8, 11, known_digits, digits, ttl, error_ttl)
 local chunk = open_chunk(record, chunks, run, index, attempt)
 if not chunk then return 0 end
-advance(chunks, index, chunk, offset + #slices - 1, is_last == '1')
+advance(record, active, chunks, index, chunk, offset + #slices - 1, is_last == '1')
 local events = {}
 for i, slice in ipairs(slices) do
     if slice.is_error then redis.call('HSET', errors, slice.l1, slice.packed) end
@@ -26,7 +26,7 @@ for i, slice in ipairs(slices) do
     end
 end
 if #events == 0 then return 1 end
-return count_parts(record, chunks, bits, errors, stream, active, ends, job_id, job_ttl, events)
+return count_parts(record, chunks, bits, errors, stream, active, ends, job_id, job_ttl, chunk, events)
 """
 )
 """It follows `scripts.PRELUDE`."""

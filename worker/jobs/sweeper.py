@@ -14,6 +14,7 @@ from typing import cast
 from redis import Redis
 from redis.exceptions import OutOfMemoryError, RedisError
 
+from worker.answers.kinds import kind_of_job
 from worker.jobs.attempts import ChunkEntry
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.deadlines import Deadlines
@@ -21,6 +22,8 @@ from worker.jobs.interruption import run_again
 from worker.jobs.inventory import Inventory
 from worker.jobs.records import JobRecords
 from worker.jobs.versions import Versions
+from worker.jobs.views import JobView
+from worker.logs import about
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
@@ -28,6 +31,14 @@ log = logging.getLogger("rpr_cusps.worker")
 _WALK = 4000  # keys per sweep, about a millisecond of the server's time
 
 _LOST = "The worker crashed or was killed repeatedly ({} times). Post the request again to retry it."
+
+
+def _overdue(view: JobView) -> str:
+    kind = kind_of_job(view.id)
+    name = "job" if kind is None else kind.name
+    estimate = "unknown" if view.estimate_s is None else f"{view.estimate_s:.2f} s"
+    ran = "it had not begun" if view.run_seconds is None else f"it has run for {view.run_seconds:.1f} s"
+    return f"{name}: timeout at the deadline of its request; {ran}, the estimate was {estimate}"
 
 
 class Sweeper:
@@ -79,7 +90,11 @@ class Sweeper:
 
     def _end_overdue_jobs(self) -> None:
         for job_id in self.deadlines.over():
-            self.chunks.withdraw(self.records.expire(job_id) or [])
+            entries = self.records.expire(job_id)
+            if entries is not None and (view := self.records.view(job_id)) is not None:
+                with about(job=job_id):
+                    log.warning("%s", _overdue(view))
+            self.chunks.withdraw(entries or [])
 
     def _without_beat(self, entries: list[ChunkEntry]) -> list[ChunkEntry]:
         with self.redis.pipeline(transaction=False) as pipe:

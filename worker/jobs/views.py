@@ -23,6 +23,8 @@ class JobView:
         deadline_at: when the job fails unless it is done; None if a client waits without a deadline.
         place: its place in the queue, if it is queued.
         failed: the items of a batch that are done without an answer.
+        estimate_s: its estimated work, in seconds of one core; None if it is not known.
+        overruns: how many of its chunks took a few times their estimate.
         event: the event that told of the state, if it is known: those that are waited for come after it.
     """
 
@@ -38,12 +40,22 @@ class JobView:
     deadline_at: str | None = None
     place: Place | None = None
     failed: int = 0
+    estimate_s: float | None = None
+    overruns: int = 0
     event: str = field(default="", compare=False)
 
     @property
     def is_terminal(self) -> bool:
         """Whether the job has ended."""
         return self.status not in ACTIVE
+
+    @property
+    def run_seconds(self) -> float | None:
+        """The seconds from its start to its end; None until then, and for one that never began."""
+        if self.started_at is None or self.finished_at is None:
+            return None
+        start, end = map(datetime.fromisoformat, (self.started_at, self.finished_at))
+        return (end - start).total_seconds()
 
 
 def view_of(job_id: str, fields: Sequence[bytes | None]) -> JobView | None:
@@ -71,6 +83,8 @@ def job_view(job_id: str, fields: Mapping[str, str]) -> JobView:
         run=fields["run"],
         deadline_at=deadline,
         failed=int(fields.get("failed", 0)),
+        estimate_s=int(fields["work"]) / 1000 if "work" in fields else None,
+        overruns=int(fields.get("overruns", 0)),
     )
 
 

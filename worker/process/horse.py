@@ -9,10 +9,10 @@ import os
 import resource
 import signal
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from types import FrameType
-from typing import Any, Self
+from typing import Any
 
 from redis.exceptions import RedisError
 from rq.utils import import_attribute
@@ -28,6 +28,7 @@ _MOST_CHUNKS = 200
 _MOST_GROWTH = 32 * 2**20
 _MAXRSS_UNIT = 1 if sys.platform == "darwin" else 1024
 _STAYS = b"\n"
+_LAST = 19  # niceness
 
 
 @dataclass(frozen=True)
@@ -46,12 +47,15 @@ class Horse:
     memory has grown. Otherwise it exits, so that what spoiled it concerns no other chunk.
     """
 
-    def __init__(self, set_signals: Callable[[], None], settings: WorkerSettings) -> None:
+    def __init__(
+        self, set_signals: Callable[[], None], settings: WorkerSettings, others: Iterable[Horse] = ()
+    ) -> None:
         """Fork the process; call it while stop signals are held.
 
         Args:
             set_signals: how it takes signals; they are held until then.
             settings: its limits.
+            others: the other horses of the worker, whose pipes it does not keep open.
 
         Raises:
             OSError: there can be no more processes.
@@ -72,8 +76,8 @@ class Horse:
                 on_stop_signals(signal.SIG_DFL)
                 set_signals()
                 signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
-                os.close(self._tasks)
-                os.close(self._ends)
+                for horse in (self, *others):
+                    horse.close()
                 limit_memory(settings.memory_limit_mb)
                 os.nice(settings.niceness)  # the API answers known questions meanwhile
                 os._exit(_serve(orders, answers, settings.deadline + _WATCHDOG_MARGIN))
@@ -105,9 +109,18 @@ class Horse:
     def collect(self) -> int:
         """Wait for its exit; returns the wait status."""
         _, status = os.waitpid(self.pid, 0)
+        self.close()
+        return status
+
+    def close(self) -> None:
+        """Close this process's ends of its pipes."""
         os.close(self._tasks)
         os.close(self._ends)
-        return status
+
+    def yield_to_others(self) -> None:
+        """Leave it only what time of the processors nobody else wants."""
+        with contextlib.suppress(OSError):
+            os.setpriority(os.PRIO_PGRP, self.pid, _LAST)
 
 
 def _serve(orders: int, answers: int, seconds: float) -> int:
@@ -147,30 +160,26 @@ def _peak_memory() -> int:
 class BeatAlarm:
     """Acts once no heartbeat has succeeded for `seconds`, while the main thread may be waiting for Redis.
 
-    From then on another worker may run the chunk, and no two must at once. Use it in the main thread.
-
-    Attributes:
-        has_rung: whether it has acted.
+    From then on another worker may run the chunks, and no two must at once. Use it in the main thread.
     """
 
     def __init__(self, seconds: float, act: Callable[[], None]) -> None:
-        self.has_rung = False
         self._seconds, self._act = seconds, act
         self._before: Any = None
 
-    def __enter__(self) -> Self:
+    def set(self) -> None:
+        """Begin to wait: chunks are run from now on."""
         self._before = signal.signal(signal.SIGALRM, self._ring)
         self.reset()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, self._before)
 
     def reset(self) -> None:
         """Begin to wait anew: a heartbeat has succeeded."""
         signal.setitimer(signal.ITIMER_REAL, self._seconds)
 
+    def clear(self) -> None:
+        """Wait no longer: no chunk is run any more."""
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, self._before)
+
     def _ring(self, _signum: int, _frame: FrameType | None) -> None:
-        self.has_rung = True
         self._act()

@@ -82,7 +82,8 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> bool:
     told = {"job": job_id, "chunk": index, "attempt": attempt, "kind": chunk.request.kind.name}
     if "submitted" in chunk.origin:
         tracing.record("queue wait", chunk.origin, int(chunk.origin["submitted"]), told)
-    with about(request_id=chunk.origin.get("request_id", "")), tracing.span("chunk", chunk.origin, told):
+    of = {"job": job_id, "request_id": chunk.origin.get("request_id", "")}
+    with about(**of), tracing.span("chunk", chunk.origin, told):
         is_sound = _run(ref, chunk, records)
     tracing.flush()
     return is_sound

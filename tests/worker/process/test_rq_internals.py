@@ -29,7 +29,6 @@ SIGNATURES = {
     "connection_timeout": "(self)",
     "_pubsub_exception_handler": "(self, exc, pubsub, pubsub_thread)",
     "get_current_job_id": "(self, pipeline)",
-    "execute_job": "(self, job, queue)",
     "kill_horse": "(self, sig)",
     "request_stop": "(self, signum, frame)",
     "request_force_stop": "(self, signum, frame)",

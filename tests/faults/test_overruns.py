@@ -1,0 +1,159 @@
+"""Estimates that are wrong, on a service with a worker that is kept for short work."""
+
+from __future__ import annotations
+
+import time
+
+import httpx
+import pytest
+from redis import Redis
+
+from service.api.settings import Settings
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.jobs import a_document, a_request, ended, read_batch, submit_batch
+from tests.support.processes import PATIENCE, Process, Workers, descendants, until
+from tests.support.service_server import GEOMETRY, serving
+from worker.answers.items import Item
+from worker.answers.requests import JobRequest
+from worker.jobs.ends import read_ends
+from worker.jobs.queue import JobQueue
+from worker.settings import WorkerSettings
+
+SOON = {"overrun_factor": 0.1, "overrun_floor": 0.3, "beat_interval": 0.2}
+NEVER = {"overrun_floor": PATIENCE, "beat_interval": 0.2}
+
+
+def jobs(redis: Redis, task: str) -> JobQueue:
+    return JobQueue(redis, WorkerSettings(task=f"tests.support.hard_tasks.{task}"))
+
+
+def start_light(workers: Workers, queue: JobQueue, **settings: object) -> Process:
+    return workers.start("light", **settings, task=queue.settings.task)
+
+
+def start(workers: Workers, queue: JobQueue, **settings: object) -> Process:
+    return workers.start(**settings, task=queue.settings.task)
+
+
+def state(queue: JobQueue, job_id: str) -> tuple[str, int]:
+    view = queue.get(job_id)
+    assert view is not None
+    return view.status, view.overruns
+
+
+def test_wrong_estimates_hold_up_no_small_question(
+    valkey: EmbeddedValkey, redis: Redis, workers: Workers
+) -> None:
+    """Eight questions that are estimated as short never end, on two workers. Small ones beside them are
+    answered at once, by the worker that is kept for short work.
+    """
+    queue = jobs(redis, "endless")
+    light = start_light(workers, queue, **NEVER)
+    start(workers, queue, **NEVER)
+    wrong = [queue.submit(a_request(str(n))).id for n in range(1, 9)]
+    with (
+        serving(Settings(redis_url=valkey.url)) as url,
+        httpx.Client(base_url=url, timeout=PATIENCE) as client,
+    ):
+        for l1 in ("14.98", "27", "26"):
+            body = {"geometry": GEOMETRY, "l1": l1, "digits": 15}
+            answer = client.post("/v1/cusp-tables", json=body, headers={"Prefer": "wait=30"})
+            assert answer.status_code == 200
+    assert {state(queue, job) for job in wrong} == {("running", 0)}
+    assert len(descendants(light.pid)) >= 7, "none of them had to end"
+    for job in wrong:
+        queue.cancel(job)
+    until(lambda: len(descendants(light.pid)) <= 1)
+    assert ended(JobQueue(redis), JobQueue(redis).submit(a_request("1")).id).status == "succeeded"
+
+
+def test_more_wrong_estimates_than_may_run_at_once(redis: Redis, workers: Workers) -> None:
+    """So many of them come that the worker that is kept for short work can run no more beside each other. It
+    gives back those that are furthest beyond their estimates, and takes the next one.
+    """
+    queue = jobs(redis, "endless")
+    start_light(workers, queue, **NEVER)
+    start(workers, queue, **NEVER)
+    wrong = [queue.submit(a_request(str(n))).id for n in range(1, 13)]
+    usual = JobQueue(redis)
+    assert ended(usual, usual.submit(a_request("14.98")).id).status == "succeeded"
+    assert queue.chunks.depths()["heavy"] >= 1
+    assert "given back to the lane heavy" in workers.log.read_text()
+    for job in wrong:
+        queue.cancel(job)
+
+
+@pytest.mark.parametrize("request_", [a_request("1", "2"), a_document()], ids=["table", "document"])
+def test_an_overrun_is_given_back_once(redis: Redis, workers: Workers, request_: JobRequest) -> None:
+    """A chunk takes a few times its estimate on the worker that is kept for short work. Once there is another
+    worker it is given back, without a loss, and done there; the log and the job say so.
+    """
+    queue = jobs(redis, "slow_once")
+    light = start_light(workers, queue, **SOON)
+    job = queue.submit(request_).id
+    until(lambda: state(queue, job) == ("running", 1))
+    assert descendants(light.pid), "nobody else would take it"
+    start(workers, queue, **SOON)
+    view = ended(queue, job)
+    assert (view.status, view.overruns) == ("succeeded", 1)
+    until(lambda: not descendants(light.pid))
+    ends = read_ends(redis.hgetall(queue.records.keys.ends))
+    assert not ends.lost
+    assert {what for (_, what), n in ends.overruns.items() if n} == {"left", "given-back"}
+    told = workers.log.read_text()
+    assert told.count("WARNING") == 2, told
+    assert "overran; given back to the lane heavy; it has run for" in told
+    assert told.count(f"job={job}") == 2
+
+
+def test_the_items_before_an_overrun_stay(redis: Redis, workers: Workers) -> None:
+    """An item of a batch takes a few times the estimate of its chunk. What was answered before it is kept; it
+    and the rest of its chunk are done by the other worker.
+    """
+    queue = jobs(redis, "endless_at_13")
+    start_light(workers, queue, **SOON)
+    view = submit_batch(queue, [Item(request=a_request(n)) for n in ("1", "2", "13", "3")])
+    until(lambda: state(queue, view.id) == ("running", 1))
+    stored = read_batch(queue, view)
+    assert [item.state for item in stored] == ["succeeded", "succeeded", "open", "open"]
+    start(workers, queue, **SOON, deadline=1)
+    done = ended(queue, view.id)
+    assert (done.status, done.failed) == ("succeeded", 1)
+    stored = read_batch(queue, view)
+    assert [item.state for item in stored] == ["succeeded", "succeeded", "failed", "succeeded"]
+    assert not read_ends(redis.hgetall(queue.records.keys.ends)).lost
+
+
+@pytest.mark.parametrize("moment", [0.0, *(pytest.param(x, marks=pytest.mark.long) for x in (0.02, 0.1))])
+def test_a_worker_is_killed_as_it_gives_back(redis: Redis, workers: Workers, moment: float) -> None:
+    """The worker that is kept for short work is killed at the moment at which it gives a chunk back. The job
+    is done by the other worker.
+    """
+    queue = jobs(redis, "slow_once")
+    light = start_light(workers, queue, **SOON)
+    job = queue.submit(a_request("1")).id
+    until(lambda: state(queue, job) == ("running", 1))
+    start(workers, queue, **SOON, sweep_interval=0.2, lost_grace=0.2, beat_ttl=2)
+    until(lambda: redis.hexists(queue.records.keys.ends, "overruns:ct:given-back"))
+    time.sleep(moment)
+    light.kill()
+    assert ended(queue, job).status == "succeeded"
+    assert not read_ends(redis.hgetall(queue.records.keys.ends)).lost
+
+
+def test_a_chunk_that_waits_overruns_too(redis: Redis, workers: Workers) -> None:
+    """A chunk waits for something without computing. It is given back after a longer time, and small ones
+    are answered meanwhile.
+    """
+    queue, usual = jobs(redis, "gated"), JobQueue(redis)
+    start_light(workers, queue, **SOON)
+    job = queue.submit(a_request("1")).id
+    until(lambda: redis.llen("begun") == 1)
+    begun = time.monotonic()
+    assert ended(usual, usual.submit(a_request("14.98")).id).status == "succeeded"
+    until(lambda: state(queue, job) == ("running", 1))
+    assert time.monotonic() - begun > 3 * SOON["overrun_floor"]
+    start(workers, queue, **SOON)
+    until(lambda: redis.lrange("begun", 0, -1) == [b"0", b"1"])
+    redis.set("gate", 1)
+    assert ended(queue, job).status == "succeeded"

@@ -1,0 +1,329 @@
+"""The chunks that the work horses of a worker run: from the start of each to what becomes of it.
+
+A worker runs one chunk at a time. One that is kept for short work does not let a chunk that takes longer than
+most hold up the next small one: it runs that beside it, and gives back what takes a few times its estimate.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import select
+import time
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any
+
+from redis.exceptions import RedisError
+
+from worker.answers import tables
+from worker.answers.kinds import is_batch, kind_of_job
+from worker.jobs.attempts import ChunkRef, Estimate
+from worker.jobs.chunks import ChunkQueue
+from worker.jobs.interruption import fail, give_up, place, run_again
+from worker.jobs.lanes import Lane
+from worker.jobs.overruns import Overruns
+from worker.jobs.records import JobRecords
+from worker.logs import about
+from worker.process.horse import BeatAlarm, Horse, Task
+from worker.process.horse_exit import UNANSWERED, GivenUp, Outcome, RunAgain, judge_exit
+from worker.process.os_limits import processor_seconds, stop_signals_held
+from worker.process.preload import load_numpy
+from worker.settings import WorkerSettings
+
+log = logging.getLogger("rpr_cusps.worker")
+
+SHORT = 0.1
+"""Seconds after which a chunk no longer holds up the next small one; most small ones take less."""
+
+MOST = 9
+"""Chunks that run at once on a worker that is kept for short work."""
+
+_WAITS_AFTER = 5  # floors: what takes so long without a processor's time has overrun too
+_TOO_MANY_FACTOR, _TOO_MANY_FLOOR = 2.0, 0.5  # instead of the settings, while there are too many
+
+
+@dataclass
+class Run:
+    """A chunk that a work horse runs.
+
+    Attributes:
+        start: the time of its start.
+        place: the items of a batch that were done before.
+        had: the processor's time that its horse had before, if the system tells.
+        estimate: its estimate, once it is read.
+        is_aside: whether other chunks go before it.
+        has_overrun: whether it has been noted that it takes a few times its estimate.
+        ended_for: why the worker ended its horse, if it did.
+        following: where it goes on if it was given back.
+    """
+
+    ref: ChunkRef
+    horse: Horse
+    start: float
+    place: int
+    had: float | None
+    estimate: Estimate | None = None
+    is_aside: bool = False
+    has_overrun: bool = False
+    ended_for: str | None = None
+    following: tuple[ChunkRef, Lane] | None = None
+
+    @property
+    def age(self) -> float:
+        """The seconds since its start."""
+        return time.monotonic() - self.start
+
+    @property
+    def took(self) -> float:
+        """The processor's time that it has had; where the system does not tell, its age."""
+        now = processor_seconds(self.horse.pid)
+        return self.age if now is None or self.had is None else now - self.had
+
+    @property
+    def ratio(self) -> float:
+        """How many times its estimate it has taken."""
+        return self.took / self.estimate.seconds if self.estimate else 0.0
+
+    def has_taken(self, factor: float, floor: float) -> bool:
+        """Whether it has taken `factor` times its estimate, and `floor` seconds."""
+        if self.estimate is None:
+            return False
+        bound = max(factor * self.estimate.seconds, floor)
+        return self.took > bound or self.age > max(bound, _WAITS_AFTER * floor)
+
+    def end(self, reason: str) -> None:
+        """Kill the horse; the first reason counts."""
+        self.ended_for = self.ended_for or reason
+        self.horse.kill()
+
+
+@dataclass
+class Runs:
+    """The chunks that a worker runs.
+
+    Attributes:
+        worker: its name.
+        set_signals: how its horses take signals.
+        is_light: whether it is kept for short work.
+    """
+
+    records: JobRecords
+    chunks: ChunkQueue
+    settings: WorkerSettings
+    worker: str
+    set_signals: Callable[[], None]
+    is_light: bool = False
+    running: list[Run] = field(default_factory=list)
+    _idle: Horse | None = None
+    _has_had_tables: bool = False
+
+    def __post_init__(self) -> None:
+        settings = self.settings
+        self._overruns = Overruns(self.records.redis, settings)
+        # sooner than another worker may take a chunk over
+        self._alarm = BeatAlarm(settings.beat_ttl + settings.lost_grace / 2, lambda: self.end("silence"))
+
+    @property
+    def may_begin_another(self) -> bool:
+        """Whether another small chunk may run beside those that run, none of which is short."""
+        return self.is_light and not self.is_full and self.running[-1].age >= SHORT
+
+    @property
+    def is_full(self) -> bool:
+        """Whether as many chunks run as may at once."""
+        return len(self.running) >= MOST
+
+    def begin(self, ref: ChunkRef, function: str, arguments: Mapping[str, Any]) -> None:
+        """Have a work horse run a chunk; those that run already leave it the processor.
+
+        None of RQ's records of executions are kept: the record of the job and the heartbeat hold the state.
+        """
+        before = place(self.records, ref)
+        horse = self._ready_horse()
+        for run in self.running:
+            run.horse.yield_to_others()
+            run.is_aside = True
+        if not self.running:
+            self._alarm.set()
+        self.running.append(Run(ref, horse, time.monotonic(), before, processor_seconds(horse.pid)))
+        horse.run(Task(ref.rq_id, function, arguments))
+        self._has_had_tables = self._has_had_tables or kind_of_job(ref.job_id) is tables.KIND
+
+    def next_look(self, next_beat: float) -> float:
+        """Returns when to attend to the chunks again, unless something happens before."""
+        if self.is_light:  # to look for small ones
+            return min(next_beat, time.monotonic() + SHORT / 2)
+        ends = (run.start + self.settings.deadline for run in self.running if run.ended_for is None)
+        return min([next_beat, *ends])
+
+    def attend(self, ready: Collection[int], stopped: str | None) -> None:
+        """Record what became of the chunks whose horses can be read, and end others whose time is over.
+
+        `stopped`: the chunk that is to be stopped by a command.
+        """
+        settings = self.settings
+        for run in [*self.running]:
+            if run.horse.fileno() in ready:
+                self._close(run)
+            elif run.ended_for is not None:
+                continue
+            elif stopped == run.ref.rq_id:
+                run.end("canceled")
+            elif run.age >= settings.deadline:
+                run.end("deadline")
+            elif not run.has_overrun and run.has_taken(settings.overrun_factor, settings.overrun_floor):
+                self._note_overrun(run)
+            elif run.estimate is None and run.age >= SHORT and self.is_light:
+                self._read_estimate(run)
+
+    def beat(self) -> None:
+        """Send the heartbeats of all chunks, and end those that are not to be run any more.
+
+        Raises:
+            RedisError: Redis cannot be reached.
+        """
+        for run in [*self.running]:
+            if not self.records.beat(run.ref, self.worker):
+                run.end("canceled")
+            elif run.ended_for is not None:
+                run.horse.kill()
+            elif run.estimate is None:
+                self._read_estimate(run)
+            elif run.has_overrun and self.is_light:  # there was no worker to give it back to
+                self._note_overrun(run)
+        self._alarm.reset()
+
+    def relieve(self) -> None:
+        """Give back the chunk that is furthest beyond its estimate: small ones wait, and too many run."""
+        over = [run for run in self.running if run.has_taken(_TOO_MANY_FACTOR, _TOO_MANY_FLOOR)]
+        if over and not any(run.ended_for for run in self.running):
+            self._note_overrun(max(over, key=lambda run: run.ratio))
+
+    def end(self, reason: str) -> None:
+        """End all work horses that run a chunk."""
+        for run in self.running:
+            run.end(reason)
+
+    def abandon(self) -> None:
+        """End all work horses, and leave their chunks to the sweeper."""
+        for run in self.running:
+            run.horse.kill()
+            run.horse.collect()
+        if self.running:
+            self.running.clear()
+            self._alarm.clear()
+        self._end_idle()
+
+    def _read_estimate(self, run: Run) -> None:
+        with contextlib.suppress(RedisError):
+            run.estimate = self.records.estimate(run.ref) or Estimate(inf)
+
+    def _note_overrun(self, run: Run) -> None:
+        is_new, run.has_overrun = not run.has_overrun, True
+        try:
+            following = self._overruns.note(run.ref, is_new=is_new, gives_back=self.is_light)
+        except RedisError as error:
+            log.warning("the overrun of %s could not be recorded: %s", run.ref.rq_id, error)
+            run.has_overrun = not is_new
+            return
+        if following is not None:
+            run.following = following
+            run.end("overrun")
+        if is_new or following:
+            where = f"; given back to the lane {following[1]}" if following else ""
+            self._warn(run, f"overran{where}")
+
+    def _warn(self, run: Run, what: str) -> None:
+        kind, estimate = kind_of_job(run.ref.job_id), run.estimate
+        name = "unknown" if kind is None else kind.name
+        estimated = f"{estimate.seconds:.2f} s" if estimate and estimate.seconds < inf else "unknown"
+        with self._about(run):
+            log.warning(
+                "chunk %d (%s): %s; it has run for %.1f s, the estimate was %s",
+                *(run.ref.index, name, what, run.age, estimated),
+            )
+
+    def _about(self, run: Run) -> contextlib.AbstractContextManager[None]:
+        if run.estimate is None:
+            self._read_estimate(run)
+        request_id = "" if run.estimate is None else run.estimate.request_id
+        return about(job=run.ref.job_id, request_id=request_id)
+
+    # -- the end of a chunk ------------------------------------------------------------------------
+
+    def _close(self, run: Run) -> None:
+        """Record what became of a chunk whose horse has done it, or has exited."""
+        self.running.remove(run)
+        if not self.running:
+            self._alarm.clear()
+        ended_for = run.ended_for
+        status = 0
+        if ended_for is not None:
+            run.horse.kill()
+            status = run.horse.collect()
+        elif not run.horse.has_stayed():
+            status = run.horse.collect()
+        elif run.is_aside or self._idle is not None:
+            run.horse.kill()
+            run.horse.collect()
+        else:
+            self._idle = run.horse
+        has_advanced = ended_for == "deadline" and self._has_advanced(run)
+        outcome = judge_exit(status, ended_for, self.settings, has_advanced=has_advanced)
+        if outcome is not None:  # else the horse has logged it
+            how = f"stopped ({ended_for})" if ended_for else "lost its work horse"
+            with self._about(run):
+                log.info("chunk %d: %s after %.2f s", run.ref.index, how, run.age)
+        self._settle(run, outcome)
+
+    def _has_advanced(self, run: Run) -> bool:
+        with contextlib.suppress(RedisError):
+            return place(self.records, run.ref) > run.place
+        return False
+
+    def _settle(self, run: Run, outcome: Outcome | None) -> None:
+        """Record the outcome of a chunk that no work horse runs any more."""
+        ref = run.ref
+        try:
+            if self.records.end_beat(ref) and outcome is None:
+                outcome = UNANSWERED
+            if run.following is not None:
+                self.chunks.put_back(*run.following, is_first=False)
+            elif outcome is not None:
+                self._record(run, outcome)
+        except RedisError as error:
+            log.warning("the outcome of %s could not be recorded: %s", ref.rq_id, error)
+
+    def _record(self, run: Run, outcome: Outcome) -> None:
+        todo = self.records, self.chunks, run.ref
+        if isinstance(outcome, RunAgain):
+            run_again(*todo, outcome.lost, outcome.kind, outcome.detail)
+            return
+        if outcome.kind == "timeout":
+            self._warn(run, "timeout")
+        if isinstance(outcome, GivenUp) or (outcome.kind and is_batch(run.ref.job_id)):
+            give_up(*todo, outcome.kind, outcome.detail)
+        elif outcome.kind:
+            fail(*todo, outcome.kind, outcome.detail)
+
+    # -- the work horses ---------------------------------------------------------------------------
+
+    def _ready_horse(self) -> Horse:
+        """Returns the idle work horse, a new one if there is none or it has exited since its last chunk."""
+        if self._idle is not None and select.select([self._idle], [], [], 0)[0]:
+            self._end_idle()
+        if self._idle is None:
+            with stop_signals_held():  # until it is known here, so that a stop finds it
+                if self._has_had_tables:
+                    load_numpy()
+                self._idle = Horse(self.set_signals, self.settings, [run.horse for run in self.running])
+        horse, self._idle = self._idle, None
+        return horse
+
+    def _end_idle(self) -> None:
+        if self._idle is not None:
+            self._idle.kill()
+            self._idle.collect()
+            self._idle = None
