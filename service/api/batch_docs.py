@@ -159,22 +159,39 @@ DELIVERIES_RESPONSES: Docs = {
     200: json_response("The deliveries.", "Deliveries"),
     **problems(ProblemType.NOT_FOUND, UNAVAILABLE),
 }
+RESULT_FORMATS = ("ndjson", "json")
+"""How results can be had, as `format` names it."""
+
 RESULTS_PARAMETERS: dict[str, Any] = {
     "parameters": [
+        {
+            "name": "format",
+            "in": "query",
+            "required": False,
+            "description": "The form of the answer, for clients that cannot choose it by Accept: lines, or "
+            "one array of them.",
+            "schema": {"type": "string", "enum": list(RESULT_FORMATS)},
+        },
         _header(
             "Prefer",
             "RFC 7240. `wait=N` keeps the response open for up to N seconds; with `order=completion` the "
             "lines come as the items are done.",
             wait="wait=60",
             completion="wait=60, order=completion",
-        )
+        ),
     ]
 }
 RESULTS_RESPONSES: Docs = {
     200: {
         "description": "A line for each item, as BatchResult describes it.",
         "headers": dict(PREFERENCE_APPLIED),
-        "content": {NDJSON: {"schema": ref("BatchResult"), "example": _RESULTS}},
+        "content": {
+            NDJSON: {"schema": ref("BatchResult"), "example": _RESULTS},
+            JSON: {
+                "schema": {"type": "array", "items": ref("BatchResult")},
+                "example": _LINES_OF_RESULTS,
+            },
+        },
     },
     **problems(
         ProblemType.NOT_FOUND,

@@ -196,6 +196,15 @@ class _Completions:
                 return
 
 
+async def as_array(lines: AsyncGenerator[bytes]) -> AsyncGenerator[bytes]:
+    """Yields the pieces of lines as those of one JSON array."""
+    before = b"["
+    async for piece in lines:  # it ends with a line or within one; JSON itself has no line feed
+        yield before + piece.removesuffix(b"\n").replace(b"\n", b",\n")
+        before = b",\n" if piece.endswith(b"\n") else b""
+    yield b"[]" if before == b"[" else b"]"
+
+
 def _start(stored: StoredItem, status: str) -> bytes:
     item = stored.item
     kind = item.kind if item.request is None else item.request.kind.name

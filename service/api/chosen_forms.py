@@ -43,9 +43,9 @@ def choice_of(request: Request, forms: Forms) -> Choice:
     Raises:
         ProblemError: 422, a value is not known.
     """
-    numbers = _one_of(request, "numbers", NUMBERS)
+    numbers = one_of(request, "numbers", NUMBERS)
     chosen = {**forms, JSON: FLOATS} if numbers == "float" else forms
-    name = _one_of(request, "format", format_names(forms))
+    name = one_of(request, "format", format_names(forms))
     said = [("format", name), ("numbers", "float" if numbers == "float" else None)]
     query = "&".join(f"{key}={value}" for key, value in said if value is not None)
     query = f"?{query}" if query else ""
@@ -94,7 +94,12 @@ FLOATS = Form(
 """JSON with numbers in place of text."""
 
 
-def _one_of(request: Request, name: str, known: Sequence[str]) -> str | None:
+def one_of(request: Request, name: str, known: Sequence[str]) -> str | None:
+    """Returns the value of a parameter of a query, or None.
+
+    Raises:
+        ProblemError: 422, it is not one of these.
+    """
     value = request.query_params.get(name)
     if value is None or value in known:
         return value

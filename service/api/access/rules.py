@@ -16,7 +16,8 @@ from service.api.problems import ProblemError, ProblemType
 CHALLENGE = 'Bearer realm="rpr-cusps"'
 
 _CALLS: tuple[tuple[Scope | None, Iterable[str]], ...] = (
-    (None, ("GET /", "GET /docs", "GET /openapi.json", "GET /schemas/geometry.json", "GET /static/{path}")),
+    (None, ("GET /", "GET /docs", "GET /openapi.json", "GET /openapi.yaml")),
+    (None, ("GET /schemas/geometry.json", "GET /static/{path}")),
     (None, ("GET /problems", "GET /problems/{slug}", "GET /healthz", "GET /readyz")),
     ("read", ("GET /version", "GET /v1/limits")),
     ("read", ("GET /v1/jobs/{job_id}", "GET /v1/batches/{batch_id}")),

@@ -9,8 +9,9 @@ from fastapi import APIRouter, Path, Query, Request, Response
 
 from service.api import batch_docs as doc
 from service.api.batch_intake import accept_batch
-from service.api.batch_results import BatchResults, Wanted
+from service.api.batch_results import BatchResults, Wanted, as_array
 from service.api.batch_view import batch_json
+from service.api.chosen_forms import FORMATS, one_of
 from service.api.context import Context, ContextDep
 from service.api.ending import deliveries, end
 from service.api.following import follow
@@ -95,8 +96,10 @@ async def get_results(
     With `Prefer: wait=N` the response stays open for up to N seconds (see max_batch_wait_seconds in
     /v1/limits) and sends each line once all before it are sent; it ends with the batch. `after` resumes it.
     With `Prefer: wait=N, order=completion` the lines come in the order in which the items are done.
+
+    As `application/json` the lines are the elements of one array, for clients that read no lines.
     """
-    negotiate(request.headers.getlist("accept"), (NDJSON,))
+    media_type = _form_of(request)
     view = await context.redis(_batch, context, batch_id)
     prefer, longest = parse_prefer(request.headers.getlist("prefer")), context.settings.limits
     seconds = None if prefer.wait is None else min(prefer.wait, longest.max_batch_wait_seconds)
@@ -113,10 +116,12 @@ async def get_results(
     if seconds is not None:
         headers["Content-Encoding"] = "identity"  # compressed, lines would wait for each other
     if request.scope.get(IS_HEAD):
-        return Response(headers=headers, media_type=NDJSON)
+        return Response(headers=headers, media_type=media_type)
     pieces = BatchResults(context, view).pieces(Wanted(after + 1, seconds, prefer.by_completion))
+    if media_type == JSON:
+        pieces = as_array(pieces)
     places = context.large_answers if seconds is None else context.followers
-    return LargeAnswer(pieces, headers, NDJSON, places, 0 if seconds is not None else LARGE)
+    return LargeAnswer(pieces, headers, media_type, places, 0 if seconds is not None else LARGE)
 
 
 @router.get("/v1/batches/{batch_id}/events", summary="Follow a batch", responses=doc.EVENTS_RESPONSES)
@@ -151,6 +156,11 @@ async def cancel_batch(
     it, and without keys `links.cancel` of the answer to the submission withdraws it from anywhere.
     """
     return _response(context, await end(request, context, _batch, batch_id, subscription, force))
+
+
+def _form_of(request: Request) -> str:
+    name = one_of(request, "format", doc.RESULT_FORMATS)
+    return negotiate(request.headers.getlist("accept"), (NDJSON, JSON)) if name is None else FORMATS[name]
 
 
 def _batch(context: Context, batch_id: str) -> JobView:

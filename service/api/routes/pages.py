@@ -49,6 +49,14 @@ async def openapi_json(request: Request) -> Response:
     return Response(json_bytes(contract), headers={"Cache-Control": "no-cache"}, media_type=JSON)
 
 
+@router.get("/openapi.yaml")
+async def openapi_yaml(request: Request) -> Response:
+    """The OpenAPI document for tools that ask for YAML, which JSON is (YAML 1.2, section 1.2)."""
+    contract = json.loads((await openapi_json(request)).body)
+    text = json.dumps(contract, indent=2, ensure_ascii=False) + "\n"
+    return Response(text, headers={"Cache-Control": "no-cache"}, media_type="application/yaml")
+
+
 @router.get("/schemas/geometry.json")
 async def geometry_schema(request: Request) -> Response:
     """The JSON Schema of a file with a geometry, for editors."""

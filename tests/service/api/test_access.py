@@ -73,7 +73,9 @@ def bearer(store: KeyStore, scope: Scope = "submit", expires: float | None = Non
     return {"Authorization": f"Bearer {token}"}
 
 
-@pytest.mark.parametrize("path", ["/", "/healthz", "/docs", "/openapi.json", "/problems/unauthorized"])
+@pytest.mark.parametrize(
+    "path", ["/", "/healthz", "/docs", "/openapi.json", "/openapi.yaml", "/problems/unauthorized"]
+)
 def test_what_is_open_to_all(guarded: httpx.Client, path: str) -> None:
     assert guarded.get(path).status_code == 200
     assert guarded.get("/readyz").status_code == 503  # there is no worker

@@ -166,6 +166,21 @@ def test_a_bad_item_is_a_problem_in_its_place(client: httpx.Client) -> None:
     assert state["created_at"] <= state["started_at"] <= state["finished_at"] < state["expires_at"]
 
 
+def test_results_as_one_array(client: httpx.Client) -> None:
+    batch = submitted(client, lines(*[table(x) for x in (1, 2, 3)], {"kind": "poses", "request": {}}), NDJSON)
+    expected = results(client, batch)
+    url = batch["links"]["results"]
+    for params, headers in (({"format": "json"}, {}), ({}, {"Accept": "application/json"})):
+        answer = client.get(url, params=params, headers=headers)
+        assert answer.headers["content-type"] == "application/json"
+        assert answer.json() == expected
+    assert client.get(url, params={"format": "json", "after": 2}).json() == expected[3:]
+    assert client.get(url, params={"format": "json", "after": 3}).json() == []
+    waited = client.get(url, params={"format": "json"}, headers={"Prefer": "wait=5, order=completion"}).json()
+    assert sorted(line["index"] for line in waited) == [0, 1, 2, 3]
+    assert client.get(url, params={"format": "csv"}).status_code == 422
+
+
 def test_rows_of_every_kind(client: httpx.Client) -> None:
     head = f"\ufeffid,kind,{HEAD},fixed_leg,l1,l1_from,l1_to,l1_step,l2,l3,digits,max_cusps"
     rows = [

@@ -46,6 +46,16 @@ def test_the_rules_of_a_requirement_and_of_positive_numbers_are_in_the_schema() 
     assert schemas["Requirement"]["then"]["required"] == ["min_cusps"]
 
 
+def test_a_key_is_optional_in_the_contract() -> None:
+    """It is said once: what an operation says itself, generators take for a key that it needs."""
+    contract = create_app().openapi()
+    assert contract["security"] == [{}, {"key": []}]
+    own = {
+        str(operation.get("security")) for path in contract["paths"].values() for operation in path.values()
+    }
+    assert own == {"None", "[]"}
+
+
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     folder = tmp_path_factory.mktemp("generated")
@@ -85,6 +95,14 @@ def test_a_generated_client_gets_a_table(generated: str, base_url: str) -> None:
         problem = post.sync(client=client, body=question)
         assert isinstance(problem, models.Problem)
         assert [error.field for error in problem.errors] == ["digits"]
+        question.digits = 15
+        items = [models.BatchItem.from_dict({"kind": "cusp-table", "request": question.to_dict()})]
+        batch = of("api.batches.post_batch").sync(client=client, body=models.BatchRequest(items=items))
+        get = of("api.batches.get_results")
+        form = models.GetResultsFormat.JSON
+        [line] = get.sync(batch.id, client=client, format_=form, prefer="wait=60")
+        assert isinstance(line, models.BatchResult)
+        assert (line.index, line.kind, line.status) == (0, "cusp-table", "succeeded")
 
 
 @pytest.fixture(scope="module")

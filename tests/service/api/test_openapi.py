@@ -3,7 +3,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
+import yaml
 
 from service.api.app import create_app
 from service.api.problems import MEDIA_TYPE
@@ -14,6 +16,12 @@ from tests.support.contract import demands, known, promises
 @pytest.fixture(scope="module")
 def contract() -> dict[str, Any]:
     return create_app().openapi()
+
+
+def test_the_service_has_it_as_yaml_too(idle: httpx.Client) -> None:
+    as_yaml, as_json = idle.get("/openapi.yaml"), idle.get("/openapi.json")
+    assert as_yaml.headers["content-type"].startswith("application/yaml")
+    assert yaml.safe_load(as_yaml.text) == as_json.json()
 
 
 def test_openapi_yaml_is_what_the_application_says(capsys: pytest.CaptureFixture[str]) -> None:
