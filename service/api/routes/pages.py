@@ -52,7 +52,7 @@ async def openapi_json(request: Request) -> Response:
 @router.get("/openapi.yaml")
 async def openapi_yaml(request: Request) -> Response:
     """The OpenAPI document for tools that ask for YAML, which JSON is (YAML 1.2, section 1.2)."""
-    contract = json.loads((await openapi_json(request)).body)
+    contract = json.loads(bytes((await openapi_json(request)).body))
     text = json.dumps(contract, indent=2, ensure_ascii=False) + "\n"
     return Response(text, headers={"Cache-Control": "no-cache"}, media_type="application/yaml")
 
