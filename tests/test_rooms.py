@@ -40,7 +40,7 @@ MAY_IMPORT = {
     "worker.answers": "rpr_solver worker.settings",
     "worker.process": "rpr_solver worker.settings worker.connection worker.logs worker.tracing worker.jobs "
     "worker.answers",
-    "worker.__main__": "worker.settings worker.jobs worker.process",
+    "worker.__main__": "worker.settings worker.logs worker.jobs worker.process",
     "worker": "",
     # service: faces people and programs
     "service.errors": "",

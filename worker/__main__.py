@@ -9,12 +9,14 @@ import sys
 from pydantic import ValidationError
 
 from worker.jobs.lanes import DUTIES
+from worker.logs import log_uncaught, told
 from worker.process.start import WorkerError, run_worker
 from worker.settings import settings_problem
 
 
 def main() -> int:
     """Run one worker."""
+    log_uncaught("worker")
     parser = argparse.ArgumentParser(prog="python -m worker", description=__doc__)
     parser.add_argument("--redis-url", default=os.environ.get("RPR_CUSPS_REDIS_URL"))
     parser.add_argument("--name")
@@ -29,7 +31,7 @@ def main() -> int:
         message, status = settings_problem(error), 2
     except WorkerError as error:
         message, status = str(error), 1
-    print(f"worker: {message}", file=sys.stderr)
+    print(told("worker", message), file=sys.stderr)
     return status
 
 

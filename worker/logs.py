@@ -5,16 +5,18 @@ from __future__ import annotations
 import atexit
 import json
 import logging
+import os
 import queue
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from datetime import UTC, datetime
-from types import MappingProxyType
-from typing import Literal, TextIO
+from types import MappingProxyType, TracebackType
+from typing import Any, Literal, TextIO, cast
 
 LogFormat = Literal["text", "json"]
 
@@ -51,10 +53,56 @@ def set_up(level: str, form: LogFormat, *, in_background: bool = False) -> None:
     logging.basicConfig(level=level, handlers=[handler])
 
 
-def line(logger: str, message: str, form: LogFormat) -> str:
+def line(logger: str, message: str, form: LogFormat, level: int = logging.WARNING) -> str:
     """Returns a warning as it would be logged, for a process that writes its few lines itself."""
-    fields = {"name": logger, "levelno": logging.WARNING, "levelname": "WARNING", "msg": message}
-    return _formatter(form).format(logging.makeLogRecord(fields))
+    return _formatter(form).format(_record(logger, message, level))
+
+
+def asked_form() -> LogFormat:
+    """Returns the form that the environment asks for; settings may not be read yet, or be wrong."""
+    return "json" if os.environ.get("RPR_CUSPS_LOG_FORMAT", "").strip().lower() == "json" else "text"
+
+
+def told(program: str, message: str, level: int = logging.ERROR) -> str:
+    """Returns what a program says of itself: `rpr-cusps serve: MESSAGE`, or an object if it is asked for."""
+    if asked_form() == "text":
+        return f"{program}: {message}"
+    return line(f"rpr_cusps.{program.split()[-1]}", message, "json", level)
+
+
+def log_uncaught(program: str) -> None:
+    """If lines are to be objects, let warnings and errors be such that nobody catches or logs otherwise."""
+    if asked_form() == "text":
+        return
+    logger, form = f"rpr_cusps.{program.split()[-1]}", _Json()
+
+    def tell(message: str, level: int, exc_info: Any = None) -> None:
+        record = _record(logger, message, level)
+        record.exc_info = exc_info
+        with suppress(OSError, ValueError):
+            sys.stderr.write(form.format(record) + "\n")
+            sys.stderr.flush()
+
+    def uncaught(
+        kind: type[BaseException], error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        if not issubclass(kind, SystemExit | KeyboardInterrupt):
+            tell(f"uncaught: {kind.__name__}: {error}", logging.CRITICAL, (kind, error, traceback))
+
+    def warned(message: Warning | str, kind: type[Warning], file: str, number: int, *_: Any) -> None:
+        tell(f"{kind.__name__}: {message} ({file}, line {number})", logging.WARNING)
+
+    sys.excepthook = uncaught
+    threading.excepthook = lambda args: uncaught(args.exc_type, args.exc_value, args.exc_traceback)
+    sys.unraisablehook = lambda args: uncaught(args.exc_type, args.exc_value, args.exc_traceback)
+    warnings.showwarning = cast(Any, warned)
+    if logging.lastResort is not None:
+        logging.lastResort.setFormatter(form)
+
+
+def _record(logger: str, message: str, level: int) -> logging.LogRecord:
+    fields = {"name": logger, "levelno": level, "levelname": logging.getLevelName(level), "msg": message}
+    return logging.makeLogRecord(fields)
 
 
 def _formatter(form: LogFormat) -> logging.Formatter:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import logging
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
@@ -13,6 +14,7 @@ from service.api.settings import Settings
 from service.schemas.limits import Limits
 from service.stack.settings import SupervisorSettings
 from service.webhooks.settings import WebhookSettings
+from worker.logs import told
 from worker.settings import ConnectionSettings, WorkerSettings
 
 PREFIX = "RPR_CUSPS_"
@@ -43,7 +45,7 @@ def unknown_settings(environment: Mapping[str, str]) -> Iterator[str]:
 def warn_of_unknown_settings(command: str) -> None:
     """Say those sentences on stderr, at the start of a process."""
     for sentence in unknown_settings(os.environ):
-        print(f"rpr-cusps {command}: {sentence}", file=sys.stderr)
+        print(told(f"rpr-cusps {command}", sentence, logging.WARNING), file=sys.stderr)
 
 
 def _hint(name: str, known: Iterable[str]) -> str:

@@ -37,6 +37,7 @@ _SPELLED = {
     "’": "'",
 }
 _ERRORS = "rpr-cusps.spelled"
+_SERVICES = ("rpr-cusps serve", "rpr-cusps worker")
 
 
 class OutputError(Exception):
@@ -135,7 +136,12 @@ def discard() -> None:
 
 
 def say(text: str) -> None:
-    """Print a line for people on stderr, if there is one."""
+    """Print a line for people on stderr, if there is one; of a service, it is one of its log."""
+    program, _, message = text.partition(": ")
+    if program in _SERVICES:
+        from worker.logs import told
+
+        text = told(program, message)
     if sys.stderr is not None:
         print(text, file=sys.stderr, flush=True)
 

@@ -11,6 +11,7 @@ from service.api.prefix import read_prefix
 from service.cli.environment import warn_of_unknown_settings
 from service.cli.options import add_redis_url, whole
 from service.stack.serve import ServeSettings, serve
+from worker.logs import log_uncaught
 from worker.process.os_limits import die_with_parent
 
 DESCRIPTION = __doc__
@@ -72,6 +73,7 @@ def _prefix(text: str) -> str:
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
+    log_uncaught("rpr-cusps serve")
     warn_of_unknown_settings("serve")
     if args.parent_pid is not None:
         die_with_parent(args.parent_pid, signal.SIGTERM)

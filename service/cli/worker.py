@@ -9,6 +9,7 @@ from rpr_solver.errors import InputError
 from service.cli.environment import warn_of_unknown_settings
 from service.cli.options import add_redis_url
 from worker.jobs.lanes import DUTIES
+from worker.logs import log_uncaught, told
 from worker.process.start import WorkerError, run_worker
 
 DESCRIPTION, EXAMPLES = __doc__, None
@@ -33,9 +34,10 @@ def run(args: argparse.Namespace) -> int:
     if args.redis_url is None:
         hint = "give the address of the queue, for example redis://127.0.0.1:6379/0"
         raise InputError.of("--redis-url", f"is missing; {hint}")
+    log_uncaught("rpr-cusps worker")
     warn_of_unknown_settings("worker")
     try:
         return run_worker(args.redis_url, duty=args.duty)
     except WorkerError as error:
-        print(f"rpr-cusps worker: {error}", file=sys.stderr)
+        print(told("rpr-cusps worker", str(error)), file=sys.stderr)
         return FAILED

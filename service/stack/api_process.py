@@ -30,7 +30,7 @@ from service.webhooks.deliverer import Deliverer
 from worker import tracing
 from worker.connection import connect
 from worker.jobs.sweeper import Sweeper
-from worker.logs import set_up
+from worker.logs import log_uncaught, set_up
 from worker.process.os_limits import die_with_parent, on_stop_signals
 from worker.settings import WorkerSettings
 
@@ -42,6 +42,7 @@ _COMPLAINT_PAUSE = 60.0
 
 def main() -> int:
     """Serve until a signal comes, or the parent ends."""
+    log_uncaught("rpr-cusps service")
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--listener", type=int, required=True, help="file descriptor of the listening socket")
     parser.add_argument("--health", type=int, required=True, help="the same of the parent's own connection")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import signal
 import socket
 from contextlib import ExitStack
@@ -58,10 +59,10 @@ def serve(settings: ServeSettings) -> int:
         with signals, ExitStack() as stack:
             _run(settings, signals, stack)
     except ValidationError as error:
-        say(settings_problem(error))
+        say(settings_problem(error), logging.ERROR)
         return _BAD_INPUT
     except StackError as error:
-        say(str(error))
+        say(str(error), logging.ERROR)
         return _BAD_INPUT if isinstance(error, BadAddressError) else _FAILED
     return 0
 

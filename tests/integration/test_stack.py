@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import os
 import re
 import signal
+import socket
 from pathlib import Path
 
 import httpx
@@ -12,7 +15,7 @@ from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request, ended
-from tests.support.processes import PATIENCE, is_running
+from tests.support.processes import PATIENCE, is_running, until
 from tests.support.stack import failure, running
 from worker.jobs.queue import JobQueue
 
@@ -40,6 +43,33 @@ def test_from_nothing_to_an_answer_and_back(tmp_path: Path) -> None:
         assert [pid for pid in parts if is_running(pid)] == []
         assert stack.complaints() == []
     assert not (tmp_path / "valkey.sock").exists()
+
+
+def test_every_line_is_an_object_if_asked_for(tmp_path: Path) -> None:
+    """Also what the supervisor says, what befalls its children, and what uvicorn thinks of its clients."""
+    told = []
+    with running(tmp_path, log_format="json", log_level="info", access_log="all") as stack:
+        told.append(stack.announcement)
+        assert "rpr-cusps is ready at http://" in json.loads(stack.announcement)["message"]
+        host, port = stack.base.removeprefix("http://").split(":")
+        with socket.create_connection((host, int(port)), timeout=PATIENCE) as client:
+            client.sendall(b"nonsense\r\n\r\n")
+            assert client.recv(1 << 16).startswith(b"HTTP/1.1 400 ")
+        worker = stack.part("worker.__main__")
+        os.kill(worker, signal.SIGKILL)
+        until(lambda: worker not in stack.parts() and len(stack.parts()) == 3)
+        question = {"geometry": dict(a_request("1").geometry), "l1": "14.98", "digits": 15}
+        httpx.post(
+            f"{stack.base}/v1/cusp-tables", json=question, headers={"Prefer": "wait=30"}, timeout=PATIENCE
+        )
+        stack.process.send_signal(signal.SIGTERM)
+        assert stack.process.wait(PATIENCE) == 0
+        told += stack.complaints()
+    lines = [json.loads(line) for line in told]
+    assert all(line["time"] and line["level"] and line["logger"] and line["message"] for line in lines)
+    messages = " ".join(line["message"] for line in lines)
+    assert "starting another" in messages
+    assert "/v1/cusp-tables" in messages
 
 
 @pytest.mark.slow

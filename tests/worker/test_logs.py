@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 
@@ -75,3 +76,61 @@ def test_nobody_waits_for_a_reader_of_the_log_that_hangs() -> None:
     dropped, last = lines[-2:]
     assert int(dropped.split(" INFO ")[1].split()[0]) == 30_002 - len(lines)
     assert last.endswith("the last one\n")
+
+
+UNCAUGHT = """
+import gc, logging, sys, threading, warnings
+from worker.logs import log_uncaught
+log_uncaught("rpr-cusps serve")
+logging.getLogger("a").warning("nobody set up a log")
+warnings.warn("a warning")
+thread = threading.Thread(target=lambda: 1 / 0)
+thread.start()
+thread.join()
+class Bad:
+    def __del__(self):
+        raise ValueError("in a destructor")
+Bad()
+gc.collect()
+raise RuntimeError("two\\nlines")
+"""
+
+
+def test_what_nobody_catches_is_an_object_too() -> None:
+    words, asked = [sys.executable, "-c", UNCAUGHT], {"RPR_CUSPS_LOG_FORMAT": "json"}
+    program = subprocess.run(words, capture_output=True, text=True, cwd=ROOT, env={**os.environ, **asked})
+    assert program.returncode == 1
+    lines = [json.loads(line) for line in program.stderr.splitlines()]
+    assert [line["level"] for line in lines] == ["WARNING", "WARNING", "CRITICAL", "CRITICAL", "CRITICAL"]
+    assert [line.get("exception", "").splitlines()[-1:] for line in lines[2:]] == [
+        ["ZeroDivisionError: division by zero"],
+        ["ValueError: in a destructor"],
+        ["lines"],
+    ]
+
+
+COMMANDS = {
+    "no Redis": ["worker", "--redis-url", "rediss://127.0.0.1:1/0?ssl_cert_reqs=nonsense"],
+    "a password on the command line": ["serve", "--redis-url", "redis://:x@127.0.0.1:1/0"],
+    "an unknown option": ["serve", "--prot", "80"],
+    "a port that is none": ["serve", "--port", "x"],
+    "no address": ["worker"],
+    "a host that is none": ["serve", "--host", "no.such.host.invalid", "--port", "0"],
+    "a setting that is none": ["serve", "--port", "0"],
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_service_that_does_not_start_says_so_in_an_object(name: str) -> None:
+    settings = {"RPR_CUSPS_LOG_FORMAT": "json", "RPR_CUSPS_NO_SETTING": "1"}
+    if name == "a setting that is none":
+        settings["RPR_CUSPS_MAX_CONNECTIONS"] = "many\nlines"
+    words = [sys.executable, "-m", "service", *COMMANDS[name]]
+    program = subprocess.run(
+        words, capture_output=True, text=True, cwd=ROOT, env={**environment(), **settings}
+    )
+    assert program.returncode in (1, 2)
+    lines = [json.loads(line) for line in (program.stdout + program.stderr).splitlines()]
+    assert lines[-1]["level"] == "ERROR"
+    assert lines[-1]["logger"] in ("rpr_cusps.serve", "rpr_cusps.worker")
+    assert all(line["message"] for line in lines)
