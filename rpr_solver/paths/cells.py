@@ -184,7 +184,7 @@ class Cells:
         low, high = (
             2 * atan(float(self.sweep.lines[k].root.ball.mid())) for k in (slab, self.sweep.line_after(slab))
         )
-        high += 2 * pi if high <= low else 0.0
+        high += 2 * pi if slab == len(self.sweep.lines) - 1 else 0.0
         turns = 2 * pi * round((theta - (low + high) / 2) / (2 * pi))
         return low + turns, high + turns
 

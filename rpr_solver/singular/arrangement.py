@@ -95,7 +95,7 @@ class _Arrangement:
         self._scale = _GRID / size
         self._state = 0x9E3779B97F4A7C15 * (seed + 1)
         self._named: dict[Hashable, Vector] = {}
-        self._lines = [self._rounded(line) for line in polylines]
+        self._lines = [self._rounded(line, seed) for line in polylines]
         self._chains = list(self._cut(polylines, self._crossings()))
 
     def faces(self) -> list[Face]:
@@ -121,16 +121,20 @@ class _Arrangement:
             for face, parts in rings.items()
         ]
 
-    def _rounded(self, line: Polyline) -> list[Vector]:
-        """The grid points of a polyline, without repetitions."""
-        points = [
-            self._named.get(line.start) or self._named.setdefault(line.start, self._placed(line.points[0]))
-        ]
-        points += map(self._placed, line.points[1:-1])
-        points.append(
-            self._named.get(line.end) or self._named.setdefault(line.end, self._placed(line.points[-1]))
+    def _rounded(self, line: Polyline, seed: int) -> list[Vector]:
+        """The grid points of a polyline, without what runs there and back; one alone if that is all."""
+        first = self._named.get(line.start) or self._named.setdefault(
+            line.start, self._placed(line.points[0])
         )
-        return points
+        inner = line.points[1:-1]
+        if seed and not inner:  # two straight lines between the same ends would overlap
+            (ax, ay), (bx, by) = line.points[0], line.points[-1]
+            inner = (((ax + bx) / 2, (ay + by) / 2),)
+        points = [first, *map(self._placed, inner)]
+        last = self._named.get(line.end) or self._named.setdefault(line.end, self._placed(line.points[-1]))
+        if points[-1] != last:
+            points.append(last)
+        return points[:1] if len(points) == 3 and first == last else points
 
     def _placed(self, point: Point) -> Vector:
         x, y = (round(c * self._scale) + self._jitter() for c in point)
@@ -203,6 +207,8 @@ class _Arrangement:
     ) -> Iterator[_Chain]:
         """The pieces of all polylines between junctions."""
         for k, (line, polyline) in enumerate(zip(self._lines, polylines, strict=True)):
+            if len(line) == 1:
+                continue
             name: Hashable = ("end", polyline.start)
             points: list[Exact] = [line[0]]
             out = _difference(line[1], line[0])

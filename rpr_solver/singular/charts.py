@@ -15,7 +15,7 @@ taken once.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import atan
@@ -202,12 +202,14 @@ def _without_circular_points(form: BiForm) -> BiForm:
 
 
 def _without_repetition(form: BiForm) -> BiForm:
-    """Each rational component taken once."""
+    """Each rational component taken once, also α = 180°, which is t = ∞."""
     common = form.a * 0
     for part in (form.a, form.b):
         for p in (part, part.derivative(0), part.derivative(1)):
             common = common.gcd(p)
-    return form if common.is_constant() else form / common
+    form = form if common.is_constant() else form / common
+    beyond = form.zeros_at_infinity - 1
+    return replace(form, degree_t=form.degree_t - beyond) if beyond > 0 else form
 
 
 def _discriminant(c: Sequence[QuadraticPoly]) -> QuadraticPoly:

@@ -8,7 +8,6 @@ from fractions import Fraction
 
 from flint import arb, ctx, fmpz_poly
 
-from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.factors import ExactRoot
 from rpr_solver.exact.precision import TIMES_BEFORE_EXACT, decided_or_none
@@ -21,7 +20,15 @@ from rpr_solver.model.jets import LocalMap, Pose, R
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.singular.charts import Chart, Turn
 from rpr_solver.singular.sweep import Sweep
-from rpr_solver.singular.vertices import Place, Vertex, VertexKind, placed, point_of_balls, turned
+from rpr_solver.singular.vertices import (
+    NotPlacedError,
+    Place,
+    Vertex,
+    VertexKind,
+    placed,
+    point_of_balls,
+    turned,
+)
 from rpr_solver.slices.joint_points import JointPoint, point_of_pose
 
 
@@ -29,7 +36,7 @@ def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, Place]]:
     """The poses in which a free leg has length 0, unless it closes while stretched along its base line.
 
     Raises:
-        Unproved: a pose could not be placed on its arc.
+        NotPlacedError: a pose could not be placed on its arc.
     """
     chart = sweep.chart
     slice_map = chart.slice_map
@@ -42,7 +49,7 @@ def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, Place]]:
                 pose = ClosedPose(chart, leg, root)
                 place = placed(sweep, root.refined, pose.half_alpha)
                 if place is None:
-                    raise Unproved("a pose with a leg of length 0 could not be placed on its arc")
+                    raise NotPlacedError("a pose with a leg of length 0 could not be placed on its arc")
                 if isinstance(place, Place):
                     yield Vertex(VertexKind.CLOSED_LEG, pose.point(digits)), place
 

@@ -8,7 +8,6 @@ from fractions import Fraction
 from math import degrees
 from typing import Any
 
-from rpr_solver.errors import Unproved
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.singular.arrangement import Polyline
 from rpr_solver.singular.aspects import Aspect, drawn_aspects
@@ -19,6 +18,7 @@ from rpr_solver.singular.strands import Cell, Chain
 from rpr_solver.singular.sweep import Sweep
 from rpr_solver.singular.tracing import TURN, Course, Mark, Sample, Tracer
 from rpr_solver.singular.vertices import (
+    NotPlacedError,
     Place,
     Vertex,
     cusp_place,
@@ -92,6 +92,9 @@ class Drawing:
         finer: gives a cusp, by its number from 1, to more digits.
         tolerance: the largest deviation of a chord, relative to the pictures.
         digits: the significant digits of the vertices.
+
+    Raises:
+        NotPlacedError: a special point could not be placed in the chart of the sweep.
     """
 
     def __init__(
@@ -102,7 +105,7 @@ class Drawing:
         tolerance: float,
         digits: int,
     ) -> None:
-        self._sweep = topology
+        self.sweep = topology
         self._at_cells = dict(vertices_of_lines(topology, digits))
         self._marks: dict[tuple[int, int], list[Mark]] = {}
         for number, cusp in enumerate(cusps, 1):
@@ -128,24 +131,22 @@ class Drawing:
     ) -> None:
         """Puts a cusp on its arc, or on a critical line, where it is also a turning point."""
         vertex = Vertex(PoseKind.CUSP, cusp, number)
-        place = cusp_place(self._sweep, cusp)
+        place = cusp_place(self.sweep, cusp)
         for more in _MORE_DIGITS:
             if not isinstance(place, Place) and more > digits:
-                place = cusp_place(self._sweep, finer(number, more))
+                place = cusp_place(self.sweep, finer(number, more))
         if isinstance(place, Place):
             self._mark(vertex, place)
             return
-        here = (
-            []
-            if place is None
-            else [
+        here = []
+        if place is not None and not all(m.passes for m in self.sweep.lines[place].meetings):
+            here = [
                 (place, cell)
-                for cell, pose in poses_on_line(self._sweep, place)
+                for cell, pose in poses_on_line(self.sweep, place)
                 if pose.kind is PoseKind.CUSP and point_of_pose(pose, digits).point == cusp
             ]
-        )
         if len(here) != 1:
-            raise Unproved(f"cusp {number} could not be placed on the singular curve")
+            raise NotPlacedError(f"cusp {number} could not be placed on the singular curve")
         self._at_cells[here[0]] = vertex
 
     @property
@@ -155,7 +156,7 @@ class Drawing:
 
     def aspects(self) -> list[Aspect]:
         """The aspects of the slice."""
-        return drawn_aspects(self._sweep, lambda slab, arc: self.course(slab, arc).samples, self._tracer.span)
+        return drawn_aspects(self.sweep, lambda slab, arc: self.course(slab, arc).samples, self._tracer.span)
 
     def regions(self, length: Fraction, parts: Sequence[tuple[Chain, Strand]]) -> Regions:
         """The regions of the joint plane between the strands; ``length`` is in the user's unit."""
@@ -173,13 +174,13 @@ class Drawing:
             for index, vertex in strand.vertices
             if vertex.kind is PoseKind.CUSP
         ]
-        slice_map, tolerance = self._sweep.chart.slice_map, self._tracer.tolerance
+        slice_map, tolerance = self.sweep.chart.slice_map, self._tracer.tolerance
         return regions_of(slice_map, length, curves, cusps, self.extent, tolerance)
 
     def _separates(self, chain: Chain) -> bool:
         """Whether J has different signs on both sides, unlike along a repeated component."""
         step = chain.steps[0]
-        signs = self._sweep.slabs[step.slab].signs
+        signs = self.sweep.slabs[step.slab].signs
         return signs[step.arc - 1] != signs[step.arc]
 
     def strand(self, chain: Chain) -> Strand:
@@ -188,7 +189,7 @@ class Drawing:
         vertices: list[tuple[int, Vertex]] = []
         if not chain.steps:
             [(line, number)] = chain.cells
-            samples.append(self._tracer.at_meeting(line, self._sweep.lines[line].meetings[number]))
+            samples.append(self._tracer.at_meeting(line, self.sweep.lines[line].meetings[number]))
             vertices += ((0, vertex) for vertex in self._at(chain.cells[0]))
         for k, step in enumerate(chain.steps):
             course = self.course(step.slab, step.arc)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
+from itertools import chain, pairwise
 from math import floor, hypot, log10
 from typing import Any
 
@@ -30,6 +30,7 @@ from rpr_solver.slices.joint_points import coordinate_names
 
 _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
 _CLEAR = 1e-7
+_ASIDE = 0.17
 
 
 @dataclass(frozen=True)
@@ -123,15 +124,21 @@ def number_of_poses(slice_map: SliceMap, squares: Sequence[Fraction]) -> int:
 def _region(
     slice_map: SliceMap, length: Fraction, face: Face, cusps: Sequence[Point], limits: tuple[float, float]
 ) -> Region | None:
-    """The region of a face; None if it is thin, except at cusps, near which curves are drawn finer."""
-    point, clearance = _inner_point(face)
+    """The region of a face; None if it is thin, except at cusps, near which curves are drawn finer.
+
+    Several points are tried, since one may be special: the image of a whole component may be a point.
+    """
     finest, tolerance = limits
+    points = _inner_points(face)
+    point, clearance = next(points)
     if clearance < finest or (clearance < tolerance and not _touches(face, cusps)):
         return None
-    poses = number_of_poses(slice_map, (length**2, point[0] ** 2, point[1] ** 2))
-    if poses == 2 * face.winding:
-        return Region(poses, point, face.rings, face.bounded)
-    if clearance > 2 * tolerance:
+    wide = clearance > 2 * tolerance
+    for place in chain((point,), (other for other, room in points if wide and room > finest)):
+        poses = number_of_poses(slice_map, (length**2, place[0] ** 2, place[1] ** 2))
+        if poses == 2 * face.winding:
+            return Region(poses, place, face.rings, face.bounded)
+    if wide:
         raise SolverError("a region has another number of poses than its boundary says; please report it")
     return None
 
@@ -164,15 +171,17 @@ def _drawable(curves: Sequence[Polyline], finest: float) -> Iterator[Polyline]:
         yield Polyline(tuple(points), name(start), name(end))
 
 
-def _inner_point(face: Face) -> tuple[tuple[Fraction, Fraction], float]:
-    """A rational point in a face, and its distance from the boundary, as large as a few trials give."""
+def _inner_points(face: Face) -> Iterator[tuple[tuple[Fraction, Fraction], float]]:
+    """Rational points in a face with their distances from the boundary, the farthest of a few first."""
     xs, ys = ([point[k] for ring in face.rings for point in ring] or [1.0] for k in (0, 1))
     if not face.bounded:
         x, y = 2 * max(xs), 2 * max(ys)
-        return (Fraction(floor(x) + 1), Fraction(floor(y) + 1)), min(x, y)
+        yield (Fraction(floor(x) + 1), Fraction(floor(y) + 1)), min(x, y)
+        return
     edges = [edge for ring in face.rings for edge in pairwise(ring)]
     low, high = min(ys), max(ys)
     best, clearance = (xs[0], ys[0]), 0.0
+    others = []
     for level in _LEVELS:
         y = low + level * (high - low)
         cuts = sorted(
@@ -181,14 +190,19 @@ def _inner_point(face: Face) -> tuple[tuple[Fraction, Fraction], float]:
         gap, x = max(
             ((b - a, (a + b) / 2) for a, b in zip(cuts[::2], cuts[1::2], strict=False)), default=(0.0, 0.0)
         )
+        others.append((x + _ASIDE * gap, y))
         if gap / 2 > clearance:
             distance = _distance((x, y), edges)
             if distance > clearance:
                 best, clearance = (x, y), distance
     if clearance < _CLEAR * (high - low + max(xs) - min(xs)):
-        return (_short(best[0], 1e-9 * abs(best[0])), _short(best[1], 1e-9 * abs(best[1]))), 0.0
-    first, second = (_short(x, clearance / 4) for x in best)
-    return (first, second), clearance / 2
+        yield (_short(best[0], 1e-9 * abs(best[0])), _short(best[1], 1e-9 * abs(best[1]))), 0.0
+        return
+    for place in (best, *others):
+        room = clearance if place == best else _distance(place, edges)
+        if room > 0:
+            first, second = (_short(x, room / 4) for x in place)
+            yield (first, second), room / 2
 
 
 def _short(x: float, error: float) -> Fraction:

@@ -41,11 +41,12 @@ from rpr_solver.figures.torus import torus_figure
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, shortened
 from rpr_solver.singular.aspects import Aspect
+from rpr_solver.singular.charts import TURNS
 from rpr_solver.singular.drawing import Drawing, Strand
 from rpr_solver.singular.regions import Region, Regions
 from rpr_solver.singular.strands import Chain, components
-from rpr_solver.singular.sweep import sweep
-from rpr_solver.singular.vertices import Vertex
+from rpr_solver.singular.sweep import Sweep, sweep
+from rpr_solver.singular.vertices import NotPlacedError, Vertex
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.joint_points import JointPoint
@@ -233,14 +234,23 @@ def trace_slice(
     slice_map = eliminant.slice_map
     exact, digits = slice_length(length, slice_map.fixed_leg), check_digits(digits)
     chord = check_tolerance(tolerance)
-    topology = sweep(slice_map, exact * slice_map.scale)
     table = solve_slice(eliminant, exact, digits)
 
     def finer(number: int, digits: int) -> JointPoint:
         return solve_slice(eliminant, exact, digits).cusps[number - 1]
 
-    drawing = Drawing(topology, table.cusps, finer, float(chord), digits)
-    chains = components(topology)
+    def drawn(topology: Sweep) -> Drawing:
+        try:
+            return Drawing(topology, table.cusps, finer, float(chord), digits)
+        except NotPlacedError:
+            chart = topology.chart
+            others = TURNS[TURNS.index((chart.alpha, chart.theta)) + 1 :]
+            if not others:
+                raise
+            return drawn(sweep(slice_map, chart.length, others))
+
+    drawing = drawn(sweep(slice_map, exact * slice_map.scale))
+    chains = components(drawing.sweep)
     parts = tuple(SingularComponent(tuple(map(drawing.strand, part))) for part in chains)
     return SingularCurves(
         eliminant.manipulator,

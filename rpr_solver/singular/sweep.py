@@ -13,9 +13,10 @@ point. On a multiple one, the distinct roots are isolated over a number field, a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
 from math import atan, pi, tan
 
@@ -30,6 +31,8 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.charts import TURNS, Chart, Turn, chart_of
 
 _FIRST_BITS = 64
+_CLOSE = 1e-8
+"""Angles that are nearer to each other than this are told apart by balls."""
 _NARROWER = 8
 """A first interval round a line is this many bits narrower than the slabs beside it."""
 
@@ -174,8 +177,9 @@ def _intervals(roots: Sequence[RealRoot]) -> list[tuple[arb, arb]]:
 def _around(root: RealRoot, left: arb, right: arb, bits: int) -> tuple[Fraction, Fraction]:
     """Two rationals, with few digits, 2^-bits of the way to the limits on both sides."""
     ends = []
-    ball = root.refined(bits + _FIRST_BITS)
-    with ctx.workprec(bits + 2 * _FIRST_BITS):
+    small = max(0, *(-int(x.man_exp()[1]) - int(x.man_exp()[0]).bit_length() for x in (left, right)))
+    ball = root.refined(bits + small + _FIRST_BITS)
+    with ctx.workprec(bits + small + 2 * _FIRST_BITS):
         for width, sign in ((left, -1), (right, 1)):
             step = width * arb(2) ** -bits
             unit = arb(2) ** (int(step.mid().man_exp()[1]) + int(step.mid().man_exp()[0]).bit_length() - 4)
@@ -192,14 +196,17 @@ def _simple_line(chart: Chart, root: RealRoot, left: arb, right: arb) -> Line:
         around = _around(root, left, right, bits)
         sides = [real_roots(chart.above(u)) for u in around]
         longer = max(sides, key=len)
-        angles = [2 * atan(float(x.ball.mid())) for x in longer]
-        gaps = [b - a for a, b in pairwise(angles)]
-        if angles:
-            gaps.append(2 * pi + angles[0] - angles[-1])
         turning = abs(len(sides[0]) - len(sides[1])) == 2
-        closed = min(range(len(gaps)), key=gaps.__getitem__) if turning else None
-        middles = [a + g / 2 for k, (a, g) in enumerate(zip(angles, gaps, strict=True)) if k != closed]
-        return _line(chart, root, None, around, sides, _separators(middles), len(longer) - turning)
+        gaps = _gaps([_End(float(arc.ball.mid()), arc.refined) for arc in longer])
+        if not turning:
+            return _line(chart, root, None, around, sides, _separators(gaps), len(longer))
+        gaps.sort(key=lambda gap: gap.width)
+        for closed in gaps[: max(1, sum(gap.is_close for gap in gaps))]:
+            others = _separators(gap for gap in gaps if gap is not closed)
+            line = _line(chart, root, None, around, sides, others, len(longer) - 1)
+            if line is not None:
+                return line
+        return None
 
     message = "the arcs beside a critical line could not be matched"
     return decided(attempt, _NARROWER, GREATEST_BITS, message)
@@ -213,21 +220,71 @@ def _exact_line(chart: Chart, root: RealRoot, exact: ExactRoot, left: arb, right
         raise SolverError("the singular curve has a whole line theta = const, which is not drawn")
     distinct = squarefree_part(form)
 
-    points = [root(2 * _FIRST_BITS) for root in real_balls(distinct)] if len(distinct) > 1 else []
-    angles = [2 * atan(float(x.mid())) for x in points]
-    middles = [(a + b) / 2 for a, b in pairwise([*angles, angles[0] + 2 * pi])] if angles else [0.0]
+    roots = real_balls(distinct) if len(distinct) > 1 else []
+    points = [root(2 * _FIRST_BITS) for root in roots]
+    gaps = _gaps([_End(float(x.mid()), root) for x, root in zip(points, roots, strict=True)])
+    separators = _separators(gaps) or [Fraction(0)]
 
     def attempt(bits: int) -> Line | None:
         around = _around(root, left, right, bits)
         sides = [real_roots(chart.above(u)) for u in around]
-        return _line(chart, root, exact, around, sides, _separators(middles), 0, points)
+        return _line(chart, root, exact, around, sides, separators, 0, points)
 
     return decided(attempt, _NARROWER, GREATEST_BITS, "the arcs beside a critical line could not be matched")
 
 
-def _separators(angles: Sequence[float]) -> list[Fraction]:
-    """Rational half tangents near these angles, ascending."""
-    return sorted(Fraction(tan(angle / 2)).limit_denominator(1 << 40) for angle in angles)
+@dataclass(frozen=True)
+class _End:
+    """A half tangent: a float, and balls to any precision."""
+
+    near: float
+    ball: Callable[[int], arb]
+
+
+@dataclass(frozen=True)
+class _Gap:
+    """A gap of the circle of t, between the angles of two neighbours."""
+
+    low: float
+    high: float
+    ends: tuple[_End, _End]
+
+    @property
+    def is_close(self) -> bool:
+        """Whether floats hardly tell its ends apart."""
+        return self.high - self.low < _CLOSE
+
+    @cached_property
+    def width(self) -> float:
+        """Its width, to a few digits."""
+        if not self.is_close:
+            return self.high - self.low
+
+        def narrow(bits: int) -> float | None:
+            first, second = (end.ball(bits) for end in self.ends)
+            with ctx.workprec(2 * bits):
+                width: arb = 2 * (second - first) / (1 + first * first)
+            return float(width.mid()) if width > 0 and width.rel_accuracy_bits() > 8 else None
+
+        return decided(narrow, _FIRST_BITS, GREATEST_BITS, "two arcs could not be told apart")
+
+    @cached_property
+    def separator(self) -> Fraction:
+        """A rational half tangent in it, near the middle."""
+        if self.is_close:
+            return _between(*(end.ball for end in self.ends))
+        return Fraction(tan((self.low + self.high) / 4)).limit_denominator(1 << 40)
+
+
+def _gaps(ends: Sequence[_End]) -> list[_Gap]:
+    """The gaps after ascending half tangents, the last one round t = ∞."""
+    angles = [2 * atan(end.near) for end in ends]
+    after = zip([*angles[1:], *(a + 2 * pi for a in angles[:1])], [*ends[1:], *ends[:1]], strict=True)
+    return [_Gap(a, b, (x, y)) for a, x, (b, y) in zip(angles, ends, after, strict=True)]
+
+
+def _separators(gaps: Iterable[_Gap]) -> list[Fraction]:
+    return sorted(gap.separator for gap in gaps)
 
 
 def _line(
@@ -314,10 +371,14 @@ def _slab(chart: Chart, sample: Fraction, arcs: tuple[RealRoot, ...]) -> Slab:
 
 def between(first: RealRoot, second: RealRoot) -> Fraction:
     """A rational between two neighbouring roots."""
+    return _between(first.refined, second.refined)
 
+
+def _between(first: Callable[[int], arb], second: Callable[[int], arb]) -> Fraction:
     def middle(bits: int) -> Fraction | None:
-        low, high = first.refined(bits), second.refined(bits)
-        return fraction_of(((low + high) / 2).mid()) if low < high else None
+        low, high = first(bits), second(bits)
+        with ctx.workprec(2 * bits):
+            return fraction_of((low.upper() + high.lower()) / 2) if low < high else None
 
     return decided(middle, _FIRST_BITS, GREATEST_BITS, "two arcs could not be told apart")
 

@@ -134,23 +134,27 @@ class Tracer:
     def _limits(self, slab: int) -> tuple[float, float]:
         if not self._lines:
             return -pi, pi
-        low, high = self._lines[slab], self._lines[self.sweep.line_after(slab)]
-        return low, high if high > low else high + TURN
+        # two lines may be one in floats; only the last slab holds u = ∞
+        last = slab == len(self._lines) - 1
+        return self._lines[slab], self._lines[self.sweep.line_after(slab)] + TURN * last
 
     def _angle(self, slab: int, tau: float) -> float:
         low, high = self._limits(slab)
         return low + (high - low) * ((1 - cos(pi * tau)) / 2 if self._lines else tau)
 
-    def _parameter(self, slab: int, u: float) -> float:
+    def _angle_in(self, slab: int, u: float) -> float:
+        """The angle θ of the chart, in the turn of a slab."""
         low, high = self._limits(slab)
         angle = 2 * atan(u)
-        part = ((angle if angle >= low else angle + TURN) - low) / (high - low)
-        part = min(max(part, 0.0), 1.0)
+        return angle + TURN if angle < low and high > pi else angle
+
+    def _parameter(self, slab: int, u: float) -> float:
+        low, high = self._limits(slab)
+        part = min(max((self._angle_in(slab, u) - low) / (high - low or 1.0), 0.0), 1.0)
         return acos(1 - 2 * part) / pi if self._lines else part
 
     def _at_place(self, place: Place) -> Sample:
-        theta = 2 * atan(place.u)
-        return self.sample(2 * atan(place.t), theta if theta >= self._limits(place.slab)[0] else theta + TURN)
+        return self.sample(2 * atan(place.t), self._angle_in(place.slab, place.u))
 
     def _at_mark(self, mark: Mark) -> Sample:
         """The sample of a mark; a leg of length 0 has it exactly."""

@@ -15,6 +15,7 @@ from typing import Any
 from flint import arb, ctx
 
 from rpr_solver.contract import MIN_DIGITS
+from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.exact.factors import ExactRoot, exact_counterparts
 from rpr_solver.exact.number_field import Algebraic, adjoin_real_roots, poly_gcd, squarefree_part, trimmed
@@ -34,6 +35,10 @@ _FIRST_BITS = 64
 
 Ball = Callable[[int], arb]
 """A number as a ball, from the precision in bits."""
+
+
+class NotPlacedError(Unproved):
+    """A point could not be placed on its arc; it may be infinite in this chart, and not in another."""
 
 
 class VertexKind(Kind):
@@ -274,7 +279,7 @@ def _half_of_degrees(text: str, turn: Turn) -> Ball:
     def ball(bits: int) -> arb:
         with ctx.workprec(bits + _FIRST_BITS):
             degrees = ball_of(Fraction(value)) + arb(0, ball_of(half_unit).abs_upper())
-            tan = (degrees * arb.pi() / 360).tan()
-            return (tan * turn.cos - turn.sin) / (turn.cos + tan * turn.sin)
+            sin, cos = (degrees * arb.pi() / 360).sin_cos()
+            return (sin * turn.cos - cos * turn.sin) / (cos * turn.cos + sin * turn.sin)
 
     return ball
