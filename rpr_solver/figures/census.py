@@ -71,8 +71,7 @@ class _Plan:
         leg = f"l{document['fixed_leg']}"
         start, stop = (document["range"][end] for end in ("from", "to"))
         inner = [t[leg] for t in document["transitions"]]
-        last = number(inner[-1] if inner else start)
-        end = number(stop) if stop is not None else last + 0.12 * (last - number(start)) or 1.0
+        end = _end(document, number(start)) if stop is None else number(stop)
         knots = _apart([number(start), *map(number, inner), end])
         labels = _labels([start, *inner, *([] if stop is None else [stop])])
         return cls(
@@ -86,6 +85,18 @@ class _Plan:
     def inner(self) -> Sequence[tuple[float, float]]:
         """The places of the transitions, on both axes."""
         return [(self.seen(x), self.true(x)) for x in self.seen.knots[1:-1]]
+
+
+def _end(document: Mapping[str, Any], start: float) -> float:
+    """Where an open axis ends: beyond the last transition; without one, where it shows the size of the
+    manipulator and what is degenerate."""
+    known = [number(t[f"l{document['fixed_leg']}"]) for t in document["transitions"]]
+    if not known:
+        sides = [abs(number(x)) for name, x in document["geometry"].items() if name != "orientation"]
+        ends = [number(part["to"]) for part in document.get("degenerate", ()) if part["to"] is not None]
+        known = [start + max(sides), *ends]
+    last = max(known)
+    return last + 0.12 * (last - start)
 
 
 def _apart(values: list[float]) -> list[float]:

@@ -106,6 +106,8 @@ def add_format(parser: argparse.ArgumentParser, *more: str) -> None:
     """Add `--format`."""
     forms = ("table", "json", *more)
     parser.add_argument("--format", choices=forms, default="table", help="default: table")
+    text = "the same as --format json"
+    parser.add_argument("--json", dest="format", action="store_const", const="json", help=text)
 
 
 def add_ranges(parser: argparse.ArgumentParser, text: str, form: str = "FROM:TO") -> None:

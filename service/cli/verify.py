@@ -32,9 +32,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("document", metavar="FILE", help="a document as JSON, or - for standard input")
     arguments.add_format(parser)
-    parser.add_argument(
-        "--json", dest="format", action="store_const", const="json", help="the same as --format json"
-    )
     remote.add_url(parser)
 
 

@@ -1,6 +1,7 @@
 """The census: every count and every transition, narrow windows widened and marked."""
 
 import json
+import re
 from typing import Any
 
 import pytest
@@ -39,6 +40,18 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_pictures(name: str) -> None:
     check(census_figure(CASES[name]))
+
+
+def test_an_open_axis_without_transitions_has_the_size_of_the_manipulator() -> None:
+    sides = max(float(x) for name, x in GEOMETRY.items() if name != "orientation")
+    node = {"kind": "node", "from": "0", "to": "75", "count": 2}
+    for made, least in (
+        (document([], [0]), sides),
+        (document([], [0], "50"), 50 + sides),
+        ({**document([], [0]), "degenerate": [node]}, 75),
+    ):
+        shown = [float(x) for x in words(census_figure(made)) if re.fullmatch(r"\d+(\.\d+)?", x)]
+        assert least < 1.2 * max(shown) < 1.5 * least
 
 
 def test_what_it_says() -> None:

@@ -53,6 +53,18 @@ def test_what_is_mistyped_is_told_in_one_line(run_here: Run, words: tuple[str, .
     assert said in done.stderr
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("solve", "zein-flat", "--l1", "1", "--digits", "15"),
+        ("check", "zein-flat", "--l1", "1", "--expect-cusps", "2"),
+        ("poses", "zein-flat", "--l1", "20", "--l2", "20", "--l3", "20"),
+    ],
+)
+def test_json_has_a_short_option_in_every_command(run_here: Run, words: tuple[str, ...]) -> None:
+    assert run_here(*words, "--json").stdout == run_here(*words, "--format", "json").stdout
+
+
 def in_bash(line: str, folder: Path) -> set[str]:
     """What bash offers for a line, by the script that the command prints."""
     script = f"""
