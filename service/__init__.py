@@ -10,7 +10,8 @@ ValueError
 RuntimeError
 └── StackError              stack.errors: the stack cannot run
     ├── BadAddressError     stack.errors: the address of Redis cannot be understood
-    └── EmbeddedError       stack.errors: the embedded server cannot be started
+    ├── EmbeddedError       stack.errors: the embedded server cannot be started
+    └── TransferError       stack.transfer: the store cannot be written to a file, or read from one
 Exception
 ├── ProblemError            api.problems: answered as a problem document; all other errors become one
 ├── QueueFullError          (the worker's) worker.jobs.lanes: the lane of a new job holds too much work

@@ -1,5 +1,6 @@
 """Show and bound what a service keeps: results, eliminants and ended jobs, in the given Redis or in a data
-directory, whether or not the service is running. What an active job needs is never removed."""
+directory, whether or not the service is running. What an active job needs is never removed. Or move all,
+with waiting jobs and API keys, to another Redis or Valkey of whatever version, by a file."""
 
 from __future__ import annotations
 
@@ -8,9 +9,11 @@ import json
 import re
 from collections.abc import Iterable
 from dataclasses import asdict
+from pathlib import Path
 
 from rpr_solver.errors import InputError
 from service.cli.source import add_source, opened
+from service.stack.transfer import export_store, import_store
 from worker.jobs.inventory import Inventory, Pruned, Stock
 from worker.settings import WorkerSettings
 
@@ -20,6 +23,8 @@ examples:
   rpr-cusps store status                            keys and bytes by kind
   rpr-cusps store prune --older-than 30d            what was not asked for again in 30 days
   rpr-cusps store prune --max-bytes 500MB           the oldest, until 500 MB are left
+  rpr-cusps store export cusps.store                all that is kept, while the service is stopped
+  rpr-cusps store import cusps.store --redis-url redis://127.0.0.1:6379/0
 
 By themselves results go at the end of their lifetime (RPR_CUSPS_RESULT_TTL, RPR_CUSPS_ELIMINANT_TTL), and
 earlier when the store is nearly full (RPR_CUSPS_STORE_MAX_MB, or maxmemory of Redis).
@@ -48,7 +53,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="SIZE",
         help="remove the oldest until all keys take no more, as 500MB or 2GiB",
     )
-    for action in (status, prune):
+    text = (
+        "Write all that is kept to a new file, which only its owner can read: it has questions, answers and "
+        "API keys, as a data directory does. The service must be stopped."
+    )
+    out = actions.add_parser("export", help="write all to a file", description=text)
+    out.add_argument("file", type=Path, metavar="FILE", help="a file that is not there yet")
+    text = "Read such a file into a Redis or Valkey that has nothing of this service yet."
+    back = actions.add_parser("import", help="read all from a file", description=text)
+    back.add_argument("file", type=Path, metavar="FILE", help="written by store export")
+    for action in (status, prune, out, back):
         add_source(action)
 
 
@@ -61,9 +75,16 @@ def run(args: argparse.Namespace) -> int:
     """
     if args.action == "prune" and args.older_than is None and args.max_bytes is None:
         raise InputError.of("--older-than", "or --max-bytes is missing; give one of them, or both")
+    settings = WorkerSettings()
     with opened(args) as redis:
-        inventory = Inventory(redis, WorkerSettings())
-        if args.action == "prune":
+        inventory = Inventory(redis, settings)
+        if args.action == "export":
+            moved = export_store(redis, settings, args.file)
+            print(f"wrote {moved.keys} keys to {args.file}, {_bytes(moved.size)}")
+        elif args.action == "import":
+            moved = import_store(redis, settings, args.file)
+            print(f"read {moved.keys} keys from {args.file}, {_bytes(moved.size)}")
+        elif args.action == "prune":
             print(_told(inventory.prune(args.older_than, args.max_bytes)))
         elif args.format == "json":
             print(json.dumps({kind: asdict(stock) for kind, stock in inventory.stock().items()}, indent=2))
