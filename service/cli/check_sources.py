@@ -115,8 +115,10 @@ def _files(folder: str) -> Iterator[str]:
         inner = sorted(name for name in folders if not name.startswith("."))
         folders[:] = [name for name in inner if os.path.realpath(Path(root, name)) not in seen]
         for name in sorted(files):
-            if name.lower().endswith(".json") and not name.startswith("."):
-                yield os.path.normpath(Path(root, name))
+            path = Path(root, name)
+            is_file = path.is_file() or path.is_symlink()  # a link that leads nowhere is told
+            if path.suffix.lower() == ".json" and not name.startswith(".") and is_file:
+                yield os.path.normpath(path)
 
 
 def _geometry(source: str, *, is_named: bool) -> Geometry | None:
