@@ -339,7 +339,7 @@ def test_bad_input_is_refused_at_its_field(base_url: str, open_page: Open, inspe
     count_is(page, "L1 = 27: 8 cusps")
     expect(page.locator("#d3")).not_to_have_attribute("aria-invalid", "true")
     page.locator("#l1").fill("-1")
-    expect(page.locator("#l1-error")).to_contain_text("l1 is -1; a slice needs a leg length > 0")
+    expect(page.locator("#l1-error")).to_contain_text("is -1; a leg length must be > 0")
     page.locator("#l1").fill("14.98")
     count_is(page, "L1 = 14.98: 6 cusps")
     expect(page.locator("#l1-error")).to_be_hidden()
