@@ -1,144 +1,273 @@
-"""The estimated cost of questions (worker/answers/cost.py), and what they take.
+"""The longest questions for their price: a search for those that take far longer than estimated.
 
-    python benchmarks/cost.py             about three minutes
-    python benchmarks/cost.py --cap 120   also what takes up to two minutes each
+    python -m benchmarks.cost --minutes 30 --seed 1
+    python -m benchmarks.cost --minutes 5 --kind verification
+    python -m benchmarks.cost --again findings.ndjson
 
-A quotient of 2 is an estimate of twice what was measured. A question that does not end within the cap is a
-lower bound. For each kind follows the factor by which its constants would have to change: the geometric mean.
+Questions of every kind are made from the service's examples and changed at random (benchmarks/questions.py);
+those that took longest for their estimate (worker/answers/cost.py) are changed further, and answers become
+documents to verify. Each is computed as a worker does it, in a process of its own with a limit on its
+processor time. A ratio of 2 is an estimate of half of what was measured; an estimate below 20 ms counts as
+20 ms. A question that does not end within its limit is at least as long.
+
+Ends with the worst findings of each kind: the ratio, what was measured and estimated, and the question as an
+item of a batch, which `--again` measures once more. For each kind follow the least, the mean (geometric) and
+the greatest ratio. A seed gives the same first questions again; which are changed further depends on times.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import heapq
+import json
 import math
 import os
 import resource
+import signal
+import sys
+import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator
-from fractions import Fraction
-from functools import partial
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
 from typing import Any
 
-import rpr_solver
-from rpr_solver import EXAMPLES, Manipulator, Requirement
-from rpr_solver.article.audit import article_document
-from worker.answers import article, censuses, checks, curves, poses, tables
-from worker.answers.cost import seconds, sizes
-from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
+from benchmarks.questions import Body, changed, geometry, is_verification, seeds, to_verify
+from rpr_solver.errors import InputError, SolverError
+from service.api.batch_items import read_item
+from service.schemas.limits import Limits
+from service.stack.embedded_valkey import EmbeddedValkey
+from worker.answers.cost import seconds
+from worker.answers.items import ItemSolver
+from worker.answers.kinds import known_answer
+from worker.answers.requests import JobRequest
+from worker.answers.sizes import sizes
+from worker.answers.store import ResultStore
+from worker.answers.stored_tables import StoredTable
+from worker.connection import connect
 from worker.process.preload import load_numpy, load_solver
+from worker.settings import WorkerSettings
 
-Case = tuple[str, Manipulator, Kind, dict[str, Any]]
-
-USUAL = (15.91, 0.73, 10.07, 17.04, 16.54, 20.84)
-
-
-def long_sides(digits: int) -> Manipulator:
-    """A manipulator of usual shape, its sides with so many digits."""
-    unit = 10 ** (digits - 2)
-    noise = int("7318526940" * (digits // 10 + 1))
-    return Manipulator(
-        *(Fraction(int(Fraction(str(x)) * unit) + (noise * (k + 3)) % (unit // 100 + 1), unit)
-          for k, x in enumerate(USUAL))
-    )  # fmt: skip
+LEAST = 0.02
+"""Seconds; what a question costs in any case, to be told, read and answered."""
+_LONG = 11  # seconds; whatever is estimated, it is told from what is longer
+_KEPT = 12  # findings of a kind that are changed further
+_DOCUMENTS = 60  # to verify
+_LONGEST_DOCUMENT = 1 << 20  # bytes
+_CUT = (signal.SIGXCPU, signal.SIGKILL, signal.SIGALRM)
 
 
-def uneven_sides(power: int) -> Manipulator:
-    """A manipulator with sides of very different sizes."""
-    return Manipulator(f"1e{power}", 0, 1, 1, f"1e-{power // 2}", 1)
+@dataclass(frozen=True, order=True)
+class Finding:
+    """A question that was measured.
+
+    Attributes:
+        ratio: of the measured time and the estimate.
+        taken, estimate: seconds.
+        ended: how it ended: `answered`, `cut` at its limit, or the name of an error.
+        kind, body: the question.
+    """
+
+    ratio: float
+    taken: float
+    estimate: float
+    ended: str
+    kind: str
+    text: str
+
+    @property
+    def body(self) -> Body:
+        """The body of the question."""
+        body: Body = json.loads(self.text)["request"]
+        return body
 
 
-def cases() -> Iterator[Case]:
-    """Yields the questions."""
-    innocenti = EXAMPLES["innocenti"]
-    for digits in (15, 90, 1000, 10_000):
-        yield f"slice, {digits} digits", innocenti, tables.KIND, {"l1": ["14.98"], "digits": digits}
-    scan = [str(Fraction(n, 10)) for n in range(1, 2001)]
-    yield "2000 slices", innocenti, tables.KIND, {"l1": scan, "digits": 15}
-    for size in (4, 16, 30, 60, 100, 200, 400):
-        m = long_sides(size)
-        yield f"slice, sides of {size} digits", m, tables.KIND, {"l1": ["14.98"], "digits": 90}
-        length = f"14.{'9' * (size - 2)}"
-        yield "its length too", m, tables.KIND, {"l1": [length], "digits": 90}
-    for power in (10, 40, 100, 160, 200):
-        m = uneven_sides(power)
-        for length in ("1", str(10**power), str(Fraction(1, 10**power))):
-            name = f"slice, sides 1e{power}, 1e-{power // 2}, {length[:1]}{'…' if len(length) > 1 else ''}"
-            yield name, m, tables.KIND, {"l1": [length], "digits": 15}
-    for size in (4, 8, 16, 30, 100, 400):
-        m = long_sides(size)
-        yield f"census, sides of {size} digits", m, censuses.KIND, {"range": ALL_LENGTHS, "digits": 90}
-        requirement = Requirement(1, 20, 25, 8).to_json()
-        yield f"check, sides of {size} digits", m, checks.KIND, {"requirement": requirement, "digits": 30}
-        whole = {"range": ALL_LENGTHS, "lengths": [], "samples": None, "digits": 30}
-        yield f"curves, sides of {size} digits", m, curves.KIND, whole
-        yield f"article, sides of {size} digits", m, article.KIND, {"l1": ["14.98"], "digits": 90}
-        legs = {"l1": "14.98", "l2": "15", "l3": "30", "digits": 90}
-        yield f"poses, sides of {size} digits", m, poses.KIND, legs
-    yield "census, 1000 digits", innocenti, censuses.KIND, {"range": ALL_LENGTHS, "digits": 1000}
+def read(kind: str, body: Body) -> JobRequest | None:
+    """Returns the question as the service reads it, or None if it refuses it."""
+    text = json.dumps({"kind": kind, "request": body})
+    if len(text) > Limits().max_body_bytes:
+        return None
+    return read_item(text.encode(), 0, Limits()).request
 
 
-def answer(m: Manipulator, kind: Kind, content: dict[str, Any]) -> object:
-    """Compute the answer, as a worker does."""
-    digits = content["digits"]
-    if kind is tables.KIND:
-        return rpr_solver.cusp_table(m, content["l1"], digits=digits)
-    if kind is article.KIND:
-        return article_document(m, [Fraction(x) for x in content["l1"]], digits)
-    if kind is poses.KIND:
-        return rpr_solver.poses(m, content["l1"], content["l2"], content["l3"], digits=digits)
-    if kind is censuses.KIND:
-        return rpr_solver.census(m, digits=digits)
-    if kind is checks.KIND:
-        return rpr_solver.check(m, Requirement.from_json(content["requirement"]), digits=digits)
-    return rpr_solver.cusp_curves(m, digits=digits)
+def measured(request: JobRequest, url: str, cap: float) -> tuple[float, str, dict[str, Any] | None]:
+    """Returns the processor time, at most `cap` seconds, how it ended, and the answer."""
+    with tempfile.TemporaryFile() as answer:
+        pid = os.fork()
+        if pid == 0:
+            _compute(request, url, cap, answer.fileno())
+        _, status, usage = os.wait4(pid, 0)
+        answer.seek(0)
+        text = answer.read()
+    taken = usage.ru_utime + usage.ru_stime
+    if not text:
+        is_cut = os.WIFSIGNALED(status) and os.WTERMSIG(status) in _CUT
+        return taken, "cut" if is_cut else f"status {status}", None
+    taken, ended, document = json.loads(text)
+    return taken, ended, document
 
 
-def measured(compute: Callable[[], object], cap: int) -> float | None:
-    """Returns the processor time in seconds, or None if it exceeds the cap."""
-    reader, writer = os.pipe()
-    pid = os.fork()
-    if pid == 0:
-        resource.setrlimit(resource.RLIMIT_CPU, (cap, cap + 1))
-        start = time.process_time()
-        compute()
-        os.write(writer, f"{time.process_time() - start}".encode())
-        os._exit(0)
-    os.close(writer)
-    with os.fdopen(reader) as pipe:
-        text = pipe.read()
-    os.waitpid(pid, 0)
-    return float(text) if text else None
+def _compute(request: JobRequest, url: str, cap: float, answer: int) -> None:
+    """Compute in a process of its own, and end it."""
+    limit = math.ceil(cap + time.process_time())
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
+    resource.setrlimit(resource.RLIMIT_AS, (4096 << 20, 4096 << 20))
+    signal.alarm(int(10 * cap) + 10)  # it may wait for what never comes
+    ended, document = "answered", None
+    begin = time.process_time()
+    try:
+        with connect(url) as redis:
+            store = ResultStore(redis, WorkerSettings(key_prefix=f"cost-{os.getpid()}-{time.monotonic_ns()}"))
+            begin = time.process_time()
+            outcome = ItemSolver(store).answer(request)
+            taken = time.process_time() - begin
+            if not outcome.failure and not outcome.slices:
+                known = known_answer(request, store)
+                document = known.document() if isinstance(known, StoredTable) else known
+    except BaseException as error:
+        taken = time.process_time() - begin
+        ended = type(error).__name__
+        if not isinstance(error, InputError | SolverError):
+            ended += f": {error}"[:200]
+    text = json.dumps([taken, ended, document])
+    if len(text) > _LONGEST_DOCUMENT:
+        text = json.dumps([taken, ended, None])
+    os.write(answer, text.encode())
+    os._exit(0)
+
+
+class Search:
+    """Makes questions, measures them, and keeps the worst."""
+
+    def __init__(
+        self, url: str, seed: int, kinds: Sequence[str], cap: float, out: Path | None = None
+    ) -> None:
+        self.url, self.cap, self.kinds, self.out = url, cap, kinds, out
+        self.rng = Random(seed)
+        self.worst: dict[str, list[Finding]] = defaultdict(list)
+        self.ratios: dict[str, list[float]] = defaultdict(list)
+        self.faults: list[Finding] = []
+        self._seeds = seeds()
+        self._documents: list[Body] = []
+
+    def step(self) -> Finding | None:
+        """Make and measure one question; None if the service refuses it."""
+        rng = self.rng
+        kind = rng.choice(self.kinds)
+        body = self._body(kind)
+        request = read(kind, body)
+        if request is None:
+            return None
+        estimate = seconds(request.kind, sizes(request))
+        if estimate > self.cap / 2:
+            return None
+        return self.measure(kind, body, request, estimate)
+
+    def measure(
+        self, kind: str, body: Body, request: JobRequest, estimate: float, *, is_alone: bool = False
+    ) -> Finding:
+        """Measure a question; one that is alone may take as long as any."""
+        priced = max(estimate, LEAST)
+        limit = self.cap if is_alone else min(self.cap, max(_LONG, 8 * priced))
+        taken, ended, document = measured(request, self.url, limit)
+        text = json.dumps({"kind": kind, "request": body})
+        finding = Finding(taken / priced, taken, estimate, ended, kind, text)
+        self.ratios[kind].append(finding.ratio)
+        worst = self.worst[kind]
+        (heapq.heappush if len(worst) < _KEPT else heapq.heappushpop)(worst, finding)
+        if ended not in ("answered", "cut", "InputError", "SolverError", "Unproved", "MemoryError"):
+            self.faults.append(finding)
+        if self.out is not None:
+            with self.out.open("a") as file:
+                own = {"taken": taken, "estimate": estimate, "ended": ended}
+                file.write(json.dumps({**own, **json.loads(text)}) + "\n")
+        if document is not None and not is_verification(kind):
+            self._documents = [*self._documents[-_DOCUMENTS:], to_verify(document)]
+        return finding
+
+    def _body(self, kind: str) -> Body:
+        rng = self.rng
+        known = sorted(self.worst[kind], reverse=True)
+        if known and rng.random() < 0.5:
+            parent = known[min(int(rng.expovariate(0.5)), len(known) - 1)].body
+        elif is_verification(kind) and self._documents:
+            parent = rng.choice(self._documents)
+            if rng.random() < 0.3:
+                return parent
+        else:
+            parent = dict(rng.choice(self._seeds[kind]))
+            if "geometry" in parent and rng.random() < 0.7:
+                parent["geometry"] = geometry(rng)
+        return changed(kind, parent, rng)
+
+
+def line(finding: Finding) -> str:
+    """A finding as it is printed."""
+    short = finding.text if len(finding.text) < 300 else f"{finding.text[:300]}… ({len(finding.text)} bytes)"
+    sign = ">" if finding.ended == "cut" else " "
+    times = f"{finding.ratio:8.1f} {finding.taken:9.3f} s for {finding.estimate:8.3f} s"
+    return f"{sign}{times}  {finding.ended:<10} {short}"
+
+
+@contextlib.contextmanager
+def valkey() -> Iterator[str]:
+    """An empty store; its address."""
+    with tempfile.TemporaryDirectory() as data, EmbeddedValkey(Path(data)) as server:
+        yield server.url
 
 
 def main() -> None:
-    """Print the table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--cap", type=int, default=10, help="seconds for one question (default: 10)")
-    cap = parser.parse_args().cap
+    """Search, and print what was found."""
+    form = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
+    parser.add_argument("--minutes", type=float, default=5)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kind", action="append", help="only this kind; may be given more than once")
+    parser.add_argument("--cap", type=float, default=30, help="seconds for one question (default: 30)")
+    parser.add_argument("--shown", type=int, default=3, help="findings of each kind (default: 3)")
+    parser.add_argument("--out", type=Path, help="a file to which each question is added, whole, a line each")
+    parser.add_argument("--again", type=Path, help="measure the questions in such a file instead")
+    options = parser.parse_args()
     load_solver()
     load_numpy()
-    quotients: dict[str, list[float]] = defaultdict(list)
-    print(f"{'question':<40}{'bits':>6}{'estimate [s]':>14}{'measured [s]':>14}{'quotient':>10}")
-    for name, m, kind, content in cases():
-        request = JobRequest(kind, {"geometry": m.to_json(), "fixed_leg": 1, **content})
-        size = sizes(request)
-        estimate = seconds(kind, size)
-        row = f"{name:<40}{size.geometry:>6}{estimate:>14.3f}"
-        taken = measured(partial(answer, m, kind, content), cap)
-        if taken is None:
-            verdict = "" if estimate > cap / 3 else f"< {estimate / cap:.2f}"
-            print(f"{row}{f'> {cap}':>14}{verdict:>10}", flush=True)
+    with valkey() as url:
+        search = Search(url, options.seed, options.kind or sorted(seeds()), options.cap, options.out)
+        if options.again is not None:
+            for text in options.again.read_text().splitlines():
+                item = json.loads(text)
+                request = read(item["kind"], item["request"])
+                if request is None:
+                    print(f" refused: {text[:200]}")
+                    continue
+                estimate = seconds(request.kind, sizes(request))
+                finding = search.measure(item["kind"], item["request"], request, estimate, is_alone=True)
+                print(line(finding), flush=True)
+            return
+        end, count = time.monotonic() + 60 * options.minutes, 0
+        while time.monotonic() < end:
+            finding = search.step()
+            if finding is not None:
+                count += 1
+                if finding.ratio > 5 or (finding.taken > 10 and finding.estimate < 1.5):
+                    print(line(finding), file=sys.stderr, flush=True)
+    _report(search, count, options)
+
+
+def _report(search: Search, count: int, options: argparse.Namespace) -> None:
+    print(f"{count} questions in {options.minutes:g} minutes, seed {options.seed}")
+    for kind, findings in sorted(search.worst.items()):
+        ratios = search.ratios[kind]
+        if not ratios:
             continue
-        quotients[kind.name].append(estimate / taken)
-        print(f"{row}{taken:>14.3f}{estimate / taken:>10.2f}", flush=True)
-    for kind_name, values in quotients.items():
-        mean = math.exp(sum(map(math.log, values)) / len(values))
-        print(
-            f"{kind_name}: constants × {1 / mean:.2f}; quotients from {min(values):.2f} to {max(values):.2f}"
-        )
+        mean = math.exp(sum(math.log(max(x, 1e-3)) for x in ratios) / len(ratios))
+        print(f"{kind}: {len(ratios)} questions, ratios {min(ratios):.2f}, {mean:.2f}, {max(ratios):.2f}")
+        for finding in sorted(findings, reverse=True)[: options.shown]:
+            print(line(finding))
+    for finding in search.faults:
+        print(f"fault: {line(finding)}")
 
 
 if __name__ == "__main__":

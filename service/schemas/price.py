@@ -7,8 +7,9 @@ from dataclasses import replace
 from rpr_solver.errors import FieldProblem
 from service.schemas.limits import LimitError, Limits
 from worker.answers import plots, verifications
-from worker.answers.cost import Sizes, seconds, sizes
+from worker.answers.cost import seconds
 from worker.answers.requests import JobRequest
+from worker.answers.sizes import Sizes, sizes
 
 _SHORT = 40
 """Bits of numbers that are not worth shortening."""
@@ -37,14 +38,21 @@ def _ways(request: JobRequest, size: Sizes) -> dict[str, tuple[Sizes, str]]:
     """Returns the fields that can be reduced, each with the sizes at best and what to do."""
     content = request.content
     long = f"in their smallest common unit its sides have up to {_digits(size.geometry)} digits"
+    shape = (
+        ", and its triangles are nearly, but not quite, of a special shape" if size.nearness > _SHORT else ""
+    )
+    plain = replace(size, geometry=min(size.geometry, _SHORT), nearness=0)
     ways = {
-        "geometry": (replace(size, geometry=min(size.geometry, _SHORT)), f"shorten its numbers: {long}"),
+        "geometry": (plain, f"shorten its numbers: {long}{shape}"),
         "digits": (replace(size, digits=15), f"ask for fewer than {size.digits} digits"),
     }
-    if size.count > 1 and request.kind is not plots.KIND:
+    if request.kind is verifications.KIND:
+        part = replace(size, count=1, objects=0, lengths=min(size.lengths, _SHORT))
+        has = f"its numbers have up to {_digits(size.lengths)} digits, and {size.objects} objects are listed"
+        ways["document"] = (part, f"verify a part of it: {has}")
+    elif size.count > 1 and request.kind is not plots.KIND:
         listed = isinstance(content.get("l1"), list) or content.get("lengths")
         leg = f"l{content.get('fixed_leg', 1)}" if listed else "samples"
-        leg = "document" if request.kind is verifications.KIND else leg
         ways[leg] = (replace(size, count=1), f"ask for fewer than {size.count}")
     return ways
 

@@ -6,8 +6,9 @@ from service.api.access.caller import Caller
 from service.api.access.rules import check_scope
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.limits import Limits
-from worker.answers.cost import seconds, sizes
+from worker.answers.cost import seconds
 from worker.answers.requests import JobRequest
+from worker.answers.sizes import sizes
 from worker.jobs.quotas import Quota, QuotaError, Quotas
 
 _RETRY_S = 5

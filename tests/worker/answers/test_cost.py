@@ -21,9 +21,10 @@ from worker.answers import (
     tables,
     verifications,
 )
-from worker.answers.cost import Sizes, cost, seconds, seconds_after, sizes
+from worker.answers.cost import cost, seconds, seconds_after
 from worker.answers.kinds import KINDS
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
+from worker.answers.sizes import Sizes, sizes
 
 INNOCENTI = EXAMPLES["innocenti"].to_json()
 EXTREME = {"a2x": "1" + "0" * 200, "a3x": "0", "a3y": "1", "d1": "1", "d2": f"0.{'0' * 99}1", "d3": "1"}
@@ -87,6 +88,95 @@ def test_estimates(
     kind: Kind, content: Mapping[str, Any], geometry: Mapping[str, str], low: float, high: float
 ) -> None:
     assert low < estimate(kind, content, geometry) < high
+
+
+TABLE = {"geometry": INNOCENTI, "fixed_leg": 1, "digits": 15, "solver_version": "4"}
+CUSP = dict.fromkeys(("alpha_deg", "theta1_deg", "l2", "l3"), "12.3456789012345")
+POSES = {"geometry": INNOCENTI, "digits": 15, "poses": [CUSP] * 4}
+
+
+def of_one_slice(l1: str, cusps: int = 0) -> dict[str, Any]:
+    return {**TABLE, "slices": [{"l1": l1, "count": cusps, "cusps": [CUSP] * cusps}]}
+
+
+@pytest.mark.parametrize(
+    ("document", "least", "most"),
+    [
+        # with what they were found to take, in seconds; the estimates are at least a quarter of it
+        (of_one_slice("14.98", 6), 0.4, 1.5),  # 0.8
+        (of_one_slice("14." + "9" * 200), 1.2, 10),  # 4.7
+        (of_one_slice("14." + "9" * 390), 4, 40),  # 17
+        (of_one_slice("14." + "9" * 1000), 10, 200),  # 42
+        (of_one_slice("14.98", 400), 1.5, 15),  # 6.2
+        (of_one_slice("14.98", 3000), 10, 120),  # > 30
+        ({**POSES, "l1": "14." + "9" * 200, "l2": "15." + "8" * 200, "l3": "20." + "7" * 200}, 2, 20),  # 6.7
+        (
+            {**TABLE, "range": {"from": "1." + "3" * 390}, "transitions": [], "intervals": [CUSP] * 20},
+            4,
+            40,  # 6.5
+        ),
+        ({**of_one_slice("14.98"), "slices": [{"l1": str(k)} for k in range(20)]}, 1.5, 15),  # 5.9
+    ],
+    ids=lambda value: str(value)[-30:] if isinstance(value, dict) else "",
+)
+def test_all_of_a_document_to_verify_is_priced(document: dict[str, Any], least: float, most: float) -> None:
+    assert least < estimate(verifications.KIND, {"document": document, "digits": 15}) < most
+
+
+def test_the_digits_of_a_document_are_no_long_numbers() -> None:
+    long = dict.fromkeys(CUSP, "12." + "3" * 298)
+    document = {**TABLE, "digits": 300, "slices": [{"l1": "14.98", "cusps": [long] * 6}]}
+    assert estimate(verifications.KIND, {"document": document, "digits": 300}) < 2
+
+
+NEARLY_FLAT = {
+    "a2x": "10",
+    "a3x": "5",
+    "a3y": f"0.{'0' * 29}1",
+    "d1": "10",
+    "d2": "5",
+    "d3": f"5.{'0' * 28}11",
+}
+HERON = {"a2x": "14", "a3x": "5", "a3y": "12", "d1": "14", "d2": "15", "d3": "13", "orientation": "ccw"}
+ROUND = {"a2x": "10", "a3x": "4", "a3y": "3", "d1": "5", "d2": "6", "d3": "8", "orientation": "ccw"}
+
+
+@pytest.mark.parametrize(
+    ("geometry", "least"),
+    [
+        # with what they were found to take, in seconds
+        (NEARLY_FLAT, 12),  # > 60
+        ({**ROUND, "a3y": f"0.{'0' * 13}1"}, 12),  # > 86
+        ({**ROUND, "d1": "10", "d2": "5", "d3": "5.00000001"}, 1.5),  # 3.9
+        ({**HERON, "a2x": "14.00000000001"}, 1.5),  # 4.3
+        ({**HERON, "a2x": f"14.{'0' * 15}1"}, 5),  # > 11
+        ({**HERON, "d1": "28", "d2": "30", "d3": f"26.{'0' * 15}1"}, 5),  # > 11
+        ({"a2x": "2", "a3x": "1", "a3y": "1.7320508075688772", "d1": "1", "d2": "1", "d3": "1"}, 5),  # > 11
+    ],
+)
+def test_nearly_special_shapes_are_priced(geometry: dict[str, str], least: float) -> None:
+    for kind in (censuses.KIND, checks.KIND, curves.KIND, certified.CENSUS):
+        assert estimate(kind, CONTENTS[kind], geometry) > least
+
+
+@pytest.mark.parametrize(
+    "geometry", [HERON, ROUND, {**ROUND, "a3y": "0"}, {**HERON, "d3": "13.1"}, INNOCENTI]
+)
+def test_special_shapes_are_not_dear(geometry: dict[str, str]) -> None:
+    assert estimate(censuses.KIND, WHOLE, geometry) < 1
+
+
+@pytest.mark.parametrize(
+    ("kind", "content", "least"),
+    [
+        # with what they were found to take, in seconds
+        (curves.KIND, {**WHOLE, "lengths": [], "samples": 14}, 5),  # 13.9
+        (plots.KIND, {"plot": "locus", "theme": "auto", "range": ALL_LENGTHS}, 5),  # 19.1
+        (article.KIND, {"l1": ["14.98", "27", f"14.98{'1' * 250}"]}, 5),  # > 16
+    ],
+)
+def test_points_and_long_lengths_are_priced(kind: Kind, content: Mapping[str, Any], least: float) -> None:
+    assert estimate(kind, content) > least
 
 
 def test_only_slices_have_a_part_in_common() -> None:

@@ -12,9 +12,9 @@ from redis import Redis
 import rpr_solver
 from rpr_solver import EXAMPLES, CuspCurves
 from worker.answers import certified, curves
-from worker.answers.cost import parts_to_verify
 from worker.answers.kinds import compute, known_document
 from worker.answers.requests import JobRequest
+from worker.answers.sizes import parts_to_verify
 from worker.answers.store import ResultStore
 from worker.settings import WorkerSettings
 

@@ -1,0 +1,200 @@
+"""The sizes of a question that decide what its answer costs; they are taken from its texts alone.
+
+Every number of a question counts, in whatever member it stands, so that a new kind of question has sizes too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from math import gcd, lcm
+from typing import Any
+
+from worker.answers import paths, plots, verifications
+from worker.answers.requests import JobRequest
+
+INTERVALS = 20
+"""Between two transitions, of a typical manipulator."""
+
+_RANGE_OF_SLICES = 6  # as many slices does the subdivision of a range take
+_SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+_FIRST = tuple("-0123456789")  # characters of a number
+_BITS = 3.33  # of a decimal digit
+_APART = ("geometry", "certificate", "polynomial")
+"""Members whose numbers are the manipulator's, or are compared with what is computed from others."""
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """The sizes that decide the cost.
+
+    Attributes:
+        geometry: bits of the sides of the manipulator, once all are integers without a common factor: a mean
+            in which the longest counts half as much again.
+        lengths: bits of the longest numerator or denominator of all other numbers in the question.
+        spread: bits of the quotient of the longest and the shortest of the sides and the leg lengths.
+        digits: significant digits of the answer.
+        count: the slices of a table, the lengths at which curves are sampled, or the samples of a path; else
+            1.
+        censuses: how many censuses the answer may need beside its own computation.
+        limited: how many slices are subdivided within joint limits.
+        nearness: bits by which the triangles are nearly flat, isosceles, right, congruent or similar, but not
+            quite.
+        is_slice: whether a picture shows one slice or joint vector, rather than all lengths.
+        objects: how many objects stand in the lists of a document: cusps, poses, events, points, tubes.
+    """
+
+    geometry: int
+    lengths: int
+    spread: int
+    digits: int
+    count: int
+    censuses: int = 0
+    limited: int = 0
+    nearness: int = 0
+    objects: int = 0
+    is_slice: bool = True
+
+
+def sizes(request: JobRequest) -> Sizes:
+    """Returns the sizes of a request."""
+    content = request.content
+    sides = [Fraction(request.geometry[name]) for name in _SIDES]
+    unit = lcm(*(side.denominator for side in sides))
+    whole = [side.numerator * (unit // side.denominator) for side in sides]
+    common = gcd(*whole)
+    whole = [x // common for x in whole]
+    bits = [abs(x).bit_length() for x in whole if x]
+    scales = [x.numerator.bit_length() - x.denominator.bit_length() for x in sides if x]
+    texts = list(_texts(content))
+    numbers = [_size(text) for text in texts if text is not None]
+    lengths = max((size for size, _ in numbers), default=1)
+    if request.kind is verifications.KIND:
+        lengths = _exact_bits(content["document"], lengths, request.digits)
+    else:
+        scales += [scale for _, scale in numbers if scale is not None]
+    of_poses = request.kind is paths.KIND and "from" in content
+    is_limited = content.get("limits") is not None
+    return Sizes(
+        geometry=(max(bits) + 2 * sum(bits) // len(sides)) // 3,
+        lengths=lengths,
+        spread=max(scales) - min(scales),
+        digits=request.digits,
+        count=_count(request),
+        censuses=int(of_poses and not is_limited),
+        limited=(_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0,
+        nearness=_nearness(whole),
+        objects=texts.count(None),
+        is_slice=content.get("plot") not in ("census", "locus"),
+    )
+
+
+def parts_to_verify(document: Mapping[str, Any]) -> int:
+    """Returns how many slices a verification solves anew: those listed, or one in each interval.
+
+    Ten tubes of a full certificate cost as much as one.
+    """
+    lists = [document.get(name) for name in ("slices", "intervals", "violations", "curves")]
+    slices = sum(len(part) for part in lists if isinstance(part, list)) or 1
+    return slices + _tubes(document) // 10
+
+
+def _tubes(document: Mapping[str, Any]) -> int:
+    match document.get("certificate"):
+        case {"full": {"chains": [*chains]}}:
+            lists = [chain.get("tubes") for chain in chains if isinstance(chain, Mapping)]
+            return sum(len(tubes) for tubes in lists if isinstance(tubes, list))
+    return 0
+
+
+def _exact_bits(document: Mapping[str, Any], longest: int, digits: int) -> int:
+    """Bits of the longest number of a document at which equations are derived: those of its slices and legs.
+
+    A quarter of those that its digits do not explain, elsewhere.
+    """
+    slices = document.get("slices")
+    exact = [document, *(slices if isinstance(slices, list) else ())]
+    texts = (text for part in exact if isinstance(part, Mapping) for text in part.values())
+    sizes = (_size(text)[0] for text in texts if isinstance(text, str) and text[:1] in _FIRST)
+    return max(1, (longest - int(_BITS * (digits + 10))) // 4, *sizes)
+
+
+def _count(request: JobRequest) -> int:
+    content = request.content
+    if request.kind is plots.KIND:
+        return INTERVALS * plots.SAMPLES if content["plot"] == "locus" else 1
+    if request.kind is verifications.KIND:
+        return parts_to_verify(content["document"])
+    if isinstance(content.get("l1"), list):
+        return len(content["l1"])
+    per_interval = 1 if request.kind is paths.KIND else INTERVALS
+    return max(1, len(content.get("lengths", ())) + per_interval * (content.get("samples") or 0))
+
+
+def _texts(value: Any, *, is_listed: bool = False) -> Iterator[str | None]:
+    """All texts in a value that may be numbers, and None for each object in a list."""
+    if isinstance(value, str):
+        if value[:1] in _FIRST:
+            yield value
+    elif isinstance(value, Mapping):
+        if is_listed:
+            yield None
+        for name, item in value.items():
+            if name not in _APART:
+                yield from _texts(item)
+    elif isinstance(value, list | tuple):
+        for item in value:
+            yield from _texts(item, is_listed=True)
+
+
+def _size(text: str) -> tuple[int, int | None]:
+    """The bits of a number's numerator or denominator, and those of its value, None if it is 0."""
+    above, slash, below = text.lstrip("-").partition("/")
+    if slash:
+        return int(_BITS * max(len(above), len(below))), int(_BITS * (len(above) - len(below)))
+    mantissa, _, power = above.partition("e")
+    whole, _, part = mantissa.partition(".")
+    whole, digits = whole.lstrip("0"), part.lstrip("0")
+    try:
+        exponent = int(power[:10] or 0)
+    except ValueError:
+        exponent = 0
+    scale = exponent + (len(whole) or len(digits) - len(part))
+    size = int(_BITS * max(len(whole) + len(part), abs(scale)))
+    return size, int(_BITS * scale) if whole or digits else None
+
+
+def _nearness(sides: list[int]) -> int:
+    """Bits by which the triangles nearly are flat, equilateral, congruent or similar.
+
+    It is the quotient of what then vanishes and its terms; half of it, if they nearly are isosceles or right.
+    A shape that they have is none that they nearly have.
+    """
+    a2x, a3x, a3y, d1, d2, d3 = sides
+    base = (a2x**2, (a2x - a3x) ** 2 + a3y**2, a3x**2 + a3y**2)
+    platform = (d1**2, d2**2, d3**2)
+    most = _bits_lost(a3y, max(map(abs, sides[:3])))
+    for a, b, c in (base, platform):
+        size = max(a, b, c)
+        equal = sorted(_bits_lost(x, size) for x in (a - b, b - c, c - a))
+        right = max(_bits_lost(x, size) for x in (a + b - c, b + c - a, c + a - b))
+        most = max(most, equal[1], equal[2] // 2, right // 2)
+    a, b, c = platform
+    most = max(
+        most, _bits_lost(4 * a * c - (a + c - b) ** 2, max(platform) ** 2)
+    )  # 16 times the area, squared
+    pairs = list(zip(base, platform, strict=True))
+    alike = [
+        (x * w - y * z, max(x * w, y * z))
+        for (x, z), (y, w) in zip(pairs, pairs[1:] + pairs[:1], strict=True)
+    ]
+    for forms in ([(x - y, max(x, y)) for x, y in pairs], alike):
+        lost = [_bits_lost(x, size) for x, size in forms if x]
+        most = max(most, *(bits // 2 for bits in lost), min(lost, default=0))
+    return most
+
+
+def _bits_lost(x: int, size: int) -> int:
+    """The bits by which a form is smaller than its terms; none if it vanishes."""
+    return max(0, size.bit_length() - abs(x).bit_length()) if x else 0
