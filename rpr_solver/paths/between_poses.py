@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from flint import arb, ctx
@@ -189,10 +190,10 @@ def _connecting(
     transitions = census(manipulator, fixed_leg=slice_map.fixed_leg, digits=_CENSUS_DIGITS).transitions
     # aspects meet or part only where ∇J = 0, which swallowtails are not
     marks = sorted({Fraction(t.length) for t in transitions if t.kind is not PoseKind.SWALLOWTAIL})
-    above = [length, *(x for x in marks if x > length)]
-    below = [length, *(x for x in reversed(marks) if x < length)]
-    candidates = [_short((x + y) / 2) for x, y in zip(above[1:], [*above[2:], 2 * above[-1]], strict=True)]
-    candidates += [_short((x + y) / 2) for x, y in zip(below[1:], [*below[2:], Fraction(0)], strict=True)]
+    above = [x for x in marks if x > length]
+    below = [x for x in reversed(marks) if x < length]
+    candidates = [_short((x + y) / 2) for x, y in pairwise([*above, *(2 * x for x in above[-1:])])]
+    candidates += [_short((x + y) / 2) for x, y in pairwise([*below, Fraction(0)])]
     for end in sorted(candidates, key=lambda end: abs(end - length))[:_MOST_RANGES]:
         low, high = min(length, end), max(length, end)
         try:

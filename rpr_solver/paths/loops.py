@@ -1,8 +1,9 @@
 """Loops round a cusp: from one pose to another of the same joint vector, without a singularity, by proof.
 
 A loop is one Bézier parabola in (α, θ). Its size shrinks until balls prove that J keeps its sign along it and
-that its image turns once round the image of the cusp and not round those of the other cusps of the slice.
-The first alone would not do: two poses near a cusp can also be joined beside it.
+that its image turns once round the image of the cusp, and not round those of the other cusps of the slice but
+its twins, which have the same image. The first alone would not do: two poses near a cusp can also be joined
+beside it.
 """
 
 from __future__ import annotations
@@ -69,7 +70,8 @@ def cusp_loop(
     The loop begins and ends at one joint vector. The platform follows continuously, J ≠ 0 all along, and yet
     it arrives at another pose: the manipulator changes its assembly mode, which is possible in other ways too
     (paths.md#cusps-and-assembly-modes). Run backwards (``reversed``) the loop carries the second pose to the
-    first. It turns round this cusp counter-clockwise, and round no other cusp of the slice.
+    first. It turns round this cusp counter-clockwise, and round no other cusp of the slice but its twins,
+    which have the same joint vector, as for congruent triangles.
 
     Args:
         manipulator: the geometry.
@@ -128,11 +130,13 @@ def loop_in_slice(
     """
     cusp = number_of(cusp, table.count)
     check_type(table, SliceTable, "table")
-    route, proof = _Search(eliminant.slice_map, table, cusp, bounds).found()
+    search = _Search(eliminant.slice_map, table, cusp, bounds)
+    route, proof = search.found()
     winding = proof.windings[0]
     if winding < 0:
         route, winding = route.reversed(), -winding
-    return path_of(eliminant.manipulator, route, proof, plan, digits, (cusp, winding), limits=bounds)
+    loop = cusp, winding, search.twins
+    return path_of(eliminant.manipulator, route, proof, plan, digits, loop, limits=bounds)
 
 
 class _Search:
@@ -145,8 +149,12 @@ class _Search:
         self.bounds = bounds
         self.length = table.length
         self.cusp = cusp
-        self.others = [point for k, point in enumerate(table.cusps, 1) if k != cusp]
         self.point = table.cusps[cusp - 1]
+        others = {k: point for k, point in enumerate(table.cusps, 1) if k != cusp}
+        joint = self.point.coordinates[2:]
+        self.twins = tuple(k for k, point in others.items() if point.coordinates[2:] == joint)
+        self.others = list(others.values())
+        self.wanted = [1, *(int(k in self.twins) for k in others)]
         self.digits = table.digits
 
     def found(self) -> ProvedRoute:
@@ -158,13 +166,12 @@ class _Search:
             self.frame = CuspFrame.at(self.slice_map, self.length_ball, (alpha * degree, theta * degree))
             self.centres = [self._image(point) for point in (self.point, *self.others)]
             self._check_limits()
-            wanted = [1, *[0] * len(self.others)]
             for route in self._routes():
                 [arc] = route.at(PROOF_BITS - 64)
                 limits = PathLimits.of(self.slice_map, self.bounds, route.start.legs)
-                if self._promises(arc, wanted, limits):
+                if self._promises(arc, limits):
                     proof = prove(self.slice_map, [arc], self.frame.sign, self.centres, limits=limits)
-                    if proof is not None and [abs(n) for n in proof.windings] == wanted:
+                    if proof is not None and self._winds(proof.windings):
                         return route, proof
         within = " within the limits" if self.bounds else ""
         raise Unproved(f"no loop round cusp {self.cusp}{within} could be proved")
@@ -185,7 +192,12 @@ class _Search:
             if wall.room(self.centres[0][wall.leg]) < 0:
                 raise InputError.of(f"limits.l{free[wall.leg]}", message)
 
-    def _promises(self, arc: Arc, wanted: Sequence[int], limits: PathLimits) -> bool:
+    def _winds(self, windings: Sequence[int]) -> bool:
+        """Whether a loop turns once round the cusp and its twins, and round no other cusp."""
+        sense = windings[0]
+        return abs(sense) == 1 and [n * sense for n in windings] == self.wanted
+
+    def _promises(self, arc: Arc, limits: PathLimits) -> bool:
         """Whether J has its sign at some points of a loop, and their images keep the limits and seem to turn
         as wanted."""
         image = []
@@ -196,7 +208,7 @@ class _Search:
             if limits.exclude((at.first[0], at.second[0])):
                 return False
             image.append(acb(at.first[0].mid(), at.second[0].mid()))
-        for (x, y), turns in zip(self.centres, wanted, strict=True):
+        for (x, y), turns in zip(self.centres, self.wanted, strict=True):
             centre = acb(x.mid(), y.mid())
             angle = sum((((b - centre) / (a - centre)).arg() for a, b in pairwise(image)), arb(0))
             turned = (abs(angle) / (2 * arb.pi()) + 0.5).floor().unique_fmpz()

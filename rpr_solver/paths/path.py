@@ -16,7 +16,8 @@ The document of :meth:`Path.to_json`::
                      "pieces": 32, "least_determinant": "…", "working_bits": 128}}
 
 ``closed`` says that the leg lengths at the end are those at the start. ``cusp`` and ``winding`` are null for
-a path that is no loop round a cusp, ``between`` and ``limits`` where none are given.
+a path that is no loop round a cusp, ``between`` and ``limits`` where none are given. A loop round a cusp
+whose joint vector other cusps share has their numbers too: ``"twins": [4]``.
 """
 
 from __future__ import annotations
@@ -90,6 +91,8 @@ class Path:
         others: what becomes of the other poses meanwhile; None unless asked for (:meth:`with_others`).
         between: the lengths between which the fixed leg was free; None if it was held.
         limits: the joint limits that the path keeps, proved; by the legs' numbers.
+        twins: the numbers of the other cusps round which the loop goes as often: those with the same joint
+            vector, to 60 digits, as for congruent triangles.
 
     >>> from rpr_solver import EXAMPLES, cusp_loop
     >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "A")
@@ -117,6 +120,7 @@ class Path:
     others: tuple[OtherPose, ...] | None = None
     between: tuple[Fraction, Fraction] | None = None
     limits: Mapping[int, Bounds] = field(default_factory=dict)
+    twins: tuple[int, ...] = ()
 
     def __repr__(self) -> str:
         length = shortened(exact_str(self.lengths[self.fixed_leg - 1]))
@@ -181,6 +185,7 @@ class Path:
             "closed": True,
             "sign": self.sign,
             "winding": self.winding,
+            **({"twins": list(self.twins)} if self.twins else {}),
             "between": span_json(self.between),
             "limits": limits_json(self.limits) or None,
             "from": self.start.to_json(leg),

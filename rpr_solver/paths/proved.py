@@ -28,12 +28,12 @@ def path_of(
     proof: PathProof,
     plan: SamplingPlan,
     digits: int,
-    round_cusp: tuple[int, int] | None = None,
+    round_cusp: tuple[int, int, tuple[int, ...]] | None = None,
     *,
     between: tuple[Fraction, Fraction] | None = None,
     limits: Mapping[int, Bounds] | None = None,
 ) -> Path:
-    """The path in decimals; ``round_cusp`` is the number of the cusp and the winding of a loop.
+    """The path in decimals; ``round_cusp`` has the number of the cusp, the winding of a loop, and the twins.
 
     ``between`` and ``limits`` are what it was to keep.
 
@@ -47,7 +47,7 @@ def path_of(
     lengths = by_leg[1], by_leg[2], by_leg[3]
     table = poses(manipulator, *lengths, digits=digits)
     start, stop = (numbered(pose, table, leg) for pose in (route.start, route.stop))
-    cusp, winding = round_cusp or (None, None)
+    cusp, winding, twins = round_cusp or (None, None, ())
     with ctx.workprec(PROOF_BITS):
         least = round_down((proof.least / slice_map.scale_ball()).lower(), _BOUND_DIGITS)
     certificate: PathCertificate = {
@@ -64,6 +64,7 @@ def path_of(
         cusp=cusp,
         sign=proof.sign,
         winding=winding,
+        twins=twins,
         start=start,
         stop=stop,
         route=route,

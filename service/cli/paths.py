@@ -107,7 +107,8 @@ def _page(document: Mapping[str, Any]) -> Page:
     step = -(-(len(samples) - 1) // (_SHOWN_ROWS - 1))
     shown = [*samples[:-1:step], samples[-1]]
     least = document["certificate"]["least_determinant"]
-    round_it = "" if cusp is None else "; once round the cusp, counter-clockwise"
+    twins = "".join(f" and its twin {letter(twin)}" for twin in document.get("twins", ()))
+    round_it = "" if cusp is None else f"; once round the cusp{twins}, counter-clockwise"
     kept = "" if document["limits"] is None else "; all joint limits are kept"
     notes = [f"Proved along the whole path: |determinant| ≥ {least}{round_it}{kept}."]
     if len(shown) < len(samples):

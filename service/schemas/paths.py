@@ -342,6 +342,10 @@ class Path(DocumentHead):
         description="How often the path goes round the cusp in the plane of the other two legs, "
         "counter-clockwise.",
     )
+    twins: list[int] | None = optional(
+        "The numbers of the other cusps round which the loop goes as often, since they have the same joint "
+        "vector, as for congruent triangles; only where there are any."
+    )
     start: PoseOnPath = Field(alias="from")
     stop: PoseOnPath = Field(alias="to")
     others: list[OtherPose] | None = Field(

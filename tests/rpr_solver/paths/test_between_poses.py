@@ -5,8 +5,20 @@ from typing import NoReturn
 
 import pytest
 
-from rpr_solver import EXAMPLES, InputError, NoPath, Obstacle, Path, SolverError, joint_path
+from rpr_solver import (
+    EXAMPLES,
+    Exact,
+    InputError,
+    Manipulator,
+    NoPath,
+    Obstacle,
+    Path,
+    SolverError,
+    joint_path,
+    range_aspects,
+)
 from rpr_solver.paths import between_poses
+from rpr_solver.slices.joint_limits import ExactLimits
 from tests.support.motions import Mover, angles_of, apart, arrives, legs_of
 
 FIRST = EXAMPLES["innocenti"]
@@ -32,6 +44,30 @@ def test_opposite_signs_are_never_joined() -> None:
     document = none.to_json()
     assert (document["connected"], document["obstacle"]) == (False, "opposite-signs")
     assert document["samples"] == []
+
+
+@pytest.mark.parametrize(
+    ("sides", "lengths", "leg", "poses"),
+    [
+        (("7.8", "7.8", "10.4", "30.42", "40.56", "50.7"), ("50.15", "52.36", "22.28"), 1, (1, 3)),
+        (("7.8", "7.8", "10.4", "30.42", "40.56", "50.7"), ("50.15", "52.36", "22.28"), 2, (2, 4)),
+        (("7.8", "7.8", "10.4", "30.42", "40.56", "50.7"), ("50.15", "52.36", "22.28"), 3, (1, 3)),
+        ((52, 52, "54.6", 52, "54.6", "75.4"), ("88.31", 41, "77.76"), 3, (3, 1)),
+    ],
+)
+@pytest.mark.parametrize("limits", [{}, {"l1": (5, 100), "l2": (None, 60)}])
+def test_similar_triangles_keep_their_aspects(
+    sides: tuple[Exact, ...],
+    lengths: tuple[Exact, Exact, Exact],
+    leg: int,
+    poses: tuple[int, int],
+    limits: ExactLimits,
+) -> None:
+    """They have four at every length of the leg, so that no range of lengths joins two of them."""
+    none = joint_path(Manipulator(*sides), *lengths, *poses, fixed_leg=leg, limits=limits)
+    assert isinstance(none, NoPath)
+    assert (none.obstacle, none.connecting) == (Obstacle.OTHER_ASPECT, None)
+    assert len(range_aspects(none.manipulator, fixed_leg=leg)) == 4
 
 
 @pytest.mark.long

@@ -28,6 +28,7 @@ from tests.support.shared import eliminant_of
 from tests.support.strategies import examples
 
 FIRST = EXAMPLES["innocenti"]
+TWINS = Manipulator("4.8", "4.8", 9, "4.8", 9, "10.2", orientation="cw")
 PLAN = SamplingPlan.of(2, "cosine", 1)
 SLICES = [("innocenti", "27", 8), ("innocenti", "28.1", 10), ("fourteen-cusps", "5.96", 14)]
 
@@ -57,7 +58,7 @@ def check(path: Path, table: SliceTable, steps: int = 400) -> None:
         assert float(sample.determinant) * path.sign >= least > 0
     for number, cusp in enumerate(table.cusps, 1):
         first, second = (float(text) for text in cusp.coordinates[2:])
-        expected = path.winding if number == path.cusp else 0
+        expected = path.winding if number in (path.cusp, *path.twins) else 0
         assert turns(dense, (first, second)) == pytest.approx(expected, abs=1e-6)
     assert max(arrives(path, n) for n in (steps, 2 * steps)) < 1e-6
     assert arrives(path.reversed(), steps) < 1e-6
@@ -77,6 +78,24 @@ def test_every_cusp_has_a_loop(name: str, length: str, count: int) -> None:
     plan = SamplingPlan.of(2, "constant", 1)
     loops = [loop_in_slice(eliminant, table, k, plan, 15) for k in range(1, count + 1)]
     assert [loop.winding for loop in loops] == [1] * table.count
+
+
+@pytest.mark.parametrize("cusp", [1, 5])
+def test_a_loop_goes_round_twin_cusps_and_names_them(cusp: int) -> None:
+    """The cusps of congruent triangles share their leg lengths in pairs."""
+    eliminant, table = slice_of(TWINS, "21.01")
+    loop = loop_in_slice(eliminant, table, cusp, PLAN, 15)
+    [twin] = loop.twins
+    assert table.cusps[twin - 1].coordinates[2:] == table.cusps[cusp - 1].coordinates[2:]
+    assert (loop.to_json()["winding"], loop.to_json()["twins"]) == (1, [twin])
+    assert (loop.reversed().winding, loop.reversed().twins) == (-1, (twin,))
+    check(loop, table)
+
+
+def test_a_cusp_without_a_twin_has_none() -> None:
+    loop = loop_in_slice(*slice_of(FIRST, "27"), 2, PLAN, 15)
+    assert loop.twins == ()
+    assert "twins" not in loop.to_json()
 
 
 @pytest.mark.long
