@@ -44,9 +44,10 @@ MAY_IMPORT = {
     "worker": "",
     # service: faces people and programs
     "service.errors": "",
+    "service.commit": "",
     "service.schemas": "rpr_solver worker.limits worker.settings worker.answers",
     "service.webhooks": "rpr_solver worker service",
-    "service.api": "rpr_solver worker service service.schemas service.webhooks",
+    "service.api": "rpr_solver worker service service.commit service.schemas service.webhooks",
     "service.openapi_yaml": "service.api service.schemas",
     "service.stack": "worker service service.schemas service.api service.webhooks",
     "service.client": "rpr_solver service.errors service.schemas",

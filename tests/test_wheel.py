@@ -17,6 +17,7 @@ import httpx
 import pytest
 import yaml
 
+from service.commit import note_of
 from tests.support.processes import PATIENCE, ROOT, started
 from tests.support.service_server import GEOMETRY
 
@@ -110,6 +111,48 @@ def test_the_wheel_says_what_it_is(wheel: Path) -> None:
 def test_the_same_source_gives_the_same_wheel(wheel: Path, tmp_path: Path) -> None:
     [again] = built(tmp_path, "--wheel").glob("*.whl")
     assert again.read_bytes() == wheel.read_bytes()
+
+
+@long
+def test_a_commit_gives_one_wheel_that_names_it(tmp_path: Path) -> None:
+    """Also by way of the sdist, at any time, and from any clone."""
+    wheels = []
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        copy = tmp_path / name / "clone"
+        run("git", "clone", "--quiet", ROOT, copy, cwd=tmp_path)
+        for path in (copy / "service").glob("*.py"):
+            os.utime(path, (0, 1_600_000_000 + len(wheels)))
+        words = [sys.executable, "-m", "build", "--outdir", tmp_path / name, copy]
+        environment = {key: value for key, value in OUTSIDE.items() if key != "SOURCE_DATE_EPOCH"}
+        subprocess.run(words, cwd=tmp_path, env=environment, check=True, capture_output=True)
+        wheels += (tmp_path / name).glob("*.whl")
+    assert wheels[0].read_bytes() == wheels[1].read_bytes()
+    with zipfile.ZipFile(wheels[0]) as archive:
+        noted = archive.read("service/commit.txt").decode().split()
+    assert noted == run("git", "log", "-1", "--format=%H %ct", cwd=ROOT).split()
+
+
+def test_the_commit_is_that_of_the_build_or_of_the_checkout(tmp_path: Path) -> None:
+    def git(*words: str) -> str:
+        who = ("-c", "user.name=a", "-c", "user.email=a@example.com", "-c", "commit.gpgsign=false")
+        return run("git", *who, *words, cwd=tmp_path).strip()
+
+    (tmp_path / "service").mkdir()
+    assert note_of(tmp_path) is None  # no checkout
+    git("init", "--quiet")
+    assert note_of(tmp_path) is None  # without a commit
+    (tmp_path / "file").write_text("1")
+    git("add", "file")
+    git("commit", "--quiet", "-m", "One")
+    known = git("log", "-1", "--format=%H %ct")
+    assert note_of(tmp_path) == known
+    git("tag", "v1")
+    assert note_of(tmp_path) == known
+    (tmp_path / "file").write_text("2")
+    assert note_of(tmp_path) == known.replace(" ", "-dirty ")
+    (tmp_path / "service" / "commit.txt").write_text("built\n")
+    assert note_of(tmp_path) == "built"
 
 
 @long

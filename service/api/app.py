@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+from anyio import to_thread
 from fastapi import FastAPI, Response
 from starlette.middleware.cors import CORSMiddleware
 
@@ -22,6 +23,7 @@ from service.api.openapi import describe, operation_id
 from service.api.operations import WEB
 from service.api.routes import batches, jobs, operations, pages, queries, questions
 from service.api.settings import Settings
+from service.commit import commit
 
 _GZIP_LEVEL = 1  # digits: level 5 takes five times as long for five per cent fewer bytes
 _SENT = ("Authorization", "Content-Type", "Idempotency-Key", "If-None-Match", "Last-Event-ID", "Prefer")
@@ -36,10 +38,14 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         check = asyncio.create_task(context.check_redis())
+        asking = asyncio.create_task(
+            to_thread.run_sync(commit)
+        )  # before files change under a service that runs
         try:
             yield
         finally:
             check.cancel()
+            await asking
             await context.close()
 
     app = FastAPI(

@@ -29,6 +29,10 @@ class Version(Model):
     """The versions of the software that computes the answers."""
 
     service: str
+    commit: str | None = Field(
+        default=None,
+        description="The commit of the code, with `-dirty` if it was changed since; null if it is not known.",
+    )
     solver_version: str
     python: str
     libraries: dict[str, str | None]

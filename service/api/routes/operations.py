@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
+from anyio import to_thread
 from fastapi import APIRouter, Response
 
 import rpr_solver
@@ -15,6 +16,7 @@ from service.api.metrics import CONTENT_TYPE
 from service.api.negotiation import JSON
 from service.api.problems import ProblemError, ProblemType
 from service.api.table_forms import json_bytes
+from service.commit import commit
 from service.schemas.limits import Limits
 
 router = APIRouter(tags=["operations"])
@@ -52,6 +54,7 @@ async def get_version() -> Response:
     return _json(
         {
             "service": __version__,
+            "commit": await to_thread.run_sync(commit),
             "solver_version": rpr_solver.SOLVER_VERSION,
             "python": platform.python_version(),
             "libraries": {name: _version(name) for name in _LIBRARIES},

@@ -16,6 +16,7 @@ from redis import Redis
 from rpr_solver import EXAMPLES, cusp_table, exact_str, parse_exact
 from service.api.app import create_app
 from service.api.settings import Settings
+from service.commit import commit
 from service.schemas.tables import CuspTableRequest
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request
@@ -327,7 +328,9 @@ def test_metrics_count_requests_and_show_the_queue(api: httpx.Client) -> None:
 def test_limits_and_version(api: httpx.Client, idle: httpx.Client) -> None:
     assert api.get("/v1/limits").json()["max_slices"]["value"] == 2000
     assert idle.get("/v1/limits").json()["max_slices"]["value"] == 5
-    assert set(api.get("/version").json()) == {"service", "solver_version", "python", "libraries"}
+    version = api.get("/version").json()
+    assert set(version) == {"service", "commit", "solver_version", "python", "libraries"}
+    assert version["commit"] == commit()
 
 
 def test_streams_end_when_the_server_does(valkey: EmbeddedValkey, fresh: Fresh) -> None:
