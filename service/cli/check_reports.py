@@ -55,8 +55,9 @@ class Outcome:
     def name(self) -> str:
         """The source as messages name it, with what the geometry says about itself."""
         source = "standard input" if self.source == STANDARD_INPUT else self.source
-        words = ", ".join(" ".join(text.split()) for text in self.notes.values())
-        return f"{source} ({words})" if words else source
+        words = ["".join(c if c.isprintable() else " " for c in text).split() for text in self.notes.values()]
+        shown = ", ".join(" ".join(part) for part in words if part)
+        return f"{source} ({shown})" if shown else source
 
     @property
     def is_file(self) -> bool:

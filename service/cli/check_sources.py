@@ -111,12 +111,12 @@ def _files(folder: str) -> Iterator[str]:
 
     seen = set()
     for root, folders, files in os.walk(folder, onerror=refuse, followlinks=True):
-        seen.add(os.path.realpath(root))
-        inner = sorted(name for name in folders if not name.startswith("."))
-        folders[:] = [name for name in inner if os.path.realpath(Path(root, name)) not in seen]
-        for name in sorted(files):
+        is_new = (place := os.path.realpath(root)) not in seen
+        seen.add(place)
+        folders[:] = sorted(name for name in folders if is_new and not name.startswith("."))
+        for name in sorted(files) if is_new else ():
             path = Path(root, name)
-            is_file = path.is_file() or path.is_symlink()  # a link that leads nowhere is told
+            is_file = path.is_file() or not path.exists()  # a link that leads nowhere is told
             if path.suffix.lower() == ".json" and not name.startswith(".") and is_file:
                 yield os.path.normpath(path)
 
@@ -130,12 +130,14 @@ def _geometry(source: str, *, is_named: bool) -> Geometry | None:
     text = b""
     try:
         text = text_of(source)
-        value = geometry_within(parse_json(text, "The text"))
+        whole = parse_json(text, "The text")
+        value = geometry_within(whole)
         if not is_named and not _is_meant(value):
             return None
         manipulator = read_manipulator(value)
-        assert isinstance(value, Mapping)
-        return Geometry(name, manipulator, line=1 if in_file else None, notes=notes_on(value))
+        assert isinstance(whole, Mapping)
+        notes = {note: text for part in (whole, value) for note, text in notes_on(part).items()}
+        return Geometry(name, manipulator, line=1 if in_file else None, notes=notes)
     except JsonError as error:
         if not is_named and _is_something_else(text):
             return None

@@ -112,7 +112,7 @@ class Document(Model):
 
     @classmethod
     def _hint(cls, name: str, known: Sequence[str]) -> str:
-        near = difflib.get_close_matches(name[:60], known, n=1, cutoff=0.5)
+        near = difflib.get_close_matches(name[:60].lower(), known, n=1, cutoff=0.5)
         return f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
 
     @classmethod

@@ -268,7 +268,8 @@ def test_files_without_a_geometry_are_ignored_where_they_are_named(run_here: Run
 def test_a_name_and_a_unit_are_in_every_report(run_here: Run, tmp_path: Path) -> None:
     named = {"name": "Gripper <2>", "unit": "mm", **EXAMPLES["zein-flat"].to_json()}
     (tmp_path / "a.json").write_text(json.dumps(named))
-    (tmp_path / "b.json").write_text(json.dumps({"count": 4, "geometry": named}))
+    beside = {"name": "Gripper <2>", "unit": "mm", "geometry": EXAMPLES["zein-flat"].to_json()}
+    (tmp_path / "b.json").write_text(json.dumps(beside))
     report, log = tmp_path / "r.xml", tmp_path / "r.sarif"
     files = ("--junit", str(report), "--sarif", str(log))
     done = run_here("check", str(tmp_path), *RANGE, "--max-cusps", "3", *files, "--github")
@@ -284,6 +285,9 @@ def test_a_name_and_a_unit_are_in_every_report(run_here: Run, tmp_path: Path) ->
     for part in printed["checks"]:
         assert (part["name"], part["unit"]) == ("Gripper <2>", "mm")
         assert part["report"]["geometry_hash"] == EXAMPLES["zein-flat"].geometry_hash
+    (tmp_path / "a.json").write_text(json.dumps({**named, "name": "\x1b[31m red\n", "unit": ""}))
+    done = run_here("check", str(tmp_path / "a.json"), *RANGE, "--max-cusps", "4")
+    assert "a.json ([31m red): passed" in done.stdout
     (tmp_path / "a.json").write_text(json.dumps({**named, "name": 5}))
     done = run_here("check", str(tmp_path / "a.json"), *RANGE, "--max-cusps", "3")
     assert (done.returncode, "geometry.name: is 5; give a text" in done.stdout) == (2, True)
