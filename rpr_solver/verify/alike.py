@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from rpr_solver.verify.angles import angle_near, degrees, radians
-from rpr_solver.verify.boxes import Box, Pair, around
+from rpr_solver.verify.boxes import Box, Pair, around, direction
 from rpr_solver.verify.claims import ClaimStatus
 from rpr_solver.verify.eliminant import Eliminant
-from rpr_solver.verify.lines import direction, meet, opposite, separation
+from rpr_solver.verify.lines import meet, opposite, separation
 from rpr_solver.verify.points import Finding, Point, Points
 from rpr_solver.verify.printed import Printed
 from rpr_solver.verify.roots import real_roots, refined

@@ -9,12 +9,15 @@ from functools import cached_property
 
 from rpr_solver.verify.angles import cos_sin, pi, radians
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.krawczyk import proved_zero
+from rpr_solver.verify.krawczyk import contracted, proved_zero
 from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.surds import ZERO, Surd
-from rpr_solver.verify.system import Trig, derivative
+from rpr_solver.verify.roots import Root, real_roots, refined
+from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd, primitive
+from rpr_solver.verify.surds import derivative as slope
+from rpr_solver.verify.system import Trig, derivative, in_half_tangent
 
 _SPARE = 48
+_ROOMS = (5, 8, 12, 16, 24, 40, 64, 100)
 Pair = tuple[Interval, Interval]
 
 
@@ -102,6 +105,14 @@ class Equations:
         """The size of the largest coefficient."""
         return max((_bits(x) for p in self.functions for x in p.values()), default=0)
 
+    def alone(self, box: Box) -> Box | None:
+        """A wide box about one that holds a zero, in which there is no other; None if none is proved."""
+        for room in _ROOMS:
+            wide = box.widened(room)
+            if contracted(self, (wide.alpha, wide.theta)) is not None:
+                return wide
+        return None
+
 
 @dataclass(frozen=True)
 class Box:
@@ -116,11 +127,58 @@ class Box:
         """Its cosines and sines."""
         return Directions.of(self.alpha, self.theta, self.radicand)
 
+    def widened(self, room: int) -> Box:
+        """A box of all angles within 2^−``room`` radians of the middles."""
+        bits, radius = self.alpha.bits, Fraction(1, 1 << room)
+        alpha, theta = (Interval.of(x.middle, bits, radius) for x in (self.alpha, self.theta))
+        return Box(alpha, theta, self.radicand)
+
     def meets(self, other: Box) -> bool:
         """Whether two boxes may share a pose."""
         here, there = self.directions, other.directions
         both = zip((*here.alpha, *here.theta), (*there.alpha, *there.theta), strict=True)
         return all(x.meets(y) for x, y in both)
+
+
+def common_on_axis(equations: Equations, box: Box, *, theta: bool) -> bool:
+    """Whether the one zero of two equations in a box has θ = 0, or α = 0, exactly.
+
+    There both equations are polynomials in the half tangent of the other angle. A common root of theirs is a
+    zero; it is the one of the box if a wide box about this holds no other.
+    """
+    ring = Ring(equations.radicand)
+    forms = [_on_axis(p, theta=theta) for p in equations.functions]
+    common = ring.gcd(*map(primitive, forms))
+    if equations.alone(box) is None:
+        return False
+    bits = 2 * box.alpha.bits
+    once: Poly = ()
+    if len(common) > 1:
+        once = ring.field_quotient(common, ring.gcd(common, slope(common)))
+    zero, other = (box.theta, box.alpha) if theta else (box.alpha, box.theta)
+    there = cos_sin(other)
+    near = [direction(ring, once, root, bits) for root in real_roots(ring, once)] if once else []
+    if all(form[-1] == ZERO for form in forms):
+        near.append((Interval.of(-1, bits), Interval.of(0, bits)))
+    return zero.contains(0) and any(all(x.meets(y) for x, y in zip(there, d, strict=True)) for d in near)
+
+
+def _on_axis(p: Trig, *, theta: bool) -> Poly:
+    """p at θ = 0, or at α = 0, by powers of the half tangent of the other angle, of formal degree."""
+    turned = p if theta else {(k, m, i, j): x for (i, j, k, m), x in p.items()}
+    degree = max((i + j for i, j, _, _ in turned), default=0)
+    return in_half_tangent(turned, degree, lambda _cos, sin: int(not sin))
+
+
+def direction(ring: Ring, form: Poly, root: Root, bits: int) -> Pair:
+    """Cosine and sine of θ on a line, the root u = tan(θ/2) being isolated."""
+    narrow = refined(ring, form, root, Fraction(1, 1 << bits))
+    middle, radius = (narrow.lower + narrow.upper) / 2, narrow.width / 2
+    x, one = Interval.of(middle, bits, radius), Interval.of(1, bits)
+    square = x * x
+    norm = one + square
+    cos, sin = (one - square).over(norm), x.scaled(2).over(norm)
+    return (-cos if narrow.inverted else cos), sin
 
 
 def around(alpha: Printed, theta: Printed, bits: int, radicand: int) -> Box:

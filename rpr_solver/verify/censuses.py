@@ -2,151 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from functools import partial
 from itertools import pairwise
-from random import Random
-from typing import Any
 
-from rpr_solver.contract import Progress, check_digits, check_leg
-from rpr_solver.errors import InputError
-from rpr_solver.verify.claims import Claim, ClaimStatus
-from rpr_solver.verify.completeness import Completeness, completeness
-from rpr_solver.verify.counts import cusps_counted, simplest_between
-from rpr_solver.verify.degenerate import degenerate_claims
-from rpr_solver.verify.events import event_finding
-from rpr_solver.verify.full_censuses import AT
-from rpr_solver.verify.manipulator import Geometry, exact
+from rpr_solver.contract import Progress
+from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
+from rpr_solver.verify.counts import OPEN, Bounds, changed, count_of, sampled
+from rpr_solver.verify.events import GENERIC, event_finding
+from rpr_solver.verify.full_censuses import AT, Completeness, completeness
+from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.recounts import Recount, no_room
+from rpr_solver.verify.reader import Record, exact
+from rpr_solver.verify.schema import Document
 from rpr_solver.verify.surface import Surface
+from rpr_solver.verify.system import System
+
+_SAMPLES = 2
 
 
-def census_claims(geometry: Geometry, document: Mapping[str, Any], progress: Progress) -> Iterator[Claim]:
-    """The claims of a census.
-
-    Raises:
-        InputError: naming a member that cannot be read.
-    """
-    census = Census.of(geometry, document)
-    yield from census.consistent()
-    total = len(census.transitions) + len(census.intervals)
-    surface = Surface.of(geometry, census.fixed)
-    for n, transition in enumerate(census.transitions):
-        progress(n, total)
-        yield from _transition(surface, census, n, transition)
-    complete = _completeness(surface, census, document)
-    yield from () if complete is None else complete.claims
-    generic: list[bool | None] = []
-    for n in range(len(census.intervals)):
-        progress(len(census.transitions) + n, total)
-        claim, simple = _counted(census, n, document, complete)
-        generic.append(simple)
-        yield claim
-    entries = document.get("degenerate")
-    if entries is not None and complete is not None and complete.holds:
-        yield complete.degenerate(entries)
-    elif entries is not None:
-        yield from degenerate_claims(geometry, census.fixed, entries, census.intervals, generic)
-    yield census.complete() if complete is None else complete.transitions()
-    yield from census.aspects()
-    progress(total, total)
+def census_claims(document: Document, progress: Progress) -> Iterator[Claim]:
+    """The claims of a census."""
+    yield from _Census(document).claims(progress)
 
 
-def _completeness(surface: Surface, census: Census, document: Mapping[str, Any]) -> Completeness | None:
-    """What the full certificate of a census says, if it has one."""
-    full = document.get("certificate", {}).get("full")
-    if full is None:
-        return None
-    rows = [(length, row["events"]) for length, row in zip(census.lengths, census.transitions, strict=True)]
-    return completeness(surface, full, rows, census.start, census.stop)
+class Cuts:
+    """Lengths that cut a range into intervals; each stands for all numbers that round to it."""
 
+    def __init__(
+        self, geometry: Geometry, lengths: list[Printed], start: Fraction, stop: Fraction | None
+    ) -> None:
+        self.lengths, self.start, self.stop = lengths, start, stop
+        self._size = max(geometry.d1, abs(geometry.a2x))
 
-def _counted(
-    census: Census, n: int, document: Mapping[str, Any], complete: Completeness | None
-) -> tuple[Claim, bool | None]:
-    """The number of cusps in an interval: with a full certificate by one slice, if nothing is open."""
-    lengths = census.lengths_within(n)
-    if complete is not None and complete.open is not None:
-        at, samples = f"{AT}/samples/{n}", document["certificate"]["full"]["samples"]
-        sample = exact(samples[n] if n < len(samples) else None, at)
-        spans = complete.spans
-        low = spans[n - 1][1] if n else census.start
-        high = spans[n][0] if n < len(spans) else census.stop
-        if not low < sample or (high is not None and not sample < high):
-            return Claim(at, "a length in this interval", ClaimStatus.REFUSED, "it is not"), None
-        lengths = (sample,) if complete.holds or not lengths else (sample, lengths[1])
-    return census.counted(n, lengths)
-
-
-@dataclass(frozen=True)
-class Census:
-    """A census as it is printed."""
-
-    geometry: Geometry
-    fixed: int
-    digits: int
-    transitions: list[Mapping[str, Any]]
-    lengths: list[Printed]
-    intervals: list[Mapping[str, Any]]
-    start: Fraction
-    stop: Fraction | None
-
-    @classmethod
-    def of(cls, geometry: Geometry, document: Mapping[str, Any]) -> Census:
-        """Reads a census.
-
-        Raises:
-            InputError: naming a member that cannot be read.
-        """
-        fixed, digits = check_leg(document.get("fixed_leg", 1)), check_digits(document.get("digits", 15))
-        for name in ("transitions", "intervals"):
-            rows = document.get(name)
-            if not isinstance(rows, list) or not all(isinstance(row, Mapping) for row in rows):
-                raise InputError.of(name, "is not a list of objects")
-        transitions: list[Mapping[str, Any]] = document["transitions"]
-        lengths = [
-            Printed.of(row.get(f"l{fixed}"), f"/transitions/{n}/l{fixed}")
-            for n, row in enumerate(transitions)
-        ]
-        span = document["range"]
-        start = exact(span["from"], "/range/from")
-        stop = None if span["to"] is None else exact(span["to"], "/range/to")
-        return cls(geometry, fixed, digits, transitions, lengths, document["intervals"], start, stop)
-
-    def consistent(self) -> Iterator[Claim]:
-        """Whether transitions and intervals fit together."""
-
-        def claim(at: str, text: str, right: bool) -> Claim:
-            status = ClaimStatus.PROVED if right else ClaimStatus.REFUSED
-            return Claim(at, text, status, "as printed" if right else "they contradict each other")
-
-        yield self.ascending()
-        counts = [part.get("count") for part in self.intervals]
-        around = [(row.get("count_before"), row.get("count_after")) for row in self.transitions]
-        yield claim(
-            "/intervals",
-            "counts before and after are those of the intervals",
-            around == list(pairwise(counts)) and len(counts) == len(around) + 1,
-        )
-        texts = [x.text for x in self.lengths]
-        ends = [(part.get("from"), part.get("to")) for part in self.intervals]
-        inner = list(zip([None, *texts], [*texts, None], strict=True))
-        fits = len(ends) == len(inner) and all(
-            (n == 0 or end[0] == mine[0]) and (n == len(texts) or end[1] == mine[1])
-            for n, (end, mine) in enumerate(zip(ends, inner, strict=False))
-        )
-        if fits:
-            outer = exact(ends[0][0], "/intervals/0/from"), ends[-1][1]
-            last = None if outer[1] is None else exact(outer[1], "/intervals")
-            fits = (outer[0], last) == (self.start, self.stop)
-        yield claim("/intervals", "the intervals lie between the transitions", fits)
-
-    def ascending(self) -> Claim:
-        """Whether the transitions ascend within the range; neighbours may be printed alike."""
-        at, text = "/transitions", "the transitions are ascending and within the range"
+    def ascending(self, at: str) -> Claim:
+        """Whether they ascend within the range; neighbours may be printed alike."""
+        text = "the lengths are ascending and within the range"
         ends = [self.start] if self.stop is None else [self.start, self.stop]
         outside = any(
             x.upper < self.start or (self.stop is not None and self.stop < x.lower) for x in self.lengths
@@ -156,87 +47,145 @@ class Census:
         if any(x.lower <= end <= x.upper for x in self.lengths for end in ends):
             reason = "up to half a unit of the last digit beside an end of the range"
             return Claim(at, text, ClaimStatus.CHECKED, reason)
+        if any(b.lower <= a.upper for a, b in pairwise(self.lengths)):
+            reason = "up to half a unit of the last digit where two are printed alike"
+            return Claim(at, text, ClaimStatus.CHECKED, reason)
         return Claim(at, text, ClaimStatus.PROVED, "as printed")
 
-    def bounds(self, n: int) -> tuple[Fraction, Fraction] | None:
+    def bounds(self, n: int) -> Bounds | None:
         """The ends of an interval, less what its printed ends may be off; None if nothing is left."""
-        low = self.start if n == 0 else self.lengths[n - 1].upper
+        low = self.start if n == 0 else max(self.start, self.lengths[n - 1].upper)
         if n < len(self.lengths):
             high = self.lengths[n].lower
         else:
-            high = (
-                self.stop
-                if self.stop is not None
-                else 2 * low + max(self.geometry.d1, abs(self.geometry.a2x))
-            )
+            high = self.stop if self.stop is not None else 2 * low + self._size
         return (low, high) if low < high else None
 
-    def lengths_within(self, n: int) -> tuple[Fraction, ...]:
-        """Two lengths in an interval: a short one, and one at random; none if there is no room."""
-        bounds = self.bounds(n)
-        if bounds is None:
-            return ()
-        low, high = bounds
-        middle = low + (high - low) * Fraction(Random(n).randint(1, 999), 1000)
-        spread = (high - low) / 1000
-        return simplest_between(low, high), simplest_between(middle - spread / 2, middle + spread / 2)
+    def around(self, n: int) -> tuple[Fraction | None, Fraction | None]:
+        """Between which numbers slices beside a cut lie in the intervals beside it."""
+        low = self.lengths[n - 1].upper if n else self.start
+        return low, self.lengths[n + 1].lower if n + 1 < len(self.lengths) else self.stop
 
-    def counted(self, n: int, lengths: Sequence[Fraction]) -> tuple[Claim, bool | None]:
-        """The number of cusps in an interval, by exact counts at some lengths.
-
-        Also whether all roots of the eliminants there are simple; None if nothing is known.
-        """
-        at, count = f"/intervals/{n}/count", self.intervals[n].get("count")
-        claim = f"{count} cusps in every slice of this interval"
-        if not lengths:
-            reason = "no number of so many digits lies between the transitions"
-            return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason), None
-        return self.recount.throughout(at, claim, count, lengths)
-
-    @property
-    def recount(self) -> Recount:
-        """By Descartes' rule of signs."""
-        vanishes = "the resultant vanishes identically"
-        count = partial(cusps_counted, self.geometry, self.fixed)
-        return Recount(count, "by Descartes' rule of signs", (vanishes, vanishes))
-
-    def complete(self) -> Claim:
-        """That these are all transitions, without a full certificate."""
-        reason = "no other length was found by two slices in each interval; the elimination was not repeated"
-        return Claim("/transitions", "these are all transitions", ClaimStatus.CHECKED, reason)
-
-    def aspects(self) -> Iterator[Claim]:
-        """What is not verified."""
-        if any("aspects" in part for part in self.intervals):
-            reason = "aspects are not counted by this verifier"
-            yield Claim("/intervals", "the numbers of aspects", ClaimStatus.NOT_CHECKED, reason)
+    def fit(self, rows: Sequence[Record]) -> bool:
+        """Whether printed intervals lie between the cuts, and fill the range."""
+        texts = [x.text for x in self.lengths]
+        if [row["from"] for row in rows[1:]] != texts or [row["to"] for row in rows[:-1]] != texts:
+            return False
+        high = rows[-1]["to"]
+        last = None if high is None else exact(high, f"/intervals/{len(rows) - 1}/to")
+        return (exact(rows[0]["from"], "/intervals/0/from"), last) == (self.start, self.stop)
 
 
-def _transition(surface: Surface, census: Census, n: int, row: Mapping[str, Any]) -> Iterator[Claim]:
-    at, printed = f"/transitions/{n}", census.lengths[n]
-    events = row.get("events")
-    if not isinstance(events, list) or not all(isinstance(event, Mapping) for event in events):
-        raise InputError.of(f"{at}/events", "is not a list of events")
-    kinds = {event.get("kind") for event in events}
-    kind = row.get("kind")
-    common = kinds.pop() if len(kinds) == 1 else "several" if kinds else "unclassified"
-    if kind != common:
-        yield Claim(f"{at}/kind", "the common kind of the events", ClaimStatus.REFUSED, f"it is {common}")
-    if not printed.is_zero and printed.digits != census.digits:
-        yield Claim(at, "the digits of the length", ClaimStatus.REFUSED, "it has more or fewer digits")
-    for k, event in enumerate(events):
-        status, reason = event_finding(surface, census.digits, printed, event, f"{at}/events/{k}")
-        yield Claim(f"{at}/events/{k}", f"a {event.get('kind')} at this length", status, reason)
-    if not events:
-        yield _bracketed(census, n, row)
+class _Census:
+    def __init__(self, document: Document) -> None:
+        self.members, self.geometry, self.fixed = document.members, document.geometry, document.fixed
+        self.transitions: tuple[Record, ...] = self.members["transitions"]
+        self.intervals: tuple[Record, ...] = self.members["intervals"]
+        self.lengths: list[Printed] = [row[f"l{self.fixed}"] for row in self.transitions]
+        self.start, self.stop = self.members["range"]["from"], self.members["range"]["to"]
+        self.cuts = Cuts(self.geometry, self.lengths, self.start, self.stop)
 
+    def claims(self, progress: Progress) -> Iterator[Claim]:
+        fit = list(self._fitting())
+        yield from fit
+        if any(claim.status is ClaimStatus.REFUSED for claim in fit):
+            return
+        total = len(self.transitions) + len(self.intervals)
+        surface = Surface.of(self.geometry, self.fixed)
+        for n in range(len(self.transitions)):
+            progress(n, total)
+            yield from self._transition(surface, n)
+        complete = self._completeness(surface)
+        yield from () if complete is None else complete.claims
+        for n in range(len(self.intervals)):
+            progress(len(self.transitions) + n, total)
+            yield self._counted(n, complete)
+        if "degenerate" in self.members:
+            yield self._degenerate(complete)
+        claim = "these are all transitions"
+        if complete is None:
+            reason = "a census with a full certificate is what proves it"
+            yield Claim("/transitions", claim, ClaimStatus.NOT_CHECKED, reason)
+        else:
+            yield complete.claim("/transitions", claim)
+        progress(total, total)
 
-def _bracketed(census: Census, n: int, row: Mapping[str, Any]) -> Claim:
-    """A transition without a pose, by the counts on both sides of its last digit."""
-    at, length = f"/transitions/{n}", census.lengths[n]
-    parts = (census.bounds(n), census.bounds(n + 1))
-    if None in parts:
-        return no_room(at)
-    sides = 2 * length.lower - length.value, 2 * length.upper - length.value
-    counts = (row.get(member) for member in ("count_before", "count_after"))
-    return census.recount.beside(at, zip(parts, sides, counts, strict=True))
+    def _fitting(self) -> Iterator[Claim]:
+        """Whether transitions and intervals fit together."""
+
+        def claim(text: str, right: bool) -> Claim:
+            reason = "as printed" if right else "they contradict each other"
+            return Claim("/intervals", text, status_of(right), reason)
+
+        if self.stop is not None and self.stop <= self.start:
+            yield Claim("/range", "a range of lengths", ClaimStatus.REFUSED, "it holds no length")
+        yield self.cuts.ascending("/transitions")
+        counts = [part["count"] for part in self.intervals]
+        around = [(row["count_before"], row["count_after"]) for row in self.transitions]
+        right = around == list(pairwise(counts)) and len(counts) == len(around) + 1
+        yield claim("counts before and after are those of the intervals", right)
+        yield claim("the intervals lie between the transitions", self.cuts.fit(self.intervals))
+
+    def _transition(self, surface: Surface, n: int) -> Iterator[Claim]:
+        at, row, length = f"/transitions/{n}", self.transitions[n], self.lengths[n]
+        events = row["events"]
+        kinds = {event["kind"] for event in events}
+        common = kinds.pop() if len(kinds) == 1 else "several" if kinds else "unclassified"
+        if row["kind"] != common:
+            yield Claim(f"{at}/kind", "the common kind of the events", ClaimStatus.REFUSED, f"it is {common}")
+        proved = True
+        for k, event in enumerate(events):
+            status, reason = event_finding(surface, length, event)
+            proved = proved and status is ClaimStatus.PROVED
+            yield Claim(f"{at}/events/{k}", f"a {event['kind']} at this length", status, reason)
+        before, after = row["count_before"], row["count_after"]
+        if not events:
+            yield changed(f"{at}", length, self.cuts.around(n), (before, after), self._count)
+        elif proved and all(event["kind"] in GENERIC for event in events):
+            # at each of them two cusps are born, or two die
+            right = abs(after - before) <= 2 * len(events) and (after - before) // 2 % 2 == len(events) % 2
+            if not right or (after - before) % 2:
+                text = f"the number of cusps changes from {before} to {after}"
+                yield Claim(at, text, ClaimStatus.REFUSED, "two are born, or die, at each of its poses")
+
+    def _count(self, length: Fraction) -> tuple[int, bool] | None:
+        return count_of(System.of(self.geometry, self.fixed, length))
+
+    def _completeness(self, surface: Surface) -> Completeness | None:
+        """What the full certificate says, if there is one."""
+        full = self.members["certificate"].get("full")
+        if full is None:
+            return None
+        rows = [(x, row["events"]) for x, row in zip(self.lengths, self.transitions, strict=True)]
+        return completeness(surface, full, rows, self.start, self.stop)
+
+    def _counted(self, n: int, complete: Completeness | None) -> Claim:
+        """The number of cusps in an interval: with a full certificate by one slice, if nothing is open."""
+        number, at = self.intervals[n]["count"], f"/intervals/{n}/count"
+        if complete is None or complete.open is None:
+            return sampled(at, number, self.cuts.bounds(n), self._count, _SAMPLES)
+        samples, spans = self.members["certificate"]["full"]["samples"], complete.spans
+        low = spans[n - 1][1] if n else self.start
+        high = spans[n][0] if n < len(spans) else self.stop
+        if len(samples) != len(self.intervals) or not low < samples[n] or (high and not samples[n] < high):
+            reason = "it is not, or there is not one for each interval"
+            return Claim(f"{AT}/samples/{n}", "a length in this interval", ClaimStatus.REFUSED, reason)
+        found, claim = self._count(samples[n]), f"{number} cusps in every slice of this interval"
+        if found is None:
+            return Claim(at, claim, ClaimStatus.NOT_CHECKED, "the slice of its sample was not counted")
+        if found[0] != number:
+            return Claim(at, claim, ClaimStatus.REFUSED, f"the slice at {samples[n]} has {found[0]}")
+        if not complete.holds:
+            return sampled(at, number, self.cuts.bounds(n), self._count, 1)
+        if not found[1]:
+            return Claim(at, claim, ClaimStatus.CHECKED, "Q has multiple roots in the slice of its sample")
+        return complete.claim(at, claim)
+
+    def _degenerate(self, complete: Completeness | None) -> Claim:
+        """That nothing is degenerate throughout an interval, where all events are isolated."""
+        at, claim = "/degenerate", "what is degenerate throughout an interval, or along a curve"
+        if complete is None or not complete.holds:
+            return Claim(at, claim, ClaimStatus.NOT_CHECKED, OPEN)
+        if self.members["degenerate"]:
+            return Claim(at, claim, ClaimStatus.REFUSED, "nothing is, as all events are isolated")
+        return complete.claim(at, claim)

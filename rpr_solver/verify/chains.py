@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
-from rpr_solver.errors import InputError
 from rpr_solver.verify.claims import Claim, ClaimStatus
 from rpr_solver.verify.links import Pose, chain_of
-from rpr_solver.verify.manipulator import exact
 from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.reader import Record
 from rpr_solver.verify.surface import Surface
 from rpr_solver.verify.tubes import Forms, Tube
 
@@ -51,31 +49,26 @@ class Chains:
 
     Args:
         surface: the equations.
-        document: the document, with a full certificate.
+        members: the document, with a full certificate.
 
     Raises:
         InputError: naming a member that cannot be read.
     """
 
-    def __init__(self, surface: Surface, document: Mapping[str, Any]) -> None:
+    def __init__(self, surface: Surface, members: Record) -> None:
         self._surface = surface
-        self._curves: Sequence[Mapping[str, Any]] = document["curves"]
+        self._curves: Sequence[Record] = members["curves"]
         self._length = f"l{surface.fixed}"
-        span = document["range"]
-        self._span = exact(span["from"], "/range/from"), span["to"] and exact(span["to"], "/range/to")
+        self._span = members["range"]["from"], members["range"]["to"]
         at = "/certificate/full/chains"
         self._chains = [
-            self._read(chain, f"{at}/{n}")
-            for n, chain in enumerate(document["certificate"]["full"]["chains"])
+            self._chain(chain, f"{at}/{n}")
+            for n, chain in enumerate(members["certificate"]["full"]["chains"])
         ]
 
-    def _read(self, chain: Mapping[str, Any], at: str) -> _Chain:
-        start, stop = (
-            (str(chain[side]["curve"]), exact(chain[side][self._length], f"{at}/{side}")) for side in SIDES
-        )
+    def _chain(self, chain: Record, at: str) -> _Chain:
+        start, stop = ((chain[side]["curve"], chain[side][self._length]) for side in SIDES)
         tubes = [Tube.of(self._surface, tube, f"{at}/tubes/{k}") for k, tube in enumerate(chain["tubes"])]
-        if not tubes:
-            raise InputError.of(at, "has no tubes")
         return _Chain(at, start, stop, tubes)
 
     @property
@@ -109,13 +102,11 @@ class Chains:
             yield Claim(f"/curves/{n}/points", claim, status, reason)
             yield from self._ends(n, curve, joined)
 
-    def _ends(
-        self, n: int, curve: Mapping[str, Any], joined: set[frozenset[Place] | _Turn]
-    ) -> Iterator[Claim]:
+    def _ends(self, n: int, curve: Record, joined: set[frozenset[Place] | _Turn]) -> Iterator[Claim]:
         """An end that joins another curve has a chain past it, if both have points beside it."""
         for side in SIDES:
             end = curve[side]
-            if end.get("joins") is None or any(
+            if end["joins"] is None or any(
                 turn in joined for turn in self._turns if turn.side == side and curve["name"] in turn.names
             ):
                 continue
@@ -124,15 +115,15 @@ class Chains:
             reason = "no tubes lead past it"
             yield Claim(f"/curves/{n}/{side}", f"it joins {end['joins']} here", status, reason)
 
-    def _inside(self, end: Mapping[str, Any]) -> bool:
+    def _inside(self, end: Record) -> bool:
         start, stop = self._span
-        length = Printed.of(end.get(self._length), self._length)
+        length = end[self._length]
         return start < length.lower and (stop is None or length.upper < stop)
 
-    def _points(self, curve: Mapping[str, Any]) -> list[Fraction]:
-        return [exact(point[self._length], self._length) for point in curve["points"]]
+    def _points(self, curve: Record) -> list[Fraction]:
+        return [point[self._length] for point in curve["points"]]
 
-    def _neighbours(self, curve: Mapping[str, Any]) -> Iterator[frozenset[Place]]:
+    def _neighbours(self, curve: Record) -> Iterator[frozenset[Place]]:
         for a, b in pairwise(self._points(curve)):
             yield frozenset(((curve["name"], a), (curve["name"], b)))
 
@@ -146,7 +137,7 @@ class Chains:
         turns = []
         for n, curve in enumerate(self._curves):
             for side, place in zip(SIDES, (0, -1), strict=True):
-                other = by_name.get(curve[side].get("joins"))
+                other = by_name.get(curve[side]["joins"])
                 lengths = [self._points(x)[place:][:1] for x in (curve, other or {"points": []})]
                 if lengths[0] and lengths[0] == lengths[1] and other is not curve:
                     names = frozenset((curve["name"], curve[side]["joins"]))
@@ -202,8 +193,8 @@ class Chains:
         """Whether one of the tubes holds a pose of the end; without a pose nothing is compared."""
         end = self._curves[turn.curve][turn.side]
         if not end["events"]:
-            return True
-        printed = Printed.of(end.get(self._length), self._length)
+            return False
+        printed = end[self._length]
         return any(
             _holds(tube, pose)
             for event in end["events"]
@@ -211,12 +202,9 @@ class Chains:
             for pose in self._poses_of(event, printed, tube.bits)
         )
 
-    def _poses_of(self, event: Mapping[str, Any], printed: Printed, bits: int) -> Iterator[Pose]:
-        alpha, theta = (
-            Printed.of(event.get(name), name).value
-            for name in ("alpha_deg", f"theta{self._surface.fixed}_deg")
-        )
-        for _, triple in self._surface.systems(str(event.get("kind"))):
+    def _poses_of(self, event: Record, printed: Printed, bits: int) -> Iterator[Pose]:
+        alpha, theta = (event[name].value for name in ("alpha_deg", f"theta{self._surface.fixed}_deg"))
+        for _, triple in self._surface.systems(event["kind"]):
             zero = triple.zero_near(alpha, theta, printed.value * self._surface.unit, bits)
             if zero is not None:
                 yield Pose(zero[0], zero[1], zero[2])

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
+
+_NUMBER = re.compile(r"/[0-9]+(?=/|$)")
 
 
 class ClaimStatus(StrEnum):
@@ -16,13 +20,28 @@ class ClaimStatus(StrEnum):
     """
 
     PROVED = "proved"
-    """Proved here, by exact arithmetic or intervals."""
+    """Proved here, by exact arithmetic or intervals: it follows whatever the document says."""
     CHECKED = "checked"
     """Confirmed by computation that falls short of a proof; the reason says how far."""
     NOT_CHECKED = "not checked"
     """Nothing is said about it."""
     REFUSED = "refused"
     """It contradicts what is proved here, or is not borne out where a right document would be."""
+
+
+class Outcome(StrEnum):
+    """What a verification comes to.
+
+    >>> Outcome.REFUSED == "refused"
+    True
+    """
+
+    ESTABLISHED = "established"
+    """Every claim is proved, or wrong with no more than the error probability that is stated."""
+    NOT_ESTABLISHED = "not established"
+    """No claim is refused, but some are open: they are named, and nothing may rest on them."""
+    REFUSED = "refused"
+    """At least one claim is refused."""
 
 
 @dataclass(frozen=True)
@@ -34,20 +53,32 @@ class Claim:
         claim: what is claimed.
         status: how it stands.
         reason: why, in one sentence.
+        error_probability: of a claim that is checked by random numbers of the operating system, a bound of
+            the probability that it is wrong all the same; None if there is no such bound.
 
     >>> claim = Claim("/slices/0/count", "these 6 cusps are all", ClaimStatus.REFUSED, "there are 7")
-    >>> claim.to_json()["status"]
-    'refused'
+    >>> claim.to_json()["status"], claim.established
+    ('refused', False)
     """
 
     at: str
     claim: str
     status: ClaimStatus
     reason: str
+    error_probability: str | None = None
 
-    def to_json(self) -> dict[str, str]:
+    @property
+    def established(self) -> bool:
+        """Whether it is proved, or checked with a stated error probability."""
+        if self.status is ClaimStatus.PROVED:
+            return True
+        return self.status is ClaimStatus.CHECKED and self.error_probability is not None
+
+    def to_json(self) -> dict[str, Any]:
         """The claim as a member of the document."""
-        return {**asdict(self), "status": self.status.value}
+        about = {"at": self.at, "claim": self.claim, "status": self.status.value, "reason": self.reason}
+        chance = {"error_probability": self.error_probability} if self.error_probability else {}
+        return {**about, "established": self.established, **chance}
 
 
 @dataclass(frozen=True)
@@ -57,27 +88,50 @@ class Verification:
     Attributes:
         kind: the kind of document, such as ``"cusp-table"``.
         geometry_hash: of its manipulator.
-        solver_version: of the solver that made it.
+        solver_version: of the solver that made it, as the document says.
         claims: all claims.
+        unread: the members that were not read, with * for places in lists.
 
-    >>> Verification("poses", "sha256:…", "4", ()).accepted
-    True
+    >>> Verification("poses", "sha256:…", "4", (), ()).outcome
+    <Outcome.ESTABLISHED: 'established'>
     """
 
     kind: str
     geometry_hash: str
     solver_version: str
     claims: tuple[Claim, ...]
+    unread: tuple[str, ...]
 
     @property
     def accepted(self) -> bool:
-        """Whether no claim is refused."""
+        """Whether no claim is refused; some may be open all the same (:attr:`established`)."""
         return not self.refused
+
+    @property
+    def established(self) -> bool:
+        """Whether every claim is established."""
+        return all(claim.established for claim in self.claims)
 
     @property
     def refused(self) -> tuple[Claim, ...]:
         """The claims that are refused."""
         return tuple(claim for claim in self.claims if claim.status is ClaimStatus.REFUSED)
+
+    @property
+    def open(self) -> tuple[Claim, ...]:
+        """The claims that are neither refused nor established."""
+        return tuple(
+            claim
+            for claim in self.claims
+            if not claim.established and claim.status is not ClaimStatus.REFUSED
+        )
+
+    @property
+    def outcome(self) -> Outcome:
+        """What it comes to."""
+        if not self.accepted:
+            return Outcome.REFUSED
+        return Outcome.ESTABLISHED if self.established else Outcome.NOT_ESTABLISHED
 
     def count(self, status: ClaimStatus) -> int:
         """The number of claims with a status."""
@@ -85,17 +139,31 @@ class Verification:
 
     def __repr__(self) -> str:
         numbers = ", ".join(f"{n} {status.value}" for status in ClaimStatus if (n := self.count(status)))
-        return f"<Verification of {self.kind}: {self.verdict}; {numbers or 'no claims'}>"
+        return f"<Verification of {self.kind}: {self.outcome.value}; {numbers or 'no claims'}>"
 
     @property
     def verdict(self) -> str:
-        """``"accepted"`` or ``"refused"``."""
+        """``"accepted"`` or ``"refused"``; :attr:`outcome` tells more."""
         return "accepted" if self.accepted else "refused"
+
+    @property
+    def summary(self) -> str:
+        """The outcome in one line, with all claims that are refused or open."""
+        if self.refused:
+            return f"REFUSED: {_named(self.refused)}"
+        rest = f"; not read: {', '.join(self.unread)}" if self.unread else ""
+        if self.open:
+            return f"NOT ESTABLISHED, though nothing is refuted: {_named(self.open)}{rest}"
+        chances = {claim.error_probability for claim in self.claims if claim.error_probability}
+        but = f", but for an error probability below {', '.join(sorted(chances))}" if chances else ""
+        return f"ESTABLISHED: all {len(self.claims)} claims of this {self.kind}{but}{rest}"
 
     def to_json(self) -> dict[str, Any]:
         """The document of the verification."""
         return {
             "verdict": self.verdict,
+            "outcome": self.outcome.value,
+            "summary": self.summary,
             "document": {
                 "kind": self.kind,
                 "geometry_hash": self.geometry_hash,
@@ -103,4 +171,24 @@ class Verification:
             },
             "counts": {status.value.replace(" ", "_"): self.count(status) for status in ClaimStatus},
             "claims": [claim.to_json() for claim in self.claims],
+            "unread": list(self.unread),
         }
+
+
+def _named(claims: Iterable[Claim]) -> str:
+    """Claims in a line, those of one kind of member together."""
+    groups: dict[str, list[Claim]] = {}
+    for claim in claims:
+        groups.setdefault(_NUMBER.sub("/*", claim.at), []).append(claim)
+    parts = []
+    for at, group in groups.items():
+        texts = list(dict.fromkeys(claim.claim for claim in group))
+        where = group[0].at if len(group) == 1 else f"{at}, {len(group)} times"
+        more = ", …" if len(texts) > 1 else ""
+        parts.append(f"{texts[0]}{more} ({where or 'the document'})")
+    return "; ".join(parts)
+
+
+def status_of(right: bool) -> ClaimStatus:
+    """Proved or refused."""
+    return ClaimStatus.PROVED if right else ClaimStatus.REFUSED

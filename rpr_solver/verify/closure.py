@@ -29,6 +29,7 @@ class Closure:
         determinant: det = 4 v₂ × v₃.
         numerators: n = det · X.
         whole: |n|² − s₁ det².
+        upright: the y-components of the legs, times det.
     """
 
     geometry: Geometry
@@ -40,6 +41,7 @@ class Closure:
     determinant: Trig
     numerators: tuple[Trig, Trig]
     whole: Trig
+    upright: tuple[Trig, Trig, Trig]
 
     @classmethod
     def of(cls, geometry: Geometry, squares: tuple[Fraction, Fraction, Fraction]) -> Closure:
@@ -73,6 +75,7 @@ class Closure:
             trig(determinant),
             (trig(n[0]), trig(n[1])),
             trig(whole),
+            (trig(n[1]), *(trig(n[1] + v[1] * determinant) for v in vectors)),  # type: ignore[arg-type]
         )
 
     @cached_property

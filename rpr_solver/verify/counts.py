@@ -1,35 +1,37 @@
-"""The number of cusps of a slice, from the exact eliminant alone."""
+"""The number of cusps of slices, from the exact eliminant alone; and slices that nobody can foresee."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from math import atan2, degrees
+from secrets import randbelow
 
 from rpr_solver.verify.boxes import Equations, Pair, zero_near
+from rpr_solver.verify.claims import Claim, ClaimStatus
 from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.lines import special_lines, unlisted
-from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.lines import nearby, special_lines, unlisted
+from rpr_solver.verify.printed import Printed
 from rpr_solver.verify.surds import Indivisible
 from rpr_solver.verify.system import Leg, System
 
 _BITS = 60
 _MOST = 12
 """The most poses that are looked at on one line; J has degree 4 there."""
+_DRAWN_BITS, _SPREAD = 64, 1 << 20
+OPEN = "not for every length in it; a census with a full certificate is what proves that"
+Count = Callable[[Fraction], tuple[int, bool] | None]
+"""The number of cusps of the slice of a length, and whether it is proved; None if it is open."""
+Bounds = tuple[Fraction, Fraction]
 
 
-def cusps_counted(geometry: Geometry, fixed: int, length: Fraction) -> tuple[int, bool] | None:
+def count_of(system: System) -> tuple[int, bool] | None:
     """The number of cusps, and whether it is proved. None if the resultant says nothing.
 
     It is where every root of Q is simple and apart from the spurious ones: one cusp is on each line. On other
     lines the cusps are those that a search finds.
     """
-    return count_of(System.of(geometry, fixed, length))
-
-
-def count_of(system: System) -> tuple[int, bool] | None:
-    """As :func:`cusps_counted`, of a slice."""
     try:
         eliminant = Eliminant.of(system)
     except Indivisible:
@@ -42,18 +44,6 @@ def count_of(system: System) -> tuple[int, bool] | None:
     return single + sum(_cusps_on(system, line) for line in special_lines(system, eliminant)), False
 
 
-def other_poses(system: System, eliminant: Eliminant) -> list[tuple[Fraction, Fraction]]:
-    """The angles, in degrees, of poses near which J = E = 0 is not excluded, and that are no cusps."""
-    if eliminant.generic:
-        return []
-    return [
-        pose
-        for line in special_lines(system, eliminant)
-        for pose in _poses_on(system, line)
-        if not any(_is_cusp(system, leg, *pose) for leg in system.legs)
-    ]
-
-
 def _cusps_on(system: System, line: Pair) -> int:
     """The cusps that are found on a line: where J = E = 0 cannot be excluded, a regular zero is one."""
     return sum(any(_is_cusp(system, leg, *pose) for leg in system.legs) for pose in _poses_on(system, line))
@@ -64,7 +54,7 @@ def _poses_on(system: System, line: Pair) -> Iterator[tuple[Fraction, Fraction]]
     holes: list[Interval] = []
     theta = Fraction(degrees(atan2(float(line[1].middle), float(line[0].middle))))
     while (alpha := unlisted(system, line, holes)) is not None and len(holes) < _MOST:
-        holes.append(Interval.of(alpha, line[0].bits))
+        holes.append(nearby(Interval.of(alpha, line[0].bits)))
         yield Fraction(degrees(float(alpha))), theta
 
 
@@ -87,3 +77,56 @@ def simplest_between(low: Fraction, high: Fraction) -> Fraction:
             middle = round((low + high) / 2 / unit) * unit
             return middle if low < middle < high else candidate
         unit /= 10
+
+
+def drawn_within(bounds: Bounds) -> Fraction:
+    """A length between two others, drawn at random by the operating system, rounded to few places."""
+    low, high = bounds
+    step = (high - low) / (_SPREAD + 2)
+    place = low + (high - low - 2 * step) * Fraction(randbelow(1 << _DRAWN_BITS), 1 << _DRAWN_BITS)
+    return simplest_between(place, place + 2 * step)
+
+
+def sampled(at: str, number: int, bounds: Bounds | None, count: Count, samples: int) -> Claim:
+    """That all slices between two lengths have so many cusps: refuted, or checked, by some of them."""
+    claim = f"{number} cusps in every slice of this interval"
+    if bounds is None:
+        reason = "no number of so many digits lies between its ends"
+        return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
+    for length in (drawn_within(bounds) for _ in range(samples)):
+        found = count(length)
+        if found is None:
+            return Claim(at, claim, ClaimStatus.NOT_CHECKED, "the cusps of a slice in it were not counted")
+        if found[0] != number:
+            return Claim(at, claim, ClaimStatus.REFUSED, f"the slice at {length} has {found[0]}")
+    reason = f"{samples} slices at random lengths have as many; {OPEN}"
+    return Claim(at, claim, ClaimStatus.CHECKED, reason)
+
+
+def changed(at: str, cut: Printed, outer: Sequence[Fraction | None], numbers: Bounds, count: Count) -> Claim:
+    """That the number of cusps changes within half a unit of the last digit of a length.
+
+    Args:
+        at: the member with the length.
+        cut: the length.
+        outer: between which two lengths the slices beside it must lie.
+        numbers: of cusps below and above.
+        count: how they are counted.
+    """
+    claim = "the number of cusps changes here"
+    if numbers[0] == numbers[1]:
+        return Claim(at, claim, ClaimStatus.REFUSED, "it is the same below and above")
+    low, high = outer
+    if cut.is_zero or cut.lower <= (low or 0) or (high is not None and high <= cut.upper):
+        reason = "its digits leave no room between it and its neighbour"
+        return Claim(at, claim, ClaimStatus.NOT_CHECKED, reason)
+    doubt = False
+    for length, expected in zip((cut.lower, cut.upper), numbers, strict=True):
+        found = count(length)
+        if found is None:
+            return Claim(at, claim, ClaimStatus.NOT_CHECKED, "the slices beside it were not counted")
+        if found[0] != expected:
+            return Claim(at, claim, ClaimStatus.REFUSED, f"{found[0]} cusps are counted beside it")
+        doubt = doubt or not found[1]
+    reason = "half a unit of the last digit below and above, as many are counted"
+    return Claim(at, claim, ClaimStatus.CHECKED if doubt else ClaimStatus.PROVED, reason)

@@ -2,48 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
-from rpr_solver.contract import Progress, check_digits, check_leg
-from rpr_solver.errors import InputError
+from rpr_solver.contract import Progress
 from rpr_solver.verify.alike import doubtful_of, located
 from rpr_solver.verify.boxes import Box
 from rpr_solver.verify.chains import SIDES, Chains, Place
-from rpr_solver.verify.claims import Claim, ClaimStatus
-from rpr_solver.verify.counts import count_of
+from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
+from rpr_solver.verify.counts import OPEN, count_of
 from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.events import Finding, event_finding
 from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.links import Pose
-from rpr_solver.verify.manipulator import Geometry, exact
 from rpr_solver.verify.points import Point, Points
 from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.reader import Record
+from rpr_solver.verify.schema import Document
+from rpr_solver.verify.slices import sorted_turns
 from rpr_solver.verify.surface import Surface
 from rpr_solver.verify.system import System
 
-_LENGTH_ONLY = ("open", "unclassified", "undecided", "several")
+_LENGTH_ONLY = ("unclassified", "undecided", "several")
 
 
-def curve_claims(geometry: Geometry, document: Mapping[str, Any], progress: Progress) -> Iterator[Claim]:
-    """The claims of a document of cusp curves.
-
-    Raises:
-        InputError: naming a member that cannot be read.
-    """
-    yield from _Curves(geometry, document).claims(progress)
+def curve_claims(document: Document, progress: Progress) -> Iterator[Claim]:
+    """The claims of a document of cusp curves."""
+    yield from _Curves(document).claims(progress)
 
 
 @dataclass(frozen=True)
 class _Listed:
-    """A point of a curve: the numbers of the curve and of the point in it, and the number of the cusp."""
+    """A point of a curve: the numbers of the curve and of the point in it."""
 
     curve: int
     place: int
-    cusp: Any
-    point: Mapping[str, Any]
+    point: Record
 
     @property
     def at(self) -> str:
@@ -51,29 +46,24 @@ class _Listed:
 
 
 class _Curves:
-    def __init__(self, geometry: Geometry, document: Mapping[str, Any]) -> None:
-        self.geometry, self.document = geometry, document
-        self.is_full = "full" in document.get("certificate", {})
-        self.fixed = check_leg(document.get("fixed_leg", 1))
-        self.digits = check_digits(document.get("digits", 15))
-        self.curves: list[Mapping[str, Any]] = document["curves"]
+    def __init__(self, document: Document) -> None:
+        self.geometry, self.fixed, self.members = document.geometry, document.fixed, document.members
+        self.curves: tuple[Record, ...] = self.members["curves"]
         self.name = f"l{self.fixed}"
-        if not isinstance(self.curves, list) or not all(isinstance(x, Mapping) for x in self.curves):
-            raise InputError.of("curves", "is not a list of curves")
-        self.ends = [self._printed_ends(n, curve) for n, curve in enumerate(self.curves)]
+        self.ends: list[tuple[Printed, Printed | None]] = [
+            (curve["from"][self.name], curve["to"][self.name]) for curve in self.curves
+        ]
         self.slices: dict[Fraction, list[_Listed]] = {}
         for n, curve in enumerate(self.curves):
             for k, point in enumerate(curve["points"]):
-                listed = _Listed(n, k, point.get("cusp"), point)
-                length = exact(point.get(self.name), f"{listed.at}/{self.name}")
-                self.slices.setdefault(length, []).append(listed)
+                self.slices.setdefault(point[self.name], []).append(_Listed(n, k, point))
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
         surface = Surface.of(self.geometry, self.fixed)
-        chains = Chains(surface, self.document) if self.is_full else None
+        chains = Chains(surface, self.members) if "certificate" in self.members else None
         total = len(self.curves) + len(self.slices) + (chains.count if chains else 0)
-        yield self._named()
-        known: dict[str, Finding] = {}
+        yield from self._named()
+        known: dict[tuple[str, ...], Finding] = {}
         for n, curve in enumerate(self.curves):
             progress(n, total)
             for side in SIDES:
@@ -90,64 +80,79 @@ class _Curves:
         else:
             reason = "only a full certificate has the tubes that join them"
             yield Claim("/curves", "the points of a curve are joined by it", ClaimStatus.NOT_CHECKED, reason)
+        reason = "only at the lengths of points all cusps are there; a census of the range proves the ends"
+        yield Claim("/curves", "these are all curves of the range", ClaimStatus.NOT_CHECKED, reason)
+        if "degenerate" in self.members:
+            at, claim = "/degenerate", "what is degenerate throughout an interval, or along a curve"
+            yield Claim(at, claim, ClaimStatus.NOT_CHECKED, OPEN)
         progress(1, 1)
 
-    def _named(self) -> Claim:
-        """Names are different, and joined ends name each other and share their length."""
-        claim = "curves have different names, and those that join name each other"
-        by_name = {curve.get("name"): curve for curve in self.curves}
-        right = len(by_name) == len(self.curves)
-        reason = "as printed" if right else "two curves have one name"
+    def _named(self) -> Iterator[Claim]:
+        """Names are different, each curve is in the range, and joined ends name each other."""
+        by_name = {curve["name"]: curve for curve in self.curves}
+        wrong = "" if len(by_name) == len(self.curves) else "two curves have one name"
+        outside = []
         for curve in self.curves:
             for side in SIDES:
-                end = curve[side]
-                other = by_name.get(end.get("joins"))
-                if other is None:  # of another part of the range, perhaps
-                    continue
-                backward = [x for x in (other[s] for s in SIDES) if x.get("joins") == curve.get("name")]
-                if all(x.get(self.name) != end.get(self.name) for x in backward):
-                    right, reason = (
-                        False,
-                        f"{curve.get('name')} joins {end.get('joins')}, which does not join it",
-                    )
-        return Claim("/curves", claim, ClaimStatus.PROVED if right else ClaimStatus.REFUSED, reason)
+                end, joins = curve[side], curve[side]["joins"]
+                other = by_name.get(joins)
+                if joins == curve["name"] or (joins is not None and end["kind"] in ("open", "undecided")):
+                    wrong = f"{curve['name']} joins {joins}"
+                elif joins is not None and other is None:
+                    outside.append(joins)
+                elif other is not None:
+                    backward = other[side]
+                    alike = (backward["joins"], backward[self.name]) == (curve["name"], end[self.name])
+                    if not alike or not _same(backward["events"], end["events"]):
+                        wrong = f"{curve['name']} joins {joins}, which does not join it there"
+        claim = "curves have different names, and those that join name each other"
+        yield Claim("/curves", claim, status_of(not wrong), wrong or "as printed")
+        if outside:
+            reason = f"{', '.join(dict.fromkeys(outside))} is not in the document"
+            yield Claim("/curves", "the curves that join others", ClaimStatus.NOT_CHECKED, reason)
+        start, stop = self.members["range"]["from"], self.members["range"]["to"]
+        right = stop is None or start < stop
+        for low, high in self.ends:
+            right = right and (stop is None or low.lower <= stop) and (high is None or start <= high.upper)
+        right = right and all(start <= x and (stop is None or x <= stop) for x in self.slices)
+        reason = "as printed" if right else "a curve or a point is beyond it"
+        yield Claim("/range", "the curves meet the range, and points are in it", status_of(right), reason)
+        bare = [curve["name"] for curve in self.curves if not curve["points"]]
+        if bare:
+            reason = f"no point is given of {', '.join(bare[:3])}{', …' if len(bare) > 3 else ''}"
+            yield Claim("/curves", "curves without points are there", ClaimStatus.NOT_CHECKED, reason)
 
     def _end(
-        self, surface: Surface, known: dict[str, Finding], at: str, end: Mapping[str, Any]
+        self, surface: Surface, known: dict[tuple[str, ...], Finding], at: str, end: Record
     ) -> Iterator[Claim]:
-        kind, length, events = end.get("kind"), end.get(self.name), end["events"]
-        if not events:
-            status = ClaimStatus.NOT_CHECKED
-            reason = "no pose is given there"
-            if kind == "open":
-                right = length in ("0", None)
-                status = ClaimStatus.PROVED if right else ClaimStatus.REFUSED
-                reason = "the end of all lengths" if right else "an open end is at 0 or has no length"
-            elif kind not in _LENGTH_ONLY:
-                status, reason = ClaimStatus.REFUSED, f"a {kind} without a pose"
-            elif Printed.of(length, f"{at}/{self.name}").digits != self.digits:
-                status, reason = ClaimStatus.REFUSED, "the length has more or fewer digits"
-            yield Claim(at, f"an end: {kind}", status, reason)
-            return
-        printed = Printed.of(length, f"{at}/{self.name}")
-        for k, event in enumerate(events):
-            key = f"{length} {sorted(event.items())}"
-            if key not in known:
-                known[key] = event_finding(surface, self.digits, printed, event, f"{at}/events/{k}")
-            status, reason = known[key]
-            yield Claim(f"{at}/events/{k}", f"a {event.get('kind')} at this length", status, reason)
-        kinds = {event.get("kind") for event in events}
-        if kind not in kinds and kind not in _LENGTH_ONLY:
-            yield Claim(
-                f"{at}/kind", "the kind of the pose", ClaimStatus.REFUSED, "the pose is of another kind"
+        kind, length, events = end["kind"], end[self.name], end["events"]
+        if kind == "open":
+            is_end = length is None if at.endswith("/to") else length is not None and length.is_zero
+            right = is_end and not events
+            reason = (
+                "the end of all lengths" if right else "an open end is at 0 or has no length, and no pose"
             )
-
-    def _printed_ends(self, n: int, curve: Mapping[str, Any]) -> tuple[Printed, Printed | None]:
-        start, stop = (curve[side].get(self.name) for side in SIDES)
-        at = f"/curves/{n}"
-        return Printed.of(start, f"{at}/from/{self.name}"), (
-            None if stop is None else Printed.of(stop, f"{at}/to/{self.name}")
-        )
+            yield Claim(at, "an end: open", status_of(right), reason)
+            return
+        if length is None or length.is_zero or (not events and kind not in _LENGTH_ONLY):
+            reason = "it has no length, or no pose"
+            yield Claim(at, f"an end: {kind}", ClaimStatus.REFUSED, reason)
+            return
+        if not events:
+            yield Claim(at, f"an end: {kind}", ClaimStatus.NOT_CHECKED, "no pose is given there")
+        for k, event in enumerate(events):
+            key = (length.text, *(getattr(x, "text", x) for x in event.values()))
+            if key not in known:
+                known[key] = event_finding(surface, length, event)
+            status, reason = known[key]
+            yield Claim(f"{at}/events/{k}", f"a {event['kind']} at this length", status, reason)
+        kinds = {event["kind"] for event in events}
+        if events and kind != "undecided" and kind != ("several" if len(kinds) > 1 else next(iter(kinds))):
+            reason = "the pose is of another kind"
+            yield Claim(f"{at}/kind", "the kind of the pose", ClaimStatus.REFUSED, reason)
+        if kind == "undecided" or len(events) > 1:
+            reason = "it is not said which pose is the end of the curve"
+            yield Claim(at, f"an end: {kind}", ClaimStatus.NOT_CHECKED, reason)
 
     def _passes(self, n: int, length: Fraction) -> bool | None:
         """Whether a length lies between the ends of a curve; None if their digits leave that open."""
@@ -155,10 +160,10 @@ class _Curves:
         sides = start.below(length), stop is None or stop.above(length)
         return False if False in sides else None if None in sides else True
 
-    def _ordered(self, n: int, curve: Mapping[str, Any]) -> Claim:
+    def _ordered(self, n: int, curve: Record) -> Claim:
         at, claim = f"/curves/{n}/points", "the points ascend between the ends"
         start, stop = self.ends[n]
-        lengths = [exact(point[self.name], self.name) for point in curve["points"]]
+        lengths = [point[self.name] for point in curve["points"]]
         inside = [self._passes(n, x) for x in lengths]
         apart = stop is None or start.lower < stop.upper
         if False in inside or not apart or lengths != sorted(set(lengths)):
@@ -183,16 +188,14 @@ class _Curves:
         """
         system = System.of(self.geometry, self.fixed, length)
         boxes, order = [], []
-        places = [(str(self.curves[item.curve].get("name")), length) for item in listed]
+        places = [(self.curves[item.curve]["name"], length) for item in listed]
         found = _located(system, listed, max(bits.get(place, 0) for place in places))
         for item, place, (point, box, (status, reason)) in zip(listed, places, found, strict=True):
             if box:
                 scaled = Interval.of(length * surface.unit, box.alpha.bits)
                 poses[place] = Pose(box.alpha, box.theta, scaled)
-            if any(not x.is_zero and x.digits != self.digits for x in point.numbers):
-                status, reason = ClaimStatus.REFUSED, "a number has more or fewer digits"
             boxes.append(box)
-            order.append((point.theta.value, item.cusp if isinstance(item.cusp, int) else 0))
+            order.append((point.theta.value, item.point["cusp"]))
             yield Claim(item.at, "a cusp with these digits", status, reason)
         where = ", ".join(item.at for item in listed[:2])
         at = listed[0].at
@@ -212,18 +215,24 @@ class _Curves:
         if None in passes:
             reason = "up to half a unit of the last digit of an end"
             yield Claim(at, claim, ClaimStatus.CHECKED, reason)
-        if [item.cusp for item in listed] != numbers:
+        cusps = [item.point["cusp"] for item in listed]
+        by_number = [value for _, (value, _) in sorted(zip(cusps, order, strict=True))]
+        if sorted(cusps) != sorted(numbers) or not sorted_turns(by_number):
             reason = f"they are {numbers}, at {where}, …"
             yield Claim(at, "the numbers of the cusps", ClaimStatus.REFUSED, reason)
         claim = f"the {len(listed)} curves of {self.name} = {length} have all cusps of the slice"
         yield Claim(at, claim, *_all(system, len(listed)))
 
 
+def _same(first: Sequence[Record], second: Sequence[Record]) -> bool:
+    return [dict(event) for event in first] == [dict(event) for event in second]
+
+
 def _located(system: System, listed: list[_Listed], bits: int) -> list[tuple[Point, Box | None, Finding]]:
     """Each point with its box; those that are printed alike have theirs in the order of their numbers."""
     points = Points(system)
-    ranked = sorted(listed, key=lambda item: item.cusp if isinstance(item.cusp, int) else 0)
-    printed = [Point.of(item.point, system, item.at) for item in ranked]
+    ranked = sorted(listed, key=lambda item: item.point["cusp"])
+    printed = [Point.of(item.point, system) for item in ranked]
     found = located(points, printed, bits=bits)
     if doubtful_of(found):
         found = located(points, printed, Eliminant.if_any(system), bits)

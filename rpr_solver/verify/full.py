@@ -4,36 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from math import isqrt
-from typing import Any
+from math import gcd, isqrt
 
-from rpr_solver.errors import InputError
 from rpr_solver.verify.claims import Claim, ClaimStatus
 from rpr_solver.verify.eliminant import Eliminant
-from rpr_solver.verify.manipulator import exact
 from rpr_solver.verify.modular import proves_simple
 from rpr_solver.verify.points import Point
 from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.reader import Record
 from rpr_solver.verify.roots import real_roots
 from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd
 
 
-def full_claims(
-    eliminant: Eliminant, full: Mapping[str, Any], cusps: Sequence[Point], at: str
-) -> Iterator[Claim]:
-    """The claims of the member ``full`` of a slice's certificate.
-
-    Raises:
-        InputError: naming a member that cannot be read.
-    """
-    form = form_of(eliminant.ring, full["polynomial"], f"{at}/polynomial")
+def full_claims(eliminant: Eliminant, full: Record, cusps: Sequence[Point], at: str) -> Iterator[Claim]:
+    """The claims of the member ``full`` of a slice's certificate."""
+    form = form_of(eliminant.ring, full["polynomial"])
     right = form is not None and proportional(eliminant.ring, form, eliminant.form)
     yield _claim(f"{at}/polynomial", "Q of this slice", right, "a multiple of the quotient derived here")
     place = full["squarefree"]
     if place is not None:
-        prime, omega = (int(exact(place[name], f"{at}/squarefree/{name}")) for name in ("prime", "omega"))
-        own = own_omega(eliminant.ring, full["polynomial"], omega, prime)
-        right = proves_simple(eliminant.ring, eliminant.finite, prime, own)
+        right = squarefree(eliminant.ring, full["polynomial"], eliminant.finite, place)
         yield _claim(f"{at}/squarefree", "a prime proves Q squarefree", right, "computed modulo it")
     yield isolation_claim(eliminant.ring, eliminant.parts, full["real_roots"], f"{at}/real_roots")
     yield _boxes(full["boxes"], cusps, f"{at}/boxes")
@@ -44,44 +34,38 @@ def _claim(at: str, claim: str, right: bool, reason: str) -> Claim:
     return Claim(at, claim, status, reason if right else "it does not hold")
 
 
-def _radicand(polynomial: Mapping[str, Any]) -> Fraction:
-    text = str(polynomial.get("omega", "sqrt(1)"))
-    return exact(text.removeprefix("sqrt(").removesuffix(")"), "omega")
-
-
-def _ratio(ring: Ring, polynomial: Mapping[str, Any]) -> Fraction | None:
+def _ratio(ring: Ring, polynomial: Record) -> Fraction | None:
     """The document's ω as a multiple of this ring's, None if it is none."""
     if "omega" not in polynomial:
         return Fraction(1)
-    square = _radicand(polynomial) / ring.radicand
-    k = Fraction(isqrt(square.numerator), isqrt(square.denominator)) if square > 0 else Fraction(0)
+    square = Fraction(polynomial["omega"], ring.radicand)
+    k = Fraction(isqrt(square.numerator), isqrt(square.denominator))
     return k if k * k == square else None
 
 
-def own_omega(ring: Ring, polynomial: Mapping[str, Any], omega: int, prime: int) -> int:
-    """The image of this ring's ω, where that of the document's is given.
-
-    Raises:
-        InputError: the prime divides the radicand.
-    """
+def own_omega(ring: Ring, polynomial: Record, omega: int, prime: int) -> int | None:
+    """The image of this ring's ω, where that of the document's is given; None if that is impossible."""
     k = _ratio(ring, polynomial) or Fraction(1)
-    if k.numerator % prime == 0:
-        raise InputError.of("squarefree", "the prime divides the radicand")
+    if prime < 2 or gcd(k.numerator, prime) > 1:
+        return None
     return omega * k.denominator * pow(k.numerator, -1, prime) % prime
 
 
-def form_of(ring: Ring, polynomial: Mapping[str, Any], at: str) -> list[Surd] | None:
-    """The printed polynomial over this ring, None if it has another square root.
-
-    Raises:
-        InputError: a coefficient is no number.
-    """
-    a = [int(exact(x, at)) for x in polynomial["coefficients"]]
-    b = [int(exact(x, at)) for x in polynomial.get("omega_coefficients", [0] * len(a))]
+def form_of(ring: Ring, polynomial: Record) -> list[Surd] | None:
+    """The printed polynomial over this ring, None if it has another square root."""
+    a = polynomial["coefficients"]
+    b = polynomial.get("omega_coefficients", (0,) * len(a))
     k = _ratio(ring, polynomial)
-    if k is None or len(a) != len(b):
+    if k is None:
         return None
     return [(x * k.denominator, y * k.numerator) for x, y in zip(a, b, strict=True)]
+
+
+def squarefree(ring: Ring, polynomial: Record, form: Poly, place: Record) -> bool:
+    """Whether the prime of a certificate proves that a form has only simple roots."""
+    prime = place["prime"]
+    own = own_omega(ring, polynomial, place["omega"], prime) if prime < 1 << 64 else None
+    return own is not None and proves_simple(ring, form, prime, own)
 
 
 def proportional(ring: Ring, first: Sequence[Surd], second: Sequence[Surd]) -> bool:
@@ -95,9 +79,7 @@ def proportional(ring: Ring, first: Sequence[Surd], second: Sequence[Surd]) -> b
     return all(ring.times(x, second[lead]) == ring.times(y, first[lead]) for x, y in pairs)
 
 
-def isolation_claim(
-    ring: Ring, parts: Mapping[int, Poly], listed: Sequence[Mapping[str, Any]], at: str
-) -> Claim:
+def isolation_claim(ring: Ring, parts: Mapping[int, Poly], listed: Sequence[Record], at: str) -> Claim:
     """Disjoint intervals, in each of which a factor of its multiplicity changes its sign, and no more.
 
     Args:
@@ -111,8 +93,7 @@ def isolation_claim(
         return _claim(at, claim, not listed, "the polynomial is a constant")
     last: Fraction | None = None
     for root in listed:
-        low, high = (exact(root[end], f"{at}/{end}") for end in ("lower", "upper"))
-        part = parts.get(root["multiplicity"])
+        low, high, part = root["lower"], root["upper"], parts.get(root["multiplicity"])
         if part is None or low > high or (last is not None and low <= last):
             return _claim(at, claim, False, "")
         signs = [ring.sign(ring.at(part, x)) for x in (low, high)]
@@ -123,13 +104,14 @@ def isolation_claim(
     return _claim(at, claim, right, "each holds a change of sign, and Descartes' rule counts as many")
 
 
-def _boxes(listed: Sequence[Mapping[str, Any]], cusps: Sequence[Point], at: str) -> Claim:
-    """Each box holds its printed cusp to within half a unit, which was proved above."""
-    right = len(listed) == len(cusps)
-    for box, cusp in zip(listed, cusps, strict=False):
-        for (name, side), printed in zip(box.items(), cusp.numbers, strict=False):
-            centre = Printed.of(side["centre"], f"{at}/{name}/centre")
-            radius = exact(side["radius"], f"{at}/{name}/radius")
-            right = right and abs(centre.value - printed.value) + printed.half <= radius
-        right = right and len(box) == len(cusp.numbers)
-    return _claim(at, "boxes of the cusps", right, "each holds its cusp with all its digits")
+def _boxes(listed: Sequence[Record], cusps: Sequence[Point], at: str) -> Claim:
+    """Each box is that of all numbers that round to the printed ones, which was proved above."""
+    expected = [[{"centre": x.text, "radius": _radius(x)} for x in cusp.numbers] for cusp in cusps]
+    right = [[dict(side) for side in box.values()] for box in listed] == expected
+    return _claim(at, "boxes of the cusps", right, "each holds the numbers with the digits of its cusp")
+
+
+def _radius(x: Printed) -> str:
+    """Half a unit of the last digit as documents print it."""
+    mantissa, _, exponent = x.text.partition("e")
+    return "0" if x.is_zero else f"5e{int(exponent or 0) - len(mantissa.partition('.')[2]) - 1}"

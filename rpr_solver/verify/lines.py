@@ -11,11 +11,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from rpr_solver.verify.angles import cos_sin, pi
-from rpr_solver.verify.boxes import Directions, Pair
+from rpr_solver.verify.boxes import Directions, Pair, direction
 from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.roots import Root, refined
-from rpr_solver.verify.surds import Poly, Ring
+from rpr_solver.verify.roots import refined
 from rpr_solver.verify.system import System, Trig, derivative
 
 _LINE_BITS = 128
@@ -24,17 +23,6 @@ _PIECES = 48
 _DEPTH = 40
 NEARBY = 20
 """Listed poses are cut out with 2^−20 radians on either side."""
-
-
-def direction(ring: Ring, form: Poly, root: Root, bits: int) -> Pair:
-    """Cosine and sine of θ on a line, the root u = tan(θ/2) being isolated."""
-    narrow = refined(ring, form, root, Fraction(1, 1 << bits))
-    middle, radius = (narrow.lower + narrow.upper) / 2, narrow.width / 2
-    x, one = Interval.of(middle, bits, radius), Interval.of(1, bits)
-    square = x * x
-    norm = one + square
-    cos, sin = (one - square).over(norm), x.scaled(2).over(norm)
-    return (-cos if narrow.inverted else cos), sin
 
 
 def opposite(bits: int) -> Pair:
@@ -108,7 +96,7 @@ def unlisted(system: System, line: Pair, listed: Sequence[Interval], apart: int 
     Args:
         system: the slice.
         line: cosine and sine of θ.
-        listed: intervals of α, in radians, that are cut out.
+        listed: intervals of α, in radians, that are left out.
         apart: the line is known to so many bits besides, and as many more cuts are made.
     """
     functions = [system.singular, *(leg.kernel for leg in system.legs)]
@@ -125,7 +113,7 @@ def common_zero(
         functions: of α and θ.
         radicand: of their ω.
         line: cosine and sine of θ.
-        listed: intervals of α, in radians, that are cut out.
+        listed: intervals of α, in radians, that are left out.
         apart: how many cuts are made beyond the usual number.
     """
     bits = line[0].bits
@@ -151,11 +139,16 @@ def common_zero(
 
 
 def _turned(x: Interval, bits: int) -> list[tuple[int, int]]:
-    """An interval of α with its neighbourhood, and the same a turn away, in units of 2^−bits."""
-    near, turn = 1 << (bits - NEARBY), 2 * pi(bits).lower
-    low = int(x.middle * (1 << bits)) - near
-    high = int(x.middle * (1 << bits)) + near
-    return [(low + k * turn, high + k * turn) for k in (-1, 0, 1)]
+    """An interval of α, and the same a turn away, in units of 2^−bits."""
+    turn = 2 * pi(bits).lower
+    low, high = (Interval.of(Fraction(end, 1 << x.bits), bits) for end in (x.lower, x.upper))
+    # rounded inwards, and 2π being known to two units only
+    return [(low.upper + k * turn + 4, high.lower + k * turn - 4) for k in (-1, 0, 1)]
+
+
+def nearby(x: Interval) -> Interval:
+    """All angles within 2^−20 radians of an interval."""
+    return Interval.of(x.middle, x.bits, x.radius + Fraction(1, 1 << NEARBY))
 
 
 def _collapsed(p: Trig, line: Pair, radicand: int) -> dict[tuple[int, int], Interval]:

@@ -3,36 +3,22 @@
 from __future__ import annotations
 
 import hashlib
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
 from math import isqrt
-from typing import Any
 
-from rpr_solver.errors import InputError, shown
+from rpr_solver.verify.reader import POSITIVE, exact, record, refusal, word
 
 LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
-_NUMBER = re.compile(r"-?\d{1,20000}(\.\d{1,20000})?(e[+-]?\d{1,4})?|-?\d{1,20000}/\d{1,20000}")
-_MOST_DIGITS = 20_000
-
-
-def exact(value: Any, field: str) -> Fraction:
-    """An exact number of a document.
-
-    Raises:
-        InputError: naming ``field``: not a number as documents write them.
-    """
-    text = str(value) if isinstance(value, int) and not isinstance(value, bool) else value
-    if not isinstance(text, str) or len(text) > _MOST_DIGITS or not _NUMBER.fullmatch(text):
-        raise InputError.of(field, f'{shown(value)} is not an exact number; write a text such as "14.98"')
-    try:
-        above, _, below = text.partition("/")
-        return Fraction(Decimal(above)) / Fraction(Decimal(below or 1))  # int() reads 4300 digits at most
-    except ZeroDivisionError:
-        raise InputError.of(field, f"{shown(value)} has the denominator 0") from None
+_READ = record(
+    {
+        **dict.fromkeys(LENGTHS[:3], exact),
+        **dict.fromkeys(LENGTHS[3:], POSITIVE),
+        "orientation": word("ccw", "cw"),
+    }
+)
 
 
 @dataclass(frozen=True)
@@ -49,26 +35,20 @@ class Geometry:
     texts: Mapping[str, str]
 
     @classmethod
-    def of(cls, document: Mapping[str, Any]) -> Geometry:
+    def read(cls, value: object, at: str) -> Geometry:
         """Reads the member ``geometry`` of a document.
 
         Raises:
             InputError: naming what is missing or impossible.
         """
-        geometry = document.get("geometry")
-        if not isinstance(geometry, Mapping):
-            raise InputError.of("geometry", "is missing; a document of rpr-cusps begins with its geometry")
-        numbers = [exact(geometry.get(name), f"geometry.{name}") for name in LENGTHS]
-        orientation = geometry.get("orientation")
-        if orientation not in ("ccw", "cw"):
-            raise InputError.of("geometry.orientation", f'{shown(orientation)} is neither "ccw" nor "cw"')
-        texts = {name: str(geometry[name]) for name in (*LENGTHS, "orientation")}
-        a2x, a3x, a3y, d1, d2, d3 = numbers
-        result = cls(a2x, a3x, a3y, d1, d2, d3, orientation == "cw", texts)
-        if min(result.d1, result.d2, result.d3) <= 0 or result.height_squared < 0:
-            raise InputError.of("geometry.d1", "d1, d2 and d3 are not the sides of a triangle")
+        numbers = _READ(value, at)
+        texts = {name: str(value[name]) for name in (*LENGTHS, "orientation")}  # type: ignore[index]
+        a2x, a3x, a3y, d1, d2, d3 = (numbers[name] for name in LENGTHS)
+        result = cls(a2x, a3x, a3y, d1, d2, d3, numbers["orientation"] == "cw", texts)
+        if result.height_squared < 0:
+            raise refusal(f"{at}/d1", "d1, d2 and d3 are not the sides of a triangle")
         if len(set(result.base)) < 3:
-            raise InputError.of("geometry.a2x", "two corners of the base coincide")
+            raise refusal(f"{at}/a2x", "two corners of the base coincide")
         return result
 
     @property

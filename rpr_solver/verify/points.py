@@ -1,37 +1,27 @@
-"""Points of a slice: the proof that a printed pose is a cusp, or the check that it is degenerate."""
+"""Points of a slice: the proof that a printed pose is a cusp, or what is found of one that is degenerate."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from itertools import combinations
 
-from rpr_solver.errors import InputError
 from rpr_solver.verify.angles import degrees
-from rpr_solver.verify.boxes import Box, Equations, around, zero_near
+from rpr_solver.verify.boxes import Box, Equations, around, common_on_axis, zero_near
 from rpr_solver.verify.claims import ClaimStatus
 from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.reader import Record
+from rpr_solver.verify.surface import Surface
 from rpr_solver.verify.system import Leg, System, Trig, derivative
 
 _SPARE_BITS = 40
 Finding = tuple[ClaimStatus, str]
 
-CONDITIONS = {
-    "cusp": "J = E = 0",
-    "swallowtail": "J = v·∇E = 0",
-    "lips": "∇J = 0",
-    "beak-to-beak": "∇J = 0",
-    "isolated-point": "∇J = 0",
-    "node": "∇J = 0",
-    "quadruple": "∇f = ∇g = 0",
-}
-"""Kind → the equations that find the pose."""
-
 DEFINITE = {"lips": 1, "isolated-point": 1, "beak-to-beak": -1, "node": -1}
-"""Kind → the sign of the determinant of the Hessian of J."""
+"""Kind with ∇J = 0 → the sign of the determinant of the Hessian of J."""
 
 
 @dataclass(frozen=True)
@@ -43,15 +33,10 @@ class Point:
     lengths: tuple[Printed, Printed]
 
     @classmethod
-    def of(cls, point: Mapping[str, Any], system: System, field: str) -> Point:
-        """Reads a point.
-
-        Raises:
-            InputError: naming the coordinate that is missing or no decimal.
-        """
-        names = ("alpha_deg", f"theta{system.fixed}_deg", *(f"l{leg.number}" for leg in system.legs))
-        alpha, theta, first, second = (Printed.of(point.get(name), f"{field}/{name}") for name in names)
-        return cls(alpha, theta, (first, second))
+    def of(cls, point: Record, system: System) -> Point:
+        """The point of a document."""
+        first, second = (point[f"l{leg.number}"] for leg in system.legs)
+        return cls(point["alpha_deg"], point[f"theta{system.fixed}_deg"], (first, second))
 
     @property
     def numbers(self) -> tuple[Printed, ...]:
@@ -100,40 +85,77 @@ class Points:
                 return box
         return None
 
+    def alone(self, box: Box) -> Interval | None:
+        """All α of a wide box about that of a cusp, which holds no other zero of J = E = 0; or None."""
+        found = (equations.alone(box) for equations in self._kernel)
+        return next((wide.alpha for wide in found if wide is not None), None)
+
     def printed_right(self, point: Point, box: Box) -> Finding:
         """What is found about the digits of a cusp with a proved box."""
-        status, reason = self.digits(point, box)
+        status, reason = self.digits(point, box, self._kernel)
         if status is not ClaimStatus.REFUSED:
             reason = f"a proved box holds one zero of (J, E), with a regular derivative; {reason}"
         return status, reason
 
     def degenerate(self, kind: str, point: Point) -> tuple[Box, Finding]:
-        """The box of a degenerate pose, and what is found about its digits and conditions."""
-        for name, equations in self._systems(kind):
+        """The box of a degenerate pose, and what is found about its digits, its kind and its conditions.
+
+        The equations of a kind are more than its unknowns; a regular zero of two of them is proved, that the
+        others hold is checked beyond the digits.
+        """
+        cusp, found = self.cusp(point)
+        if cusp is not None and found[0] is ClaimStatus.PROVED:
+            return cusp, (ClaimStatus.REFUSED, "it is a cusp: a proved box holds one regular zero of (J, E)")
+        for name, equations, conditions in self._systems(kind):
             box = zero_near(equations, point.alpha.value, point.theta.value, point.bits)
             if box is None:
                 continue
-            if any(box.directions.value(p).sign for p in self._conditions):
+            if any(box.directions.value(p).sign for p in conditions):
                 return box, (ClaimStatus.REFUSED, f"J = E = 0 does not hold at the solution of {name}")
-            if kind in DEFINITE and self._curvature(box) != DEFINITE[kind]:
-                return box, (ClaimStatus.REFUSED, f"the Hessian of J is not that of {kind}")
-            status, reason = self.digits(point, box)
-            if status is ClaimStatus.PROVED:
-                status, reason = (
-                    ClaimStatus.CHECKED,
-                    f"one zero of {name}, J = E = 0 beyond the digits; {reason}",
-                )
+            if not self._may_be(kind, box):
+                return box, (ClaimStatus.REFUSED, f"the derivatives are not those of {kind}")
+            status, reason = self.digits(point, box, (equations,))
+            if status is not ClaimStatus.REFUSED:
+                status = ClaimStatus.CHECKED
+                reason = f"one zero of {name}, J = E = 0 and the kind beyond the digits; {reason}"
             return box, (status, reason)
         bits = point.bits + self.coefficient_bits
         box = around(point.alpha, point.theta, bits, self.system.ring.radicand)
+        if kind not in ("higher", "quadruple"):
+            return box, (ClaimStatus.REFUSED, f"no zero of the equations of {kind} is proved near the pose")
         if any(box.directions.value(p).sign for p in self._conditions):
-            return box, (
-                ClaimStatus.REFUSED,
-                "J = E = 0 does not hold for any angles that round to the printed ones",
-            )
+            reason = "J = E = 0 does not hold for any angles that round to the printed ones"
+            return box, (ClaimStatus.REFUSED, reason)
         if any(p.rounds(self.length(leg, box)) is False for p, leg in self._with_legs(point)):
             return box, (ClaimStatus.REFUSED, "a length is wrong")
-        return box, (ClaimStatus.CHECKED, "J = E = 0 is possible for angles that round to the printed ones")
+        return box, (ClaimStatus.NOT_CHECKED, "no equations are known that prove its digits")
+
+    def _may_be(self, kind: str, box: Box) -> bool:
+        """Whether derivatives that are not 0 in a box leave a kind possible."""
+        here, (first, second) = box.directions, self.system.legs
+        if kind in DEFINITE:
+            if self._curvature(box) != DEFINITE[kind]:
+                return False
+            regular = [
+                leg for leg in (first, second) if any(here.value(p).sign for p in (leg.alpha, leg.theta))
+            ]
+            lasting = not here.value(self._in_length).sign  # as L changes the pose stays singular
+            if not regular:
+                return False
+            tangent = not here.value(regular[0].kernel2).sign
+            return {
+                "lips": not lasting and not tangent,
+                "isolated-point": lasting or tangent,
+                "beak-to-beak": not lasting and not tangent,
+                "node": lasting or tangent,
+            }[kind]
+        return True
+
+    @cached_property
+    def _in_length(self) -> Trig:
+        """∂J/∂L at a pose with J = 0, but for a constant factor."""
+        graded = Surface.of(self.system.geometry, self.system.fixed).singular
+        return graded[1] if len(graded) > 1 else {}
 
     def _curvature(self, box: Box) -> int:
         """The sign of the determinant of the Hessian of J, 0 if it is open."""
@@ -149,18 +171,23 @@ class Points:
     def _with_legs(self, point: Point) -> Iterator[tuple[Printed, Leg]]:
         return zip(point.lengths, self.system.legs, strict=True)
 
-    def _systems(self, kind: str) -> Iterator[tuple[str, Equations]]:
-        j = self.system.singular
-        slopes = derivative(j, theta=False), derivative(j, theta=True)
-        if CONDITIONS.get(kind) in ("∇J = 0", None):
-            yield "∇J = 0", self._pair(*slopes)
-        if CONDITIONS.get(kind) in ("J = v·∇E = 0", None):
-            yield from (("J = v·∇E = 0", self._pair(j, leg.kernel2)) for leg in self.system.legs)
-        if CONDITIONS.get(kind) in ("∇f = ∇g = 0", None):
-            yield from (("∇f = 0", self._pair(leg.alpha, leg.theta)) for leg in self.system.legs)
+    def _systems(self, kind: str) -> Iterator[tuple[str, Equations, list[Trig]]]:
+        """Two equations of a kind, and all others: with their name."""
+        j, legs = self.system.singular, self.system.legs
+        if kind in DEFINITE:
+            slopes = derivative(j, theta=False), derivative(j, theta=True)
+            yield "∇J = 0", self._pair(*slopes), self._conditions
+        elif kind == "swallowtail":
+            for leg in legs:
+                others = [*self._conditions, *(other.kernel2 for other in legs)]
+                yield "J = v·∇E = 0", self._pair(j, leg.kernel2), others
+        elif kind == "quadruple":
+            gradients = [p for leg in legs for p in (leg.alpha, leg.theta)]
+            for first, second in combinations(gradients, 2):
+                yield "∇f = ∇g = 0", self._pair(first, second), gradients
 
-    def digits(self, point: Point, box: Box) -> Finding:
-        """Whether each printed digit is right at the zero in a box."""
+    def digits(self, point: Point, box: Box, systems: Sequence[Equations]) -> Finding:
+        """Whether each printed digit is right at the zero in a box, the only one of each of some systems."""
         system = self.system
         values = [degrees(box.alpha), degrees(box.theta), *(self.length(leg, box) for leg in system.legs)]
         names = ("alpha_deg", f"theta{system.fixed}_deg", *(f"l{leg.number}" for leg in system.legs))
@@ -168,6 +195,8 @@ class Points:
             if printed.is_zero:
                 if not value.contains(0):
                     return ClaimStatus.REFUSED, f"{name} is not 0"
+                if turn and not any(common_on_axis(pair, box, theta=name != "alpha_deg") for pair in systems):
+                    return ClaimStatus.REFUSED, f"{name} is not exactly 0"
                 continue
             right = printed.rounds(value, turn)
             if not right:
@@ -181,14 +210,3 @@ class Points:
         """The length of a free leg in the user's unit."""
         scaled = box.directions.value(leg.squared).root()
         return scaled.over(Interval.of(self.system.unit, scaled.bits))
-
-
-def read(points: Any, system: System, field: str) -> list[Point]:
-    """Reads a list of points.
-
-    Raises:
-        InputError: naming what is no point.
-    """
-    if not isinstance(points, list) or not all(isinstance(point, Mapping) for point in points):
-        raise InputError.of(field, "is not a list of points")
-    return [Point.of(point, system, f"{field}/{n}") for n, point in enumerate(points)]

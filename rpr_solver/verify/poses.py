@@ -1,89 +1,73 @@
-"""Poses of a joint vector: each digit, each multiplicity, and that there are no others."""
+"""Poses of a joint vector: all are found anew, and each printed one must be another of them."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import isqrt
-from typing import Any
 
-from rpr_solver.contract import Progress, check_digits
-from rpr_solver.errors import InputError
-from rpr_solver.verify.angles import cos_sin, pi, radians
-from rpr_solver.verify.boxes import Directions, Equations, Pair, zero_near
-from rpr_solver.verify.claims import Claim, ClaimStatus
-from rpr_solver.verify.closure import DEGREE, Closure
+from rpr_solver.contract import Progress
+from rpr_solver.verify.angles import cos_sin, radians
+from rpr_solver.verify.boxes import Directions, Pair, direction
+from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
+from rpr_solver.verify.closure import Closure
+from rpr_solver.verify.full import form_of, proportional
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.lines import direction
-from rpr_solver.verify.manipulator import Geometry, exact
 from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.roots import Root, real_roots
+from rpr_solver.verify.reader import Record
+from rpr_solver.verify.roots import Root, has_root, real_roots
+from rpr_solver.verify.schema import Document
+from rpr_solver.verify.slices import sorted_turns
 from rpr_solver.verify.surds import ZERO, Poly, Surd
-from rpr_solver.verify.system import Monomial, Trig
+from rpr_solver.verify.system import Trig, in_half_tangent
 
-_ROOT = re.compile(r"sqrt\((.+)\)")
-_ANGLES = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg")
-_NAMES = (*_ANGLES, "b1_x", "b1_y")
+_ANGLES = ("theta1_deg", "theta2_deg", "theta3_deg")
+_NAMES = ("alpha_deg", *_ANGLES, "b1_x", "b1_y")
 _SPARE_BITS = 64
 Vector = tuple[Interval, Interval]
 
 
-def pose_claims(geometry: Geometry, document: Mapping[str, Any], progress: Progress) -> Iterator[Claim]:
-    """The claims of a table of poses.
-
-    Raises:
-        InputError: naming a member that cannot be read.
-    """
+def pose_claims(document: Document, progress: Progress) -> Iterator[Claim]:
+    """The claims of a table of poses."""
     progress(0, 1)
-    squares = tuple(_square(document.get(f"l{leg}"), f"l{leg}") for leg in (1, 2, 3))
-    closure = Closure.of(geometry, (squares[0], squares[1], squares[2]))
-    yield from _Poses(closure, document).claims()
+    first, second, third = (document.members[f"l{leg}"] for leg in (1, 2, 3))
+    yield from _Poses(Closure.of(document.geometry, (first, second, third)), document.members).claims()
     progress(1, 1)
 
 
-def _square(text: Any, field: str) -> Fraction:
-    root = _ROOT.fullmatch(text) if isinstance(text, str) else None
-    number = exact(root.group(1) if root else text, field)
-    if number <= 0:
-        raise InputError.of(field, f"is {text}; a leg length must be > 0")
-    return number if root else number**2
-
-
 @dataclass(frozen=True)
-class _Listed:
-    """A printed pose."""
+class _Found:
+    """A pose above a real root of the polynomial, as it is found anew.
 
-    numbers: Mapping[str, Printed]
-    multiplicity: int
+    Attributes:
+        order: the multiplicity of the root.
+        part: the factor of the polynomial with the root.
+        root: the root.
+        alpha: cosine and sine of α.
+        point: B1, scaled.
+        multiplicity: of the pose; None if that is open.
+        regular: whether the linear equations alone give B1.
+    """
 
-    @classmethod
-    def of(cls, pose: Mapping[str, Any], at: str) -> _Listed:
-        multiplicity = pose.get("multiplicity")
-        if not isinstance(multiplicity, int) or not 1 <= multiplicity <= DEGREE:
-            raise InputError.of(f"{at}/multiplicity", "is no multiplicity; it is 1 to 6")
-        return cls({name: Printed.of(pose.get(name), f"{at}/{name}") for name in _NAMES}, multiplicity)
+    order: int
+    part: Poly
+    root: Root
+    alpha: Pair
+    point: Vector
+    multiplicity: int | None
+    regular: bool
 
 
 class _Poses:
-    def __init__(self, closure: Closure, document: Mapping[str, Any]) -> None:
-        self.closure = closure
-        self.document = document
-        listed = document.get("poses")
-        if not isinstance(listed, list) or not all(isinstance(pose, Mapping) for pose in listed):
-            raise InputError.of("poses", "is not a list of poses")
-        self.digits = check_digits(document.get("digits", 15))
-        self.poses = [_Listed.of(pose, f"/poses/{n}") for n, pose in enumerate(listed)]
-        self.groups: dict[str, list[int]] = {}
-        for n, pose in enumerate(self.poses):
-            self.groups.setdefault(pose.numbers["alpha_deg"].text, []).append(n)
+    def __init__(self, closure: Closure, members: Record) -> None:
+        self.closure, self.members = closure, members
+        self.poses: Sequence[Record] = members["poses"]
 
     @cached_property
     def bits(self) -> int:
         """Bits well below the last printed digit."""
-        halves = [x.half for pose in self.poses for x in pose.numbers.values() if x.half]
+        halves = [pose[name].half for pose in self.poses for name in _NAMES if pose[name].half]
         least = min(halves, default=Fraction(1))
         sizes = (
             part.bit_length()
@@ -96,123 +80,108 @@ class _Poses:
     def claims(self) -> Iterator[Claim]:
         yield self._polynomial()
         yield from self._numbers()
-        boxes: dict[int, list[Pair]] = {}
-        for alpha, members in self.groups.items():
-            order = sum(self.poses[n].multiplicity for n in members)
-            box = self._angle(alpha, order)
-            if box is None:
-                reason = f"no root of multiplicity {order} is proved near this angle"
-                for n in members:
-                    yield self._pose(n, ClaimStatus.REFUSED, reason)
-                continue
-            boxes.setdefault(order, []).append(box)
-            yield from self._above(box, members)
         yield self._curves()
-        yield self._complete(boxes)
+        yield self._sorted()
+        found, doubt, fits = self._found_at(self.bits)
+        if doubt or len(found) != len(self.poses):  # roots may be far closer than the digits
+            found, doubt, fits = self._found_at(4 * self.bits)
+        claim = "a pose with these digits and this multiplicity"
+        chosen = _matching(fits)
+        for n, k in enumerate(chosen):
+            at, pose = f"/poses/{n}", self.poses[n]
+            if k is None:
+                near = (self._wrong(pose, x) for x in found)
+                wrong = ", ".join(dict.fromkeys(name for name in near if name)) or "no pose is left for it"
+                reason = f"it is none of the {len(found)} poses that are found anew: wrong in {wrong}"
+                yield Claim(at, claim, ClaimStatus.REFUSED, reason)
+            elif found[k].multiplicity is None:
+                reason = "two poses share this alpha, and their multiplicities are known in sum only"
+                yield Claim(at, claim, ClaimStatus.CHECKED, reason)
+            else:
+                reason = "another pose for each, above an isolated root, with right digits"
+                yield Claim(at, claim, ClaimStatus.PROVED, reason)
+        yield self._complete(len(found), doubt, all(k is not None for k in chosen))
 
-    def _pose(self, n: int, status: ClaimStatus, reason: str) -> Claim:
-        return Claim(f"/poses/{n}", "a pose with these digits and this multiplicity", status, reason)
+    def _complete(self, number: int, doubt: str, matched: bool) -> Claim:
+        claim = "these are all poses"
+        if number != len(self.poses) or not matched:
+            return Claim("/poses", claim, ClaimStatus.REFUSED, f"there are {number} other than on curves")
+        if doubt:
+            return Claim("/poses", claim, ClaimStatus.CHECKED, doubt)
+        reason = "each real root, by Descartes' rule of signs, has its listed poses"
+        return Claim("/poses", claim, ClaimStatus.PROVED, reason)
 
     def _polynomial(self) -> Claim:
         claim, at = "the sixth-degree polynomial of direct kinematics", "/polynomial"
-        polynomial = self.document.get("polynomial")
-        try:
-            right = isinstance(polynomial, Mapping) and self._proportional(polynomial)
-        except (KeyError, TypeError, ValueError):
-            right = False
+        form = form_of(self.closure.ring, self.members["polynomial"])
+        right = form is not None and proportional(self.closure.ring, form, self.closure.sextic)
         reason = "it is a multiple of the one derived from the legs" if right else "it is another"
-        return Claim(at, claim, ClaimStatus.PROVED if right else ClaimStatus.REFUSED, reason)
-
-    def _proportional(self, polynomial: Mapping[str, Any]) -> bool:
-        a = [int(exact(x, "/polynomial")) for x in polynomial["coefficients"]]
-        b = [int(exact(x, "/polynomial")) for x in polynomial.get("omega_coefficients", [0] * len(a))]
-        omega = _ROOT.fullmatch(polynomial.get("omega", "sqrt(1)"))
-        ring = self.closure.ring
-        square = Fraction(exact(omega.group(1), "/polynomial") if omega else 0) / ring.radicand
-        if not any(b):
-            square = Fraction(1)
-        k = Fraction(isqrt(square.numerator), isqrt(square.denominator))
-        if len(a) != DEGREE + 1 or k * k != square:
-            return False
-        listed = [(x * k.denominator, y * k.numerator) for x, y in zip(a, b, strict=True)]
-        lead = next(i for i, x in enumerate(self.closure.sextic) if x != ZERO)
-        mine = self.closure.sextic
-        scale: Surd = listed[lead]
-        return scale != ZERO and all(
-            ring.times(x, scale) == ring.times(y, mine[lead]) for x, y in zip(mine, listed, strict=True)
-        )
+        return Claim(at, claim, status_of(right), reason)
 
     def _numbers(self) -> Iterator[Claim]:
-        total = sum(pose.multiplicity for pose in self.poses)
         shape = {m: len(part) - 1 for m, part in self.closure.parts.items()}
+        factors = [(x["multiplicity"], x["degree"]) for x in self.members["certificate"]["factors"]]
         listed: dict[int, int] = {}
-        factors = self.document.get("certificate", {}).get("factors", [])
-        for factor in factors:
-            listed[factor["multiplicity"]] = listed.get(factor["multiplicity"], 0) + factor["degree"]
+        for multiplicity, degree in factors:
+            listed[multiplicity] = listed.get(multiplicity, 0) + degree
+        total = sum(pose["multiplicity"] for pose in self.poses)
         for at, claim, right in (
-            ("/count", "the number of poses", self.document.get("count") == len(self.poses)),
+            ("/count", "the number of poses", self.members["count"] == len(self.poses)),
             (
                 "/count_with_multiplicity",
                 "with multiplicity",
-                self.document.get("count_with_multiplicity") == total,
+                self.members["count_with_multiplicity"] == total,
             ),
             ("/certificate/factors", "degrees and multiplicities of the factors", listed == shape),
         ):
-            status = ClaimStatus.PROVED if right else ClaimStatus.REFUSED
-            yield Claim(at, claim, status, "counted" if right else "it is another")
+            yield Claim(at, claim, status_of(right), "counted" if right else "it is another")
 
-    def _angle(self, alpha: str, order: int) -> Pair | None:
-        """Cosine and sine of a proved α, the root of this multiplicity that rounds to the text."""
-        part = self.closure.parts.get(order)
-        if part is None:
-            return None
-        printed = Printed.of(alpha, "alpha_deg")
-        equations = Equations.of(_half_angle_form(part), _SINE, self.closure.ring.radicand)
-        box = zero_near(equations, printed.value / 2, Fraction(0), self.bits)
-        if box is None:
-            return None
-        whole = box.alpha.scaled(2)
-        degrees = whole.scaled(180).over(pi(whole.bits))
-        if printed.is_zero:
-            return cos_sin(whole) if degrees.contains(0) else None
-        return cos_sin(whole) if printed.rounds(degrees, 360) else None
+    def _sorted(self) -> Claim:
+        alphas = [pose["alpha_deg"].value for pose in self.poses]
+        right = sorted_turns(alphas)
+        return Claim("/poses", "the poses are sorted by alpha", status_of(right), "as printed")
 
-    def _above(self, alpha: Pair, members: Sequence[int]) -> Iterator[Claim]:
-        """The poses at one α."""
-        points = list(self._points(alpha))
-        if len(points) != len(members):
-            for n in members:
-                yield self._pose(n, ClaimStatus.REFUSED, f"there are {len(points)} poses with this alpha")
-            return
-        regular = len(points) == 1
-        for n in members:
-            found = [self._digits(n, point, alpha) for point in points]
-            best = min(found, key=lambda finding: finding is not None)
-            if best is not None:
-                yield self._pose(n, ClaimStatus.REFUSED, f"a digit of {best} is wrong")
-            elif regular:
-                yield self._pose(
-                    n, ClaimStatus.PROVED, "alpha is in a proved box, B1 follows, each digit is right"
-                )
-            else:
-                reason = (
-                    "two poses share this alpha, where the linear equations are dependent beyond the digits"
-                )
-                yield self._pose(n, ClaimStatus.CHECKED, reason)
+    def _found_at(self, bits: int) -> tuple[list[_Found], str, list[list[int]]]:
+        """What is found at a precision, and for each printed pose the numbers of those that it may be."""
+        found, doubt = self._found(bits)
+        fits = [[k for k, x in enumerate(found) if self._wrong(pose, x) is None] for pose in self.poses]
+        return found, doubt, fits
+
+    def _found(self, bits: int) -> tuple[list[_Found], str]:
+        """All poses but those on curves, and what is open about their number."""
+        ring, found, doubt = self.closure.ring, [], ""
+        flat = _on_half_tangents(self.closure.determinant)
+        for order, part in self.closure.parts.items():
+            for root in real_roots(ring, part):
+                alpha = direction(ring, part, root, bits)
+                if self._is_on_curve(root):
+                    continue
+                regular = not has_root(ring, part, root, flat)
+                points = list(self._points(alpha, regular))
+                if None in points:
+                    doubt = "above a root where the linear equations are dependent two points may be one"
+                multiplicity = order if len(points) == 1 else 1 if order == 2 else None
+                if None in points:
+                    multiplicity = None
+                found += [_Found(order, part, root, alpha, x, multiplicity, regular) for x in points if x]
+        return found, doubt
 
     def _at(self, alpha: Pair) -> Directions:
         one = Interval.of(1, alpha[0].bits), Interval.of(0, alpha[0].bits)
         return Directions(alpha, one, self.closure.ring.radicand)
 
-    def _points(self, alpha: Pair) -> Iterator[Vector]:
-        """The points B1 at one α, scaled."""
+    def _points(self, alpha: Pair, regular: bool) -> Iterator[Vector | None]:
+        """The points B1 at one α, scaled; with None if they are not told apart."""
         at = self._at(alpha)
-        determinant = at.value(self.closure.determinant)
-        if determinant.sign:
+        if regular:
+            determinant = at.value(self.closure.determinant)
+            if not determinant.sign:
+                yield None
+                return
             x, y = (at.value(n).over(determinant) for n in self.closure.numerators)
             yield x, y
             return
-        bits = determinant.bits
+        bits = at.bits
         for vector, right in zip(self.closure.vectors, self.closure.right, strict=True):
             vx, vy = (at.value(p) for p in vector)
             norm = vx * vx + vy * vy
@@ -226,100 +195,87 @@ class _Poses:
             if rest.upper < 0:
                 return
             if not rest.sign:
+                yield None
                 yield x, y
                 return
             w = rest.root()
             yield x + w * vy, y - w * vx
             yield x - w * vy, y + w * vx
             return
+        yield None
 
-    def _digits(self, n: int, point: Vector, alpha: Pair) -> str | None:
-        """The first printed number of a pose that is wrong for a point, None if all are right."""
-        at, numbers = self._at(alpha), self.poses[n].numbers
-        vectors = [point]
+    def _wrong(self, pose: Record, found: _Found) -> str | None:
+        """The first number of a printed pose that is wrong for one that was found, None if all are right."""
+        if found.multiplicity not in (None, pose["multiplicity"]) or pose["multiplicity"] > found.order:
+            return "multiplicity"
+        at, (x, y) = self._at(found.alpha), found.point
+        if not _points_to(pose["alpha_deg"], found.alpha):
+            return "alpha_deg"
+        if pose["alpha_deg"].is_zero and found.root != Root(Fraction(0), Fraction(0), inverted=False):
+            return "alpha_deg"
+        legs = [found.point]
         for vector in self.closure.vectors:
             vx, vy = (at.value(p) for p in vector)
-            vectors.append((point[0] + vx, point[1] + vy))
-        for name, leg in zip(_ANGLES[1:], vectors, strict=True):
-            if not _points_to(numbers[name], leg):
+            legs.append((x + vx, y + vy))
+        for leg, name in enumerate(_ANGLES):
+            if not _points_to(pose[name], legs[leg]) or (
+                pose[name].is_zero and not self._vanishes(found, self.closure.upright[leg])
+            ):
                 return name
-        unit = Interval.of(self.closure.unit, alpha[0].bits)
-        for name, value in zip(("b1_x", "b1_y"), point, strict=True):
-            printed, x = numbers[name], value.over(unit)
-            if not (x.contains(0) if printed.is_zero else printed.rounds(x)):
+        unit = Interval.of(self.closure.unit, found.alpha[0].bits)
+        for k, (name, value) in enumerate((("b1_x", x.over(unit)), ("b1_y", y.over(unit)))):
+            printed: Printed = pose[name]
+            if printed.is_zero:
+                if not value.contains(0) or not self._vanishes(found, self.closure.numerators[k]):
+                    return name
+            elif not printed.rounds(value):
                 return name
-        lengths = [x for x in numbers.values() if not x.is_zero]
-        return next((f"{x.text} (their number)" for x in lengths if x.digits != self.digits), None)
+        return None
+
+    def _vanishes(self, found: _Found, p: Trig) -> bool:
+        """Whether a function of α is 0 exactly at a pose to which the linear equations lead."""
+        form = _on_half_tangents(p)
+        return found.regular and has_root(self.closure.ring, found.part, found.root, form)
 
     def _curves(self) -> Claim:
-        claim, curves = "the curves of poses", self.document.get("curves", [])
-        angles = [str(curve.get("alpha_deg")) for curve in curves]
         mine = ["0" if t == 1 else "180" for t in (1, -1) if self._circle(t)]
-        right = angles == mine
+        right = [curve["alpha_deg"] for curve in self.members["curves"]] == mine
         reason = "both linear equations vanish there, and nowhere else" if right else "they are others"
-        return Claim("/curves", claim, ClaimStatus.PROVED if right else ClaimStatus.REFUSED, reason)
+        return Claim("/curves", "the curves of poses", status_of(right), reason)
 
     def _circle(self, cos: int) -> bool:
         """Whether both linear equations vanish at α = 0 or 180°, which is exact."""
         parts = [p for vector in self.closure.vectors for p in vector] + list(self.closure.right)
         return all(_value_on_axis(p, cos) == ZERO for p in parts)
 
-    def _complete(self, boxes: Mapping[int, Sequence[Pair]]) -> Claim:
-        claim = "these are all poses"
-
-        def answer(status: ClaimStatus, reason: str) -> Claim:
-            return Claim("/poses", claim, status, reason)
-
-        doubt = False
-        for order, part in self.closure.parts.items():
-            listed = list(boxes.get(order, ()))
-            for root in real_roots(self.closure.ring, part):
-                line = self._line(part, root)
-                here = [box for box in listed if all(x.meets(y) for x, y in zip(box, line, strict=True))]
-                if len(here) > 1:
-                    return answer(ClaimStatus.REFUSED, "two listed angles are one root")
-                if here:
-                    listed.remove(here[0])
-                elif self._is_on_curve(line):
-                    continue
-                elif list(self._points(line)):
-                    return answer(
-                        ClaimStatus.REFUSED, "a real root of the polynomial has a pose that is not listed"
-                    )
-                else:
-                    doubt = True
-            if listed:
-                return answer(ClaimStatus.REFUSED, "a listed angle is no root of the polynomial")
-        if doubt:
-            reason = "at a real root both points B1 are imaginary, the linear equations being dependent there"
-            return answer(ClaimStatus.CHECKED, reason)
-        return answer(ClaimStatus.PROVED, "each real root, by Descartes' rule of signs, has its listed poses")
-
-    def _line(self, part: Poly, root: Root) -> Pair:
-        return direction(self.closure.ring, part, root, self.bits)
-
-    def _is_on_curve(self, line: Pair) -> bool:
-        return any(self._circle(c) and line[0].contains(c) and line[1].contains(0) for c in (1, -1))
+    def _is_on_curve(self, root: Root) -> bool:
+        zero = Root(Fraction(0), Fraction(0), inverted=False)
+        ends = {1: zero, -1: Root(Fraction(0), Fraction(0), inverted=True)}
+        return any(self._circle(cos) and root == end for cos, end in ends.items())
 
 
-_SINE: Trig = {(0, 0, 0, 1): (1, 0)}
-"""sin θ: the second equation of a problem in one angle."""
+def _matching(fits: Sequence[Sequence[int]]) -> list[int | None]:
+    """A different choice for each, as many as there can be (augmenting paths)."""
+    owner: dict[int, int] = {}
+
+    def placed(n: int, tried: set[int]) -> bool:
+        for k in fits[n]:
+            if k not in tried:
+                tried.add(k)
+                if k not in owner or placed(owner[k], tried):
+                    owner[k] = n
+                    return True
+        return False
+
+    for n in range(len(fits)):
+        placed(n, set())
+    chosen = {n: k for k, n in owner.items()}
+    return [chosen.get(n) for n in range(len(fits))]
 
 
-def _half_angle_form(part: Poly) -> Trig:
-    """Σ p_k sinᵏβ cosⁿ⁻ᵏβ, the form of a polynomial in t = tan β, in normal form."""
-    result: dict[Monomial, Surd] = {}
-    size = len(part) - 1
-    for k, (a, b) in enumerate(part):
-        half, sine = divmod(k, 2)
-        # sin² = 1 − cos², by the binomial theorem
-        weight = 1
-        for i in range(half + 1):
-            key = (size - k + 2 * i, sine, 0, 0)
-            c, d = result.get(key, ZERO)
-            result[key] = (c + a * weight, d + b * weight)
-            weight = -weight * (half - i) // (i + 1)
-    return {key: x for key, x in result.items() if x != ZERO}
+def _on_half_tangents(p: Trig) -> tuple[Surd, ...]:
+    """A polynomial in α as one in t = tan(α/2), of formal degree."""
+    return in_half_tangent(p, max((i + j for i, j, _, _ in p), default=0), lambda _cos, _sin: 1)
 
 
 def _value_on_axis(p: Trig, cos: int) -> Surd:
@@ -330,7 +286,7 @@ def _value_on_axis(p: Trig, cos: int) -> Surd:
 
 
 def _points_to(printed: Printed, vector: Vector) -> bool:
-    """Whether the direction of a vector rounds to a printed angle."""
+    """Whether the direction of a vector rounds to a printed angle; to an exact 0 if it may be 0."""
     bits = vector[0].bits
     cos, sin = cos_sin(radians(printed.value, bits))
     x, y = vector
@@ -339,7 +295,9 @@ def _points_to(printed: Printed, vector: Vector) -> bool:
     norm = (x * x + y * y).root()
     if not norm.sign:
         return False
-    off = (cos * y - sin * x).over(norm).greatest
+    off = (cos * y - sin * x).over(norm)
+    if printed.is_zero:
+        return off.contains(0)
     # |angle| ≤ |sin| + |sin|³ for small angles
-    half = radians(printed.half, bits).lower if printed.half else 1 << 16
-    return (off + off**3) * (1 << bits) < half
+    size = off.greatest
+    return (size + size**3) * (1 << bits) < radians(printed.half, bits).lower

@@ -2,43 +2,24 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
-from decimal import Decimal
 from fractions import Fraction
 
-from rpr_solver.errors import InputError, shown
 from rpr_solver.verify.intervals import Interval
-
-_DECIMAL = re.compile(r"(-?)(\d{1,20000})(?:\.(\d{1,20000}))?(?:e([+-]?\d{1,4}))?")
 
 
 @dataclass(frozen=True)
 class Printed:
-    """A printed decimal: its value, half a unit of its last digit, and its number of significant digits."""
+    """A printed decimal: its value, and half a unit of its last digit; reader.py reads it."""
 
     text: str
     value: Fraction
     half: Fraction
-    digits: int
 
     @classmethod
-    def of(cls, text: object, field: str) -> Printed:
-        """Reads a decimal.
-
-        Raises:
-            InputError: naming ``field``: not a decimal.
-        """
-        match = _DECIMAL.fullmatch(text) if isinstance(text, str) and len(text) <= 20_020 else None
-        if match is None:
-            raise InputError.of(field, f"{shown(text)} is not a decimal as documents print it")
-        sign, whole, part, exponent = match.groups()
-        places = int(exponent or 0) - len(part or "")
-        number = int(Decimal(whole + (part or "")))  # int() alone reads 4300 digits at most
-        unit = Fraction(10) ** places
-        half = Fraction(0) if text == "0" else unit / 2  # "0" is exact
-        digits = len((whole + (part or "")).lstrip("0")) or 1
-        return cls(str(text), (-number if sign else number) * unit, half, digits)
+    def exact_zero(cls) -> Printed:
+        """The text "0", which stands for 0 alone."""
+        return cls("0", Fraction(0), Fraction(0))
 
     @property
     def is_zero(self) -> bool:

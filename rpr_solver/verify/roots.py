@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, isqrt
 
-from rpr_solver.verify.surds import ZERO, Ring, Surd, derivative
+from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd, derivative, trimmed
 
 _GUARD_BITS = 64
 
@@ -92,6 +92,25 @@ def refined(ring: Ring, form: Sequence[Surd], root: Root, width: Fraction) -> Ro
                 lower = max(lower, x)
         k = 2 * k if upper - lower <= step else max(k // 2, 1)
     return replace(root, lower=lower, upper=upper)
+
+
+def has_root(ring: Ring, part: Poly, root: Root, other: Sequence[Surd]) -> bool:
+    """Whether an isolated root of a squarefree form is one of another form too; both have formal degrees.
+
+    A common divisor of both changes its sign at the root, and nowhere else in the interval.
+    """
+    p, q = (trimmed(form[::-1] if root.inverted else form) for form in (part, other))
+    if not q:
+        return True
+    if root.lower == root.upper:
+        return ring.at(q, root.lower) == ZERO
+    common = ring.gcd(p, q)
+    at_ends = [ring.sign(ring.at(common, x)) for x in (root.lower, root.upper)]
+    if not at_ends[1]:  # the upper end may be another root, a simple one
+        at_ends[1] = -ring.sign(ring.at(derivative(common), root.upper))
+    if not at_ends[0]:
+        at_ends[0] = ring.sign(ring.at(derivative(common), root.lower))
+    return len(common) > 1 and at_ends[0] * at_ends[1] < 0
 
 
 def _chord(

@@ -67,31 +67,37 @@ class Surface:
         graded = (self.singular, *(leg.kernel for leg in self.legs))
         return max(part.bit_length() for p in graded for row in p for x in row.values() for part in x)
 
+    @cached_property
+    def slopes(self) -> tuple[Graded, Graded]:
+        """The derivatives of J in α and θ."""
+        return _slope(self.singular, theta=False), _slope(self.singular, theta=True)
+
     def hessian(self, here: Directions, length: Interval) -> Interval:
         """The determinant of the second derivatives of J in α and θ."""
-        slopes = [_slope(self.singular, theta=side) for side in (False, True)]
-        rows = [[value(here, _slope(p, theta=side), length) for side in (False, True)] for p in slopes]
+        rows = [[value(here, _slope(p, theta=side), length) for side in (False, True)] for p in self.slopes]
         (a, b), (c, d) = rows
         return a * d - b * c
 
     def systems(self, kind: str) -> Iterator[tuple[str, Triple]]:
-        """The systems of three equations that may find an event of a kind, each with its name."""
+        """The systems of three equations of a kind, any of which finds the event, each with its name."""
         f, g = self.legs
-        j = self.singular
-        if kind != "swallowtail":
-            slopes = (_slope(j, theta=False), _slope(j, theta=True))
-            yield CRITICAL, Triple((j, *slopes), self.ring.radicand)
-        if kind not in ("lips", "beak-to-beak"):
-            for leg in self.legs:
-                yield SWALLOWTAIL, Triple((j, leg.kernel, leg.kernel2), self.ring.radicand)
-        if kind not in ("lips", "beak-to-beak", "swallowtail"):
-            for leg in self.legs:  # a node of every slice where v gets the direction of a branch of J = 0
-                yield "grad J = 0, v·grad E = 0", Triple((*slopes, leg.kernel2), self.ring.radicand)
-                yield "grad J = 0, df/dtheta = 0", Triple((*slopes, leg.theta), self.ring.radicand)
+        j, slopes = self.singular, self.slopes
+        triples: list[tuple[str, Graded, Graded, Graded]] = []
+        if kind in ("lips", "beak-to-beak"):
+            triples = [(CRITICAL, j, *slopes)]
+        elif kind == "swallowtail":
+            triples = [(SWALLOWTAIL, j, leg.kernel, leg.kernel2) for leg in self.legs]
+        if kind in ("isolated-point", "node", "higher"):
+            # a node of every slice: where dJ/dL is 0 too, or v gets the direction of a branch of J = 0
+            triples += [("grad J = 0, dJ/dL = 0", *slopes, (j[1],))] if len(j) > 1 else []
+            triples += [("grad J = 0, v·grad E = 0", *slopes, leg.kernel2) for leg in self.legs]
+            triples += [("grad J = 0, df/dtheta = 0", *slopes, leg.theta) for leg in self.legs]
+        if kind in ("quadruple", "higher"):
             for leg, other in ((f, g), (g, f)):
                 for third in (other.alpha, other.theta):
-                    triple = Triple((leg.alpha, leg.theta, third), self.ring.radicand)
-                    yield "grad f = 0, grad g = 0", triple
+                    triples.append(("grad f = 0, grad g = 0", leg.alpha, leg.theta, third))
+        for name, *functions in triples:
+            yield name, Triple((functions[0], functions[1], functions[2]), self.ring.radicand)
 
 
 @dataclass(frozen=True)

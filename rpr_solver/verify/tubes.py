@@ -14,12 +14,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from math import isqrt
-from typing import Any
 
-from rpr_solver.errors import InputError
 from rpr_solver.verify.expansions import DEGREE, Expansion, Index, P, Q
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.manipulator import exact
+from rpr_solver.verify.reader import Record, refusal
 from rpr_solver.verify.surds import ZERO, Surd
 from rpr_solver.verify.surface import Graded, Surface
 from rpr_solver.verify.system import half_angle_form, in_half_tangent
@@ -46,44 +44,32 @@ class Tube:
     radii: tuple[Fraction, Fraction]
 
     @classmethod
-    def of(cls, surface: Surface, tube: Mapping[str, Any], at: str) -> Tube:
-        """Reads a tube.
+    def of(cls, surface: Surface, tube: Record, at: str) -> Tube:
+        """The tube of a document.
 
         Raises:
-            InputError: naming a member that cannot be read.
+            InputError: naming a number that is longer than any tube needs, or no leg that is free.
         """
         length = f"l{surface.fixed}"
-
-        def two(name: str) -> tuple[Fraction, Fraction]:
-            if not isinstance(tube[name], list) or len(tube[name]) != 2:
-                raise InputError.of(f"{at}/{name}", "is no pair of numbers")
-            return exact(tube[name][0], f"{at}/{name}"), exact(tube[name][1], f"{at}/{name}")
-
-        def origin(name: str) -> tuple[int, int]:
-            s, c = two(name)
-            if s.denominator != 1 or c.denominator != 1 or s == c == 0:
-                raise InputError.of(f"{at}/{name}", "is no pair of integers")
-            return int(s), int(c)
-
-        coordinates = ("alpha", "theta", length)
-        if tube["parameter"] not in coordinates or tube["leg"] not in [leg.number for leg in surface.legs]:
-            raise InputError.of(at, "has no such parameter or leg")
+        if tube["leg"] not in [leg.number for leg in surface.legs]:
+            raise refusal(f"{at}/leg", "is not free")
+        for name in ("half_alpha", "half_theta"):
+            if not any(tube[name]):
+                raise refusal(f"{at}/{name}", "is no direction")
         result = cls(
-            coordinates.index(tube["parameter"]),
+            ("alpha", "theta", length).index(tube["parameter"]),
             tube["leg"],
-            (origin("half_alpha"), origin("half_theta")),
-            exact(tube[length], f"{at}/{length}") * surface.unit,
-            two("slopes"),
-            two("bends"),
-            exact(tube["reach"], f"{at}/reach"),
-            two("radii"),
+            (tube["half_alpha"], tube["half_theta"]),
+            tube[length] * surface.unit,
+            tube["slopes"],
+            tube["bends"],
+            tube["reach"],
+            tube["radii"],
         )
-        if min(result.length, result.reach, *result.radii) <= 0:
-            raise InputError.of(at, "has a length, a reach or a radius that is not positive")
         parts = (*result.slopes, *result.bends, result.length, result.reach, *result.radii)
         integers = [x for pair in (*map(Fraction.as_integer_ratio, parts), *result.origins) for x in pair]
         if max(x.bit_length() for x in integers) > _MOST_BITS:
-            raise InputError.of(at, "has longer numbers than any tube needs")
+            raise refusal(at, "has longer numbers than any tube needs")
         return result
 
     @property

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import atan2, degrees
 
-from rpr_solver.verify.boxes import Box, Equations, zero_near
-from rpr_solver.verify.counts import cusps_counted
+from rpr_solver.verify.boxes import Box, Equations, direction, zero_near
+from rpr_solver.verify.counts import count_of
 from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.lines import direction
 from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.points import Points
 from rpr_solver.verify.roots import Root, real_roots, refined
@@ -46,9 +45,9 @@ class Limits:
         Where all roots of Q are simple, one cusp lies above each (mathematics.md#simple-roots), and a box of
         it gives its lengths.
         """
-        if not self.bounded:
-            return cusps_counted(geometry, fixed, length)
         system = System.of(geometry, fixed, length)
+        if not self.bounded:
+            return count_of(system)
         try:
             eliminant = Eliminant.of(system)
         except Indivisible:

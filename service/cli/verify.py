@@ -16,7 +16,7 @@ from service.cli.progress import progress_bar
 from service.schemas.document import read
 from service.schemas.verifications import VerificationRequest
 
-DESCRIPTION = f"{__doc__}\n\nExit status: 0 accepted, 1 refused, 2 bad input."
+DESCRIPTION = f"{__doc__}\n\nExit status: 0 every claim is established, 1 a claim is refused, 2 bad input,\n3 nothing is refused, but claims that the first line names are not established."
 EXAMPLES = """\
 examples:
   rpr-cusps solve innocenti --l1 14.98 --format json > table.json
@@ -24,8 +24,7 @@ examples:
   rpr-cusps solve robot.json --l1 27 --format json | rpr-cusps verify - --json
 """
 
-REFUSED = 1
-_SHOWN = ("refused", "checked", "not checked")
+STATUS = {"established": 0, "refused": 1, "not established": 3}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -37,7 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    members = {"document": read_document(args.document), **remote.deadline_of(args)}
+    members = {"document": read_document(args.document, strictly=True), **remote.deadline_of(args)}
     question = read(VerificationRequest, members, arguments.source())
 
     def here() -> dict[str, Any]:
@@ -47,14 +46,14 @@ def run(args: argparse.Namespace) -> int:
 
     answer = remote.here_or_there(args.url, question, here)
     write_document(answer, _page(answer), args.format)
-    return 0 if answer["verdict"] == "accepted" else REFUSED
+    return STATUS[answer["outcome"]]
 
 
 def _page(answer: Mapping[str, Any]) -> Page:
-    claims, counts = answer["claims"], answer["counts"]
+    claims, counts, unread = answer["claims"], answer["counts"], answer["unread"]
     numbers = ", ".join(f"{n} {status.replace('_', ' ')}" for status, n in counts.items() if n)
-    title = f"{answer['verdict'].capitalize()}: {counted(len(claims), 'claim')}, {numbers}"
-    shown = [claim for claim in claims if claim["status"] in _SHOWN]
+    title = f"{answer['document']['kind']} of {answer['document']['geometry_hash']}: {numbers or 'no claims'}"
+    shown = [claim for claim in claims if claim["status"] != "proved"]
     notes = [f"{x['at'] or 'the document'}: {x['status']}: {x['claim']}: {x['reason']}" for x in shown]
-    about = f"Verification of {answer['document']['kind']} of {answer['document']['geometry_hash']}"
-    return Page(about, [Section(title, notes=notes, failed=answer["verdict"] == "refused")])
+    notes += [f"not read, so nothing is said of it: {', '.join(unread)}"] if unread else []
+    return Page(answer["summary"], [Section(title, notes=notes, failed=answer["verdict"] == "refused")])

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any
 
 from rpr_solver.verify.texts import MAX_DEPTH
+
+
+_INTEGER = re.compile(r"0|-?[1-9][0-9]*", re.ASCII)
 
 
 class JsonError(ValueError):
@@ -92,9 +97,12 @@ def json_kind(value: object) -> str:
 
 
 def plain(value: object) -> Any:
-    """A document with its integers as such, so that it is what the service sent; other numbers are text."""
+    """A document with its integers as such, so that it is what the service sent.
+
+    Its other numbers are texts, so none that is a number in JSON is taken for one: it becomes a float.
+    """
     if isinstance(value, JsonNumber):
-        return int(value) if value.lstrip("-").isdigit() and len(value) < 20 else str(value)
+        return int(Decimal(value)) if _INTEGER.fullmatch(value) else float(value)
     if isinstance(value, Mapping):
         return {name: plain(item) for name, item in value.items()}
     if isinstance(value, list):

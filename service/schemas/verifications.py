@@ -13,7 +13,7 @@ from rpr_solver.errors import InputError
 from rpr_solver.verify.texts import check_texts
 from service.schemas.document import Expected, Source, unnamed
 from service.schemas.exact_json import json_kind, plain
-from service.schemas.points import GeometryText
+from service.schemas.points import GeometryText, optional
 from service.schemas.questions import Examples, GeometryField, Question
 from worker.answers import verifications
 from worker.answers.requests import Kind
@@ -34,13 +34,15 @@ _EXAMPLE: dict[str, Any] = {
 def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
     if not isinstance(value, Mapping):
         raise InputError.of("", f"is {json_kind(value)}; give a document of this service")
-    from rpr_solver.verify.documents import kind_of  # the verifier is loaded when it is needed first
+    from rpr_solver.verify.schema import kind_of  # the verifier is loaded when it is needed first
 
     limits = Source.of(info).limits
     check_texts(value, number_digits=limits.max_number_digits, most_digits=limits.max_digits)
     document: dict[str, Any] = plain(value)
     with unnamed("document"):
         kind_of(document)
+        if not isinstance(document.get("geometry"), dict):
+            raise InputError.of("geometry", "is missing; a document begins with its geometry")
         Manipulator.from_json(document["geometry"], max_digits=limits.max_number_digits)
     return document
 
@@ -100,6 +102,10 @@ class VerifiedClaim(BaseModel):
     claim: str
     status: Literal["proved", "checked", "not checked", "refused"]
     reason: str
+    established: bool = Field(description="Proved, or wrong with no more than `error_probability`.")
+    error_probability: str | None = optional(
+        "Of a claim that is checked by random numbers of the operating system: a bound, such as `2^-200`."
+    )
 
 
 class VerifiedDocument(BaseModel):
@@ -124,7 +130,17 @@ class Verification(BaseModel):
 
     geometry: GeometryText
     geometry_hash: str
-    verdict: Literal["accepted", "refused"] = Field(description="Accepted if no claim is refused.")
+    verdict: Literal["accepted", "refused"] = Field(
+        description="Accepted if no claim is refused; whether all are established, `outcome` says."
+    )
+    outcome: Literal["established", "not established", "refused"] = Field(
+        description="`established`: every claim is. `not established`: none is refused, but those that "
+        "`summary` names are open, and nothing may rest on them."
+    )
+    summary: str = Field(description="The outcome in one line, with all claims that are refused or open.")
     document: VerifiedDocument
     counts: ClaimCounts
     claims: list[VerifiedClaim]
+    unread: list[str] = Field(
+        description="Members that were not read, of which nothing is said, with * for places in lists."
+    )

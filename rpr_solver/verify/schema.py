@@ -1,0 +1,418 @@
+"""The closed schema of each kind of document: all members, their types and domains."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, MOST_CUSPS, MOST_POSES
+from rpr_solver.errors import shown
+from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.reader import (
+    MOST_DIGITS,
+    POSITIVE,
+    Read,
+    Record,
+    count,
+    decimal,
+    exact,
+    exact_within,
+    integer,
+    nothing_or,
+    polynomial,
+    record,
+    refusal,
+    rows,
+    square_of,
+    text,
+    told,
+    truth,
+    unread,
+    word,
+)
+
+POSE_KINDS = ("swallowtail", "lips", "beak-to-beak", "isolated-point", "node", "quadruple", "higher")
+"""Kinds of degenerate poses."""
+LENGTH_KINDS = ("several", "unclassified", "undecided", "open")
+SYSTEMS = {"swallowtails": 32, "critical poses": 18}
+"""Name → the degree of its eliminant; for the third, any."""
+BESIDE = "beside shared angles"
+_HASH = text("sha256:[0-9a-f]{64}")
+_NAME = text("C[1-9][0-9]{0,5}")
+_MOST_DEGREE = 200
+_SHORT = re.compile(r"(-?[1-9][0-9]*)e-([1-9][0-9]{0,3})", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Document:
+    """A document as it was read.
+
+    Attributes:
+        kind: such as ``"cusp-table"``.
+        geometry: the manipulator.
+        fixed: the fixed leg; 1 for poses, which have none.
+        members: all members, frozen.
+    """
+
+    kind: str
+    geometry: Geometry
+    fixed: int
+    members: Record
+
+    def decimal(self, value: str, at: str) -> Printed:
+        """A length > 0 that is printed to the digits of the document.
+
+        Raises:
+            InputError: it is none.
+        """
+        return decimal(self.members["digits"], 0, zero=False)(value, at)  # type: ignore[no-any-return]
+
+
+def kind_of(value: Mapping[str, Any]) -> str:
+    """The kind of a document that can be verified.
+
+    Raises:
+        InputError: it is none.
+    """
+    if not isinstance(value, Mapping):
+        raise refusal("", "is not an object")
+    kind = next((kind for member, kind in _MEMBERS.items() if member in value), None)
+    if kind is None:
+        other = next((f", {name}," for member, name in _OTHERS.items() if member in value), "")
+        known = ", ".join(_MEMBERS.values())
+        raise refusal("", f"is{other} of no kind that can be verified; known are {known}")
+    return kind
+
+
+def read_document(value: Mapping[str, Any]) -> Document:
+    """Reads a document.
+
+    Raises:
+        InputError: naming a member that is not as documents have it.
+    """
+    kind = kind_of(value)
+    geometry = Geometry.read(value.get("geometry"), "/geometry")
+    digits = count(MIN_DIGITS, min(MAX_DIGITS, MOST_DIGITS))(value.get("digits"), "/digits")
+    place: Any = value if kind != "check" else value.get("requirement")
+    leg = place.get("fixed_leg") if isinstance(place, Mapping) else None
+    at = "/fixed_leg" if kind != "check" else "/requirement/fixed_leg"
+    fixed = 1 if kind == "poses" else count(1, 3)(leg, at)
+    members = _SCHEMAS[kind](_Leg(fixed, digits))(value, "")
+    return Document(kind, geometry, fixed, members)
+
+
+class _Leg:
+    """Readers of what depends on the fixed leg and the digits."""
+
+    def __init__(self, fixed: int, digits: int) -> None:
+        self.fixed, self.length = fixed, f"l{fixed}"
+        self.theta = f"theta{fixed}_deg"
+        self.free = tuple(f"l{leg}" for leg in (1, 2, 3) if leg != fixed)
+        self.angle = decimal(digits, -180, 180)
+        self.positive = decimal(digits, 0, zero=False)
+        self.start = decimal(digits, 0)
+        self.number = decimal(digits)
+        self.head: dict[str, Read] = {
+            "geometry": Geometry.read,
+            "geometry_hash": _HASH,
+            "digits": count(digits, digits),
+            "solver_version": told(text(r"[0-9A-Za-z.+-]{1,40}")),
+        }
+        self.on_leg: dict[str, Read] = {**self.head, "fixed_leg": count(fixed, fixed)}
+        self.point: dict[str, Read] = {
+            "alpha_deg": self.angle,
+            self.theta: self.angle,
+            **dict.fromkeys(self.free, self.positive),
+        }
+        # a leg may be closed at a degenerate pose, never at a cusp
+        self.degenerate_point: dict[str, Read] = {
+            "kind": word(*POSE_KINDS),
+            **self.point,
+            **dict.fromkeys(self.free, self.start),
+        }
+        self.event = record(self.degenerate_point)
+        self.degenerate = rows(self._degenerate)
+
+    def _degenerate(self, value: object, at: str) -> Record:
+        kind = value.get("kind") if isinstance(value, Mapping) else None
+        curve: dict[str, Read] = {} if kind == "curve" else {"count": count(1)}
+        equation: dict[str, Read] = {"equation": text()} if kind == "curve" else {}
+        ends: dict[str, Read] = {"from": self.end, "to": nothing_or(self.end)}
+        return record({"kind": word("curve", *POSE_KINDS), **ends, **curve}, equation)(value, at)  # type: ignore[no-any-return]
+
+    def end(self, value: object, at: str) -> Any:
+        """An end of an interval: an exact number, or a decimal of all digits."""
+        try:
+            return self.positive(value, at)
+        except ValueError:
+            return exact_within(0, ends=True)(value, at)
+
+    def box(self, *names: str) -> dict[str, Read]:
+        """Sides of a box, with a centre and a radius that are exact numbers."""
+        side = record({"centre": exact, "radius": _short_positive})
+        return dict.fromkeys(names, side)
+
+
+def _short(value: object, at: str) -> Fraction:
+    """An exact number, or an integer with a negative power of ten."""
+    form = _SHORT.fullmatch(value) if isinstance(value, str) else None
+    return Fraction(integer(form[1], at), 10 ** int(form[2])) if form else exact(value, at)
+
+
+def _short_positive(value: object, at: str) -> Fraction:
+    x = _short(value, at)
+    if x <= 0:
+        raise refusal(at, f"is {shown(value)}; it must be > 0")
+    return x
+
+
+def _table(leg: _Leg) -> Read:
+    factor = record({"degree": count(1, 96), "multiplicity": count(1, 96), "origin": text()})
+    theta = f"u = tan(theta{leg.fixed}/2)"
+    side = record({"centre": text(most=2 * MOST_DIGITS), "radius": text()})
+    full = record(
+        {
+            "polynomial": polynomial(theta, 24),
+            "squarefree": nothing_or(record({"prime": integer, "omega": integer})),
+            "real_roots": rows(_ISOLATED, 0, 24),
+            "boxes": rows(record(dict.fromkeys(leg.point, side)), 0, MOST_CUSPS),
+        }
+    )
+    certificate: dict[str, Read] = {
+        "eliminant_degree": count(0, 96),
+        "real_roots": count(0, 24),
+        "factors": rows(factor, 0, 100),
+        "method": told(text()),
+        "working_bits": told(count(0, 10**9)),
+        "proofs": unread,
+    }
+    of_article: dict[str, Read] = dict.fromkeys(certificate, unread)
+    of_article["method"] = word("article")
+    degenerate = leg.event
+    curve = record({"kind": word("curve"), "equation": text()})
+
+    def other(value: object, at: str) -> Record:
+        is_curve = isinstance(value, Mapping) and value.get("kind") == "curve"
+        return (curve if is_curve else degenerate)(value, at)  # type: ignore[no-any-return]
+
+    answer: dict[str, Read] = {
+        leg.length: POSITIVE,
+        "count": count(0, MOST_CUSPS),
+        "cusps": rows(record(leg.point), 0, MOST_CUSPS),
+        "degenerate_points": rows(other, 0, 200),
+    }
+    solved = record(answer, {"certificate": record(certificate, {"full": full})})
+    article: dict[str, Read] = {"method": word("article"), "audit": unread}
+    audited = record({**answer, **article}, {"certificate": record(of_article)})
+    error = record({"type": text(), "detail": text(most=20_000)})
+    failed = record({leg.length: POSITIVE, "error": error})
+
+    def part(value: object, at: str) -> Record:
+        names = value if isinstance(value, Mapping) else {}
+        form = failed if "error" in names else audited if "method" in names else solved
+        return form(value, at)  # type: ignore[no-any-return]
+
+    return record({**leg.on_leg, "slices": rows(part)}, {"method": word("article")})
+
+
+_ISOLATED = record({"lower": exact, "upper": exact, "multiplicity": count(1, _MOST_DEGREE)})
+_RANGE = record({"from": exact_within(0, ends=True), "to": nothing_or(POSITIVE)})
+
+
+def _poses(leg: _Leg) -> Read:
+    angles = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg")
+    pose = record(
+        {
+            **dict.fromkeys(angles, leg.angle),
+            **dict.fromkeys(("b1_x", "b1_y"), leg.number),
+            "multiplicity": count(1, MOST_POSES),
+        }
+    )
+    factor = record({"degree": count(1, MOST_POSES), "multiplicity": count(1, MOST_POSES)})
+    certificate = record(
+        {
+            "method": told(text()),
+            "factors": rows(factor, 0, MOST_POSES),
+            "working_bits": told(count(0, 10**9)),
+        }
+    )
+    curve = record({"kind": word("curve"), "alpha_deg": word("0", "180"), "description": told(text())})
+    return record(
+        {
+            **leg.head,
+            **dict.fromkeys(("l1", "l2", "l3"), square_of),
+            "count": count(0, MOST_POSES),
+            "count_with_multiplicity": count(0, MOST_POSES),
+            "poses": rows(pose, 0, MOST_POSES),
+            "curves": rows(curve, 0, 2),
+            "polynomial": polynomial("t = tan(alpha/2)", MOST_POSES),
+            "certificate": certificate,
+        }
+    )
+
+
+def _census(leg: _Leg) -> Read:
+    transition = record(
+        {
+            leg.length: leg.positive,
+            "kind": word("several", "unclassified", *POSE_KINDS),
+            "count_before": count(0, MOST_CUSPS),
+            "count_after": count(0, MOST_CUSPS),
+            "events": rows(leg.event, 0, 200),
+        }
+    )
+    interval = record(
+        {"from": text(), "to": nothing_or(text()), "count": count(0, MOST_CUSPS)},
+        {"aspects": told(nothing_or(count(0, 1000)))},
+    )
+    box = record({"kind": word(*POSE_KINDS), **leg.box(leg.length, "alpha_deg", leg.theta)})
+    full = record(
+        {
+            "systems": rows(_system(leg.fixed), 0, 10),
+            "events": rows(box, 0, 1000),
+            "samples": rows(POSITIVE, 1),
+        }
+    )
+    certificate = record(
+        {
+            "method": told(word("events", "components")),
+            "lengths_examined": told(count()),
+            "counts_by": told(text()),
+        },
+        {"full": full},
+    )
+    return record(
+        {
+            **leg.on_leg,
+            "range": _RANGE,
+            "transitions": rows(transition, 0, 1000),
+            "intervals": rows(interval, 1, 1001),
+            "certificate": certificate,
+        },
+        {"degenerate": leg.degenerate},
+    )
+
+
+def _system(fixed: int) -> Read:
+    squarefree = nothing_or(record({"prime": integer, "omega": integer}))
+
+    def read(value: object, at: str) -> Record:
+        known = value if isinstance(value, Mapping) else {}
+        form = known.get("polynomial")
+        name, degree = known.get("name"), form.get("degree") if isinstance(form, Mapping) else 0
+        own = SYSTEMS.get(name, degree) if isinstance(name, str) else 0
+        degree = count(0, _MOST_DEGREE)(own, f"{at}/polynomial/degree")
+        return record(  # type: ignore[no-any-return]
+            {
+                "name": word(*SYSTEMS, BESIDE),
+                "polynomial": polynomial(f"v = tan(theta{fixed})", degree),
+                "squarefree": squarefree,
+                "real_roots": rows(_ISOLATED, 0, _MOST_DEGREE),
+            }
+        )(value, at)
+
+    return read
+
+
+def _curves(leg: _Leg) -> Read:
+    end = {
+        "kind": word(*POSE_KINDS, *LENGTH_KINDS),
+        "joins": nothing_or(_NAME),
+        "events": rows(leg.event, 0, 200),
+    }
+    point = record({leg.length: POSITIVE, "cusp": count(1, MOST_CUSPS), **leg.point})
+    curve = record(
+        {
+            "name": _NAME,
+            "from": record({leg.length: leg.start, **end}),
+            "to": record({leg.length: nothing_or(leg.start), **end}),
+            "points": rows(point),
+        }
+    )
+    place = record({"curve": _NAME, leg.length: POSITIVE})
+    pair, whole = rows(_short, 2, 2), rows(integer, 2, 2)
+    radii = rows(_short_positive, 2, 2)
+    tube = record(
+        {
+            "parameter": word("alpha", "theta", leg.length),
+            "leg": count(1, 3),
+            "half_alpha": whole,
+            "half_theta": whole,
+            leg.length: _short_positive,
+            "slopes": pair,
+            "bends": pair,
+            "reach": _short_positive,
+            "radii": radii,
+        }
+    )
+    chain = record({"from": place, "to": place, "tubes": rows(tube, 1)})
+    full = record({"chains": rows(chain)})
+    return record(
+        {**leg.on_leg, "range": _RANGE, "curves": rows(curve, 0, 1000)},
+        {"degenerate": leg.degenerate, "certificate": record({"full": full})},
+    )
+
+
+def _check(leg: _Leg) -> Read:
+    limit = nothing_or(exact_within(0, ends=True))
+    limits = record({}, dict.fromkeys(leg.free, record({"min": limit, "max": limit})))
+    requirement = record(
+        {
+            "fixed_leg": count(leg.fixed, leg.fixed),
+            "range": _RANGE,
+            "max_cusps": nothing_or(count()),
+            "min_cusps": nothing_or(count()),
+            "degenerate": word("allowed", "refused"),
+        },
+        {"limits": nothing_or(limits)},
+    )
+    interval: dict[str, Read] = {
+        "from": text(),
+        "to": nothing_or(text()),
+        "count": count(0, MOST_CUSPS),
+    }
+    cusps = rows(record(leg.point), 0, MOST_CUSPS)
+    example = record({leg.length: POSITIVE, "cusps": cusps})
+    return record(
+        {
+            **leg.head,
+            "requirement": requirement,
+            "passed": truth,
+            "max_cusps_found": count(0, MOST_CUSPS),
+            "min_cusps_found": count(0, MOST_CUSPS),
+            "intervals": rows(record(interval), 1, 2000),
+            "violations": rows(record({**interval, "example": example}), 0, 2000),
+            "degenerate": leg.degenerate,
+        }
+    )
+
+
+_SCHEMAS: Mapping[str, Callable[[_Leg], Read]] = {
+    "cusp-table": _table,
+    "poses": _poses,
+    "census": _census,
+    "cusp-curves": _curves,
+    "check": _check,
+}
+
+_MEMBERS: Mapping[str, str] = {
+    "slices": "cusp-table",
+    "poses": "poses",
+    "transitions": "census",
+    "curves": "cusp-curves",
+    "violations": "check",
+}
+"""The member by which a kind is known; poses have curves too."""
+
+_OTHERS: Mapping[str, str] = {
+    "samples": "a path",
+    "regions": "a document of singular curves",
+    "aspects": "a document of aspects",
+    "checks": "a list of reports of checks",
+    "verdict": "a verification",
+}
+"""A member by which another document is known, and what to call that."""
