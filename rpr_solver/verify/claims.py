@@ -151,7 +151,7 @@ class Verification:
         """The outcome in one line, with all claims that are refused or open."""
         if self.refused:
             return f"REFUSED: {_named(self.refused)}"
-        rest = f"; not read: {', '.join(self.unread)}" if self.unread else ""
+        rest = f"; not read, so not established: {', '.join(self.unread)}" if self.unread else ""
         if self.open:
             return f"NOT ESTABLISHED, though nothing is refuted: {_named(self.open)}{rest}"
         chances = {claim.error_probability for claim in self.claims if claim.error_probability}

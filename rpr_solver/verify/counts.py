@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from math import atan2, degrees
 from secrets import randbelow
@@ -103,7 +103,13 @@ def sampled(at: str, number: int, bounds: Bounds | None, count: Count, samples: 
     return Claim(at, claim, ClaimStatus.CHECKED, reason)
 
 
-def changed(at: str, cut: Printed, outer: Sequence[Fraction | None], numbers: Bounds, count: Count) -> Claim:
+def changed(
+    at: str,
+    cut: Printed,
+    outer: tuple[Fraction | None, Fraction | None],
+    numbers: tuple[int, int],
+    count: Count,
+) -> Claim:
     """That the number of cusps changes within half a unit of the last digit of a length.
 
     Args:

@@ -78,9 +78,13 @@ def event_finding(surface: Surface, length: Printed, event: Record) -> Finding:
         status, reason = kind_finding(surface, kind, proof)
         if status is ClaimStatus.PROVED and any(x.is_zero for x in numbers):
             return ClaimStatus.CHECKED, f"{reason}; that an angle is exactly 0, beyond the digits"
-        return status, f"{reason}, each printed digit is right"
+        more = ", each printed digit is right" if status is not ClaimStatus.REFUSED else ""
+        return status, reason + more
     if kind in GENERIC:
         return ClaimStatus.REFUSED, f"no regular zero of the equations of {kind} is proved near the pose"
+    for other in GENERIC:
+        if event_finding(surface, length, {**event, "kind": other})[0] is ClaimStatus.PROVED:
+            return ClaimStatus.REFUSED, f"it is a {other}"
     work = 2 * bits + surface.coefficient_bits
     box = around(numbers[0], numbers[1], work, surface.ring.radicand)
     scaled = Interval.of(length.value * surface.unit, work, length.half * surface.unit)

@@ -34,7 +34,7 @@ from rpr_solver.verify.system import Trig, derivative
 AT = "/certificate/full"
 PRIMES = 12
 """At two values of v each, the eliminants are compared with resultants."""
-CHANCE = "2^-400"
+CHANCE = "2^-200"
 """Bounds the probability that a wrong eliminant passes (docs/verify.md#randomness)."""
 _LINE_BITS = 160
 _SYSTEMS: Mapping[str, tuple[str, Identity]] = {

@@ -97,6 +97,9 @@ class _Poses:
             elif found[k].multiplicity is None:
                 reason = "two poses share this alpha, and their multiplicities are known in sum only"
                 yield Claim(at, claim, ClaimStatus.CHECKED, reason)
+            elif not found[k].regular and any(pose[name].is_zero for name in _NAMES[1:]):
+                reason = "the linear equations are dependent there; that numbers are 0 is beyond the digits"
+                yield Claim(at, claim, ClaimStatus.CHECKED, reason)
             else:
                 reason = "another pose for each, above an isolated root, with right digits"
                 yield Claim(at, claim, ClaimStatus.PROVED, reason)
@@ -157,7 +160,7 @@ class _Poses:
                 if self._is_on_curve(root):
                     continue
                 regular = not has_root(ring, part, root, flat)
-                points = list(self._points(alpha, regular))
+                points = list(self._points(alpha, regular, touching=self._touches(root)))
                 if None in points:
                     doubt = "above a root where the linear equations are dependent two points may be one"
                 multiplicity = order if len(points) == 1 else 1 if order == 2 else None
@@ -170,7 +173,22 @@ class _Poses:
         one = Interval.of(1, alpha[0].bits), Interval.of(0, alpha[0].bits)
         return Directions(alpha, one, self.closure.ring.radicand)
 
-    def _points(self, alpha: Pair, regular: bool) -> Iterator[Vector | None]:
+    def _touches(self, root: Root) -> bool:
+        """Whether, at α = 0 or 180°, the line of dependent equations touches the circle; this is exact."""
+        if root.lower or root.upper:
+            return False
+        cos, ring = -1 if root.inverted else 1, self.closure.ring
+        for vector, right in zip(self.closure.vectors, self.closure.right, strict=True):
+            (a, b), (c, d), r = (_value_on_axis(p, cos) for p in (*vector, right))
+            norm = [
+                x + y for x, y in zip(ring.times((a, b), (a, b)), ring.times((c, d), (c, d)), strict=True)
+            ]
+            if any(norm):
+                scale = int(4 * self.closure.squares[0] * self.closure.unit**2)
+                return ring.times(r, r) == (scale * norm[0], scale * norm[1])
+        return False
+
+    def _points(self, alpha: Pair, regular: bool, *, touching: bool) -> Iterator[Vector | None]:
         """The points B1 at one α, scaled; with None if they are not told apart."""
         at = self._at(alpha)
         if regular:
@@ -192,6 +210,9 @@ class _Poses:
             square = Interval.of(self.closure.squares[0] * self.closure.unit**2, bits)
             x, y = vx * shift, vy * shift
             rest = (square - x * x - y * y).over(norm)
+            if touching:
+                yield x, y
+                return
             if rest.upper < 0:
                 return
             if not rest.sign:
@@ -219,23 +240,24 @@ class _Poses:
             legs.append((x + vx, y + vy))
         for leg, name in enumerate(_ANGLES):
             if not _points_to(pose[name], legs[leg]) or (
-                pose[name].is_zero and not self._vanishes(found, self.closure.upright[leg])
+                found.regular and pose[name].is_zero and not self._vanishes(found, self.closure.upright[leg])
             ):
                 return name
         unit = Interval.of(self.closure.unit, found.alpha[0].bits)
         for k, (name, value) in enumerate((("b1_x", x.over(unit)), ("b1_y", y.over(unit)))):
             printed: Printed = pose[name]
             if printed.is_zero:
-                if not value.contains(0) or not self._vanishes(found, self.closure.numerators[k]):
+                if not value.contains(0):
+                    return name
+                if found.regular and not self._vanishes(found, self.closure.numerators[k]):
                     return name
             elif not printed.rounds(value):
                 return name
         return None
 
     def _vanishes(self, found: _Found, p: Trig) -> bool:
-        """Whether a function of α is 0 exactly at a pose to which the linear equations lead."""
-        form = _on_half_tangents(p)
-        return found.regular and has_root(self.closure.ring, found.part, found.root, form)
+        """Whether a function of α is 0 exactly at a pose."""
+        return has_root(self.closure.ring, found.part, found.root, _on_half_tangents(p))
 
     def _curves(self) -> Claim:
         mine = ["0" if t == 1 else "180" for t in (1, -1) if self._circle(t)]

@@ -209,7 +209,7 @@ def _table(leg: _Leg) -> Read:
     article: dict[str, Read] = {"method": word("article"), "audit": unread}
     audited = record({**answer, **article}, {"certificate": record(of_article)})
     error = record({"type": text(), "detail": text(most=20_000)})
-    failed = record({leg.length: POSITIVE, "error": error})
+    failed = record({leg.length: exact, "error": error})
 
     def part(value: object, at: str) -> Record:
         names = value if isinstance(value, Mapping) else {}

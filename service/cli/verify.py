@@ -11,12 +11,15 @@ from typing import Any
 import rpr_solver
 from service.cli import arguments, remote
 from service.cli.document_file import read_document
-from service.cli.pages import Page, Section, counted, write_document
+from service.cli.pages import Page, Section, write_document
 from service.cli.progress import progress_bar
 from service.schemas.document import read
 from service.schemas.verifications import VerificationRequest
 
-DESCRIPTION = f"{__doc__}\n\nExit status: 0 every claim is established, 1 a claim is refused, 2 bad input,\n3 nothing is refused, but claims that the first line names are not established."
+DESCRIPTION = f"""{__doc__}
+
+Exit status: 0 every claim is established, 1 a claim is refused, 2 bad input, 3 nothing is refused, but the
+claims that the first line names are not established."""
 EXAMPLES = """\
 examples:
   rpr-cusps solve innocenti --l1 14.98 --format json > table.json

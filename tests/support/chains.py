@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from fractions import Fraction
 from functools import cache
 from typing import Any
 
@@ -11,12 +10,13 @@ from rpr_solver import EXAMPLES
 from rpr_solver.verify.chains import Place
 from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.links import Pose
-from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.points import Point, Points
+from rpr_solver.verify.schema import read_document
 from rpr_solver.verify.surface import Surface
 from rpr_solver.verify.system import System
 from rpr_solver.verify.tubes import Tube
 from tests.support.shared import curves_of
+from tests.support.verified import geometry_of
 
 PAST = 1
 """The number of the chain past the end at which the two curves join."""
@@ -31,18 +31,18 @@ def window() -> dict[str, Any]:
 
 @cache
 def surface() -> Surface:
-    return Surface.of(Geometry.of(window()), 1)
+    return Surface.of(geometry_of(EXAMPLES["zein-flat"]), 1)
 
 
 @cache
 def poses() -> Mapping[Place, Pose]:
     """The boxes of the points."""
     result = {}
-    for curve in window()["curves"]:
+    for curve in read_document(window()).members["curves"]:
         for point in curve["points"]:
-            length = Fraction(point["l1"])
+            length = point["l1"]
             system = System.of(surface().geometry, 1, length)
-            box, _ = Points(system).cusp(Point.of(point, system, ""))
+            box, _ = Points(system).cusp(Point.of(point, system))
             assert box
             scaled = Interval.of(length * surface().unit, box.alpha.bits)
             result[curve["name"], length] = Pose(box.alpha, box.theta, scaled)
@@ -51,5 +51,5 @@ def poses() -> Mapping[Place, Pose]:
 
 def tubes(chain: int) -> list[Tube]:
     """The tubes of a chain."""
-    parts = window()["certificate"]["full"]["chains"][chain]["tubes"]
+    parts = read_document(window()).members["certificate"]["full"]["chains"][chain]["tubes"]
     return [Tube.of(surface(), tube, "") for tube in parts]

@@ -63,15 +63,17 @@ _BASES: dict[str, Callable[[], Document]] = {
         .part("0.5", "1.2", lengths=[Fraction(1), Fraction(21, 20)])
         .to_json(certificate="full")
     ),
-    "report": lambda: check(ZEIN, Requirement(1, Fraction(36), Fraction(38), max_cusps=5), digits=15).to_json(),
-    "limits": lambda: (
-        check(
-            ZEIN,
-            Requirement(1, Fraction(36), Fraction(38), max_cusps=2, limits={2: (Fraction(10), None)}),
-            digits=15,
-        ).to_json()
-    ),
-    "passed": lambda: check(ZEIN, Requirement(1, Fraction(36), Fraction(37), max_cusps=8), digits=15).to_json(),
+    "report": lambda: check(
+        ZEIN, Requirement(1, Fraction(36), Fraction(38), max_cusps=5), digits=15
+    ).to_json(),
+    "limits": lambda: check(
+        ZEIN,
+        Requirement(1, Fraction(36), Fraction(38), max_cusps=2, limits={2: (Fraction(10), None)}),
+        digits=15,
+    ).to_json(),
+    "passed": lambda: check(
+        ZEIN, Requirement(1, Fraction(36), Fraction(37), max_cusps=8), digits=15
+    ).to_json(),
 }
 
 
@@ -267,9 +269,17 @@ def _(document: Document) -> None:
     numbers[3] = str(int(numbers[3]) + 1)
 
 
-put("another prime", "full table", f"/slices/0{FULL}/squarefree/prime", "1000005", f"/slices/0{FULL}/squarefree")
+put(
+    "another prime",
+    "full table",
+    f"/slices/0{FULL}/squarefree/prime",
+    "1000005",
+    f"/slices/0{FULL}/squarefree",
+)
 put("a prime of 0", "full table", f"/slices/0{FULL}/squarefree/prime", "0", f"/slices/0{FULL}/squarefree")
-put("no isolating interval", "full table", f"/slices/0{FULL}/real_roots/0", ..., f"/slices/0{FULL}/real_roots")
+put(
+    "no isolating interval", "full table", f"/slices/0{FULL}/real_roots/0", ..., f"/slices/0{FULL}/real_roots"
+)
 put("a wide box", "full table", f"/slices/0{FULL}/boxes/0/l2/radius", "5e9", f"/slices/0{FULL}/boxes")
 put("a half degree", "full table", f"/slices/0{FULL}/polynomial/degree", 23)
 
@@ -310,7 +320,12 @@ put("a root of a square", "poses", "/l2", "sqrt(441)")
 put("a root of a number below 0", "poses", "/l2", "sqrt(-441)")
 put("a count of poses", "poses", "/count", 4)
 put("a count with multiplicity", "poses", "/count_with_multiplicity", 4)
-put("a curve of poses that is none", "poses", "/curves", [{"kind": "curve", "alpha_deg": "0", "description": ""}])
+put(
+    "a curve of poses that is none",
+    "poses",
+    "/curves",
+    [{"kind": "curve", "alpha_deg": "0", "description": ""}],
+)
 put("a factor of poses", "poses", "/certificate/factors", [], "/certificate/factors")
 put("a coefficient less", "poses", "/polynomial/coefficients/0", ..., "/polynomial/coefficients")
 put("another coefficient", "poses", "/polynomial/coefficients/0", "1", "/polynomial")
@@ -410,8 +425,20 @@ put("a range that is longer", "census", "/range/to", "39", "/intervals")
 put("a range that begins earlier", "census", "/range/from", "35", "/intervals")
 put("a number of aspects", "census", "/intervals/0/aspects", 77, "/intervals/*/aspects")
 put("half an aspect", "census", "/intervals/0/aspects", 0.5, "0.5")
-put("a degenerate curve", "census", "/degenerate", [{"kind": "curve", "from": "36", "to": "38"}], "/degenerate")
-put("nodes throughout", "census", "/degenerate", [{"kind": "node", "from": "36", "to": "38", "count": 2}], "/degenerate")
+put(
+    "a degenerate curve",
+    "census",
+    "/degenerate",
+    [{"kind": "curve", "from": "36", "to": "38"}],
+    "/degenerate",
+)
+put(
+    "nodes throughout",
+    "census",
+    "/degenerate",
+    [{"kind": "node", "from": "36", "to": "38", "count": 2}],
+    "/degenerate",
+)
 
 
 def _negated(document: Document, *numbers: int) -> None:
@@ -540,7 +567,7 @@ def _(document: Document) -> None:
     document["curves"].pop()
 
 
-@forgery("a curve that is none", "curves", "/curves")
+@forgery("a curve that nobody sees", "curves", "/curves")
 def _(document: Document) -> None:
     curve = deepcopy(document["curves"][-1])
     document["curves"].append(curve | {"name": "C99", "points": []})
@@ -580,11 +607,11 @@ def _(document: Document) -> None:
     end.update(kind="open", events=[], joins=None)
 
 
-@forgery("a join with another curve", "curves", "/curves")
+@forgery("a join at the other end", "curves", "/curves")
 def _(document: Document) -> None:
-    first, *others = document["curves"]
-    place = "from" if first["from"]["joins"] else "to"
-    first[place]["joins"] = next(c["name"] for c in others if c["name"] != first[place]["joins"])
+    first, second = document["curves"]
+    assert first["from"]["joins"] == second["name"]
+    second["to"]["joins"] = first["name"]
 
 
 @forgery("a curve that joins itself", "curves", "/curves")
@@ -636,8 +663,20 @@ put("more cusps found", "report", "/max_cusps_found", 24)
 put("fewer cusps found", "report", "/min_cusps_found", 0)
 put("a violation less", "report", "/violations/0", ..., "/violations")
 put("a verdict that some slices bear out", "passed", "/passed", True)
-put("a limit of an alias", "limits", "/requirement/limits", {"l02": {"min": "10", "max": None}}, "/requirement/limits/l02")
-put("a limit of the fixed leg", "limits", "/requirement/limits", {"l1": {"min": "10", "max": None}}, "/requirement/limits/l1")
+put(
+    "a limit of an alias",
+    "limits",
+    "/requirement/limits",
+    {"l02": {"min": "10", "max": None}},
+    "/requirement/limits/l02",
+)
+put(
+    "a limit of the fixed leg",
+    "limits",
+    "/requirement/limits",
+    {"l1": {"min": "10", "max": None}},
+    "/requirement/limits/l1",
+)
 put("limits that hold no length", "limits", "/requirement/limits/l2", {"min": "10", "max": "9"})
 put("no bound", "report", "/requirement/max_cusps", None, "/requirement")
 put("a range of no width", "report", "/requirement/range/to", "36", "/intervals")

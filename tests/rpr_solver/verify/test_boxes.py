@@ -4,8 +4,8 @@ from fractions import Fraction
 
 from rpr_solver.verify.angles import degrees
 from rpr_solver.verify.boxes import Equations, around, zero_near
-from rpr_solver.verify.printed import Printed
 from rpr_solver.verify.system import Trig
+from tests.support.verified import printed
 
 SUM: Trig = {(1, 0, 0, 0): (2, 0), (0, 0, 0, 0): (-1, 0)}
 """2 cos α − 1."""
@@ -24,7 +24,7 @@ def test_a_zero_and_its_neighbours() -> None:
     other = zero_near(equations, Fraction(-60), Fraction(45), 100)
     assert other is not None
     assert not box.meets(other)
-    assert box.meets(around(Printed.of("60.00", "alpha"), Printed.of("45.0", "theta"), 80, 2))
+    assert box.meets(around(printed("60.00"), printed("45.0"), 80, 2))
 
 
 def test_no_box_without_a_regular_zero() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from fractions import Fraction
 from itertools import pairwise
 
 import pytest
@@ -10,20 +11,23 @@ import pytest
 import rpr_solver
 from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, census, verify_document
 from rpr_solver.contract import document_head
-from rpr_solver.verify.censuses import Census
-from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.censuses import Cuts
 from tests.support.families import family
 from tests.support.mutations import OF_CENSUSES
-from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
+from tests.support.verified import accepted, accepted_but_no_mutation, geometry_of, printed, random_documents
 
 
 def test_a_part_of_a_census_and_its_mutations() -> None:
     document = census(EXAMPLES["zein-flat"], digits=15, start=37, stop=38).to_json()
     verification = accepted_but_no_mutation(document, OF_CENSUSES, 2, seed=4)
-    assert [claim.at for claim in verification.claims if claim.status is ClaimStatus.NOT_CHECKED] == [
-        "",
-        "/intervals",
+    assert [claim.at for claim in verification.open] == [
+        "/intervals/0/count",
+        "/intervals/1/count",
+        "/degenerate",
+        "/transitions",
     ]
+    assert verification.unread[-1] == "/solver_version"
+    assert "/intervals/*/aspects" in verification.unread
 
 
 @pytest.mark.parametrize("name", [pytest.param("both flat", marks=pytest.mark.long), "congruent"])
@@ -41,8 +45,10 @@ def test_an_end_of_the_range_between_a_transition_and_its_printed_digits() -> No
         ("31.86357389393826", "31.9", ClaimStatus.REFUSED),
         ("31.8", "31.86357389393814", ClaimStatus.REFUSED),
     ):
-        other = {**document, "range": {"from": start, "to": stop}}
-        assert Census.of(Geometry.of(document), other).ascending().status is status, (start, stop)
+        lengths = [printed(document["transitions"][0]["l1"])]
+        geometry = geometry_of(EXAMPLES["zein-flat"])
+        found = Cuts(geometry, lengths, Fraction(start), Fraction(stop)).ascending("/x")
+        assert found.status is status, (start, stop)
 
 
 def test_neighbours_closer_than_their_digits() -> None:
@@ -57,7 +63,9 @@ def test_neighbours_closer_than_their_digits() -> None:
         for (start, stop), count in zip(pairwise(["2.61", *texts, "2.612"]), counts, strict=True)
     ]
     head = document_head(m, 15, 2) | {"range": {"from": "2.61", "to": "2.612"}}
-    verification = accepted({**head, "transitions": rows, "intervals": parts})
+    certificate = {"method": "events", "lengths_examined": 2, "counts_by": "exact slices"}
+    document = {**head, "transitions": rows, "intervals": parts, "certificate": certificate}
+    verification = accepted(document)
     open_claims = [claim.at for claim in verification.claims if claim.status is ClaimStatus.NOT_CHECKED]
     assert {"/transitions/0", "/transitions/1", "/intervals/1/count"} <= set(open_claims)
 

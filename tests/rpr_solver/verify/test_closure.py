@@ -6,14 +6,14 @@ from fractions import Fraction
 
 from rpr_solver import EXAMPLES, poses
 from rpr_solver.verify.closure import Closure
-from rpr_solver.verify.manipulator import Geometry
 from tests.support.families import family
+from tests.support.verified import geometry_of
 
 
 def closure_of(name: str, *lengths: int) -> Closure:
     manipulator = EXAMPLES[name] if name in EXAMPLES else family(name)
     first, second, third = (Fraction(length) ** 2 for length in lengths)
-    return Closure.of(Geometry.of(manipulator.identity_json()), (first, second, third))
+    return Closure.of(geometry_of(manipulator), (first, second, third))
 
 
 def test_the_polynomial_of_the_solver() -> None:

@@ -9,13 +9,13 @@ import pytest
 
 from rpr_solver import Manipulator, eliminate
 from rpr_solver.verify.eliminant import Eliminant
-from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.system import System
 from tests.support.families import family
+from tests.support.verified import geometry_of
 
 
 def eliminant_of(manipulator: Manipulator, leg: int, length: Fraction) -> Eliminant:
-    return Eliminant.of(System.of(Geometry.of(manipulator.identity_json()), leg, length))
+    return Eliminant.of(System.of(geometry_of(manipulator), leg, length))
 
 
 @pytest.mark.parametrize(

@@ -12,17 +12,16 @@ import pytest
 import rpr_solver
 from rpr_solver import ClaimStatus, Manipulator, census
 from rpr_solver.verify import full_censuses
-from rpr_solver.verify.censuses import Census
-from rpr_solver.verify.completeness import COMPLETE, Completeness, completeness
-from rpr_solver.verify.event_boxes import EventBox, ProvedEvent, proved_event
-from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.events import EventBox, ProvedEvent, proved_event
+from rpr_solver.verify.full_censuses import CHANCE, COMPLETE, Completeness, completeness
+from rpr_solver.verify.schema import read_document
 from rpr_solver.verify.surface import Surface
 from tests.support.mutations import OF_FULL_CENSUSES
 from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
 
 Document = dict[str, Any]
 DOCUMENT = census(Manipulator(9, 4, 11, 14, 15, 13), digits=15, start=24, certificate="full").to_json()
-GEOMETRY = Geometry.of(DOCUMENT)
+GEOMETRY = read_document(DOCUMENT).geometry
 SURFACE = Surface.of(GEOMETRY, 1)
 FULL = "/certificate/full"
 PROVED: dict[EventBox, ProvedEvent | None] = {}
@@ -39,20 +38,21 @@ def of_changed(monkeypatch: pytest.MonkeyPatch, change: Callable[[Document], obj
     monkeypatch.setattr(full_censuses, "proved_event", proved)
     document = deepcopy(DOCUMENT)
     change(document)
-    found = Census.of(GEOMETRY, document)
-    rows = [(x, row["events"]) for x, row in zip(found.lengths, found.transitions, strict=True)]
-    return completeness(SURFACE, document["certificate"]["full"], rows, found.start, found.stop)
+    members = read_document(document).members
+    rows = [(row["l1"], row["events"]) for row in members["transitions"]]
+    span, full = members["range"], members["certificate"]["full"]
+    return completeness(SURFACE, full, rows, span["from"], span["to"])
 
 
 def test_with_it_no_transition_is_missing() -> None:
     verification = accepted(DOCUMENT)
     assert 0 < len(DOCUMENT["transitions"]) < len(DOCUMENT["certificate"]["full"]["events"])
     rest = {claim.at: claim for claim in verification.claims if claim.status is not ClaimStatus.PROVED}
-    assert rest.pop("/intervals").status is ClaimStatus.NOT_CHECKED  # the aspects
-    assert rest.pop("").status is ClaimStatus.NOT_CHECKED  # what the certificate says beside
-    assert {claim.status for claim in rest.values()} == {ClaimStatus.CHECKED}
-    polynomials = {f"{FULL}/systems/{n}/polynomial" for n in (0, 1)}
-    assert set(rest) == {*polynomials, "/transitions", "/degenerate"}
+    assert verification.established
+    assert {claim.error_probability for claim in rest.values()} == {CHANCE}
+    systems = {f"{FULL}/systems/{n}/{name}" for n in (0, 1) for name in ("polynomial", "real_roots")}
+    counts = {f"/intervals/{n}/count" for n in range(len(DOCUMENT["intervals"]))}
+    assert set(rest) == {*systems, *counts, "/transitions", "/degenerate"}
     assert rest["/transitions"].reason == COMPLETE
 
 

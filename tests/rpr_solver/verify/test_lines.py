@@ -4,24 +4,24 @@ from fractions import Fraction
 
 from rpr_solver import EXAMPLES, cusp_table
 from rpr_solver.verify.angles import cos_sin, radians
-from rpr_solver.verify.lines import direction, opposite, unlisted
-from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.lines import direction, nearby, opposite, unlisted
 from rpr_solver.verify.roots import Root
 from rpr_solver.verify.surds import Ring, rational
 from rpr_solver.verify.system import System
+from tests.support.verified import geometry_of
 
 BITS = 160
 
 
 def test_a_line_through_a_cusp_is_clear_once_the_cusp_is_listed() -> None:
     [table] = cusp_table(EXAMPLES["zein-flat"], 10, digits=30)
-    system = System.of(Geometry.of(EXAMPLES["zein-flat"].identity_json()), 1, Fraction(10))
+    system = System.of(geometry_of(EXAMPLES["zein-flat"]), 1, Fraction(10))
     alpha, theta = (radians(Fraction(x), BITS) for x in (table.cusps[0].alpha_deg, table.cusps[0].theta1_deg))
     line = cos_sin(theta)
     found = unlisted(system, line, [])
     assert found is not None
     assert abs(found - alpha.middle) < Fraction(1, 10**6)
-    assert unlisted(system, line, [alpha]) is None
+    assert unlisted(system, line, [nearby(alpha)]) is None
     assert unlisted(system, opposite(BITS), []) is None
 
 

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
 
 import pytest
 
-from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, cusp_table
-from rpr_solver.verify.manipulator import Geometry
-from rpr_solver.verify.points import Point, Points, read
+from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, cusp_table
+from rpr_solver.verify.points import Point, Points
+from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.schema import POSE_KINDS
 from rpr_solver.verify.system import System
 from tests.support.families import family
+from tests.support.verified import geometry_of, typed
 
 
 def system_of(manipulator: Manipulator, length: int) -> System:
-    return System.of(Geometry.of(manipulator.identity_json()), 1, Fraction(length))
+    return System.of(geometry_of(manipulator), 1, Fraction(length))
 
 
 FLAT = system_of(EXAMPLES["zein-flat"], 10)
@@ -29,13 +30,13 @@ def changed(text: str) -> str:
 
 def test_a_cusp_and_each_of_its_digits() -> None:
     points = Points(FLAT)
-    box, (status, reason) = points.cusp(Point.of(CUSP, FLAT, "/cusps/0"))
+    box, (status, reason) = points.cusp(Point.of(typed(CUSP), FLAT))
     assert box is not None
     assert (status, reason[-27:]) == (ClaimStatus.PROVED, "each printed digit is right")
     for name, text in CUSP.items():
-        _, (status, reason) = points.cusp(Point.of({**CUSP, name: changed(text)}, FLAT, "/cusps/0"))
+        _, (status, reason) = points.cusp(Point.of(typed({**CUSP, name: changed(text)}), FLAT))
         assert (status, reason) == (ClaimStatus.REFUSED, f"a digit of {name} is wrong")
-    away = Point.of({**CUSP, "alpha_deg": "77.000000000000000000"}, FLAT, "/cusps/0")
+    away = Point.of(typed({**CUSP, "alpha_deg": "77.000000000000000000"}), FLAT)
     assert points.cusp(away)[1][0] is ClaimStatus.REFUSED
 
 
@@ -45,11 +46,11 @@ def test_degenerate_poses(name: str, length: int, kind: str) -> None:
     system, pose = system_of(family(name), length), dict(table.degenerate_points[0])
     assert pose["kind"] == kind
     points = Points(system)
-    assert points.degenerate(kind, Point.of(pose, system, "/x"))[1][0] is ClaimStatus.CHECKED
+    assert points.degenerate(kind, Point.of(typed(pose), system))[1][0] is ClaimStatus.CHECKED
     wrong = {**pose, "l2": changed(pose["l2"])}
-    assert points.degenerate(kind, Point.of(wrong, system, "/x"))[1][0] is ClaimStatus.REFUSED
+    assert points.degenerate(kind, Point.of(typed(wrong), system))[1][0] is ClaimStatus.REFUSED
     if kind == "node":
-        assert points.degenerate("lips", Point.of(pose, system, "/x"))[1][0] is ClaimStatus.REFUSED
+        assert points.degenerate("lips", Point.of(typed(pose), system))[1][0] is ClaimStatus.REFUSED
 
 
 def test_a_higher_pose_is_compared_within_its_digits() -> None:
@@ -57,13 +58,27 @@ def test_a_higher_pose_is_compared_within_its_digits() -> None:
     system = system_of(family("similar"), 25)
     [pose] = [dict(p) for p in table.degenerate_points if p["kind"] == "higher"]
     points = Points(system)
-    assert points.degenerate("higher", Point.of(pose, system, "/x"))[1][0] is ClaimStatus.CHECKED
+    assert points.degenerate("higher", Point.of(typed(pose), system))[1][0] is ClaimStatus.NOT_CHECKED
     for change in ({"l2": "20.1000000000000"}, {"theta1_deg": "53.2301023541560"}):
-        wrong = Point.of({**pose, **change}, system, "/x")
+        wrong = Point.of(typed({**pose, **change}), system)
         assert points.degenerate("higher", wrong)[1][0] is ClaimStatus.REFUSED
 
 
-@pytest.mark.parametrize("points", [None, [1], [{}], [{**CUSP, "l3": 1.5}]])
-def test_what_is_no_point_is_named(points: Any) -> None:
-    with pytest.raises(InputError, match="/cusps"):
-        read(points, FLAT, "/cusps")
+def test_a_cusp_is_no_degenerate_pose_of_any_kind() -> None:
+    points, cusp = Points(FLAT), Point.of(typed(CUSP), FLAT)
+    for kind in POSE_KINDS:
+        status, reason = points.degenerate(kind, cusp)[1]
+        assert (status, reason[:12]) == (ClaimStatus.REFUSED, "it is a cusp")
+
+
+def test_an_angle_that_is_0_exactly_or_nearly() -> None:
+    system = System.of(geometry_of(Manipulator(5, 3, 4, 17, 10, 9)), 2, Fraction(5))
+    [table] = cusp_table(Manipulator(5, 3, 4, 17, 10, 9), 5, fixed_leg=2, digits=15)
+    [cusp] = [cusp.to_json() for cusp in table.cusps if cusp.to_json()["theta2_deg"] == "0"]
+    points = Points(system)
+    assert points.cusp(Point.of(typed(cusp), system))[1][0] is ClaimStatus.PROVED
+    box, _ = points.cusp(Point.of(typed(CUSP), FLAT))
+    assert box is not None
+    for name in ("alpha_deg", "theta1_deg"):
+        wrong = Points(FLAT).cusp(Point.of({**typed(CUSP), name: Printed.exact_zero()}, FLAT))
+        assert wrong[1][0] is ClaimStatus.REFUSED

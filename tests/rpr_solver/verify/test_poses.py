@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from itertools import pairwise
 
 import pytest
+from mpmath import mp
 
 from rpr_solver import (
     EXAMPLES,
@@ -19,6 +21,34 @@ from rpr_solver import (
 from tests.support.families import family
 from tests.support.mutations import OF_POSES
 from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
+
+
+def _fold(m: Manipulator, l1: int, theta: str) -> tuple[Fraction, Fraction]:
+    """L2 and L3, to many digits, of a pose with J = 0 at an angle of leg 1 in radians."""
+    with mp.workdps(150):
+        corner = mp.expj(mp.mpf(theta)) * l1
+        foot = mp.mpf(int(m.d1**2 + m.d3**2 - m.d2**2)) / (2 * int(m.d1))
+        platform = mp.mpf(int(m.d1)), mp.mpc(foot, mp.sqrt(int(m.d3) ** 2 - foot**2))
+        base = mp.mpc(int(m.a2x)), mp.mpc(int(m.a3x), int(m.a3y))
+
+        def legs(alpha: mp.mpf) -> list[mp.mpc]:
+            return [corner + b * mp.expj(alpha) - a for a, b in zip(base, platform, strict=True)]
+
+        def j(alpha: mp.mpf) -> mp.mpf:
+            slopes = [
+                (mp.im(w * mp.conj(b * mp.expj(alpha))), mp.im(w * mp.conj(corner)))
+                for w, b in zip(legs(alpha), platform, strict=True)
+            ]
+            return slopes[0][0] * slopes[1][1] - slopes[0][1] * slopes[1][0]
+
+        steps = [mp.mpf(n) / 20 for n in range(126)]
+        low, high = next((a, b) for a, b in pairwise(steps) if j(a) * j(b) < 0)
+        root = mp.findroot(j, (low, high), solver="anderson", tol=mp.mpf(10) ** -280)
+        second, third = (Fraction(mp.nstr(abs(w), 140)) for w in legs(root))
+        return second, third
+
+
+CURVE = {"kind": "curve", "alpha_deg": "0", "description": ""}
 
 
 @pytest.mark.parametrize(
@@ -35,15 +65,31 @@ from tests.support.verified import accepted, accepted_but_no_mutation, random_do
 def test_degenerate_joint_vectors_are_accepted(name: str, lengths: tuple[int, int, int]) -> None:
     document = poses(family(name), *lengths, digits=20).to_json()
     accepted(document)
-    assert not verify_document(
-        {**document, "curves": [] if document["curves"] else [{"alpha_deg": "0"}]}
-    ).accepted
+    assert not verify_document({**document, "curves": [] if document["curves"] else [CURVE]}).accepted
 
 
 def test_irrational_lengths_and_mutations() -> None:
     accepted(poses_of_squares(EXAMPLES["innocenti"], 225, 200, 900, digits=15).to_json())
     document = poses(EXAMPLES["innocenti"], "14.98", 15, 12, digits=15).to_json()
     accepted_but_no_mutation(document, OF_POSES, 6, seed=3)
+
+
+@pytest.mark.parametrize("exponent", [20, 40, 100])
+def test_two_poses_beside_a_fold_are_printed_alike(exponent: int) -> None:
+    m = Manipulator(10, 3, 7, 13, 14, 15)
+    length = _fold(m, 5, "0.3")
+    found = 0
+    for side in (1, -1):
+        third = length[1] * (1 + side * Fraction(1, 10**exponent))
+        document = poses(m, 5, length[0], third, digits=15).to_json()
+        verification = accepted(document)
+        assert verification.established
+        texts = [pose["alpha_deg"] for pose in document["poses"]]
+        if len(set(texts)) < len(texts):
+            found += 1
+            document["poses"].pop()
+            assert not verify_document(document).accepted
+    assert found == (exponent > 30)
 
 
 @pytest.mark.parametrize("change", [{"l1": "sqrt(x)"}, {"l2": "-1"}, {"poses": [1]}, {"certificate": 1}])

@@ -10,12 +10,12 @@ from rpr_solver import EXAMPLES, census
 from rpr_solver.verify.angles import radians
 from rpr_solver.verify.boxes import Directions
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.surface import Surface, value
 from rpr_solver.verify.system import System
+from tests.support.verified import geometry_of
 
 BITS = 200
-GEOMETRY = Geometry.of(EXAMPLES["innocenti"].identity_json())
+GEOMETRY = geometry_of(EXAMPLES["innocenti"])
 
 
 @pytest.mark.parametrize("fixed", [1, 3])
@@ -32,7 +32,7 @@ def test_at_one_length_it_is_the_slice(fixed: int) -> None:
 
 def test_events_are_zeros_of_the_systems_of_their_kinds() -> None:
     whole = census(EXAMPLES["zein-flat"], digits=15)
-    surface = Surface.of(Geometry.of(EXAMPLES["zein-flat"].identity_json()), 1)
+    surface = Surface.of(geometry_of(EXAMPLES["zein-flat"]), 1)
     for transition in whole.transitions[:3]:
         [event] = transition.events
         alpha, theta, *_ = (Fraction(x) for x in event.point.coordinates)

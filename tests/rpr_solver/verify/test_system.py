@@ -8,10 +8,10 @@ from fractions import Fraction
 import pytest
 
 from rpr_solver import EXAMPLES
-from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.surds import Surd
 from rpr_solver.verify.system import System, Trig, at_half_tangent, derivative
 from tests.support.families import family
+from tests.support.verified import geometry_of
 
 ALPHA, THETA = 0.7, -1.3
 
@@ -26,7 +26,7 @@ def value(p: Trig, system: System, alpha: float = ALPHA, theta: float = THETA) -
 
 @pytest.mark.parametrize("fixed", [1, 2, 3])
 def test_squared_lengths_and_their_derivatives(fixed: int) -> None:
-    system = System.of(Geometry.of(EXAMPLES["innocenti"].identity_json()), fixed, Fraction(12))
+    system = System.of(geometry_of(EXAMPLES["innocenti"]), fixed, Fraction(12))
     (bx, by), h = system.geometry.base[fixed - 1], 1e-6
     factor, radicand = system.geometry.height
     corners = [
@@ -52,7 +52,7 @@ def test_squared_lengths_and_their_derivatives(fixed: int) -> None:
 
 
 def test_the_jacobian_determinant_and_half_tangents() -> None:
-    system = System.of(Geometry.of(family("flat platform").identity_json()), 1, Fraction(5, 2))
+    system = System.of(geometry_of(family("flat platform")), 1, Fraction(5, 2))
     f, g = system.legs
     j = value(f.alpha, system) * value(g.theta, system) - value(f.theta, system) * value(g.alpha, system)
     ratio = j / value(system.singular, system)

@@ -11,10 +11,10 @@ from rpr_solver import EXAMPLES
 from rpr_solver.verify.boxes import Directions
 from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.links import Pose
-from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.surface import Surface, value
 from rpr_solver.verify.tubes import DEGREE, Forms, Local, Tube
 from tests.support.chains import PAST, surface, tubes
+from tests.support.verified import geometry_of
 
 BITS = 300
 _SIZES = Fraction(1), (Fraction(1), Fraction(1))
@@ -22,7 +22,7 @@ _SIZES = Fraction(1), (Fraction(1), Fraction(1))
 
 @pytest.mark.parametrize(("name", "fixed"), [("innocenti", 1), ("zein-flat", 3)])
 def test_the_forms_are_those_of_the_surface(name: str, fixed: int) -> None:
-    one = Surface.of(Geometry.of(EXAMPLES[name].identity_json()), fixed)
+    one = Surface.of(geometry_of(EXAMPLES[name]), fixed)
     leg = one.legs[1]
     origin = Tube(
         0, leg.number, ((-3, 5), (7, 2)), Fraction(27), (Fraction(0),) * 2, (Fraction(0),) * 2, *_SIZES

@@ -6,10 +6,10 @@ from fractions import Fraction
 
 from rpr_solver import EXAMPLES, cusp_table
 from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.within_limits import Limits
+from tests.support.verified import geometry_of
 
-GEOMETRY = Geometry.of(EXAMPLES["zein-flat"].identity_json())
+GEOMETRY = geometry_of(EXAMPLES["zein-flat"])
 
 
 def test_the_cusps_of_a_table_within_limits() -> None:
