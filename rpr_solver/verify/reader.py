@@ -22,9 +22,9 @@ from rpr_solver.verify.printed import Printed
 Read = Callable[[object, str], Any]
 Record = Mapping[str, Any]
 
-MOST_DIGITS = 4000
+MOST_DIGITS = 10_000
 """The longest decimal that is read, in digits; the greatest exponent."""
-_MOST_LETTERS = 200_000
+_MOST_LETTERS, _PYTHON_READS = 2_000_000, 4000
 _MOST_DEPTH, _LONGEST_COUNT = 20, 12
 _INTEGER = re.compile(r"0|-?[1-9][0-9]*", re.ASCII)
 _EXACT = re.compile(r"(-?)(0|[1-9][0-9]*)(?:\.([0-9]*[1-9]))?", re.ASCII)
@@ -281,7 +281,7 @@ def decimal(digits: int, least: int | None = None, most: int | None = None, *, z
     """
 
     def read(value: object, at: str) -> Printed:
-        match = _DECIMAL.fullmatch(value) if isinstance(value, str) and len(value) < 2 * MOST_DIGITS else None
+        match = _DECIMAL.fullmatch(value) if isinstance(value, str) and len(value) < 3 * MOST_DIGITS else None
         if match is None or not isinstance(value, str):
             raise refusal(at, f"{shown(value)} is not a decimal of {digits} digits as documents print it")
         if value == "0" and zero:
@@ -293,7 +293,7 @@ def decimal(digits: int, least: int | None = None, most: int | None = None, *, z
         if len(significant) != digits:
             raise refusal(at, f"{shown(value)} has {len(significant)} significant digits, not {digits}")
         unit = Fraction(10) ** (place - digits + 1)
-        number = int(significant) * unit * (-1 if value.startswith("-") else 1)
+        number = _integer(significant) * unit * (-1 if value.startswith("-") else 1)
         if (least is not None and number <= least) or (most is not None and number > most):
             raise refusal(at, f"is {shown(value)}, beyond what is possible here")
         return Printed(value, number, unit / 2)
@@ -315,7 +315,7 @@ def _text(significant: str, place: int, *, negative: bool) -> str:
 
 
 def _integer(letters: str) -> int:
-    return int(letters) if len(letters) < MOST_DIGITS else int(Decimal(letters))
+    return int(letters) if len(letters) < _PYTHON_READS else int(Decimal(letters))
 
 
 def polynomial(variable: str, degree: int) -> Read:

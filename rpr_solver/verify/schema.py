@@ -96,7 +96,7 @@ def read_document(value: Mapping[str, Any]) -> Document:
     """
     kind = kind_of(value)
     geometry = Geometry.read(value.get("geometry"), "/geometry")
-    digits = count(MIN_DIGITS, min(MAX_DIGITS, MOST_DIGITS))(value.get("digits"), "/digits")
+    digits = count(MIN_DIGITS, MAX_DIGITS)(value.get("digits"), "/digits")
     place: Any = value if kind != "check" else value.get("requirement")
     leg = place.get("fixed_leg") if isinstance(place, Mapping) else None
     at = "/fixed_leg" if kind != "check" else "/requirement/fixed_leg"
@@ -173,7 +173,7 @@ def _short_positive(value: object, at: str) -> Fraction:
 def _table(leg: _Leg) -> Read:
     factor = record({"degree": count(1, 96), "multiplicity": count(1, 96), "origin": text()})
     theta = f"u = tan(theta{leg.fixed}/2)"
-    side = record({"centre": text(most=2 * MOST_DIGITS), "radius": text()})
+    side = record({"centre": text(most=3 * MOST_DIGITS), "radius": text()})
     full = record(
         {
             "polynomial": polynomial(theta, 24),

@@ -39,7 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    members = {"document": read_document(args.document, strictly=True), **remote.deadline_of(args)}
+    members = {"document": read_document(args.document), **remote.deadline_of(args)}
     question = read(VerificationRequest, members, arguments.source())
 
     def here() -> dict[str, Any]:

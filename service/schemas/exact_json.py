@@ -12,7 +12,6 @@ from typing import Any
 
 from rpr_solver.verify.texts import MAX_DEPTH
 
-
 _INTEGER = re.compile(r"0|-?[1-9][0-9]*", re.ASCII)
 
 

@@ -36,15 +36,6 @@ def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
         raise InputError.of("", f"is {json_kind(value)}; give a document of this service")
     from rpr_solver.verify.schema import kind_of  # the verifier is loaded when it is needed first
 
-<<<<<<< HEAD
-=======
-    with unnamed("document"):
-        document: dict[str, Any] = _plain(value)
-        kind_of(document)
-        if not isinstance(document.get("geometry"), dict):
-            raise InputError.of("geometry", "is missing; a document begins with its geometry")
-        Manipulator.from_json(document["geometry"])
->>>>>>> 66dbc1c (Name forgeries: a fixed list of false documents, and the argument why none passes)
     limits = Source.of(info).limits
     check_texts(value, number_digits=limits.max_number_digits, most_digits=limits.max_digits)
     document: dict[str, Any] = plain(value)

@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, census, table_document, verify_document
-from rpr_solver.verify.manipulator import exact
-from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.reader import decimal, exact
 from rpr_solver.verify.texts import MAX_DEPTH, check_texts
 
 TABLE = table_document(EXAMPLES["zein-flat"], [10], digits=15)
@@ -102,5 +101,5 @@ def test_longer_numbers_than_python_reads_are_read() -> None:
     digits = "7" * 6000
     assert exact(f"{digits}/3", "x") * 3 == exact(digits, "x") == (10**6000 - 1) // 9 * 7
     assert exact(f"1.{digits}", "x") == 1 + exact(digits, "x") / 10**6000
-    printed = Printed.of(f"-0.{digits}", "x")
-    assert (printed.digits, printed.value * 10**6000) == (6000, -exact(digits, "x"))
+    printed = decimal(6000)(f"-0.{digits}", "x")
+    assert printed.value * 10**6000 == -exact(digits, "x")
