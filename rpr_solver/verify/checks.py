@@ -11,7 +11,7 @@ from rpr_solver.verify.censuses import Cuts
 from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
 from rpr_solver.verify.counts import OPEN, changed, sampled
 from rpr_solver.verify.points import Point, Points
-from rpr_solver.verify.reader import Record, refusal
+from rpr_solver.verify.reader import Record, decimal, refusal
 from rpr_solver.verify.schema import Document
 from rpr_solver.verify.slices import sorted_turns
 from rpr_solver.verify.system import System
@@ -33,7 +33,8 @@ class _Report:
         self.requirement: Record = self.members["requirement"]
         self.rows: tuple[Record, ...] = self.members["intervals"]
         span = self.requirement["range"]
-        cuts = [document.decimal(row["from"], f"/intervals/{n}/from") for n, row in enumerate(self.rows) if n]
+        length = decimal(self.members["digits"], 0, zero=False)
+        cuts = [length(row["from"], f"/intervals/{n}/from") for n, row in enumerate(self.rows) if n]
         self.cuts = Cuts(self.geometry, cuts, span["from"], span["to"])
         bounds = {
             int(name[1]): (limit.get("min"), limit.get("max"))

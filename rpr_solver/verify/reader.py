@@ -30,6 +30,7 @@ _INTEGER = re.compile(r"0|-?[1-9][0-9]*", re.ASCII)
 _EXACT = re.compile(r"(-?)(0|[1-9][0-9]*)(?:\.([0-9]*[1-9]))?", re.ASCII)
 _QUOTIENT = re.compile(r"(-?[1-9][0-9]*)/([1-9][0-9]*)", re.ASCII)
 _DECIMAL = re.compile(r"-?([0-9]+)(?:\.([0-9]+))?(?:e([+-][0-9]{1,4}))?", re.ASCII)
+_SHORT = re.compile(r"(-?[1-9][0-9]*)e-([1-9][0-9]{0,3})", re.ASCII)
 _ROOT = re.compile(r"sqrt\((.+)\)", re.ASCII)
 
 
@@ -229,6 +230,20 @@ def exact(value: object, at: str) -> Fraction:
         number = Fraction(_integer(whole + part), 10 ** len(part))
         return -number if sign else number
     raise refusal(at, f'{shown(value)} is not an exact number as documents write it, such as "14.98"')
+
+
+def short(value: object, at: str) -> Fraction:
+    """An exact number, or an integer with a negative power of ten."""
+    form = _SHORT.fullmatch(value) if isinstance(value, str) else None
+    return Fraction(integer(form[1], at), 10 ** int(form[2])) if form else exact(value, at)
+
+
+def short_positive(value: object, at: str) -> Fraction:
+    """The same, > 0."""
+    x = short(value, at)
+    if x <= 0:
+        raise refusal(at, f"is {shown(value)}; it must be > 0")
+    return x
 
 
 def exact_within(

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, MOST_CUSPS, MOST_POSES
-from rpr_solver.errors import shown
 from rpr_solver.verify.manipulator import Geometry
-from rpr_solver.verify.printed import Printed
 from rpr_solver.verify.reader import (
     MOST_DIGITS,
     POSITIVE,
@@ -27,6 +23,8 @@ from rpr_solver.verify.reader import (
     record,
     refusal,
     rows,
+    short,
+    short_positive,
     square_of,
     text,
     told,
@@ -44,7 +42,6 @@ BESIDE = "beside shared angles"
 _HASH = text("sha256:[0-9a-f]{64}")
 _NAME = text("C[1-9][0-9]{0,5}")
 _MOST_DEGREE = 200
-_SHORT = re.compile(r"(-?[1-9][0-9]*)e-([1-9][0-9]{0,3})", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -62,14 +59,6 @@ class Document:
     geometry: Geometry
     fixed: int
     members: Record
-
-    def decimal(self, value: str, at: str) -> Printed:
-        """A length > 0 that is printed to the digits of the document.
-
-        Raises:
-            InputError: it is none.
-        """
-        return decimal(self.members["digits"], 0, zero=False)(value, at)  # type: ignore[no-any-return]
 
 
 def kind_of(value: Mapping[str, Any]) -> str:
@@ -153,21 +142,8 @@ class _Leg:
 
     def box(self, *names: str) -> dict[str, Read]:
         """Sides of a box, with a centre and a radius that are exact numbers."""
-        side = record({"centre": exact, "radius": _short_positive})
+        side = record({"centre": exact, "radius": short_positive})
         return dict.fromkeys(names, side)
-
-
-def _short(value: object, at: str) -> Fraction:
-    """An exact number, or an integer with a negative power of ten."""
-    form = _SHORT.fullmatch(value) if isinstance(value, str) else None
-    return Fraction(integer(form[1], at), 10 ** int(form[2])) if form else exact(value, at)
-
-
-def _short_positive(value: object, at: str) -> Fraction:
-    x = _short(value, at)
-    if x <= 0:
-        raise refusal(at, f"is {shown(value)}; it must be > 0")
-    return x
 
 
 def _table(leg: _Leg) -> Read:
@@ -334,18 +310,18 @@ def _curves(leg: _Leg) -> Read:
         }
     )
     place = record({"curve": _NAME, leg.length: POSITIVE})
-    pair, whole = rows(_short, 2, 2), rows(integer, 2, 2)
-    radii = rows(_short_positive, 2, 2)
+    pair, whole = rows(short, 2, 2), rows(integer, 2, 2)
+    radii = rows(short_positive, 2, 2)
     tube = record(
         {
             "parameter": word("alpha", "theta", leg.length),
             "leg": count(1, 3),
             "half_alpha": whole,
             "half_theta": whole,
-            leg.length: _short_positive,
+            leg.length: short_positive,
             "slopes": pair,
             "bends": pair,
-            "reach": _short_positive,
+            "reach": short_positive,
             "radii": radii,
         }
     )

@@ -681,7 +681,7 @@ put("limits that hold no length", "limits", "/requirement/limits/l2", {"min": "1
 put("no bound", "report", "/requirement/max_cusps", None, "/requirement")
 put("a range of no width", "report", "/requirement/range/to", "36", "/intervals")
 put("a bound of halves", "report", "/requirement/max_cusps", 5.5, "5.5")
-put("other limits", "limits", "/requirement/limits/l2/min", "30", "/intervals/")
+put("other limits", "limits", "/requirement/limits/l2/min", "30", "/violations/0/example")
 put("an example elsewhere", "report", "/violations/0/example/l1", "1", "/violations/0/example")
 
 

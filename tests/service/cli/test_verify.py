@@ -46,7 +46,7 @@ def test_a_document_is_verified_or_refused(run_here: Run, tmp_path: Path) -> Non
         ("[1]", "holds no object"),
         ("{}", "of no kind"),
         ('{"slices": []}', "geometry"),
-        (f'{{"slices": [{{"l1": {"9" * 5000}}}]}}', "slices[0].l1: has 5000 digits"),
+        (f'{{"slices": [{{"l1": {"9" * 5000}}}]}}', "slices[0].l1: has 500"),
         (f'{{"slices": [{{"l1": "14.{"9" * 1000}"}}]}}', "slices[0].l1: has 1002 digits"),
         ('{"slices": [], "\\ud800": 1}', "is no text"),
         ("[" * 5000, "nested more than 32 levels deep"),
