@@ -1,6 +1,9 @@
 from __future__ import annotations
 
+import json
+import os
 import re
+import stat
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -54,8 +57,6 @@ def test_the_queue_is_durable_and_forgets_nothing(compose: dict[str, Any]) -> No
 
 
 def test_the_password_is_a_file_and_on_no_command_line(compose: dict[str, Any], tmp_path: Path) -> None:
-    assert compose["secrets"]["redis_password"] == {"file": "./redis_password"}
-    assert "docker/redis_password" in (DOCKER.parent / ".gitignore").read_text().splitlines()
     shell, option, program = compose["services"]["redis"]["command"]
     (tmp_path / "password").write_text("secret\n")
     program = program.replace("$$", "$").replace("/run/secrets/redis_password", str(tmp_path / "password"))
@@ -72,11 +73,45 @@ def test_the_password_is_a_file_and_on_no_command_line(compose: dict[str, Any], 
         assert not list(unknown_settings(environment))
 
 
+@pytest.mark.parametrize("mask", [0o022, 0o077, 0o000])
+@pytest.mark.parametrize("user", [0, 65534])
+def test_the_password_can_be_read_in_the_containers_and_by_no_other_user(
+    compose: dict[str, Any], tmp_path_factory: pytest.TempPathFactory, user: int, mask: int
+) -> None:
+    if os.geteuid() != 0:
+        if user == 0:
+            pytest.skip("needs root")
+        user = os.geteuid()
+    work = tmp_path_factory.mktemp("work")
+    (work / "docker").mkdir()
+    for path in (work, work / "docker"):
+        os.chown(path, user, user)
+        path.chmod(0o755)
+    head = re.findall(r"^#   (?!docker compose)(.*)$", (DOCKER / "compose.yaml").read_text(), re.MULTILINE)
+    assert len(head) == 2
+    subprocess.run(["sh", "-ec", "\n".join(head)], cwd=work, user=user, umask=mask, check=True)
+
+    file = work / "docker" / compose["secrets"]["redis_password"]["file"]
+    ignored = (DOCKER.parent / ".gitignore").read_text().splitlines()
+    assert f"{file.parent.relative_to(work)}/" in ignored
+    assert stat.S_IMODE(file.parent.stat().st_mode) == 0o700
+    assert stat.S_IMODE(file.stat().st_mode) == 0o444, "whatever user a container has"
+    assert re.fullmatch("[0-9a-f]{64}\n", file.read_text())
+    if os.geteuid() == 0:
+        with file.open() as secret:  # opened again as the file alone, without its directories, as a mount is
+            read = ["cat", f"/proc/self/fd/{secret.fileno()}"]
+            for uid, group in ((999, 1000), (999, 999)):
+                options = {"user": uid, "group": group, "extra_groups": [], "pass_fds": [secret.fileno()]}
+                subprocess.run(read, check=True, stdout=subprocess.DEVNULL, **options)  # type: ignore[call-overload]
+
+
 def test_each_service_has_a_health_check(compose: dict[str, Any]) -> None:
     services = compose["services"]
     assert services["worker"]["healthcheck"]["test"] == ["CMD", "python", "-m", "worker.process.health"]
     assert "valkey-cli ping" in services["redis"]["healthcheck"]["test"][1]
-    assert re.search(r'^HEALTHCHECK .*\n +CMD \["python"', (DOCKER / "Dockerfile").read_text(), re.MULTILINE)
+    image = re.search(r"^HEALTHCHECK .*\n +CMD (\[.*\])$", (DOCKER / "Dockerfile").read_text(), re.MULTILINE)
+    assert image is not None
+    assert services["api"]["healthcheck"]["test"] == ["CMD", *json.loads(image[1])]
 
 
 def test_the_image_installs_from_the_constraints_and_is_not_run_by_root() -> None:
