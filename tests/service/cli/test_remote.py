@@ -47,7 +47,7 @@ def test_a_service_gives_the_same_output(run_here: Run, base_url: str, args: tup
 
 def test_many_checks_by_a_service_with_a_bad_one(run_here: Run, base_url: str, tmp_path: Path) -> None:
     for number in range(10):
-        geometry = {**ZEIN.to_json(), "d1": str(17 + number)} if number != 4 else {}
+        geometry = {**ZEIN.to_json(), "d1": str(17 + number)} if number != 4 else {"a2x": 1, "a3x": 2}
         (tmp_path / f"{number}.json").write_text(json.dumps(geometry))
     args = ("check", str(tmp_path), "--l1", "12", "--expect-cusps", "4", "--digits", "15")
     there = run_here(*args, "--url", base_url, "--deadline", "300")
