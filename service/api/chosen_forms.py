@@ -19,8 +19,12 @@ from worker.answers.stored_tables import StoredTable
 FORMATS = {"json": JSON, "csv": CSV, "ndjson": NDJSON, "svg": SVG}
 NUMBERS = ("text", "float")
 
+IN_FLOATS = "InFloats"
+"""What the names of schemas of documents with JSON numbers end with."""
+
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,9})?|[+-]?\d+/\d+", re.ASCII)
-_NO_NUMBERS = frozenset({"solver_version", "geometry_hash", "certificate", "audit"})
+NO_NUMBERS = frozenset({"solver_version", "geometry_hash", "certificate", "audit"})
+"""The members in which text stays."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ def floats(value: Any) -> Any:
     {'l1': 17.04, 'kind': 'node', 'alpha_deg': '-1e400'}
     """
     if isinstance(value, dict):
-        return {key: item if key in _NO_NUMBERS else floats(item) for key, item in value.items()}
+        return {key: item if key in NO_NUMBERS else floats(item) for key, item in value.items()}
     if isinstance(value, list):
         return [floats(item) for item in value]
     if not isinstance(value, str) or not _NUMBER.fullmatch(value):

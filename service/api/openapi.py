@@ -13,6 +13,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.api.access.docs import describe_access
+from service.api.float_docs import in_floats
 from service.api.header_docs import describe_headers
 from service.api.operations import OPERATIONS
 from service.api.webhook_docs import WEBHOOKS
@@ -133,6 +134,7 @@ def _schemas() -> dict[str, Any]:
     return {
         **{name: {"title": name, **number} for name, number in NUMBERS.items()},
         **{title: {"title": title, **value} for title, value in tidy.items()},
+        **in_floats(tidy, [operation.answer.__name__ for operation in OPERATIONS]),
     }
 
 

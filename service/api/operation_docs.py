@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from service.api.chosen_forms import FLOATS
+from service.api.chosen_forms import FLOATS, IN_FLOATS
 from service.api.header_docs import CONTENT_LOCATION, PREFERENCE_APPLIED, form_parameters
 from service.api.job_view import job_json
 from service.api.negotiation import JSON, media_type_of
@@ -55,9 +55,8 @@ def json_response(
 def document_in_all_forms(operation: Operation, description: str) -> dict[str, Any]:
     """Returns the response with the document that answers a question."""
     response = json_response(description, operation.answer.__name__, example=operation.example, headers=_ETAG)
-    response["content"][media_type_of(JSON, FLOATS)] = {
-        "schema": {"type": "object", "description": FLOATS.description}
-    }
+    in_floats = {**ref(operation.answer.__name__ + IN_FLOATS), "description": FLOATS.description}
+    response["content"][media_type_of(JSON, FLOATS)] = {"schema": in_floats}
     for media_type, form in operation.forms.items():
         if media_type != JSON:
             response["content"][media_type] = {"schema": {"type": "string", "description": form.description}}
@@ -181,7 +180,8 @@ def any_result() -> dict[str, Any]:
         key=lambda operation: operation.implied_wait is None,
     )
     models = [operation.answer.__name__ for operation in (CUSP_TABLES, *others)]
-    response["content"][JSON]["schema"] = {"anyOf": [ref(model) for model in models]}
+    for media_type, end in ((JSON, ""), (media_type_of(JSON, FLOATS), IN_FLOATS)):
+        response["content"][media_type]["schema"] = {"anyOf": [ref(model + end) for model in models]}
     return response
 
 
