@@ -6,8 +6,7 @@ from collections.abc import Callable
 
 from fastapi import Request, Response
 
-from service.api.access.caller import caller_of, subscriber_of
-from service.api.access.keys import allows
+from service.api.access.caller import caller_of, oversees, subscriber_of
 from service.api.calling_back import deliveries_json
 from service.api.context import Context
 from service.api.negotiation import JSON
@@ -28,9 +27,11 @@ async def end(
         ProblemError: 404, or 403 if the caller may not cancel it for all.
     """
     caller = caller_of(request.scope)
-    if force and (caller is None or caller.is_anonymous or not allows(caller.scope, "admin")):
+    if force and not oversees(request.scope):
         raise ProblemError(
-            ProblemType.FORBIDDEN, "Only a key with scope admin can end what others have asked for (force)."
+            ProblemType.FORBIDDEN,
+            "Only a key with scope admin, or on a service without keys a call from its own computer, can end "
+            "what others have asked for (force).",
         )
 
     def act() -> JobView:

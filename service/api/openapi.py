@@ -18,6 +18,7 @@ from service.api.header_docs import describe_headers
 from service.api.operations import OPERATIONS
 from service.api.webhook_docs import WEBHOOKS
 from service.schemas.batches import Batch, BatchRequest, BatchResult
+from service.schemas.job_list import JobList
 from service.schemas.jobs import Job, StreamEvent
 from service.schemas.numbers import EXACT_NUMBER, POSITIVE_NUMBER
 from service.schemas.operations import Health, LimitsDocument, Readiness, Version
@@ -56,6 +57,7 @@ MODELS: tuple[type[BaseModel], ...] = (
         JobEvent,
         BatchEvent,
         Deliveries,
+        JobList,
         ProblemDocument,
         Health,
         Readiness,

@@ -35,6 +35,7 @@ COMMANDS = {
     "aspects": "find the aspects while a leg varies within a range",
     "submit": "send a batch of questions to a service and print their answers",
     "status": "print the state of a job or a batch of a service",
+    "jobs": "list the jobs and batches of a service",
     "fetch": "wait for a job or a batch of a service and print its result",
     "cancel": "withdraw from a job or a batch of a service",
     "serve": "run the whole service",

@@ -27,6 +27,7 @@ from service.client.results import ItemResult, Reading
 from service.client.settings import connection
 from service.client.streams import EVENTS, InOrder, SliceEvents, lengths_of
 from service.schemas.batches import Batch
+from service.schemas.job_list import ListedJob, ListedStatus
 from service.schemas.jobs import Job
 from service.schemas.tables import CuspTable
 
@@ -225,15 +226,34 @@ class AsyncServiceClient:
         """Returns the state of a job, or of a batch."""
         return as_object(await self._drive(Conversation(self.url).sent(Call("GET", address(job_id)))))
 
+    def jobs(self, status: ListedStatus | None = None) -> AsyncIterator[ListedJob]:
+        """Yields the jobs that the caller may see, the newest first; `status`: those in this state only."""
+        return self._list("/v1/jobs", status)
+
+    def batches(self, status: ListedStatus | None = None) -> AsyncIterator[ListedJob]:
+        """Yields the batches that the caller may see, as :meth:`jobs` does."""
+        return self._list("/v1/batches", status)
+
     async def result(
         self, job_id: str, accept: str = "application/json", on_progress: OnProgress = silent
     ) -> bytes:
         """Waits for a job and returns its result in a media type."""
         return await self._drive(Conversation(self.url, on_progress).result(job_id, accept))
 
-    async def cancel(self, job_id: str) -> dict[str, Any]:
-        """Withdraws from a job or a batch and returns its state; a job goes on if others wait for it."""
-        return as_object(await self._drive(Conversation(self.url).sent(Call("DELETE", address(job_id)))))
+    async def cancel(self, job_id: str, *, force: bool = False) -> dict[str, Any]:
+        """Withdraws from a job or a batch and returns its state; a job goes on if others wait for it, unless
+        an operator ends it by `force`."""
+        path = address(job_id) + ("?force=true" if force else "")
+        return as_object(await self._drive(Conversation(self.url).sent(Call("DELETE", path))))
+
+    async def _list(self, path: str, status: ListedStatus | None) -> AsyncIterator[ListedJob]:
+        page = await self._drive(Conversation(self.url).listed(path, status))
+        while True:
+            for item in page.items:
+                yield item
+            if page.next is None:
+                return
+            page = await self._drive(Conversation(self.url).listed(page.next, None))
 
     async def _submit(self, body: Body, callback_url: str | None, key: str | None) -> Batch:
         with closing(body):

@@ -18,6 +18,7 @@ from service.client.bodies import Body
 from service.client.questions import Answer, Asked, M
 from service.errors import JobInterrupted, ServiceError
 from service.schemas.batches import Batch, is_batch
+from service.schemas.job_list import JobList, ListedStatus
 
 T = TypeVar("T")
 
@@ -141,6 +142,11 @@ class Conversation:
         job = yield from self.ended(job_id)
         path = job["links"].get("result") or job["links"]["results"]
         return (yield from self.sent(Call("GET", path, accept=accept))).content
+
+    def listed(self, path: str, status: ListedStatus | None) -> Talk[JobList]:
+        """Get a page of jobs or batches: of a list, or the one that another page names as the next."""
+        query = f"?status={status}" if status else ""
+        return JobList.model_validate(as_object((yield from self.sent(Call("GET", path + query)))))
 
     def ended(self, job_id: str) -> Talk[Mapping[str, Any]]:
         """Wait for a job or a batch."""

@@ -27,6 +27,7 @@ from service.client.results import ItemResult, Reading
 from service.client.settings import connection
 from service.client.streams import EVENTS, InOrder, SliceEvents, lengths_of
 from service.schemas.batches import Batch
+from service.schemas.job_list import ListedJob, ListedStatus
 from service.schemas.jobs import Job
 from service.schemas.tables import CuspTable
 
@@ -218,15 +219,33 @@ class ServiceClient:
         """Returns the state of a job, or of a batch."""
         return as_object(self._drive(Conversation(self.url).sent(Call("GET", address(job_id)))))
 
+    def jobs(self, status: ListedStatus | None = None) -> Iterator[ListedJob]:
+        """Yields the jobs that the caller may see, the newest first; `status`: those in this state only."""
+        return self._list("/v1/jobs", status)
+
+    def batches(self, status: ListedStatus | None = None) -> Iterator[ListedJob]:
+        """Yields the batches that the caller may see, as :meth:`jobs` does."""
+        return self._list("/v1/batches", status)
+
     def result(
         self, job_id: str, accept: str = "application/json", on_progress: OnProgress = silent
     ) -> bytes:
         """Waits for a job and returns its result in a media type."""
         return self._drive(Conversation(self.url, on_progress).result(job_id, accept))
 
-    def cancel(self, job_id: str) -> dict[str, Any]:
-        """Withdraws from a job or a batch and returns its state; a job goes on if others wait for it."""
-        return as_object(self._drive(Conversation(self.url).sent(Call("DELETE", address(job_id)))))
+    def cancel(self, job_id: str, *, force: bool = False) -> dict[str, Any]:
+        """Withdraws from a job or a batch and returns its state; a job goes on if others wait for it, unless
+        an operator ends it by `force`."""
+        path = address(job_id) + ("?force=true" if force else "")
+        return as_object(self._drive(Conversation(self.url).sent(Call("DELETE", path))))
+
+    def _list(self, path: str, status: ListedStatus | None) -> Iterator[ListedJob]:
+        page = self._drive(Conversation(self.url).listed(path, status))
+        while True:
+            yield from page.items
+            if page.next is None:
+                return
+            page = self._drive(Conversation(self.url).listed(page.next, None))
 
     def _submit(self, body: Body, callback_url: str | None, key: str | None) -> Batch:
         talk = Conversation(self.url)

@@ -21,7 +21,9 @@ class Readiness(Model):
     status: Literal["ready"]
     workers: int = Field(description="Number of live workers.")
     warnings: list[str] = Field(
-        default=[], description="What endangers jobs, such as a setting of Redis; empty if nothing does."
+        default=[],
+        description="What endangers jobs: a setting of Redis, or a lane of the queue that stands "
+        "still. Empty if nothing does.",
     )
 
 

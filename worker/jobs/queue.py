@@ -23,6 +23,7 @@ from worker.jobs.backlog import Backlog
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.deadlines import Deadlines
 from worker.jobs.lanes import Plan, plan
+from worker.jobs.listing import Listing
 from worker.jobs.quotas import Quotas
 from worker.jobs.readiness import Readiness, readiness
 from worker.jobs.records import JobRecords
@@ -48,6 +49,7 @@ class JobQueue:
         self.subscriptions = Subscriptions(redis, self.settings)
         self.deadlines = Deadlines(redis, self.settings)
         self.backlog = Backlog(redis, self.settings)
+        self.listing = Listing(redis, self.settings)
         self._remembered: dict[str, float] = {}
         self.quotas = Quotas(redis, self.settings)
         self.versions = Versions(redis, self.settings)

@@ -72,8 +72,15 @@ class Roster:
 
     def names(self) -> set[str]:
         """The workers that are alive."""
+        return self._alive(self.key)
+
+    def light(self) -> set[str]:
+        """Those of them that take short chunks only."""
+        return self._alive(f"{self.key}:light")
+
+    def _alive(self, key: str) -> set[str]:
         seconds, micros = self.redis.time()
-        names = self.redis.zrangebyscore(self.key, f"({seconds * 1000 + micros // 1000}", "+inf")
+        names = self.redis.zrangebyscore(key, f"({seconds * 1000 + micros // 1000}", "+inf")
         return {name.decode() for name in cast("list[bytes]", names)}
 
     def silences(self) -> dict[str, float]:

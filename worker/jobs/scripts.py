@@ -22,6 +22,7 @@ from __future__ import annotations
 from worker.jobs.accounts import ACCOUNTS
 from worker.jobs.announcements import ANNOUNCE
 from worker.jobs.ends import COUNT_END
+from worker.jobs.listing import LIST
 
 _NOW = """
 local time = redis.call('TIME')
@@ -143,7 +144,7 @@ local function count_parts(record, chunks, bits, errors, stream, active, ends, j
 end
 """
 
-PRELUDE = _NOW + COUNT_END + ANNOUNCE + ACCOUNTS + _JOBS
+PRELUDE = _NOW + COUNT_END + ANNOUNCE + ACCOUNTS + LIST + _JOBS
 """The definitions that precede every script."""
 
 # Returns {1, its event} if the job was created, {0} if another client has created or changed it meanwhile or
@@ -173,6 +174,8 @@ redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done
     'request', request, 'asked', asked, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
     'origin', origin, 'work', work, 'each', each)
 if kept ~= '' then redis.call('HSET', record, 'kept', kept) end
+list_job(active, job_id)
+if name ~= '' then list_for(record, active, job_id, name) end
 if is_batch then
     for _, key in ipairs({items, questions_of(record)}) do redis.call('PERSIST', key) end
     redis.call('HSET', record, 'failed', total - todo_count)

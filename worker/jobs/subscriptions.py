@@ -24,10 +24,12 @@ _MARGIN = 10.0  # seconds, until a request that has stopped waiting has said so
 
 # Returns 1 if the job is active, so that the subscription counts.
 _SUBSCRIBE = """
-local record = KEYS[1]
-local name, token, seconds, many = unpack(ARGV)
+local record, active = unpack(KEYS)
+local job_id, name, token, seconds, many = unpack(ARGV)
 
-if not is_active(redis.call('HGET', record, 'status')) then return 0 end
+local status = redis.call('HGET', record, 'status')
+if status then list_for(record, active, job_id, name) end
+if not is_active(status) then return 0 end
 local is_one_more = redis.call('HEXISTS', record, 'by:' .. name) == 0
 if is_one_more and redis.call('HLEN', record) >= tonumber(many) then name = 'many' end
 subscribe(record, name, token, seconds)
@@ -103,8 +105,8 @@ class Subscriptions:
 
         A request that waited and goes without the answer subscribes again, with 0 seconds.
         """
-        args = (*Subscription(who, seconds).arguments, MANY)
-        return bool(self._subscribe(keys=[self.keys.job(job_id).record], args=args))
+        args = (job_id, *Subscription(who, seconds).arguments, MANY)
+        return bool(self._subscribe(keys=[self.keys.job(job_id).record, self.keys.active], args=args))
 
     def leave(self, job_id: str, who: Subscriber) -> None:
         """Note that the request of a client waits no longer; a subscription it has not withdrawn stays."""

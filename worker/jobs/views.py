@@ -12,7 +12,7 @@ from worker.jobs.announcements import VIEW_FIELDS
 from worker.jobs.lanes import Place
 
 Status = Literal["queued", "running", "succeeded", "failed", "canceled"]
-ACTIVE: frozenset[str] = frozenset({"queued", "running"})
+ACTIVE: frozenset[Status] = frozenset({"queued", "running"})
 
 
 @dataclass(frozen=True)

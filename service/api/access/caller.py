@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from service.api.access.hosts import is_loopback
-from service.api.access.keys import Scope
+from service.api.access.keys import Scope, allows
 from service.api.access_log import KEY_NAME
+from service.api.prefix import PEER
 from worker.jobs.subscriptions import Subscriber
 
 _IN_SCOPE = "rpr_cusps.caller"
+_OF_PROXIES = {b"forwarded", b"via", b"x-forwarded-for", b"x-real-ip"}
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,19 @@ class Caller:
     def is_anonymous(self) -> bool:
         """Whether the caller has shown no key."""
         return self.name is None
+
+
+def oversees(scope: MutableMapping[str, Any]) -> bool:
+    """Whether the caller of an ASGI request may see and end what others have asked for.
+
+    A key with scope `admin` may; on an open service, whoever calls from the same computer and by no proxy.
+    """
+    caller = caller_of(scope)
+    if caller is None or not caller.is_anonymous:
+        return caller is not None and allows(caller.scope, "admin")
+    names = {name for name, _ in scope["headers"]}
+    is_forwarded = scope.get(PEER, scope.get("client")) != scope.get("client") or names & _OF_PROXIES
+    return not caller.is_limited and not is_forwarded
 
 
 def caller_of(scope: MutableMapping[str, Any]) -> Caller | None:

@@ -15,6 +15,7 @@ from service.api.chosen_forms import FORMATS, one_of
 from service.api.context import Context, ContextDep
 from service.api.ending import deliveries, end
 from service.api.following import follow
+from service.api.job_list import LIST_RESPONSES, Before, MostItems, StatusWanted, list_response
 from service.api.job_view import retry_after
 from service.api.negotiation import JSON, NDJSON, negotiate
 from service.api.prefer import parse_prefer
@@ -40,7 +41,11 @@ Subscription = Annotated[
     ),
 ]
 Force = Annotated[
-    bool, Query(description="Cancels the batch whoever submitted it; needs a key with scope `admin`.")
+    bool,
+    Query(
+        description="Cancels the batch whoever submitted it; needs a key with scope `admin`, or on a "
+        "service without keys a call from its own computer."
+    ),
 ]
 CallbackUrl = Annotated[
     str,
@@ -71,6 +76,18 @@ async def post_batch(request: Request, context: ContextDep, callback_url: Callba
     view, who = await accept_batch(request, context, callback_url or None)
     context.metrics.count_answer(KIND.name, "job")
     return _response(context, await context.redis(context.queue.placed, view), who)
+
+
+@router.get("/v1/batches", summary="The batches", responses=LIST_RESPONSES)
+async def list_batches(
+    request: Request,
+    context: ContextDep,
+    status: StatusWanted = None,
+    before: Before = "",
+    limit: MostItems = 50,
+) -> Response:
+    """Returns batches, the newest first, to whom `/v1/jobs` returns jobs."""
+    return await list_response(request, context, "batches", status, before, limit)
 
 
 @router.get("/v1/batches/{batch_id}", summary="The state of a batch", responses=doc.STATE_RESPONSES)

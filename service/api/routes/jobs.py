@@ -12,6 +12,7 @@ from service.api.chosen_forms import choice_of
 from service.api.context import Context, ContextDep
 from service.api.ending import deliveries, end
 from service.api.following import follow
+from service.api.job_list import LIST_RESPONSES, Before, MostItems, StatusWanted, list_response
 from service.api.job_view import job_json, retry_after
 from service.api.negotiation import JSON, negotiate
 from service.api.operations import forms_of
@@ -33,7 +34,11 @@ Subscription = Annotated[
     ),
 ]
 Force = Annotated[
-    bool, Query(description="Cancels the job whoever wants it; needs a key with scope `admin`.")
+    bool,
+    Query(
+        description="Cancels the job whoever wants it; needs a key with scope `admin`, or on a "
+        "service without keys a call from its own computer."
+    ),
 ]
 Known = Annotated[
     bool,
@@ -43,6 +48,20 @@ Known = Annotated[
     ),
 ]
 _JOB_ID = re.compile(r"[A-Za-z0-9_\-]{1,80}", re.ASCII)
+
+
+@router.get("/v1/jobs", summary="The jobs", responses=LIST_RESPONSES)
+async def list_jobs(
+    request: Request,
+    context: ContextDep,
+    status: StatusWanted = None,
+    before: Before = "",
+    limit: MostItems = 50,
+) -> Response:
+    """Returns jobs, the newest first: those that the caller's key has asked for; for a key with scope
+    `admin`, and on a service without keys for its own computer, all. Without a key it is what was asked for
+    from the same network address."""
+    return await list_response(request, context, "jobs", status, before, limit)
 
 
 @router.get("/v1/jobs/{job_id}", summary="The state of a job", responses=doc.JOB_RESPONSES)

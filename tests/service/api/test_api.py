@@ -240,8 +240,18 @@ def test_a_subscription_that_is_none_is_refused(idle: httpx.Client, fresh: Fresh
     job_id = post(idle, fresh(), wait=None).json()["id"]
     answer = idle.delete(f"/v1/jobs/{job_id}?{query}")
     assert (answer.status_code, answer.json()["type"]) == (422, "/problems/invalid-request")
-    assert idle.delete(f"/v1/jobs/{job_id}?force=true").json()["type"] == "/problems/forbidden"
     assert idle.delete(f"/v1/jobs/{job_id}").json()["status"] == "canceled"
+
+
+def test_the_operator_of_a_service_without_keys_ends_what_others_wait_for(
+    idle: httpx.Client, fresh: Fresh
+) -> None:
+    """From the same computer, and not through a proxy, behind which anybody may be."""
+    job = f"/v1/jobs/{post(idle, fresh(), wait=None).json()['id']}?force=true"
+    for header in ("X-Forwarded-For", "Forwarded", "Via"):
+        answer = idle.delete(job, headers={header: "192.0.2.7"})
+        assert (answer.status_code, answer.json()["type"]) == (403, "/problems/forbidden")
+    assert idle.delete(job).json()["status"] == "canceled"
 
 
 def test_a_canceled_job_can_be_requested_again(api: httpx.Client, fresh: Fresh) -> None:

@@ -188,3 +188,19 @@ def test_ctrl_c_withdraws_all_checks(idle_url: str, idle_queue: JobQueue) -> Non
         assert process.wait(PATIENCE) == 130
         assert process.stderr.read() == ""
     assert {job.status for job in map(idle_queue.get, jobs) if job is not None} == {"canceled"}
+
+
+def test_jobs(run_here: Run, idle_url: str) -> None:
+    asked = cusp_table(ZEIN, "79.8125", digits=15)
+    with ServiceClient(idle_url) as client:
+        job = client.begin(asked)
+        where = ("--url", idle_url)
+        title, first, *_ = run_here("jobs", *where, "--limit", "1").stdout.splitlines()
+        columns = ["ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "OVERRUNS", "KEY"]
+        assert title.split() == columns
+        assert first.split()[:3] == [job.id, "cusp-table", "queued"]
+        done = run_here("cancel", job.id, "--force", *where)
+        assert json.loads(done.stdout)["status"] == "canceled"
+        assert job.id not in run_here("jobs", *where).stdout
+        found = json.loads(run_here("jobs", "--all", "--format", "json", *where).stdout)
+        assert [item["status"] for item in found if item["id"] == job.id] == ["canceled"]

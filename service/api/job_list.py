@@ -1,0 +1,97 @@
+"""The lists of jobs and of batches as the contract shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, get_args
+from urllib.parse import urlencode
+
+from fastapi import Query, Request, Response
+
+from service.api.access.caller import caller_of, oversees
+from service.api.access.key_store import KeyStore
+from service.api.context import Context
+from service.api.negotiation import JSON
+from service.api.operation_docs import Docs, json_response, problems
+from service.api.prefix import here
+from service.api.problems import ProblemType
+from service.api.table_forms import json_bytes
+from service.schemas.job_list import ListedStatus
+from worker.answers.kinds import kind_of_job
+from worker.jobs.listing import Listed, Page, What
+from worker.jobs.views import ACTIVE, Status
+
+StatusWanted = Annotated[
+    ListedStatus | None,
+    Query(description="Only those in this state; `active`: queued or running. Without it, all."),
+]
+Before = Annotated[
+    str,
+    Query(
+        pattern=r"^(\d{1,12}(\.\d{1,6})?)?$",
+        description="Only those made before this time, in seconds since 1970; from `next` of a page.",
+    ),
+]
+MostItems = Annotated[int, Query(ge=1, le=100, description="How many at most.", alias="limit")]
+
+_STATES: Mapping[str | None, frozenset[Status]] = {
+    **{status: frozenset({status}) for status in get_args(Status)},
+    "active": ACTIVE,
+    None: frozenset(get_args(Status)),
+}
+
+_EXAMPLE = {
+    "id": "ct-0f343b0931126a20f133d67c2b018a3b5c1f6d3e",
+    "kind": "cusp-table",
+    "status": "running",
+    "created_at": "2026-01-15T09:30:00.000Z",
+    "started_at": "2026-01-15T09:30:00.012Z",
+    "estimate_s": 0.88,
+    "runs_s": 0.31,
+    "overruns": 0,
+    "key": "robot-lab",
+}
+LIST_RESPONSES: Docs = {
+    200: json_response("A page of the list.", "JobList", example={"items": [_EXAMPLE], "next": None}),
+    **problems(ProblemType.INVALID_REQUEST, ProblemType.UNAVAILABLE),
+}
+
+
+async def list_response(
+    request: Request, context: Context, what: What, status: ListedStatus | None, before: str, limit: int
+) -> Response:
+    """Returns a page of what the caller may see."""
+    caller = caller_of(request.scope)
+    client = None if oversees(request.scope) else "unknown" if caller is None else caller.id
+    queue = context.queue
+
+    def read() -> tuple[Page, dict[str, str]]:
+        page = queue.listing.page(what, client, _STATES[status], before, limit)
+        ids = {item.maker for item in page.items if item.maker is not None and item.maker[:4] == "key:"}
+        keys = KeyStore(queue.redis, queue.settings.key_prefix).all() if ids else {}
+        return page, {f"key:{key_id}": key.name for key_id, key in keys.items()}
+
+    page, names = await context.redis(read)
+    query = {"status": status, "limit": str(limit), "before": page.before}
+    following = urlencode({name: value for name, value in query.items() if value is not None})
+    body = {
+        "items": [_item(item, names) for item in page.items],
+        "next": None if page.before is None else here(f"/v1/{what}?{following}"),
+    }
+    return Response(json_bytes(body), headers={"Cache-Control": "no-store"}, media_type=JSON)
+
+
+def _item(item: Listed, names: dict[str, str]) -> dict[str, object]:
+    view = item.view
+    kind = kind_of_job(view.id)
+    return {
+        "id": view.id,
+        "kind": None if kind is None else kind.name,
+        "status": view.status,
+        "created_at": view.created_at,
+        "started_at": view.started_at,
+        "estimate_s": view.estimate_s,
+        "runs_s": None if item.runs_s is None else round(item.runs_s, 3),
+        "overruns": view.overruns,
+        "key": names.get(item.maker or ""),
+    }
