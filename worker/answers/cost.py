@@ -83,7 +83,7 @@ def _slice(size: Sizes) -> float:
     """In balls; lengths of very different sizes need a higher precision, and at last number fields."""
     numbers = 1e-5 * size.geometry + 5e-6 * size.lengths + 4e-6 * size.spread**2
     balls = 0.002 + numbers + 2e-6 * size.digits + 8e-10 * size.digits**2
-    balls += 0.0015 * max(0, size.nearness - 20)  # one by one
+    balls += 0.0015 * max(0, size.nearness - 20) + 0.02 * size.is_special  # one by one
     return balls + (_exact_slice(size) if size.spread > _BALLS_SPREAD else 0.0)
 
 
@@ -135,7 +135,7 @@ def _verification(size: Sizes) -> float:
 
 def _path(size: Sizes) -> float:
     """The slice, the search of the path, and its samples."""
-    sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits)
+    sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits) + 1.5e-8 * size.digits**2
     search = 0.05 + 0.015 * size.nearness + size.limited * _SUBDIVISION
     return search + _elimination(size) + _slice(size) + sample * size.count + size.censuses * _events(size)
 
@@ -147,7 +147,8 @@ def _aspects(size: Sizes) -> float:
 
 def _singular(size: Sizes) -> float:
     """The slice, the sweep, a sextic for each region, and the drawing."""
-    return 0.08 + _elimination(size) + 2 * _slice(size) + 1e-3 * (size.geometry + size.lengths)
+    drawing = 0.08 + 8e-4 * size.fineness
+    return drawing + _elimination(size) + 2 * _slice(size) + 1e-3 * (size.geometry + size.lengths)
 
 
 _COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {

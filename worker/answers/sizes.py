@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from math import gcd, lcm
+from math import gcd, isqrt, lcm
 from typing import Any
 
 from worker.answers import paths, plots, verifications
@@ -42,6 +42,9 @@ class Sizes:
         nearness: bits by which the triangles are nearly flat, isosceles, right, congruent or similar, but not
             quite.
         is_slice: whether a picture shows one slice or joint vector, rather than all lengths.
+        is_special: whether a triangle is flat, or the two are congruent or similar, so that slices are solved
+            one by one.
+        fineness: by how much finer than a whole picture curves are drawn, as a root.
         objects: how many objects stand in the lists of a document: cusps, poses, events, points, tubes.
     """
 
@@ -55,6 +58,8 @@ class Sizes:
     nearness: int = 0
     objects: int = 0
     is_slice: bool = True
+    is_special: bool = False
+    fineness: int = 0
 
 
 def sizes(request: JobRequest) -> Sizes:
@@ -76,6 +81,7 @@ def sizes(request: JobRequest) -> Sizes:
         scales += [scale for _, scale in numbers if scale is not None]
     of_poses = request.kind is paths.KIND and "from" in content
     is_limited = content.get("limits") is not None
+    nearness, is_special = _shape(whole)
     return Sizes(
         geometry=(max(bits) + 2 * sum(bits) // len(sides)) // 3,
         lengths=lengths,
@@ -84,9 +90,17 @@ def sizes(request: JobRequest) -> Sizes:
         count=_count(request),
         censuses=int(of_poses and not is_limited),
         limited=(_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0,
-        nearness=_nearness(whole),
+        nearness=nearness,
+        is_special=is_special,
+        fineness=_fineness(content.get("tolerance")),
         objects=texts.count(None),
         is_slice=content.get("plot") not in ("census", "locus"),
+    )
+
+
+def _fineness(tolerance: object) -> int:
+    return (
+        isqrt(int(1 / Fraction(tolerance))) if isinstance(tolerance, str) and Fraction(tolerance) > 0 else 0
     )
 
 
@@ -165,34 +179,30 @@ def _size(text: str) -> tuple[int, int | None]:
     return size, int(_BITS * scale) if whole or digits else None
 
 
-def _nearness(sides: list[int]) -> int:
-    """Bits by which the triangles nearly are flat, equilateral, congruent or similar.
+def _shape(sides: list[int]) -> tuple[int, bool]:
+    """Bits by which the triangles nearly are flat, equilateral, congruent or similar; whether they are.
 
-    It is the quotient of what then vanishes and its terms; half of it, if they nearly are isosceles or right.
-    A shape that they have is none that they nearly have.
+    The bits are those of the quotient of what then vanishes and its terms; half of them, if they nearly are
+    isosceles or right. A shape that they have is none that they nearly have.
     """
     a2x, a3x, a3y, d1, d2, d3 = sides
     base = (a2x**2, (a2x - a3x) ** 2 + a3y**2, a3x**2 + a3y**2)
     platform = (d1**2, d2**2, d3**2)
-    most = _bits_lost(a3y, max(map(abs, sides[:3])))
+    a, b, c = platform
+    area = 4 * a * c - (a + c - b) ** 2  # 16 times its square
+    most = max(_bits_lost(a3y, max(map(abs, sides[:3]))), _bits_lost(area, max(platform) ** 2))
     for a, b, c in (base, platform):
         size = max(a, b, c)
         equal = sorted(_bits_lost(x, size) for x in (a - b, b - c, c - a))
         right = max(_bits_lost(x, size) for x in (a + b - c, b + c - a, c + a - b))
         most = max(most, equal[1], equal[2] // 2, right // 2)
-    a, b, c = platform
-    most = max(
-        most, _bits_lost(4 * a * c - (a + c - b) ** 2, max(platform) ** 2)
-    )  # 16 times the area, squared
     pairs = list(zip(base, platform, strict=True))
-    alike = [
-        (x * w - y * z, max(x * w, y * z))
-        for (x, z), (y, w) in zip(pairs, pairs[1:] + pairs[:1], strict=True)
-    ]
+    turned = pairs[1:] + pairs[:1]
+    alike = [(x * w - y * z, max(x * w, y * z)) for (x, z), (y, w) in zip(pairs, turned, strict=True)]
     for forms in ([(x - y, max(x, y)) for x, y in pairs], alike):
         lost = [_bits_lost(x, size) for x, size in forms if x]
         most = max(most, *(bits // 2 for bits in lost), min(lost, default=0))
-    return most
+    return most, not a3y or not area or not any(x for x, _ in alike)
 
 
 def _bits_lost(x: int, size: int) -> int:

@@ -179,6 +179,24 @@ def test_points_and_long_lengths_are_priced(kind: Kind, content: Mapping[str, An
     assert estimate(kind, content) > least
 
 
+@pytest.mark.parametrize(
+    ("kind", "content", "geometry", "least"),
+    [
+        # with what they were found to take, in seconds
+        (tables.KIND, {"l1": [str(k) for k in range(1, 201)]}, HERON, 2),  # 4.8
+        (tables.KIND, {"l1": [str(k) for k in range(1, 201)]}, {**ROUND, "a3y": "0"}, 2),  # 4.2
+        (tables.KIND, {"l1": [str(k) for k in range(1, 502)]}, {**HERON, "d3": f"13.{'0' * 19}1"}, 8),  # 26
+        (singular.KIND, {"length": "14.98", "tolerance": "0.000001"}, INNOCENTI, 0.5),  # 0.9
+        (paths.KIND, {"length": "27", "cusp": 2, "samples": 101, "digits": 1000}, INNOCENTI, 1),  # 2.6
+        (aspects.KIND, WHOLE, {**ROUND, "d1": "10", "d2": "5", "d3": f"5.{'0' * 39}1"}, 5),  # > 20
+    ],
+)
+def test_found_by_the_search(
+    kind: Kind, content: Mapping[str, Any], geometry: Mapping[str, str], least: float
+) -> None:
+    assert estimate(kind, content, geometry) > least
+
+
 def test_only_slices_have_a_part_in_common() -> None:
     table = cost(request(tables.KIND, {"l1": ["1", "2"]}))
     assert table.once > table.each > 0
