@@ -103,6 +103,22 @@ def html_table(title: str, records: Sequence[Mapping[str, object]], notes: Itera
     return f"<div><p><strong>{escape(title)}</strong></p>{table}{below}</div>"
 
 
+def text_table(title: str, records: Sequence[Mapping[str, object]]) -> str:
+    """A table in columns, for ``print``; digits are shortened.
+
+    >>> print(text_table("a slice", [{"cusp": 1, "l2": "0.845282018280357"}, {"cusp": 2, "l2": "9"}]))
+    a slice
+    cusp  l2
+    1     0.845282018280…
+    2     9
+    """
+    names = list(dict.fromkeys(name for record in records for name in record))
+    rows = [names, *([_shown(record.get(name)) for name in names] for record in records)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows if records)
+    return "\n".join((title, *lines))
+
+
 def _float(text: str) -> float:
     if text.startswith("sqrt("):
         return math.sqrt(_float(text[5:-1]))
@@ -112,5 +128,9 @@ def _float(text: str) -> float:
         return math.inf
 
 
+def _shown(value: object) -> str:
+    return "" if value is None else shortened(str(value), _SHOWN_DIGITS)
+
+
 def _cell(value: object) -> str:
-    return "" if value is None else escape(shortened(str(value), _SHOWN_DIGITS))
+    return escape(_shown(value))

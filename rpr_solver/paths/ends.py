@@ -9,6 +9,7 @@ from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.kinematics.pose_table import PlatformPose, PoseTable
+from rpr_solver.notebook import shortened
 from rpr_solver.paths.isolated import Angles, IsolatedPose
 
 _MATCH_BITS = 96
@@ -31,6 +32,10 @@ class PathPose:
     number: int
     alpha_deg: str
     theta_deg: str
+
+    def __repr__(self) -> str:
+        angles = f"alpha_deg={shortened(self.alpha_deg)} theta_deg={shortened(self.theta_deg)}"
+        return f"<PathPose {self.number}: {angles}>"
 
     def to_json(self, fixed_leg: int) -> dict[str, Any]:
         """The document's object."""

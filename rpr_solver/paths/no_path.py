@@ -59,7 +59,7 @@ class Obstacle(Kind):
 
 @dataclass(frozen=True)
 class NoPath:
-    """The reason why two poses are not joined by a path.
+    """The reason why two poses are not joined by a path; false, as ``if path := joint_path(…)`` wants it.
 
     Attributes:
         manipulator: the geometry.
@@ -92,6 +92,9 @@ class NoPath:
     limits: Mapping[int, Bounds] = field(default_factory=dict)
     connecting: tuple[Fraction, Fraction] | None = None
     resolution: Resolution | None = None
+
+    def __bool__(self) -> bool:
+        return False
 
     def __repr__(self) -> str:
         return f"<NoPath from pose {self.start.number} to pose {self.stop.number}: {self.obstacle}>"

@@ -10,6 +10,7 @@ from flint import arb, ctx
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.kinematics.pose_table import PoseTable
+from rpr_solver.notebook import shortened
 from rpr_solver.paths.arcs import Arc
 from rpr_solver.paths.ends import PathPose, numbered, of_table
 from rpr_solver.paths.folds import Place
@@ -40,6 +41,10 @@ class FoldPoint:
     lengths: tuple[str, str, str]
     alpha_deg: str
     theta_deg: str
+
+    def __repr__(self) -> str:
+        legs = " ".join(f"l{leg}={shortened(text)}" for leg, text in enumerate(self.lengths, 1))
+        return f"<FoldPoint {legs} alpha_deg={shortened(self.alpha_deg)}>"
 
     def to_json(self, fixed_leg: int) -> dict[str, str]:
         """The document's object."""

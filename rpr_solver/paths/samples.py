@@ -15,6 +15,7 @@ from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, round_d
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.notebook import shortened
 from rpr_solver.paths.arcs import Arc, Point
 from rpr_solver.paths.clearance import clearance_of
 from rpr_solver.paths.isolated import IsolatedPose, local_map
@@ -52,6 +53,11 @@ class PathSample:
     theta_deg: str
     determinant: str
     clearance_deg: str
+
+    def __repr__(self) -> str:
+        legs = " ".join(f"l{leg}={shortened(text)}" for leg, text in enumerate(self.lengths, 1))
+        time = shortened(exact_str(self.time))
+        return f"<PathSample at {time}: {legs} alpha_deg={shortened(self.alpha_deg)}>"
 
     def to_json(self, fixed_leg: int) -> dict[str, str]:
         """The document's object."""

@@ -37,11 +37,16 @@ class Aspect:
     >>> from rpr_solver import EXAMPLES, singular_curves
     >>> [aspect.sign for aspect in singular_curves(EXAMPLES["innocenti"], 27).aspects]
     [1, 1, -1]
+    >>> singular_curves(EXAMPLES["innocenti"], 27).aspects[0]
+    <Aspect of J > 0: 47.6% of the poses>
     """
 
     sign: int
     share: float
     polygons: tuple[tuple[Point, ...], ...]
+
+    def __repr__(self) -> str:
+        return f"<Aspect of J {'>' if self.sign > 0 else '<'} 0: {self.share:.1%} of the poses>"
 
     def to_json(self, fixed_leg: int) -> dict[str, Any]:
         """The document's aspect object."""

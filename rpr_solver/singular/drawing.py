@@ -9,6 +9,7 @@ from math import degrees
 from typing import Any
 
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.notebook import counted
 from rpr_solver.singular.arrangement import Polyline
 from rpr_solver.singular.aspects import Aspect, drawn_aspects
 from rpr_solver.singular.closed_legs import closed_legs
@@ -27,7 +28,7 @@ from rpr_solver.singular.vertices import (
 )
 from rpr_solver.slices.joint_points import JointPoint, coordinate_names, point_of_pose
 
-_MORE_DIGITS = (60, 240)
+_MORE_DIGITS = (60, 240, 960, 3840)
 """The digits at which cusps are looked for again if a critical line is too near to tell them apart."""
 
 
@@ -61,6 +62,10 @@ class Strand:
     first: tuple[float, ...]
     second: tuple[float, ...]
     vertices: tuple[tuple[int, Vertex], ...]
+
+    def __repr__(self) -> str:
+        points = f"{counted(len(self.alpha_deg), 'sample')}, {len(self.vertices)} of them special"
+        return f"<Strand, {'closed' if self.closed else 'open'}: {points}>"
 
     @property
     def turns(self) -> tuple[int, int]:

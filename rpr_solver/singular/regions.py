@@ -23,6 +23,7 @@ from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.kinematics.fibre import fibre
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.notebook import counted, shortened
 from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
 from rpr_solver.singular.floats import drawn
 from rpr_solver.singular.tracing import FINEST
@@ -47,12 +48,20 @@ class Region:
     >>> from rpr_solver import EXAMPLES, singular_curves
     >>> [region.poses for region in singular_curves(EXAMPLES["innocenti"], "14.98").regions]
     [6, 4, 4, 2, 2, 2, 2, 0]
+    >>> singular_curves(EXAMPLES["zein-flat"], 34).regions[0]
+    <Region of 4 poses at (37.3, 10.3)>
     """
 
     poses: int
     point: tuple[Fraction, Fraction]
     rings: tuple[tuple[Point, ...], ...]
     bounded: bool
+
+    def __repr__(self) -> str:
+        place = ", ".join(shortened(exact_str(x)) for x in self.point)
+        return (
+            f"<Region of {counted(self.poses, 'pose')} at ({place}){'' if self.bounded else ', unbounded'}>"
+        )
 
     def to_json(self, fixed_leg: int) -> dict[str, Any]:
         """The document's region object."""

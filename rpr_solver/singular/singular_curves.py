@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 from rpr_solver.contract import (
@@ -68,6 +68,9 @@ class SingularComponent:
     """
 
     strands: tuple[Strand, ...]
+
+    def __repr__(self) -> str:
+        return f"<SingularComponent: {counted(len(self.strands), 'strand')}>"
 
 
 @dataclass(frozen=True)
@@ -236,6 +239,7 @@ def trace_slice(
     chord = check_tolerance(tolerance)
     table = solve_slice(eliminant, exact, digits)
 
+    @cache
     def finer(number: int, digits: int) -> JointPoint:
         return solve_slice(eliminant, exact, digits).cusps[number - 1]
 

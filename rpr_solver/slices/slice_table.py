@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 from rpr_solver.exact.decimals import sorted_by_balls
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.classify import PoseKind
-from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
+from rpr_solver.notebook import Row, counted, html_table, shortened, text_table, with_floats
 from rpr_solver.slices.certificate import RootCertificate, SliceCertificate
 from rpr_solver.slices.joint_points import ClassifiedPoint, JointPoint
 
@@ -19,7 +19,10 @@ from rpr_solver.slices.joint_points import ClassifiedPoint, JointPoint
 class SliceTable:
     """All cusps of one slice, and its degenerate points.
 
-    Proved: these are exactly the cusps of the slice, and every printed digit is right.
+    Proved: these are exactly the cusps of the slice, and every printed digit is right. Iteration gives the
+    cusps, and ``len`` their number; ``print`` shows a table. Coordinates are exact texts: compute with
+    ``float(cusp.l2)``, ``Decimal(cusp.l2)``, or the floats of ``rows()``. The picture of a slice is
+    ``singular_curves(manipulator, length).figure()``.
 
     Attributes:
         fixed_leg: the leg that is held, 1, 2 or 3.
@@ -35,8 +38,8 @@ class SliceTable:
     >>> [table] = cusp_table(EXAMPLES["zein-flat"], 10, digits=15)
     >>> table
     <SliceTable L1=10: 4 cusps, 15 digits>
-    >>> table.cusps[0]
-    <JointPoint alpha_deg=...>
+    >>> table.cusps[0], len(table), [float(cusp.l2) for cusp in table][0]
+    (<JointPoint alpha_deg=...>, 4, 25.2233542007524)
     >>> {name: table.rows()[0][name] for name in ("l1", "kind", "cusp", "l2", "l2_text")}
     {'l1': 10.0, 'kind': 'cusp', 'cusp': 1, 'l2': 25.2233542007524, 'l2_text': '25.2233542007524'}
     """
@@ -91,6 +94,18 @@ class SliceTable:
         beside = f" and {len(self.degenerate_points)} degenerate" if self.degenerate_points else ""
         leg = f"L{self.fixed_leg}={shortened(exact_str(self.length))}"
         return f"<SliceTable {leg}: {counted(self.count, 'cusp')}{beside}, {self.digits} digits>"
+
+    def __str__(self) -> str:
+        return text_table(repr(self)[1:-1], self._records())
+
+    def __iter__(self) -> Iterator[JointPoint]:
+        return iter(self.cusps)
+
+    def __len__(self) -> int:
+        return len(self.cusps)
+
+    def __bool__(self) -> bool:
+        return True  # a table without cusps is an answer
 
     @property
     def count(self) -> int:

@@ -74,6 +74,7 @@ class CheckReport:
     """Whether a requirement holds, and the intervals in which it does not.
 
     Proved: the number of cusps in every interval, what is degenerate, and so whether the requirement holds.
+    A report is true if it does: ``assert check(manipulator, requirement)``.
 
     Attributes:
         manipulator: the geometry.
@@ -102,6 +103,9 @@ class CheckReport:
             verdict += f", degenerate: {self.requirement.degenerate}"
         leg, span = self.requirement.fixed_leg, self.requirement.range
         return f"<CheckReport L{leg} {span}: {verdict}>"
+
+    def __bool__(self) -> bool:
+        return self.passed
 
     @property
     def violations(self) -> tuple[CheckedInterval, ...]:

@@ -83,7 +83,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Verification:
-    """The answer to a verification: the claims, in the order of the document.
+    """The answer to a verification: the claims, in the order of the document. It is true if it accepts.
 
     Attributes:
         kind: the kind of document, such as ``"cusp-table"``.
@@ -101,6 +101,9 @@ class Verification:
     solver_version: str
     claims: tuple[Claim, ...]
     unread: tuple[str, ...]
+
+    def __bool__(self) -> bool:
+        return self.accepted
 
     @property
     def accepted(self) -> bool:

@@ -2,7 +2,8 @@
 
 import inspect
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -10,6 +11,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+import rpr_solver
 from rpr_solver import (
     EXAMPLES,
     Manipulator,
@@ -18,9 +20,13 @@ from rpr_solver import (
     census,
     check,
     cusp_curves,
+    cusp_loop,
     cusp_table,
+    joint_path,
     poses,
     poses_of_squares,
+    singular_curves,
+    verify_document,
 )
 from rpr_solver.notebook import html_table
 
@@ -79,6 +85,58 @@ def test_reprs_are_one_short_line(answer: object) -> None:
     for part in parts(answer):
         assert "\n" not in repr(part)
         assert len(repr(part)) <= 160, repr(part)
+
+
+def _public(found: object) -> Iterator[object]:
+    """The objects of public classes in an answer, itself included."""
+    if isinstance(found, tuple):
+        for part in found:
+            yield from _public(part)
+    elif type(found).__name__ in rpr_solver.__all__:
+        yield found
+        if is_dataclass(found) and not isinstance(found, type):
+            for member in fields(found):
+                yield from _public(getattr(found, member.name))
+
+
+def test_every_public_object_of_curves_and_paths_has_a_short_repr() -> None:
+    manipulator = EXAMPLES["innocenti"]
+    curves = singular_curves(manipulator, 27, digits=200)
+    loop = cusp_loop(manipulator, 27, "A", samples=3, digits=200).with_others()
+    none = joint_path(manipulator, 27, 20, 20, 1, 3, digits=200)
+    answers = (
+        curves,
+        curves.regions,
+        curves.aspects,
+        tuple(curves.strands),
+        tuple(curves.vertices),
+        loop,
+        none,
+    )
+    found = {type(part).__name__: repr(part) for part in _public(answers)}
+    assert {"Region", "Aspect", "Strand", "Vertex", "PathSample", "PathPose", "OtherPose"} < set(found)
+    assert {name: text for name, text in found.items() if len(text) > 250 or "\n" in text} == {}
+    assert len(repr(curves.aspects)) < 200
+
+
+def test_answers_to_questions_of_yes_or_no_are_true_or_false() -> None:
+    failed, passed = (check(FLAT, Requirement(start=30, stop=40, max_cusps=most)) for most in (6, 8))
+    assert (bool(failed), bool(passed)) == (failed.passed, passed.passed) == (False, True)
+    document = the("poses").to_json()
+    assert verify_document(document)
+    assert not verify_document({**document, "count": document["count"] + 1})
+    assert not joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 3)
+    assert joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 2, samples=2)
+
+
+def test_a_table_is_a_sequence_of_its_cusps_and_prints_as_a_table() -> None:
+    table = the("table")
+    assert (list(table), len(table)) == (list(table.cusps), table.count)
+    title, head, *lines = str(table).splitlines()
+    assert (title, head.split()[0], len(lines)) == ("SliceTable L1=10: 4 cusps, 15 digits", "l1", table.count)
+    empty = the("degenerate table")
+    assert (len(empty), bool(empty)) == (0, True)
+    assert len(str(empty).splitlines()) == 2 + len(empty.degenerate_points)
 
 
 def test_the_repr_of_a_requirement_reads_back() -> None:

@@ -27,7 +27,7 @@ from rpr_solver import Manipulator, SingularCurves, SolverError, census, elimina
 from tests.support.degenerate import draws, special_lengths
 from tests.support.oracle import FloatManipulator
 
-_GRIDS = (150, 400, 1200)
+_GRIDS = (150, 400, 1200, 3000)
 _VECTORS = 12
 
 
@@ -110,7 +110,7 @@ def _vectors(
     extent = max(high - low for low, high in spans)
     for _ in range(_VECTORS):
         x, y = (rng.uniform(low, high) for low, high in spans)
-        if min(hypot(x - a, y - b) for a, b in points) < 0.02 * extent:
+        if min(_distance(x, y, *edge) for _, ring in rings for edge in pairwise(ring)) < 0.01 * extent:
             continue
         holding = [
             region
@@ -127,6 +127,15 @@ def _vectors(
         expected = holding[0].poses if holding else 0
         if found != expected:
             yield f"{found} poses at {x}, {y}, in a region of {expected}"
+
+
+def _distance(x: float, y: float, a: tuple[float, float], b: tuple[float, float]) -> float:
+    """From a segment."""
+    along = b[0] - a[0], b[1] - a[1]
+    square = along[0] ** 2 + along[1] ** 2
+    part = ((x - a[0]) * along[0] + (y - a[1]) * along[1]) / square if square else 0.0
+    part = min(max(part, 0.0), 1.0)
+    return hypot(a[0] + part * along[0] - x, a[1] + part * along[1] - y)
 
 
 def _inside(ring: tuple[tuple[float, float], ...], x: float, y: float) -> bool:
