@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal, cast
 from urllib.parse import urlsplit
@@ -67,7 +68,7 @@ local hosts = due .. '-hosts'
 for _, id in ipairs(redis.call('ZRANGEBYSCORE', due, '-inf', now, 'LIMIT', 0, many)) do
     local url = redis.call('HGET', due .. ':' .. id, 'url')
     if url then
-        local authority = string.lower(string.match(url, '^%a+://([^/?#]*)'))
+        local authority = string.lower(string.match(url, '^%a+://([^/?#]*)') or '')
         local host = string.match(authority, '^%[(.*)%]') or string.match(authority, '^[^:]*')
         redis.call('ZADD', due .. '-to:' .. host, 'NX', now, id)
         redis.call('ZADD', hosts, 'NX', now, host)
@@ -189,7 +190,9 @@ class Delivery:
     @property
     def host(self) -> str:
         """The name of its receiver, as it takes turns with others."""
-        return urlsplit(self.url).hostname or ""
+        with suppress(ValueError):
+            return urlsplit(self.url).hostname or ""
+        return ""
 
 
 class Callbacks:
