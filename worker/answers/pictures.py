@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rpr_solver.errors import InputError
+from rpr_solver.contract import number_of
 from rpr_solver.figures.census import census_figure
 from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.joint_plane import joint_figure
@@ -60,9 +60,7 @@ def _mechanism(content: Mapping[str, Any], sources: Sources) -> Figure:
         for vertex in strand["vertices"]
     )
     cusps = {vertex["cusp"]: vertex for vertex in vertices if vertex["kind"] == "cusp"}
-    if number not in cusps:
-        there_are = f"give 1 to {len(cusps)}" if cusps else "the slice has none"
-        raise InputError.of("cusp", f"is {number}; {there_are}")
+    number = number_of(number, len(cusps))
     leg, length = content["fixed_leg"], content["length"]
     title = f"The mechanism at cusp {letters(number)}, L{leg} = {length}"
     return point_figure(content["geometry"], leg, length, cusps[number], title)

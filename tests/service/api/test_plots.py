@@ -77,4 +77,4 @@ def test_what_does_not_fit_is_named(idle: httpx.Client, parameters: dict[str, An
 def test_a_cusp_that_a_slice_lacks(api: httpx.Client) -> None:
     answer = api.get(address(plot="mechanism", l1=27, cusp="J", wait=30))
     assert (answer.status_code, answer.json()["type"]) == (422, "/problems/job-input-error")
-    assert "cusp: is 10; give 1 to 8" in answer.text
+    assert "cusp: is 10 (J); give 1 to 8" in answer.text

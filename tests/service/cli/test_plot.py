@@ -58,10 +58,10 @@ def test_pictures_of_all_lengths(kind: str, capsys: pytest.CaptureFixture[str]) 
         (("--l1", "27", "--cusp", "A"), "--cusp: says nothing about the plot 'slice'; leave it out"),
         (("--kind", "census", "--l1", "27"), "--l1: says nothing about the plot 'census'; leave it out"),
         (("--kind", "loop", "--l1", "27", "--cusp", "Z"), "--cusp: is 'Z'; give its number"),
-        (("--kind", "mechanism", "--l1", "27", "--cusp", "K"), "cusp: is 11; give 1 to 8"),
+        (("--kind", "mechanism", "--l1", "27", "--cusp", "K"), "--cusp: is 11 (K); give 1 to 8"),
         (
             ("--kind", "mechanism", "--l1", "1", "--l2", "1", "--l3", "1"),
-            "pose: is 1; these legs have no pose",
+            "--pose: is 1; these legs have no pose",
         ),
     ],
 )
