@@ -11,8 +11,8 @@ from fastapi import Request
 from redis.exceptions import RedisError
 
 from rpr_solver.errors import InputError
-from service.api.access.admission import admit_work
-from service.api.access.caller import caller_of, subscriber_of
+from service.api.access.admission import admit_bytes, admit_work
+from service.api.access.caller import Caller, caller_of, subscriber_of
 from service.api.batch_bodies import Cutter, Elements, Lines, Sent
 from service.api.batch_csv import Rows
 from service.api.batch_items import read_item
@@ -25,7 +25,9 @@ from service.api.problems import ProblemError, ProblemType
 from service.schemas.limits import LimitError, Limits
 from worker.answers.batches import batch_request, new_batch
 from worker.answers.cost import seconds_after
-from worker.jobs.batches import Batches, ItemsLostError
+from worker.jobs.batches import INTAKE_TTL, Batches, ItemsLostError
+from worker.jobs.kept import Bytes
+from worker.jobs.quotas import Quotas
 from worker.jobs.subscriptions import Subscriber
 from worker.jobs.views import JobView
 
@@ -40,15 +42,17 @@ _KEPT_AT_ONCE = 1 << 20  # or bytes
 class Intake:
     """The items of one batch so far."""
 
-    def __init__(self, batches: Batches, limits: Limits) -> None:
+    def __init__(self, batches: Batches, limits: Limits, caller: Caller | None, quotas: Quotas) -> None:
         self.batches = batches
         self.limits = limits
+        self.caller = caller
+        self.quotas = quotas
         self.token = new_batch()
         self.count = 0
         self.costs: dict[int, float] = {}
         self._seen: set[str] = set()
         self._texts: list[tuple[str, str]] = []
-        self._waiting = self._kept = 0
+        self._waiting = self._size = self._kept = 0
 
     @property
     def job_id(self) -> str:
@@ -79,9 +83,10 @@ class Intake:
             self.count += 1
             self._texts.append(texts)
             self._waiting += sum(map(len, texts))
-            self._kept += sum(map(len, texts))
-            if self._kept > limits.max_batch_bytes:
-                shown = f"take {self._kept} bytes with their ranges written out"
+            self._size += sum(map(len, texts))
+            self._kept += len(texts[0])
+            if self._size > limits.max_batch_bytes:
+                shown = f"take {self._size} bytes with their ranges written out"
                 raise LimitError.exceeded(limits, "max_batch_bytes", shown, "items")
             if self.is_full:
                 return True
@@ -98,7 +103,12 @@ class Intake:
             raise LimitError.exceeded(self.limits, "max_body_bytes", f"has {size} bytes or more", place)
 
     def push(self) -> None:
-        """Keep what was read."""
+        """Keep what was read.
+
+        Raises:
+            ProblemError: too much is kept for the caller already.
+        """
+        admit_bytes(self.caller, self.job_id, self._size, self.quotas, self.limits, INTAKE_TTL)
         self.batches.push(self.token, self._texts)
         self._texts, self._waiting = [], 0
 
@@ -108,15 +118,27 @@ class Intake:
         Raises:
             ProblemError: its items were lost meanwhile.
         """
+        size = Bytes(self._size, self._kept, "" if self.caller is None else self.caller.id)
         try:
-            return self.batches.begin(self.token, self.count, self.costs)
+            return self.batches.begin(self.token, self.count, self.costs, size)
         except ItemsLostError:
             detail = "The items were lost while they were received; send the batch again."
             raise ProblemError(ProblemType.UNAVAILABLE, detail, headers={"Retry-After": "1"}) from None
 
+    def admit(self) -> None:
+        """Count the batch as one of the caller's jobs.
+
+        Raises:
+            ProblemError: the caller has as many as it may have, or may not compute.
+        """
+        work = sum(self.costs.values())
+        admit_work(self.caller, self.job_id, work, self._size, self.quotas, self.limits)
+
     def drop(self) -> None:
         """Forget a batch that does not begin."""
         self.batches.drop(self.token)
+        if self.caller is not None:
+            self.quotas.forget_received(self.caller.id, self.job_id)
 
 
 async def accept_batch(
@@ -134,7 +156,7 @@ async def accept_batch(
     key = key_of(request, caller)
     # whoever sends the same again can withdraw it
     who = subscriber_of(caller, None if key is None else key[:24])
-    intake = Intake(Batches(queue.redis, queue.settings), context.settings.limits)
+    intake = Intake(Batches(queue.redis, queue.settings), context.settings.limits, caller, queue.quotas)
     idempotency = Idempotency(queue.redis, queue.settings.key_prefix)
     if key is not None:
         earlier = await context.redis(idempotency.claim, key, intake.token)
@@ -145,7 +167,7 @@ async def accept_batch(
     def begin(digest: str) -> JobView:
         nonlocal begun
         intake.push()
-        admit_work(caller, intake.job_id, sum(intake.costs.values()), queue.quotas, intake.limits)
+        intake.admit()
         if key is not None:
             idempotency.note(key, Submission(intake.token, digest, intake.job_id))
         view = intake.begin()

@@ -135,8 +135,9 @@ class ProblemType(Enum):
     )  # fmt: skip
     TOO_MANY_REQUESTS = (
         429, "Too many requests",
-        "The caller has sent too many requests in a minute, or has too many active jobs, or too much "
-        "estimated work in them. The detail names the limit; try again after Retry-After seconds.",
+        "The caller has sent too many requests in a minute, or has too many active jobs, too much estimated "
+        "work in them, or too many bytes of kept questions. The detail names the limit; try again after "
+        "Retry-After seconds.",
     )  # fmt: skip
     INTERNAL_ERROR = (
         500, "Something went wrong here",

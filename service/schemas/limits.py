@@ -79,6 +79,11 @@ class Limits(Model):
         default=7200,
         description="maximum estimated work of these jobs, in seconds of one core, counted in the same way",
     )
+    max_kept_bytes: NonNegativeInt = Field(
+        default=256 << 20,
+        description="maximum size of kept questions, in bytes: of active jobs and of batches that are being "
+        "received, and what the records of ended jobs keep of theirs; counted in the same way",
+    )
     max_wait_seconds: NonNegativeInt = Field(
         default=30, description="maximum time that `Prefer: wait` can hold a request, in seconds"
     )

@@ -77,4 +77,5 @@ class LimitsDocument(Model):
     max_requests_per_minute: Limit
     max_active_jobs: Limit
     max_active_seconds: Limit
+    max_kept_bytes: Limit
     max_wait_seconds: Limit

@@ -19,6 +19,7 @@ from worker.answers.items import Item, Outcome, item_from_json, outcome_from_jso
 from worker.jobs import scripts
 from worker.jobs.attempts import Chunk, ChunkRef
 from worker.jobs.chunks import ChunkQueue
+from worker.jobs.kept import Bytes
 from worker.jobs.keys import Keys
 from worker.jobs.lanes import plan_batch
 from worker.jobs.records import JobRecords
@@ -94,13 +95,14 @@ class Batches:
         """Forget the items of a batch that has not begun."""
         self.redis.delete(*self._lists(token))
 
-    def begin(self, token: str, count: int, costs: Mapping[int, float]) -> JobView:
+    def begin(self, token: str, count: int, costs: Mapping[int, float], size: Bytes | None = None) -> JobView:
         """Make the job of a batch from its items.
 
         Args:
             token: its token.
             count: the number of all its items.
             costs: the estimated seconds of the valid ones, by their positions.
+            size: the bytes of all of them.
 
         Raises:
             ItemsLostError: the items are not there.
@@ -108,7 +110,7 @@ class Batches:
         """
         request = batch_request(token, count)
         plan = plan_batch(list(costs.values()), self.settings)
-        created = self.records.create(request, [str(index) for index in costs], "", plan)
+        created = self.records.create(request, [str(index) for index in costs], "", plan, size=size)
         view = self.records.view(request.job_id)
         if created is None or view is None:
             raise ItemsLostError(request.job_id)

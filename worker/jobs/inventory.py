@@ -17,6 +17,7 @@ from typing import cast
 from redis import Redis
 
 from worker.answers.keys import UNNAMED
+from worker.jobs import scripts
 from worker.jobs.keys import Keys
 from worker.settings import WorkerSettings
 
@@ -32,14 +33,22 @@ _FULL_SHARE, _ENOUGH_SHARE = 0.8, 0.9
 _PAUSE, _LONGEST = 1.0, 0.1
 
 # A key is removed only if its lifetime has not been renewed since the look at it.
-_REMOVE = """
+# The record of a job leaves the ledger of its client, after its removal: before it there may be no room.
+_REMOVE = (
+    scripts.PRELUDE
+    + """
 local removed = 0
 for i, key in ipairs(KEYS) do
     local left = redis.call('PTTL', key)
-    if left >= 0 and left <= tonumber(ARGV[i]) then removed = removed + redis.call('UNLINK', key) end
+    if left >= 0 and left <= tonumber(ARGV[i]) then
+        local of = redis.call('TYPE', key).ok == 'hash' and counted(key) or {}
+        removed = removed + redis.call('UNLINK', key)
+        release(unpack(of, 1, 3))
+    end
 end
 return removed
 """
+)
 
 
 @dataclass(frozen=True)

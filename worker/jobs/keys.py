@@ -66,6 +66,10 @@ class Keys:
         """Returns the key of what a client holds."""
         return f"{self.prefix}:{kind_of('client', self.version)}:{client}"
 
+    def kept(self, client: str) -> str:
+        """Returns the key of the ledger of a client's bytes."""
+        return f"{self.prefix}:{kind_of('kept', self.version)}:{client}"
+
     def beat(self, chunk_id: str) -> str:
         """Returns the key of a running chunk's heartbeat."""
         return f"{self.prefix}:beat:{chunk_id}"

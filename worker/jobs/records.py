@@ -24,6 +24,7 @@ from worker.answers.stored_tables import in_groups
 from worker.jobs import scripts
 from worker.jobs.announcements import VIEW_FIELDS
 from worker.jobs.attempts import Chunk, ChunkEntry, ChunkRef, Estimate, Lost, chunk_of, entry_of
+from worker.jobs.kept import Bytes
 from worker.jobs.keys import Keys
 from worker.jobs.lanes import Lane, Plan, QueueFullError, heavy_twin
 from worker.jobs.slices import SLICES
@@ -134,8 +135,11 @@ class JobRecords:
         plan: Plan,
         deadline_s: float | None = None,
         by: Subscription | None = None,
+        size: Bytes | None = None,
     ) -> Created | None:
         """Create a job, or restart it in place of the run `seen_run` ("" for none); `todo`: the open parts.
+
+        `size`: what is to be counted for whom; without it, the question for `by`.
 
         Returns None if another client was faster.
 
@@ -144,12 +148,14 @@ class JobRecords:
         """
         settings, run = self.settings, secrets.token_hex(4)
         asked = request.of_slices(()).to_json() if request.kind.by_slices else ""
-        kept = as_kept(request)
+        text, kept = request.to_json(), as_kept(request)
+        cut = "" if kept is request else kept.to_json()
+        size = size or Bytes(len(text) + len(cut), len(cut or text), by.who.client if by else "")
         outcome, *more = self._create(
             keys=[*self.keys.job(request.job_id), self.keys.active, self.keys.ends, self.keys.workers],
             args=[
                 request.job_id, run, seen_run, len(request.parts), len(todo),
-                request.to_json(), asked, "" if kept is request else kept.to_json(),
+                text, asked, cut, self.keys.kept(size.client) if size.client else "", size.whole, size.kept,
                 plan.chunk_size, plan.chunk_count, settings.job_ttl,
                 dump(_origin()), plan.lane, _ms(plan.seconds), _ms(plan.each), _ms(settings.max_backlog),
                 "" if deadline_s is None else deadline_s, *(by.arguments if by else ("", "", 0)),

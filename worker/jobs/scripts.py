@@ -22,6 +22,7 @@ from __future__ import annotations
 from worker.jobs.accounts import ACCOUNTS
 from worker.jobs.announcements import ANNOUNCE
 from worker.jobs.ends import COUNT_END
+from worker.jobs.kept import KEPT
 from worker.jobs.listing import LIST
 
 _NOW = """
@@ -107,6 +108,7 @@ local function finish(record, chunks, bits, errors, events, active, ends, job_id
         redis.call('HSET', record, 'request', kept)
         redis.call('HDEL', record, 'kept')
     end
+    count_kept(record, ttl)
     redis.call('DEL', chunks, todo_of(record), questions_of(record))
     if redis.call('EXPIRE', items_of(record), ttl) == 0 then redis.call('DEL', bits) end
     redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'status', 'status', status)
@@ -144,19 +146,19 @@ local function count_parts(record, chunks, bits, errors, stream, active, ends, j
 end
 """
 
-PRELUDE = _NOW + COUNT_END + ANNOUNCE + ACCOUNTS + LIST + _JOBS
+PRELUDE = _NOW + COUNT_END + ANNOUNCE + KEPT + ACCOUNTS + LIST + _JOBS
 """The definitions that precede every script."""
 
 # Returns {1, its event} if the job was created, {0} if another client has created or changed it meanwhile or
 # items of a batch are missing, and {-1, milliseconds until the backlog is done} if its lane is full; one in
 # which no job waits is never full. `asked` is the request without its slices, `kept` what stays of it at the
-# end, empty if it stays whole. The other arguments are the parts to do, chunk by chunk; the items of a batch
-# that are none of them have failed.
+# end, empty if it stays whole; its bytes are counted in `ledger`, if there is one. The other arguments are
+# the parts to do, chunk by chunk; the items of a batch that are none of them have failed.
 CREATE = """
 local record, chunks, bits, errors, events, active, ends, workers = unpack(KEYS)
 local job_id, run, seen_run, total, todo_count, request, asked, kept = unpack(ARGV)
-local chunk_size, chunk_count, ttl, origin = unpack(ARGV, 9)
-local lane, work, each, max_backlog, deadline_s, name, token, seconds = unpack(ARGV, 13)
+local ledger, bytes, kept_bytes, chunk_size, chunk_count, ttl, origin = unpack(ARGV, 9)
+local lane, work, each, max_backlog, deadline_s, name, token, seconds = unpack(ARGV, 16)
 
 local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
 if old_run and (is_active(old_status) or old_run ~= seen_run) then return {0} end
@@ -169,6 +171,7 @@ if tonumber(todo_count) > 0 and waiting + work > max_backlog * count
         and redis.call('ZCOUNT', active .. ':queued', rank(lane, 0), rank(lane, 1e10 - 1)) > 0 then
     return {-1, math.ceil(waiting / count)}
 end
+release(unpack(counted(record)))
 redis.call('DEL', record, chunks, bits, errors, events, todo_of(record))
 redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done', total - todo_count,
     'request', request, 'asked', asked, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
@@ -176,11 +179,14 @@ redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done
 if kept ~= '' then redis.call('HSET', record, 'kept', kept) end
 list_job(active, job_id)
 if name ~= '' then list_for(record, active, job_id, name) end
+if ledger ~= '' then
+    redis.call('HSET', record, 'ledger', ledger, 'bytes', bytes, 'kept_bytes', kept_bytes)
+end
 if is_batch then
     for _, key in ipairs({items, questions_of(record)}) do redis.call('PERSIST', key) end
     redis.call('HSET', record, 'failed', total - todo_count)
     local open = {}
-    for i = 21, #ARGV do
+    for i = 24, #ARGV do
         for _, item in ipairs(cjson.decode(ARGV[i])) do open[tonumber(item)] = true end
     end
     for item = 0, total - 1 do
@@ -194,7 +200,7 @@ if tonumber(todo_count) == 0 then
 end
 for index = 0, chunk_count - 1 do
     redis.call('HSET', chunks, index, 'queued:0:0:0:0')
-    redis.call('RPUSH', todo_of(record), ARGV[21 + index])
+    redis.call('RPUSH', todo_of(record), ARGV[24 + index])
 end
 redis.call('ZADD', active, now, job_id)
 redis.call('HSET', record, 'lane', lane, 'left', work, 'ahead', added)

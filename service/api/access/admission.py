@@ -5,7 +5,7 @@ from __future__ import annotations
 from service.api.access.caller import Caller
 from service.api.access.rules import check_scope
 from service.api.problems import ProblemError, ProblemType
-from service.schemas.limits import Limits
+from service.schemas.limits import LimitError, Limits
 from worker.answers.cost import seconds
 from worker.answers.requests import JobRequest
 from worker.answers.sizes import sizes
@@ -19,28 +19,64 @@ def admit(caller: Caller | None, request: JobRequest, quotas: Quotas, limits: Li
 
     Raises:
         ProblemError: the caller has as many as it may have, or may not compute.
+        LimitError: it is more than is ever kept.
     """
     if caller is not None and caller.is_limited:
-        admit_work(caller, request.job_id, seconds(request.kind, sizes(request)), quotas, limits)
+        work = seconds(request.kind, sizes(request))
+        admit_work(caller, request.job_id, work, len(request.to_json()), quotas, limits)
 
 
-def admit_work(caller: Caller | None, job_id: str, work: float, quotas: Quotas, limits: Limits) -> None:
-    """Count a job of so many seconds of estimated work as one of the caller's.
+def admit_work(
+    caller: Caller | None, job_id: str, work: float, size: int, quotas: Quotas, limits: Limits
+) -> None:
+    """Count a job of so many seconds of estimated work and so many bytes as one of the caller's.
 
     Raises:
         ProblemError: the caller has as many as it may have, or may not compute.
+        LimitError: it is more than is ever kept.
     """
     if caller is None or not caller.is_limited:
         return
     check_scope(caller, "submit")  # whatever the way that led here
-    quota = Quota(limits.max_active_jobs, limits.max_active_seconds)
+    quota = _quota(limits, size)
     try:
-        quotas.admit(caller.id, job_id, work, quota)
+        quotas.admit(caller.id, job_id, work, quota, size)
     except QuotaError as error:
-        raise _too_much(error, quota) from None
+        raise _too_much(error, quota, size) from None
 
 
-def _too_much(error: QuotaError, quota: Quota) -> ProblemError:
+def admit_bytes(
+    caller: Caller | None, job_id: str, size: int, quotas: Quotas, limits: Limits, seconds: float
+) -> None:
+    """Count what has come of a question as kept for the caller; more will come within so many seconds.
+
+    Raises:
+        ProblemError: as much is kept for the caller as may be.
+        LimitError: it is more than is ever kept.
+    """
+    if caller is None or not caller.is_limited:
+        return
+    quota = _quota(limits, size)
+    try:
+        quotas.receive(caller.id, job_id, size, quota, seconds)
+    except QuotaError as error:
+        raise _too_much(error, quota, size) from None
+
+
+def _quota(limits: Limits, size: int) -> Quota:
+    """Returns the quota of callers.
+
+    Raises:
+        LimitError: the question alone is more than it.
+    """
+    if 0 < limits.max_kept_bytes < size:
+        raise LimitError.exceeded(limits, "max_kept_bytes", f"has {size} bytes", "body")
+    return Quota(limits.max_active_jobs, limits.max_active_seconds, limits.max_kept_bytes)
+
+
+def _too_much(error: QuotaError, quota: Quota, size: int) -> ProblemError:
+    if error.kept_bytes is not None:
+        return _too_many_bytes(error, quota, size)
     is_number = 0 < quota.jobs <= error.jobs
     name, value = ("max_active_jobs", quota.jobs) if is_number else ("max_active_seconds", quota.seconds)
     return ProblemError(
@@ -49,4 +85,19 @@ def _too_much(error: QuotaError, quota: Quota) -> ProblemError:
         f"{name} is {value}. Wait for some of them, or withdraw from them (DELETE).",
         headers={"Retry-After": str(_RETRY_S)},
         extra={"limit": {"name": name, "value": value}},
+    )
+
+
+def _too_many_bytes(error: QuotaError, quota: Quota, size: int) -> ProblemError:
+    most, kept = quota.kept_bytes, error.kept_bytes or 0
+    then = "withdraw from active jobs (DELETE), or wait for them"
+    if error.retry_s:
+        then = f"wait {error.retry_s} s, until older ones have expired"
+    return ProblemError(
+        ProblemType.TOO_MANY_REQUESTS,
+        f"{kept} bytes of your questions are kept, in {error.jobs} active jobs and in records of ended ones; "
+        f"this one has {size}, and the limit max_kept_bytes is {most}. Send {max(0, most - kept)} bytes at "
+        f"most, or {then}.",
+        headers={"Retry-After": str(error.retry_s or _RETRY_S)},
+        extra={"limit": {"name": "max_kept_bytes", "value": most}, "kept_bytes": kept},
     )

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import random
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from redis import Redis
 
 from tests.support.jobs import a_request
+from tests.support.processes import until
+from worker.answers import verifications
+from worker.answers.requests import JobRequest
 from worker.jobs import quotas
+from worker.jobs.inventory import Inventory
 from worker.jobs.queue import JobQueue
 from worker.jobs.quotas import Quota, QuotaError
 from worker.jobs.subscriptions import Subscriber
+from worker.settings import WorkerSettings
 
 ME, OTHER = Subscriber("key:a", is_known=True), Subscriber("key:b", is_known=True)
 
@@ -69,3 +76,139 @@ def test_no_quota(queue: JobQueue) -> None:
     for n in range(1, 4):
         ask(queue, str(n), Quota())
     assert not queue.redis.exists(queue.quotas.keys.client(ME.client))
+
+
+def long(n: int, size: int = 10_000) -> JobRequest:
+    """A question of which the record keeps the hash alone."""
+    head = {"geometry": a_request("1").geometry, "digits": 20}
+    return JobRequest(
+        verifications.KIND, {**head, "document": {**head, "padding": f"{n:03}".ljust(size, "x")}}
+    )
+
+
+def submit(queue: JobQueue, request: JobRequest, quota: Quota, who: Subscriber = ME) -> str:
+    queue.quotas.admit(who.client, request.job_id, 1.0, quota, len(request.to_json()))
+    return queue.submit_for(who, request).id
+
+
+def kept(queue: JobQueue, who: Subscriber = ME) -> int:
+    """The bytes that count for a client, as a refusal tells them."""
+    with pytest.raises(QuotaError) as refused:
+        queue.quotas.admit(who.client, "none", 1.0, Quota(kept_bytes=1), 10**9)
+    assert refused.value.kept_bytes is not None
+    return refused.value.kept_bytes
+
+
+def test_bytes_of_questions(queue: JobQueue) -> None:
+    """While a job is active its question counts, then what its record keeps of it, until that is gone."""
+    some = Quota(kept_bytes=25_000)
+    ids = [submit(queue, long(n), some) for n in range(2)]
+    assert 20_000 < kept(queue) < 22_000
+    with pytest.raises(QuotaError) as refused:
+        submit(queue, long(3), some)
+    assert refused.value.retry_s == 0, "one must end"
+    submit(queue, long(3), some, OTHER)
+    submit(queue, long(0), some)  # it is one of them
+    queue.submit_for(OTHER, long(1))  # who joins does not pay
+    for job_id in ids:
+        queue.cancel(job_id)
+    assert 150 < kept(queue) < 400
+    assert 10_000 < kept(queue, OTHER) < 11_000
+    submit(queue, long(3, 20_000), some)
+
+
+def test_what_is_kept_counts_until_it_expires(redis: Redis) -> None:
+    queue = JobQueue(redis, WorkerSettings(failure_ttl=2))
+    tables = [a_request(*(f"{n}.{k}" for k in range(1, 300))) for n in range(3)]
+    some = Quota(kept_bytes=6_000)
+    for request in tables[:2]:
+        queue.cancel(submit(queue, request, some))
+    before = kept(queue)
+    assert 4_000 < before < 6_000
+    with pytest.raises(QuotaError) as refused:
+        submit(queue, tables[2], some)
+    assert 1 <= refused.value.retry_s <= 4
+    until(lambda: kept(queue) == 0)
+    submit(queue, tables[2], some)
+
+
+def test_what_is_removed_or_asked_again_leaves_the_ledger(queue: JobQueue) -> None:
+    table = a_request(*(str(k) for k in range(1, 300)))
+    no_bound = Quota(kept_bytes=10**9)
+    for _ in range(3):
+        queue.cancel(submit(queue, table, no_bound))
+    once = kept(queue)
+    assert 1_000 < once < 4_000, "it is the same record, made anew"
+    pruned = Inventory(queue.redis, queue.settings).prune(older_than=-1.0)
+    assert pruned.keys > 0
+    assert kept(queue) == 0
+    queue.cancel(submit(queue, table, no_bound))
+    assert kept(queue) == once
+
+
+def test_a_store_that_was_emptied_counts_nothing(queue: JobQueue) -> None:
+    submit(queue, long(1), Quota(kept_bytes=10**9))
+    queue.redis.delete(queue.records.keys.job(long(1).job_id).record)
+    assert kept(queue) <= len(long(1).to_json()), "for some seconds it may be about to be made"
+    queue.redis.flushall()
+    assert kept(queue) == 0
+
+
+def test_questions_that_come_count_until_their_job_is_made(queue: JobQueue) -> None:
+    some = Quota(kept_bytes=25_000)
+    queue.quotas.receive(ME.client, "ba-1", 10_000, some, 60)
+    queue.quotas.receive(ME.client, "ba-1", 20_000, some, 60)
+    assert kept(queue) == 20_000
+    with pytest.raises(QuotaError):
+        queue.quotas.receive(ME.client, "ba-2", 10_000, some, 60)
+    with pytest.raises(QuotaError):
+        submit(queue, long(1), some)
+    queue.quotas.forget_received(ME.client, "ba-1")
+    assert kept(queue) == 0
+    queue.quotas.receive(ME.client, "ba-3", 20_000, some, 0.01)  # and whoever received it died
+    until(lambda: kept(queue) == 0)
+
+
+def test_simultaneous_questions_do_not_pass_the_bytes(queue: JobQueue) -> None:
+    def try_it(n: int) -> bool:
+        try:
+            submit(queue, long(n), Quota(kept_bytes=35_000))
+        except QuotaError:
+            return False
+        return True
+
+    with ThreadPoolExecutor(8) as pool:
+        assert sum(pool.map(try_it, range(16))) == 3
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_ledger_is_what_the_records_say(
+    queue: JobQueue, monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
+    """Whatever happens to jobs, in whatever order, and wherever a process dies on the way."""
+    monkeypatch.setattr(quotas, "_GRACE", 0)
+    draw, inventory, some = (
+        random.Random(seed),
+        Inventory(queue.redis, queue.settings),
+        Quota(kept_bytes=10**9),
+    )
+    requests = [long(n, 2000) for n in range(4)] + [a_request(*map(str, range(1, 200 + n))) for n in range(4)]
+    for _ in range(60):
+        request = draw.choice(requests)
+        record = queue.records.keys.job(request.job_id).record
+        act = draw.choice(["submit", "submit", "die", "cancel", "end", "prune"])
+        if act == "submit":
+            submit(queue, request, some)
+        elif act == "die":
+            queue.quotas.admit(ME.client, request.job_id, 1.0, some, len(request.to_json()))
+        elif act == "cancel":
+            queue.withdraw(request.job_id, ME) if draw.random() < 0.5 else queue.cancel(request.job_id)
+        elif act == "end":
+            for entry in [e for e in queue.records.open_chunks() if e.ref.job_id == request.job_id]:
+                queue.records.start(entry.ref)
+                queue.records.fail(entry.ref, "solver-error", "undecided")
+        elif queue.redis.ttl(record) > 0:
+            inventory._take(list(inventory._items([record.encode()])))
+        records = [name for name in queue.redis.keys("cusps:job*") if name.count(b":") == 2]
+        said = [queue.redis.hmget(name, "ledger", "bytes") for name in records]
+        assert kept(queue) == sum(int(size) for ledger, size in said if ledger is not None)
