@@ -349,7 +349,7 @@ def test_padded_documents_do_not_fill_the_store(tmp_path: Path) -> None:
     geometry = {name: str(value) for name, value in head.items()}
 
     def padded(n: int) -> dict[str, object]:
-        document = {"geometry": geometry, "slices": [{"error": "x"}], "padding": f"{n:02}" * 499_000}
+        document = {"geometry": geometry, "slices": [{"error": "x"}], "padding": f"x{n:02}" * 333_000}
         return {"document": document}
 
     with running(tmp_path, store_max_mb=32) as stack, stack.redis() as redis:

@@ -82,7 +82,7 @@ def long(n: int, size: int = 10_000) -> JobRequest:
     """A question of which the record keeps the hash alone."""
     head = {"geometry": a_request("1").geometry, "digits": 20}
     return JobRequest(
-        verifications.KIND, {**head, "document": {**head, "padding": f"{n:03}".ljust(size, "x")}}
+        verifications.KIND, {**head, "document": {**head, "padding": f"x{n:03}".ljust(size, "x")}}
     )
 
 
