@@ -331,7 +331,8 @@ def test_a_key_has_a_number_of_bytes(url: str, store: KeyStore) -> None:
     limits = Limits(max_kept_bytes=150_000)
 
     def padded(size: int) -> dict[str, object]:
-        document = {"geometry": {**QUESTION["geometry"], "orientation": "ccw"}, "slices": [{"error": "x"}]}
+        geometry = {name: str(value) for name, value in GEOMETRY.items()}
+        document = {"geometry": {**geometry, "orientation": "ccw"}, "slices": [{"error": "x"}]}
         return {"document": {**document, "padding": "x" * size}}
 
     def batch(*sizes: int) -> dict[str, object]:
@@ -343,7 +344,7 @@ def test_a_key_has_a_number_of_bytes(url: str, store: KeyStore) -> None:
     ):
         now = {"Prefer": "respond-async"}
         first = client.post("/v1/verifications", json=padded(80_000), headers=one | now)
-        assert first.status_code == 202
+        assert first.status_code == 202, first.text
         for path, body in (("verifications", padded(81_000)), ("batches", batch(40_000, 40_000))):
             answer = client.post(f"/v1/{path}", json=body, headers=one | now)
             problem = answer.json()
