@@ -20,7 +20,7 @@ from functools import partial
 
 from flint import acb_poly, arb, ctx, fmpz_mpoly
 
-from rpr_solver import EXAMPLES, Eliminant, eliminate, solve_slice
+from rpr_solver import EXAMPLES, Eliminant, cusp_table, eliminate, solve_slice
 from rpr_solver.exact.biform import OMEGA, L, U
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.chunk import BLOCK, SliceChunk
@@ -90,6 +90,19 @@ def in_chunks(eliminant: Eliminant, digits: int) -> None:
         print(f"{label:<42}{ours:10.3f}{peer:10.3f}{peer / ours:9.1f}")
 
 
+def in_a_loop(digits: int, count: int = 300) -> None:
+    """Print what a loop of ``cusp_table`` with one length each costs, beside one call with the list."""
+    lengths = [Fraction(n, 10) for n in range(30, 30 + count)]
+    cusp_table(MANIPULATOR, lengths[:4], digits=15)
+    begin = time.process_time()
+    cusp_table(MANIPULATOR, lengths, digits=digits)
+    middle = time.process_time()
+    for length in lengths:
+        cusp_table(MANIPULATOR, length, digits=digits)
+    listed, looped = (1000 * x / count for x in (middle - begin, time.process_time() - middle))
+    print(f"{f'{digits} digits, {count} slices [ms]':<42}{looped:10.3f}{listed:10.3f}{looped / listed:9.1f}")
+
+
 def main() -> None:
     """Print the table."""
     form = argparse.RawDescriptionHelpFormatter
@@ -108,6 +121,9 @@ def main() -> None:
     print(f"\n{'slices in a chunk, alone':<42}{'chunk':>10}{'alone':>10}{'ratio':>9}")
     for digits in (15, 90, 1000):
         in_chunks(eliminant, digits)
+    print(f"\n{'a loop of single lengths, a list':<42}{'loop':>10}{'list':>10}{'ratio':>9}")
+    for digits in (15, 90):
+        in_a_loop(digits)
 
 
 if __name__ == "__main__":

@@ -39,9 +39,10 @@ from rpr_solver.paths.proofs import ProvedRoute, prove
 from rpr_solver.paths.proved import PROOF_BITS, path_of
 from rpr_solver.paths.route import ControlPoint, Route
 from rpr_solver.slices.cusp_table import solve_slice
-from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.joint_limits import Bounds, ExactLimits, read_limits
 from rpr_solver.slices.joint_points import JointPoint, free_legs
+from rpr_solver.slices.kept import kept_eliminant
 from rpr_solver.slices.lengths import slice_length
 from rpr_solver.slices.slice_table import SliceTable
 
@@ -100,7 +101,7 @@ def cusp_loop(
     plan = SamplingPlan.of(samples, timing, duration)
     exact = slice_length(length, leg)
     bounds = read_limits({} if limits is None else limits, "limits")
-    eliminant = eliminate(manipulator, leg)
+    eliminant = kept_eliminant(manipulator, leg)
     return loop_in_slice(eliminant, slice_for_loops(eliminant, exact), cusp, plan, digits, bounds)
 
 

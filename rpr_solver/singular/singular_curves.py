@@ -48,8 +48,9 @@ from rpr_solver.singular.strands import Chain, components
 from rpr_solver.singular.sweep import Sweep, sweep
 from rpr_solver.singular.vertices import NotPlacedError, Vertex
 from rpr_solver.slices.cusp_table import solve_slice
-from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.joint_points import JointPoint
+from rpr_solver.slices.kept import kept_eliminant
 from rpr_solver.slices.lengths import slice_length
 from rpr_solver.slices.slice_table import SliceTable
 
@@ -206,7 +207,7 @@ def singular_curves(
     """
     leg = check_leg(fixed_leg)
     exact, chord, digits = slice_length(length, leg), check_tolerance(tolerance), check_digits(digits)
-    return trace_slice(eliminate(manipulator, leg), exact, tolerance=chord, digits=digits)
+    return trace_slice(kept_eliminant(manipulator, leg), exact, tolerance=chord, digits=digits)
 
 
 def trace_slice(

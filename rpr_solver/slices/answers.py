@@ -26,8 +26,9 @@ from rpr_solver.exact.rationals import Exact, exact_str, one_or_more, parse_all,
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.chunk import SliceChunk
 from rpr_solver.slices.cusp_table import solve_slice
-from rpr_solver.slices.eliminant import Eliminant, eliminate
+from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.full_certificate import full_certificate
+from rpr_solver.slices.kept import kept_eliminant
 
 Solve = Callable[[Fraction], dict[str, Any]]
 """The contract's slice object for a length of the fixed leg, in the user's unit."""
@@ -67,7 +68,7 @@ def table_document(
     """
     digits, leg = check_digits(digits), check_leg(fixed_leg)
     exact = list(parse_all(one_or_more(lengths, f"l{leg}"), parse_exact).values())
-    eliminant = eliminate(manipulator, leg)
+    eliminant = kept_eliminant(manipulator, leg)
     slices = slices_json(SliceAnswers(eliminant, exact, digits, certificate), exact, leg, progress)
     return table_json(manipulator, leg, digits, slices)
 
