@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 from concurrent.futures import ThreadPoolExecutor
 
@@ -63,7 +64,8 @@ def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
 
 @both_kinds
 def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, request_: JobRequest) -> None:
-    """A computation hangs in C code. It ends at the deadline, and the job fails, `timeout`; workers go on."""
+    """A computation hangs in C code. It ends at the deadline, and the job fails, `timeout`, which the log
+    tells; workers go on."""
     worker = workers.start(deadline=0.7)
     view = ended(jobs(redis), jobs(redis, "endless").submit(request_).id)
     assert view.status == "failed"
@@ -72,6 +74,8 @@ def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, requ
         "detail": "The computation was stopped at the time limit of 0.7 s.",
     }
     assert descendants(worker.pid) == []
+    told = r"WARNING chunk 0 \([a-z-]+\): timeout; it has run for \d+\.\d s, the estimate was \d+\.\d+ s job="
+    assert re.search(told + view.id, workers.log.read_text())
     # the same worker continues
     other = ended(jobs(redis), jobs(redis, "endless").submit(a_request("3")).id)
     assert (other.error or {})["type"] == "timeout"

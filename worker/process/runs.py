@@ -128,7 +128,8 @@ class Runs:
     @property
     def may_begin_another(self) -> bool:
         """Whether another small chunk may run beside those that run, none of which is short."""
-        return self.is_light and not self.is_full and self.running[-1].age >= SHORT
+        patience = SHORT if len(self.running) == 1 else SHORT / 2  # several in a row promise nothing good
+        return self.is_light and not self.is_full and self.running[-1].age >= patience
 
     @property
     def is_full(self) -> bool:
@@ -154,7 +155,7 @@ class Runs:
     def next_look(self, next_beat: float) -> float:
         """Returns when to attend to the chunks again, unless something happens before."""
         if self.is_light:  # to look for small ones
-            return min(next_beat, time.monotonic() + SHORT / 2)
+            return min(next_beat, time.monotonic() + SHORT / 4)
         ends = (run.start + self.settings.deadline for run in self.running if run.ended_for is None)
         return min([next_beat, *ends])
 

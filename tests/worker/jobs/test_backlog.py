@@ -176,7 +176,7 @@ def test_simultaneous_jobs_do_not_overfill_a_lane(redis: Redis) -> None:
     assert queue.depth() == 10
 
 
-def test_a_queued_job_ends_at_its_deadline(queue: JobQueue) -> None:
+def test_a_queued_job_ends_at_its_deadline(queue: JobQueue, caplog: pytest.LogCaptureFixture) -> None:
     view = queue.submit(a_request("1"), deadline_s=0.05)
     other = queue.submit(a_request("2"))
     assert view.deadline_at is not None
@@ -186,6 +186,10 @@ def test_a_queued_job_ends_at_its_deadline(queue: JobQueue) -> None:
         time.sleep(0.005)
         sweeper.sweep()
     assert (view.status, view.error and view.error["type"]) == ("failed", "timeout")
+    [told] = [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]
+    assert told.startswith(
+        "cusp-table: timeout at the deadline of its request; it had not begun, the estimate "
+    )
     assert queue.depth() == 1
     again = queue.submit(a_request("1"))
     assert (again.status, again.deadline_at) == ("queued", None)

@@ -66,6 +66,8 @@ def test_a_job_of_one_chunk(queue: JobQueue, request_: JobRequest) -> None:
     view = queue.get(request_.job_id)
     assert view is not None
     assert (view.status, view.overruns) == ("running", 1)
+    told = queue.redis.xrange(queue.records.keys.job(request_.job_id).events)
+    assert [fields[b"status"] for _, fields in told] == [b"queued", b"running", b"running"]
     given = entry(queue)
     assert (given.ref, given.state, given.horses_lost, given.workers_lost) == (following, "queued", 0, 0)
     assert note(queue, ref) is None, "the attempt is over"
