@@ -20,6 +20,7 @@ from service.api.explorer_page import FIRST_SLICES
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import completed, environment
+from tests.support.proxies import proxied
 from tests.support.service_server import serving
 from worker.connection import connect
 
@@ -507,3 +508,19 @@ def test_other_ways_of_looking(
         assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(17, 21, 26)"
         page.get_by_label("Theme").select_option("light")
         assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(246, 246, 243)"
+
+
+@pytest.mark.usefixtures("base_url")  # its worker
+def test_under_a_path_of_a_proxy(valkey: EmbeddedValkey, open_page: Open) -> None:
+    settings = Settings(redis_url=valkey.url, require_keys="never", root_path="/cusps")
+    with serving(settings) as url, proxied(url, "/cusps", strips=True) as outside:
+        page = open_page(f"{outside}/docs")
+        asked: list[str] = []
+        page.on("request", lambda request: asked.append(request.url))
+        expect(page.locator("body")).to_contain_text("OAS 3.1")
+        page.goto(f"{outside}/#g=15.91,0,10,17.04,16.54,20.847,ccw&l1=14.98")
+        count_is(page, "L1 = 14.98: 6 cusps")
+        expect(page.locator("#census-strip rect.bar")).not_to_have_count(0)
+        page.goto("about:blank")
+    assert any("/v1/censuses" in address for address in asked)
+    assert [address for address in asked if not address.startswith((f"{outside}/", "about:", "data:"))] == []
