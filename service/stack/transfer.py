@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ _FORMAT = 1
 _TITLE, _END = b"rpr-cusps store", b"rpr-cusps end of store"
 _PAGE = 500  # elements of a key that are read or written together
 _SENT_AT_ONCE = 1 << 20  # bytes
+_LOOKS, _PAUSE = 5, 0.3
 _LONGEST = 512 << 20  # bytes of one text, the most that Redis takes
 
 _WRITES = frozenset({b"SET", b"RPUSH", b"SADD", b"HSET", b"ZADD", b"XADD", b"XSETID", b"PEXPIREAT"})
@@ -117,19 +119,26 @@ def _check_alone(redis: Redis, what: str) -> None:
     Raises:
         TransferError: there are others.
     """
+    looks = 1
+    while (others := _others(redis)) and looks < _LOOKS:  # a health check, for example, is gone at once
+        time.sleep(_PAUSE)
+        looks += 1
+    if others:
+        raise TransferError(
+            f"the store cannot be {what} while {others} other client{'s are' if others > 1 else ' is'} "
+            "connected to it; stop the service (API and workers) first"
+        )
+
+
+def _others(redis: Redis) -> int:
+    """Returns the number of other clients of this database, without replicas."""
     clients = cast("list[dict[str, Any]]", redis.client_list())
     own = redis.client_id()
     database = str(redis.connection_pool.connection_kwargs.get("db") or 0)
-    others = [
-        client
+    return sum(
+        int(client["id"]) != own and client["db"] == database and not set(client["flags"]) & set("MS")
         for client in clients
-        if int(client["id"]) != own and client["db"] == database and not set(client["flags"]) & set("MS")
-    ]
-    if others:
-        raise TransferError(
-            f"the store cannot be {what} while {len(others)} other client{'s are' if others[1:] else ' is'} "
-            "connected to it; stop the service (API and workers) first"
-        )
+    )
 
 
 # -- writing -----------------------------------------------------------------------------------------
