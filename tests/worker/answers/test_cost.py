@@ -138,6 +138,10 @@ NEARLY_FLAT = {
     "d3": f"5.{'0' * 28}11",
 }
 HERON = {"a2x": "14", "a3x": "5", "a3y": "12", "d1": "14", "d2": "15", "d3": "13", "orientation": "ccw"}
+NEARLY_CONGRUENT = {
+    **{"a2x": "14.000009", "a3x": "5.000009", "a3y": "12.000009"},
+    **{"d1": "14.000018", "d2": "15.000018", "d3": "12.999991", "orientation": "cw"},
+}
 ROUND = {"a2x": "10", "a3x": "4", "a3y": "3", "d1": "5", "d2": "6", "d3": "8", "orientation": "ccw"}
 
 
@@ -188,6 +192,9 @@ def test_points_and_long_lengths_are_priced(kind: Kind, content: Mapping[str, An
         (tables.KIND, {"l1": [str(k) for k in range(1, 502)]}, {**HERON, "d3": f"13.{'0' * 19}1"}, 8),  # 26
         (singular.KIND, {"length": "14.98", "tolerance": "0.000001"}, INNOCENTI, 0.5),  # 0.9
         (paths.KIND, {"length": "27", "cusp": 2, "samples": 101, "digits": 1000}, INNOCENTI, 1),  # 2.6
+        (curves.KIND, CONTENTS[curves.KIND], NEARLY_CONGRUENT, 4),  # > 20
+        (certified.CURVES, CONTENTS[curves.KIND], NEARLY_CONGRUENT, 6),  # > 20
+        (article.KIND, {"l1": ["14.98"]}, {**ROUND, "a3y": "0", "d3": "11"}, 1),  # 1.8
         (aspects.KIND, WHOLE, {**ROUND, "d1": "10", "d2": "5", "d3": f"5.{'0' * 39}1"}, 5),  # > 20
     ],
 )
