@@ -1,7 +1,7 @@
 """Notes the commit in what is built, and gives all files its time: a commit gives one wheel everywhere.
 
 The commit is that of git, or of the sdist that is built; where there is neither, as in a container, the
-environment variable RPR_CUSPS_COMMIT may name it. All else is in pyproject.toml.
+environment variable SOURCE_COMMIT may name it. All else is in pyproject.toml.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from setuptools.command.sdist import sdist
 
 HERE = Path(__file__).parent
 SOURCE = runpy.run_path(str(HERE / "service" / "commit.py"))
-NOTE: str = os.environ.get("RPR_CUSPS_COMMIT") or SOURCE["note_of"](HERE) or ""
+NOTE: str = os.environ.get("SOURCE_COMMIT") or SOURCE["note_of"](HERE) or ""
 
 
 def note(folder: Path) -> None:
