@@ -78,19 +78,27 @@ class FloatManipulator:
             count += off <= _ON_CIRCLE
         return count
 
+    def is_narrow(self, size: int) -> bool:
+        """Whether J is nearly critical where it is nearly 0, on a grid of size² poses: at a node, or where an
+        aspect is narrower than the grid."""
+        j, bend = self._grid(size)
+        slopes = [abs(np.roll(j, 1, axis) - np.roll(j, -1, axis)) / 2 for axis in (0, 1)]
+        return bool(((abs(j) < bend / 2) & (slopes[0] < bend) & (slopes[1] < bend)).any())
+
+    def _grid(self, size: int) -> tuple[Any, float]:
+        """J on a grid, and a bound of its second differences."""
+        angles = 0.1234567 + np.arange(size) * (2 * np.pi / size)
+        j = self.singularity(*np.meshgrid(angles, angles))
+        ends = [np.take(j, (0, 1), axis=axis) for axis in (0, 1)]
+        return j, max(float(abs(np.diff(j, 2, axis=k, append=end)).max()) for k, end in enumerate(ends))
+
     def aspects(self, size: int) -> int:
         """The number of components of J ≠ 0 on a grid of size² poses.
 
         Neighbours are joined only where J is so large that it cannot change its sign between them, so that
         nothing leaks through a node; what is narrower than the grid is lost.
         """
-        step = 2 * np.pi / size
-        angles = 0.1234567 + np.arange(size) * step
-        j = self.singularity(*np.meshgrid(angles, angles))
-        bend = max(
-            float(abs(np.diff(j, 2, axis=axis, append=np.take(j, (0, 1), axis=axis))).max())
-            for axis in (0, 1)
-        )
+        j, bend = self._grid(size)
         sign = np.where(abs(j) > bend / 4, np.sign(j), 0).astype(int)
         return _components(sign)
 

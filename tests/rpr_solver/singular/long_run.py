@@ -93,6 +93,8 @@ def failures(case: Case, seen: Counter[str]) -> Iterator[str]:
     if not case.kind.startswith(("transition", "beside", "extreme")):  # too narrow for a grid
         if any(floats.aspects(size) == len(aspects) for size in _GRIDS):
             seen["aspects"] += 1
+        elif len(aspects) < floats.aspects(_GRIDS[-1]) and floats.is_narrow(_GRIDS[-1]):
+            seen["aspects left open"] += 1
         else:
             yield f"{len(aspects)} aspects, on grids {[floats.aspects(size) for size in _GRIDS]}"
 
