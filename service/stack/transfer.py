@@ -28,6 +28,7 @@ _FORMAT = 1
 _TITLE, _END = b"rpr-cusps store", b"rpr-cusps end of store"
 _PAGE = 500  # elements of a key that are read or written together
 _SENT_AT_ONCE = 1 << 20  # bytes
+_SHORT = 4096  # bytes of a string that is read with others
 _LOOKS, _PAUSE = 5, 0.3
 _LONGEST = 512 << 20  # bytes of one text, the most that Redis takes
 
@@ -160,10 +161,13 @@ def _write(file: BinaryIO, redis: Redis, settings: WorkerSettings) -> Moved:
             for key in keys:
                 pipe.type(key)
                 pipe.pexpiretime(key)
-            replies = pipe.execute()
-        for key, kind, expires in zip(keys, replies[::2], replies[1::2], strict=True):
+                pipe.getrange(key, 0, _SHORT - 1)  # an error if it is no string
+            replies = pipe.execute(raise_on_error=False)
+        for key, kind, expires, start in zip(keys, *(replies[i::3] for i in range(3)), strict=True):
+            if isinstance(kind, RedisError):
+                raise kind
             is_there = False
-            for command in _commands(redis, key, kind):
+            for command in _commands(redis, key, kind, start):
                 put(command)
                 is_there = True
             if is_there:
@@ -196,14 +200,16 @@ def _queues(redis: Redis, settings: WorkerSettings) -> Iterator[bytes]:
             yield f"rq:queue:{queue_name(lane, settings.of_version(version))}".encode()
 
 
-def _commands(redis: Redis, key: bytes, kind: bytes) -> Iterator[Command]:
+def _commands(redis: Redis, key: bytes, kind: bytes, start: bytes) -> Iterator[Command]:
     """Yields the commands that make a key, a bounded part of it at a time; none if it is gone.
+
+    `start`: the first bytes of a string, all if they are few.
 
     Raises:
         TransferError: it has a type that no key of ours has.
     """
     if kind == b"string":
-        value = cast("bytes | None", redis.get(key))
+        value = start if len(start) < _SHORT else cast("bytes | None", redis.get(key))
         if value is not None:
             yield b"SET", key, value
     elif kind == b"list":
