@@ -67,7 +67,7 @@ def faces(polylines: Sequence[Polyline]) -> list[Face]:
             return _Arrangement(polylines, size, seed).faces()
         except _DegenerateError:
             continue
-    raise SolverError("the regions of the joint plane could not be told apart; please report this slice")
+    raise SolverError("the regions of the joint plane could not be told apart in double precision")
 
 
 class _DegenerateError(Exception):
@@ -286,9 +286,7 @@ def _windings(cycle_of: Mapping[Half, int], home: Mapping[int, int | None]) -> d
                 result[other] = result[face] + step
                 todo.append(other)
             elif result[other] != result[face] + step:
-                raise SolverError(
-                    "the singular curves do not close in the joint plane; please report this slice"
-                )
+                raise SolverError("the singular curves do not close in the joint plane, in double precision")
     return result
 
 

@@ -148,7 +148,9 @@ def _region(
         if poses == 2 * face.winding:
             return Region(poses, place, face.rings, face.bounded)
     if wide:
-        raise SolverError("a region has another number of poses than its boundary says; please report it")
+        raise SolverError(
+            "the regions could not be drawn: one has another number of poses than its boundary says"
+        )
     return None
 
 
