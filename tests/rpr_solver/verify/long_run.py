@@ -2,10 +2,11 @@
 
     python -m tests.rpr_solver.verify.long_run [KIND ...] [--documents 100] [--first 0] [--mutations 2]
 
-Kinds are tables, censuses and curves. Document n of a kind is the same in every run with the same seed, so
-that a run may be done in parts (``--first``) and a failure be repeated alone. The manipulators are general,
-of every degenerate family, with long decimals, and very large or small. Prints every failure as it is
-found, then the numbers, and exits with status 1 if there was a failure.
+Kinds are tables, poses, censuses, curves and reports. Document n of a kind is the same in every run with the
+same seed, so that a run may be done in parts (``--first``) and a failure be repeated alone. The manipulators
+are general, of every degenerate family, with long decimals, and very large or small; slices are also 10^-40
+beside transitions, poses beside folds, of 15 to 200 digits. Prints every failure as it is found, then the
+numbers, and exits with status 1 if there was a failure.
 """
 
 from __future__ import annotations
@@ -24,16 +25,29 @@ from typing import Any
 from rpr_solver import (
     InputError,
     Manipulator,
+    Requirement,
     SolverError,
     census,
+    check,
     cusp_curves,
+    cusp_table,
+    poses,
     table_document,
     verify_document,
 )
 from tests.rpr_solver.long_run import NAMES, manipulator
 from tests.support.families import FAMILIES, family
-from tests.support.mutations import OF_CENSUSES, OF_CURVES, OF_TABLES, Document, Mutation, mutated
-from tests.support.verified import is_refused
+from tests.support.mutations import (
+    OF_CENSUSES,
+    OF_CURVES,
+    OF_POSES,
+    OF_REPORTS,
+    OF_TABLES,
+    Document,
+    Mutation,
+    mutated,
+)
+from tests.support.verified import is_named, is_refused
 
 _SCALES = (Fraction(1, 10**6), Fraction(1, 1000), Fraction(1000), Fraction(10**6))
 
@@ -81,10 +95,47 @@ def _long(draw: random.Random) -> Manipulator:
 
 
 def table(question: Drawn) -> Document:
-    """A table of two slices."""
-    lengths = [question.scale * Fraction(question.draw.randint(1, 400), 10) for _ in range(2)]
-    digits = question.draw.choice([15, 30, 90])
-    return table_document(question.manipulator, lengths, digits=digits, fixed_leg=question.leg)
+    """A table of two slices, one of them 10^-5 to 10^-40 beside a transition if there is one."""
+    draw, leg = question.draw, question.leg
+    lengths = [question.scale * Fraction(draw.randint(1, 400), 10) for _ in range(2)]
+    if draw.random() < 0.3:
+        rows = census(question.manipulator, digits=60, fixed_leg=leg).transitions
+        if rows:
+            off = Fraction(draw.choice([-1, 1]), 10 ** draw.choice([5, 15, 30, 40]))
+            lengths[1] = Fraction(draw.choice(rows).length) * (1 + off)
+    form = draw.choice(["short", "full"])
+    digits = draw.choice([15, 30, 90, 200])
+    return table_document(question.manipulator, lengths, digits=digits, fixed_leg=leg, certificate=form)
+
+
+def some_poses(question: Drawn) -> Document:
+    """The poses of a joint vector: at random, of equal legs, or 10^-10 to 10^-60 beside a fold."""
+    draw, m = question.draw, question.manipulator
+    lengths = [question.scale * Fraction(draw.randint(10, 250), 10) for _ in range(3)]
+    match draw.randrange(4):
+        case 0:
+            lengths[1] = lengths[0]
+        case 1:
+            cusps = cusp_table(m, lengths[0], digits=80)[0].cusps
+            if cusps:  # close to a cusp are folds on all sides
+                off = 1 + Fraction(draw.choice([-1, 1]), 10 ** draw.choice([10, 20, 30]))
+                _, _, second, third = draw.choice(cusps).coordinates
+                lengths = [lengths[0], Fraction(second) * off, Fraction(third)]
+        case 2:
+            lengths = [question.scale * draw.randint(1, 20) for _ in range(3)]
+        case _:
+            pass
+    return poses(m, *lengths, digits=draw.choice([15, 30, 90, 200])).to_json()
+
+
+def a_report(question: Drawn) -> Document:
+    """A report of a check, with joint limits or without."""
+    draw, start = question.draw, question.scale * question.draw.randint(1, 30)
+    free = [leg for leg in (1, 2, 3) if leg != question.leg]
+    limits = {draw.choice(free): (question.scale * draw.randint(0, 10), None)} if draw.random() < 0.4 else {}
+    stop, most = start + question.scale * draw.choice([1, 3]), draw.choice([0, 2, 4, 24])
+    requirement = Requirement(question.leg, start, stop, max_cusps=most, limits=limits)
+    return check(question.manipulator, requirement, digits=15).to_json()
 
 
 def whole_census(question: Drawn) -> Document:
@@ -106,8 +157,10 @@ def some_curves(question: Drawn) -> Document:
 
 KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Mutation, ...]]] = {
     "tables": (table, OF_TABLES),
+    "poses": (some_poses, OF_POSES),
     "censuses": (whole_census, OF_CENSUSES),
     "curves": (some_curves, OF_CURVES),
+    "reports": (a_report, OF_REPORTS),
 }
 
 
@@ -124,22 +177,24 @@ def run(kind: str, n: int, arguments: Any, counts: Counter[str]) -> None:
         return
     answer = verify_document(document)
     counts["documents accepted" if answer.accepted else "DOCUMENTS REFUSED"] += 1
+    counts["documents established"] += answer.established
     counts.update(f"claims {claim.status.value}" for claim in answer.claims)
     for claim in answer.refused:
         print(f"{about}: REFUSED at {claim.at}: {claim.claim}: {claim.reason}", flush=True)
     chosen = mutations[n % len(mutations) :] + mutations[: n % len(mutations)]
     for done, wrong in mutated(document, chosen, arguments.mutations, n):
-        refused = is_refused(wrong)
-        counts["mutations refused" if refused else "MUTATIONS ACCEPTED"] += 1
+        named = is_named(wrong)
+        refused = "refused" if named and is_refused(wrong) else "named as open"
+        counts[f"mutations {refused}" if named else "MUTATIONS ACCEPTED"] += 1
         counts[f"{kind}: {done.split(' of ')[0]}"] += 1
-        if not refused:
+        if not named:
             print(f"{about}: ACCEPTED with {done}", flush=True)
 
 
 def main() -> int:
     """Runs a part of the long run."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("kinds", nargs="*", default=[*KINDS], metavar="KIND", help="tables, censuses, curves")
+    parser.add_argument("kinds", nargs="*", default=[*KINDS], metavar="KIND", help=", ".join(KINDS))
     parser.add_argument("--documents", type=int, default=100, help="of each kind")
     parser.add_argument("--first", type=int, default=0, help="number of the first document")
     parser.add_argument("--mutations", type=int, default=2, help="of each document")

@@ -1,0 +1,610 @@
+"""The random forger: true documents are made false in consistent ways, and none may be established.
+
+    python -m tests.rpr_solver.verify.forger [--kind KIND ...] [--minutes 10] [--seed 1] [--first 0]
+
+A forgery changes several members together, one to three times, as somebody would who knows the verifier: what
+is false is told by the change. A document is *accepted* as false if it is established, or if its first line
+does not name a member of the false claim. Document n is the same in every run with the same seed. Prints
+every document that is accepted, then how many of each change were tried; exits with status 1 if any was.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import random
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from fractions import Fraction
+from typing import Any
+
+from rpr_solver import SolverError, cusp_curves, poses, table_document
+from rpr_solver.verify.schema import POSE_KINDS
+from tests.rpr_solver.verify.forgeries import first_line
+from tests.rpr_solver.verify.long_run import Drawn, a_report, drawn, table, whole_census
+from tests.support.mutations import other_digit
+
+Document = Any
+Forged = tuple[str, str] | None
+"""What was done, and the beginning of a pointer that must be named; None if nothing was changed."""
+Forge = Callable[[random.Random, Document], Forged]
+
+
+def _tables(question: Drawn) -> Document:
+    if question.draw.random() < 0.5:
+        return table(question)
+    lengths = question.scale * Fraction(question.draw.randint(1, 400), 10)
+    return table_document(
+        question.manipulator, lengths, digits=15, fixed_leg=question.leg, certificate="full"
+    )
+
+
+def _poses(question: Drawn) -> Document:
+    lengths = [question.scale * Fraction(question.draw.randint(10, 250), 10) for _ in range(3)]
+    return poses(question.manipulator, *lengths, digits=question.draw.choice([15, 30])).to_json()
+
+
+def _curves(question: Drawn) -> Document:
+    start = question.scale * Fraction(question.draw.randint(1, 300), 10)
+    stop = start + question.scale
+    curves = cusp_curves(question.manipulator, digits=15, fixed_leg=question.leg)
+    lengths = [start + (stop - start) * Fraction(k, 3) for k in (1, 2)]
+    form = question.draw.choice(["short", "full"])
+    return curves.part(start, stop, lengths=lengths).to_json(certificate=form)
+
+
+def _point(draw: random.Random, rows: list[Document]) -> Document | None:
+    return draw.choice(rows) if rows else None
+
+
+def _digit(draw: random.Random, row: Document, fixed: str) -> str | None:
+    """Another digit of one number of a row."""
+    names = [
+        name
+        for name, text in row.items()
+        if name != fixed and isinstance(text, str) and name not in ("kind",) and text != "0"
+    ]
+    if not names:
+        return None
+    name = draw.choice(names)
+    new = other_digit(draw, row[name])
+    if new.lstrip("-0.")[:1] == "" or Fraction(new) == Fraction(row[name]):
+        return None
+    row[name] = new
+    return name
+
+
+def _rehashed(document: Document) -> None:
+    text = ";".join(f"{name}={text}" for name, text in document["geometry"].items())
+    document["geometry_hash"] = "sha256:" + hashlib.sha256(f"3-RPR;{text}".encode()).hexdigest()
+
+
+def another_geometry(draw: random.Random, document: Document) -> Forged:
+    """Another corner or side, with the hash that belongs to it."""
+    geometry, name = document["geometry"], draw.choice(["a2x", "a3y", "d1", "d2"])
+    if "/" in geometry[name] or not _has_points(document):
+        return None
+    geometry[name] += "01" if "." in geometry[name] else ".001"
+    _rehashed(document)
+    return "another geometry", "/"
+
+
+def _has_points(document: Document) -> bool:
+    parts = document.get("slices") or document.get("curves") or document.get("violations") or []
+    return bool(
+        document.get("poses")
+        or document.get("transitions")
+        or any(part.get("cusps") or part.get("points") or part.get("example") for part in parts)
+    )
+
+
+def _slice(draw: random.Random, document: Document) -> tuple[int, Document] | None:
+    numbers = [n for n, part in enumerate(document["slices"]) if part.get("cusps")]
+    return (n := draw.choice(numbers), document["slices"][n]) if numbers else None  # type: ignore[return-value]
+
+
+def _taken(part: Document, n: int) -> Document:
+    """Takes a cusp out, with its box and its count."""
+    full = part["certificate"].get("full")
+    if full:
+        del full["boxes"][n]
+    part["count"] -= 1
+    return part["cusps"].pop(n)
+
+
+def cusp_dropped(draw: random.Random, document: Document) -> Forged:
+    """A cusp less, its box and its count too, and perhaps its root."""
+    if (found := _slice(draw, document)) is None:
+        return None
+    n, part = found
+    _taken(part, draw.randrange(len(part["cusps"])))
+    if draw.random() < 0.3:
+        part["certificate"]["real_roots"] -= 1
+        if roots := part["certificate"].get("full", {}).get("real_roots"):
+            del roots[draw.randrange(len(roots))]
+    return "a cusp dropped", f"/slices/{n}"
+
+
+def cusp_demoted(draw: random.Random, document: Document) -> Forged:
+    """A cusp among the degenerate points."""
+    if (found := _slice(draw, document)) is None:
+        return None
+    n, part = found
+    kind = draw.choice(POSE_KINDS)
+    point = {"kind": kind, **_taken(part, draw.randrange(len(part["cusps"])))}
+    part["degenerate_points"].append(point)
+    return f"a cusp as {kind}", f"/slices/{n}"
+
+
+def degenerate_promoted(draw: random.Random, document: Document) -> Forged:
+    """A degenerate point among the cusps."""
+    rows = [(n, part) for n, part in enumerate(document["slices"]) if part.get("degenerate_points")]
+    if not rows:
+        return None
+    n, part = draw.choice(rows)
+    point = part["degenerate_points"].pop()
+    if point["kind"] == "curve":
+        return "a curve dropped", f"/slices/{n}"
+    del point["kind"]
+    part["cusps"].append(point)
+    part["cusps"].sort(key=lambda cusp: Fraction(cusp[f"theta{document['fixed_leg']}_deg"]))
+    part["count"] += 1
+    return "a degenerate pose as a cusp", f"/slices/{n}"
+
+
+def another_kind_of_point(draw: random.Random, document: Document) -> Forged:
+    """Another kind of a degenerate point."""
+    rows = [
+        (n, p) for n, s in enumerate(document["slices"]) for p in s.get("degenerate_points", []) if len(p) > 2
+    ]
+    if not rows:
+        return None
+    n, point = draw.choice(rows)
+    point["kind"] = draw.choice([kind for kind in POSE_KINDS if kind != point["kind"]])
+    return f"another kind of point, {point['kind']}", f"/slices/{n}/degenerate_points"
+
+
+def cusp_doubled(draw: random.Random, document: Document) -> Forged:
+    """A cusp in the place of another, or twice."""
+    if (found := _slice(draw, document)) is None:
+        return None
+    n, part = found
+    cusps = part["cusps"]
+    k = draw.randrange(len(cusps))
+    near = k + 1 if k + 1 < len(cusps) else k - 1
+    if near >= 0 and near != k and draw.random() < 0.5 and cusps[near] != cusps[k]:
+        cusps[near] = deepcopy(cusps[k])
+        if full := part["certificate"].get("full"):
+            full["boxes"][near] = deepcopy(full["boxes"][k])
+        return "a cusp in the place of another", f"/slices/{n}"
+    cusps.insert(k, deepcopy(cusps[k]))
+    part["count"] += 1
+    if full := part["certificate"].get("full"):
+        full["boxes"].insert(k, deepcopy(full["boxes"][k]))
+    return "a cusp doubled", f"/slices/{n}"
+
+
+def cusp_moved(draw: random.Random, document: Document) -> Forged:
+    """Another digit of a cusp, in its box too."""
+    if (found := _slice(draw, document)) is None:
+        return None
+    n, part = found
+    k = draw.randrange(len(part["cusps"]))
+    if (name := _digit(draw, part["cusps"][k], "")) is None:
+        return None
+    if full := part["certificate"].get("full"):
+        full["boxes"][k][name]["centre"] = part["cusps"][k][name]
+    return "another digit of a cusp", f"/slices/{n}"
+
+
+def another_length(draw: random.Random, document: Document) -> Forged:
+    """Another fixed length."""
+    if (found := _slice(draw, document)) is None or "/" in found[1][f"l{document['fixed_leg']}"]:
+        return None
+    n, part = found
+    name = f"l{document['fixed_leg']}"
+    part[name] += "01" if "." in part[name] else ".01"
+    return "another length", f"/slices/{n}"
+
+
+def exact_zero(draw: random.Random, document: Document) -> Forged:
+    """A small or large number as an exact 0."""
+    if (found := _slice(draw, document)) is None:
+        return None
+    n, part = found
+    cusp = draw.choice(part["cusps"])
+    name = draw.choice([name for name in cusp if name.endswith("_deg")])
+    if cusp[name] == "0":
+        return None
+    cusp[name] = "0"
+    return "an angle as exactly 0", f"/slices/{n}"
+
+
+def pose_swapped(draw: random.Random, document: Document) -> Forged:
+    """A pose in the place of another, or dropped, or of another multiplicity."""
+    rows = document["poses"]
+    if not rows:
+        return None
+    k = draw.randrange(len(rows))
+    if len(rows) > 1 and draw.random() < 0.4:
+        near = k + 1 if k + 1 < len(rows) else k - 1
+        if rows[near] == rows[k]:
+            return None
+        document["count_with_multiplicity"] += rows[k]["multiplicity"] - rows[near]["multiplicity"]
+        rows[near] = deepcopy(rows[k])
+        return "a pose in the place of another", "/poses"
+    if draw.random() < 0.5:
+        lost = rows.pop(k)
+        document["count"] -= 1
+        if rows and draw.random() < 0.5:
+            other = draw.choice(rows)
+            other["multiplicity"] = min(6, other["multiplicity"] + lost["multiplicity"])
+        document["count_with_multiplicity"] = sum(row["multiplicity"] for row in rows)
+        return "a pose dropped", "/poses"
+    change = 1 if rows[k]["multiplicity"] < 6 else -1
+    rows[k]["multiplicity"] += change
+    document["count_with_multiplicity"] += change
+    return "another multiplicity", "/poses"
+
+
+def pose_moved(draw: random.Random, document: Document) -> Forged:
+    """Another digit of a pose."""
+    row = _point(draw, document["poses"])
+    if row is None or _digit(draw, row, "") is None:
+        return None
+    return "another digit of a pose", "/poses"
+
+
+def another_leg(draw: random.Random, document: Document) -> Forged:
+    """Another length of a leg, or the lengths of two exchanged."""
+    first, second = draw.sample(["l1", "l2", "l3"], 2)
+    if document[first] == document[second] or not document["poses"]:
+        return None
+    document[first], document[second] = document[second], document[first]
+    return "two legs exchanged", "/"
+
+
+def transition_hidden(draw: random.Random, document: Document) -> Forged:
+    """A transition left out, with the count of either side, and perhaps its box, its root, or its sign."""
+    rows, parts = document["transitions"], document["intervals"]
+    if not rows:
+        return None
+    n = draw.randrange(len(rows))
+    length, name = Fraction(rows[n][f"l{document['fixed_leg']}"]), f"l{document['fixed_leg']}"
+    low, high = parts[n : n + 2]
+    kept = draw.choice([low, high])
+    changes = low["count"] != high["count"]
+    del rows[n]
+    parts[n : n + 2] = [kept | {"from": low["from"], "to": high["to"]}]
+    for k, row in enumerate(rows):
+        row["count_before"], row["count_after"] = parts[k]["count"], parts[k + 1]["count"]
+    full = document["certificate"].get("full")
+    how = ""
+    if full:
+        del full["samples"][n + draw.randrange(2)]
+        lengths = [(event, Fraction(event[name]["centre"])) for event in full["events"]]
+        near = [event for event, x in lengths if abs(x / length - 1) < Fraction(1, 10**8)]
+        match draw.randrange(4):
+            case 0:
+                full["events"] = [event for event in full["events"] if event not in near]
+                how = ", its box too"
+            case 1:
+                full["events"] = [event for event in full["events"] if event not in near]
+                for system in full["systems"]:
+                    if system["real_roots"]:
+                        del system["real_roots"][draw.randrange(len(system["real_roots"]))]
+                how = ", its box and a root too"
+            case 2:
+                for event in near:
+                    event[name]["centre"] = "-" + event[name]["centre"]
+                how = ", its box turned"
+            case _:
+                pass
+    return (f"a transition hidden{how}", "/") if changes or full else None
+
+
+def transition_added(draw: random.Random, document: Document) -> Forged:
+    """A transition where there is none, with the event of another one or none."""
+    parts, rows, name = document["intervals"], document["transitions"], f"l{document['fixed_leg']}"
+    n = draw.randrange(len(parts))
+    low = Fraction(parts[n]["from"])
+    high = 2 * low + 1 if parts[n]["to"] is None else Fraction(parts[n]["to"])
+    place = low + (high - low) * Fraction(draw.randint(200, 800), 1000)
+    if not Fraction(1) <= place < 1000:
+        return None
+    digits = document["digits"]
+    whole = len(str(int(place)))
+    number = str(int(place * 10 ** (digits - whole)))
+    text = f"{number[:whole]}.{number[whole:]}"
+    events = []
+    if rows and draw.random() < 0.5:
+        events = deepcopy(draw.choice(rows)["events"])
+    change, count = draw.choice([0, 0, 2, -2]), parts[n]["count"]
+    if not 0 <= count + change <= 24:
+        return None
+    kinds = {event["kind"] for event in events}
+    kind = kinds.pop() if len(kinds) == 1 else "several" if kinds else "unclassified"
+    rows.insert(n, {name: text, "kind": kind, "count_before": count, "count_after": count + change})
+    rows[n]["events"] = events
+    parts[n : n + 1] = [parts[n] | {"to": text}, parts[n] | {"from": text, "count": count + change}]
+    if n + 1 < len(rows):
+        rows[n + 1]["count_before"] = count + change
+    if full := document["certificate"].get("full"):
+        full["samples"].insert(n, full["samples"][n])
+    return f"a transition added, {len(events)} events, {change:+d} cusps", "/"
+
+
+def count_changed(draw: random.Random, document: Document) -> Forged:
+    """Other numbers of cusps of an interval, of a run of intervals, or of all."""
+    parts, rows = document["intervals"], document["transitions"]
+    start = draw.randrange(len(parts))
+    stop = draw.randint(start, len(parts) - 1)
+    change = draw.choice([-2, -1, 1, 2])
+    for part in parts[start : stop + 1]:
+        part["count"] += change
+    if any(not 0 <= part["count"] <= 24 for part in parts):
+        return None
+    for k, row in enumerate(rows):
+        row["count_before"], row["count_after"] = parts[k]["count"], parts[k + 1]["count"]
+    return "other numbers of cusps", "/"
+
+
+def event_moved(draw: random.Random, document: Document) -> Forged:
+    """Another digit of an event, or another kind."""
+    rows = [(n, row) for n, row in enumerate(document["transitions"]) if row["events"]]
+    if not rows:
+        return None
+    n, row = draw.choice(rows)
+    event = draw.choice(row["events"])
+    if draw.random() < 0.5:
+        if _digit(draw, event, "") is None:
+            return None
+        return "another digit of an event", f"/transitions/{n}"
+    event["kind"] = draw.choice([kind for kind in POSE_KINDS if kind != event["kind"]])
+    kinds = {event["kind"] for event in row["events"]}
+    row["kind"] = kinds.pop() if len(kinds) == 1 else "several"
+    return f"another kind of an event, {event['kind']}", f"/transitions/{n}"
+
+
+def certificate_changed(draw: random.Random, document: Document) -> Forged:
+    """An eliminant times an integer but for one coefficient; a box twice, wide, or a turn away."""
+    full = document["certificate"].get("full")
+    if not full or not full["events"] or not full["systems"]:
+        return None
+    match draw.randrange(4):
+        case 0:
+            form = draw.choice(full["systems"])["polynomial"]
+            numbers = form["coefficients"]
+            k = draw.randrange(len(numbers))
+            form["coefficients"] = [
+                str(int(x) * 3 + (i == k)) if any(map(int, numbers)) else "1" for i, x in enumerate(numbers)
+            ]
+            if "omega_coefficients" in form:
+                form["omega_coefficients"] = [str(int(x) * 3) for x in form["omega_coefficients"]]
+            return "another eliminant", "/certificate"
+        case 1:
+            events = full["events"]
+            events.insert(0, deepcopy(draw.choice(events)))
+            return "a box twice", "/certificate"
+        case 2:
+            side = draw.choice(full["events"])[draw.choice([f"l{document['fixed_leg']}", "alpha_deg"])]
+            side["radius"] = "1000"
+            return "a wide box", "/certificate"
+        case _:
+            event = draw.choice(full["events"])
+            side = event["alpha_deg"]
+            whole, _, part = side["centre"].partition(".")
+            side["centre"] = f"{400 + abs(int(whole))}" + (f".{part}" if part else "")
+            return "a box a turn away", "/certificate"
+
+
+def curve_changed(draw: random.Random, document: Document) -> Forged:
+    """A curve dropped or doubled, with numbers of cusps made anew; points exchanged; a digit; an end."""
+    curves, name = document["curves"], f"l{document['fixed_leg']}"
+    full = [curve for curve in curves if curve["points"]]
+    if not full:
+        return None
+    curve = draw.choice(full)
+    match draw.randrange(5):
+        case 0:
+            curves.remove(curve)
+            done = "a curve dropped"
+        case 1:
+            curves.append(deepcopy(curve) | {"name": "C999"})
+            done = "a curve doubled"
+        case 2:
+            if _digit(draw, draw.choice(curve["points"]), name) is None:
+                return None
+            return "another digit of a point", "/curves"
+        case 3:
+            ends = [end for c in curves for end in (c["from"], c["to"]) if end["events"]]
+            if not ends:
+                return None
+            end = draw.choice(ends)
+            end[name] = other_digit(draw, end[name])
+            return "an end moved", "/curves"
+        case _:
+            others = [c for c in full if c is not curve and len(c["points"]) == len(curve["points"]) > 1]
+            if not others:
+                return None
+            other = draw.choice(others)
+            curve["points"][0], other["points"][0] = other["points"][0], curve["points"][0]
+            return "points exchanged", "/"
+    by_length: dict[str, list[Document]] = {}
+    for c in curves:
+        for point in c["points"]:
+            by_length.setdefault(point[name], []).append(point)
+    for points in by_length.values():
+        for k, point in enumerate(sorted(points, key=lambda p: p["cusp"]), 1):
+            point["cusp"] = k
+    for c in curves:
+        for side in ("from", "to"):
+            if c[side]["joins"] == curve["name"] and done == "a curve dropped":
+                c[side]["joins"] = None
+    return done, "/curves"
+
+
+def chain_changed(draw: random.Random, document: Document) -> Forged:
+    """A chain dropped, its tubes exchanged or widened."""
+    chains = document.get("certificate", {}).get("full", {}).get("chains", [])
+    if not chains:
+        return None
+    chain = draw.choice(chains)
+    match draw.randrange(3):
+        case 0:
+            chains.remove(chain)
+            return "a chain dropped", "/"
+        case 1:
+            tube = draw.choice(chain["tubes"])
+            tube["radii"] = ["100", "100"]
+            return "a tube widened", "/certificate"
+        case _:
+            tube = draw.choice(chain["tubes"])
+            tube["reach"] = "1000"
+            return "a tube lengthened", "/certificate"
+
+
+def verdict_changed(draw: random.Random, document: Document) -> Forged:
+    """The numbers of intervals moved within the bound, and all that follows."""
+    requirement, rows = document["requirement"], document["intervals"]
+    if not document["violations"] or requirement["max_cusps"] is None:
+        return None
+    most = requirement["max_cusps"]
+    if draw.random() < 0.5:
+        for k, row in enumerate(rows):
+            row["count"] = most - k % 2 if most else 0
+        if most == 0 and len(rows) > 1:
+            rows[:] = [rows[0] | {"to": rows[-1]["to"]}]
+    else:
+        rows[:] = [{"from": rows[0]["from"], "to": rows[-1]["to"], "count": most}]
+    counts = [row["count"] for row in rows]
+    document.update(passed=True, violations=[], max_cusps_found=max(counts), min_cusps_found=min(counts))
+    return "passed in place of failed", "/"
+
+
+def cut_moved(draw: random.Random, document: Document) -> Forged:
+    """A cut between intervals moved everywhere."""
+    rows = document["intervals"]
+    if len(rows) < 2:
+        return None
+    old = rows[draw.randrange(1, len(rows))]["from"]
+    new = other_digit(draw, old)
+    for row in (*rows, *document["violations"]):
+        for end in ("from", "to"):
+            row[end] = new if row[end] == old else row[end]
+    return "a cut moved", "/"
+
+
+def example_changed(draw: random.Random, document: Document) -> Forged:
+    """A cusp of an example doubled, dropped, or moved."""
+    if not document["violations"]:
+        return None
+    k = draw.randrange(len(document["violations"]))
+    cusps = document["violations"][k]["example"]["cusps"]
+    if not cusps:
+        return None
+    if draw.random() < 0.5:
+        if _digit(draw, draw.choice(cusps), "") is None:
+            return None
+    elif len(cusps) > 1:
+        cusps[0] = deepcopy(cusps[1])
+    else:
+        cusps.pop()
+    return "another example", f"/violations/{k}"
+
+
+KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
+    "tables": (
+        _tables,
+        (
+            cusp_dropped,
+            cusp_demoted,
+            degenerate_promoted,
+            another_kind_of_point,
+            cusp_doubled,
+            cusp_moved,
+            another_length,
+            exact_zero,
+            another_geometry,
+        ),
+    ),
+    "poses": (_poses, (pose_swapped, pose_moved, another_leg, another_geometry)),
+    "censuses": (
+        whole_census,
+        (
+            transition_hidden,
+            transition_added,
+            count_changed,
+            event_moved,
+            certificate_changed,
+            another_geometry,
+        ),
+    ),
+    "curves": (_curves, (curve_changed, chain_changed, another_geometry)),
+    "reports": (a_report, (verdict_changed, cut_moved, example_changed, another_geometry)),
+}
+
+
+def is_fooled(line: str, at: str) -> bool:
+    """Whether a first line calls a false document established, or does not name the false claim."""
+    if line.startswith("REFUSED"):
+        return False
+    together = re.sub(r"/[0-9]+", "/*", at)
+    return line.startswith("ESTABLISHED") or not (at in line or together in line)
+
+
+def run(kind: str, n: int, seed: int, counts: Counter[str]) -> None:
+    """Forges document n in several ways."""
+    make, changes = KINDS[kind]
+    question = drawn(seed, kind, n)
+    try:
+        true = json.loads(json.dumps(make(question)))
+    except SolverError:
+        counts["no document"] += 1
+        return
+    for k in range(4):
+        draw, wrong, done = random.Random(f"{seed} {kind} {n} {k}"), deepcopy(true), []
+        for forge in draw.choices(changes, k=draw.choice([1, 1, 2, 3])):
+            try:
+                if (forged := forge(draw, wrong)) is not None:
+                    done.append(forged)
+            except (KeyError, IndexError):  # an earlier change has left nothing to change
+                continue
+        if not done or wrong == true:
+            continue
+        line = first_line(json.dumps(wrong))
+        fooled = any(is_fooled(line, at) for _, at in done)
+        counts["ACCEPTED" if fooled else "refused" if line.startswith("REFUSED") else "named as open"] += 1
+        counts.update(f"  {what}" for what, _ in done)
+        if fooled:
+            about = f"{kind} {n}.{k}: {question.sort}, {question.manipulator}, leg {question.leg}"
+            print(f"{about}: ACCEPTED {[what for what, _ in done]}: {line[:300]}", flush=True)
+
+
+def main() -> int:
+    """Runs the forger."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--kind", action="append", choices=[*KINDS], help="all if none is given")
+    parser.add_argument("--minutes", type=float, default=10, help="of each kind")
+    parser.add_argument("--first", type=int, default=0, help="number of the first document")
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    fooled = False
+    for kind in arguments.kind or KINDS:
+        counts: Counter[str] = Counter()
+        stop, n = time.monotonic() + 60 * arguments.minutes, arguments.first
+        while time.monotonic() < stop:
+            run(kind, n, arguments.seed, counts)
+            n += 1
+        print(f"{kind}: documents {arguments.first} to {n - 1}")
+        print(*(f"  {number:5} {name}" for name, number in sorted(counts.items())), sep="\n", flush=True)
+        fooled = fooled or bool(counts["ACCEPTED"])
+    return 1 if fooled else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
