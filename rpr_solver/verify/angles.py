@@ -7,6 +7,7 @@ from functools import lru_cache
 from math import isqrt
 
 from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.work import spend
 
 _SPARE = 32
 _ULPS = 1 << 8
@@ -15,6 +16,7 @@ _ULPS = 1 << 8
 @lru_cache(maxsize=16)
 def pi(bits: int) -> Interval:
     """π = 16 arctan(1/5) − 4 arctan(1/239)."""
+    spend(bits, bits)
     unit = 1 << (bits + _SPARE)
     value = 16 * _arctan_of_inverse(5, unit) - 4 * _arctan_of_inverse(239, unit)
     middle = value >> _SPARE
@@ -77,6 +79,7 @@ def _at(angle: int, bits: int) -> tuple[int, int]:
     ``scale``, is off by at most 2 units, and so is the rest. Each of the h doublings makes an error e at
     most 3 e + 2 units. As 3^h (2 · scale + 4) < 2^(2 h + 64), less than 1 unit of 2^−bits remains.
     """
+    spend(40 + 3 * isqrt(bits), bits)
     h = 8 + isqrt(bits) // 2
     scale = bits + 2 * h + 64
     x = angle << (scale - bits - h)

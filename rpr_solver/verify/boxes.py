@@ -15,6 +15,7 @@ from rpr_solver.verify.roots import Root, real_roots, refined
 from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd, primitive
 from rpr_solver.verify.surds import derivative as slope
 from rpr_solver.verify.system import Trig, derivative, in_half_tangent
+from rpr_solver.verify.work import spend
 
 _SPARE = 48
 _ROOMS = (5, 8, 12, 16, 24, 40, 64, 100)
@@ -66,6 +67,7 @@ class Directions:
 
     def value(self, p: Trig) -> Interval:
         """All values of a trigonometric polynomial in the box."""
+        spend(2 * len(p), self.bits)
         rational = irrational = Interval(0, 0, self.bits)
         for key, (a, b) in p.items():
             monomial = self._monomial(key)

@@ -15,6 +15,7 @@ from typing import Any
 from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.surds import Poly, Ring, Surd, primitive
 from rpr_solver.verify.system import Trig, in_half_tangent, normal_form, variables
+from rpr_solver.verify.work import spend
 
 DEGREE = 6
 
@@ -46,6 +47,7 @@ class Closure:
     @classmethod
     def of(cls, geometry: Geometry, squares: tuple[Fraction, Fraction, Fraction]) -> Closure:
         """Derives the equations from squared lengths in the user's unit."""
+        spend(10_000, 4 * geometry.bits)
         symbols = variables(geometry, (), squares)
         (ca, sa), unit = symbols.alpha, symbols.unit
         x, y = symbols.theta  # used as the unknown B1

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rpr_solver.contract import Progress
+from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.alike import doubtful_of, located
 from rpr_solver.verify.boxes import Box
 from rpr_solver.verify.chains import SIDES, Chains, Place
@@ -186,6 +186,10 @@ class _Curves:
 
         The boxes of the points are put into ``poses``, as fine as ``bits`` says.
         """
+        if len(listed) > MOST_CUSPS:
+            claim, reason = "different curves are different cusps", f"no slice has more than {MOST_CUSPS}"
+            yield Claim(listed[0].at, claim, ClaimStatus.REFUSED, reason)
+            return
         system = System.of(self.geometry, self.fixed, length)
         boxes, order = [], []
         places = [(self.curves[item.curve]["name"], length) for item in listed]

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from rpr_solver.contract import Progress, silent
+from rpr_solver.contract import Progress, check_integer, silent
 from rpr_solver.verify.censuses import census_claims
 from rpr_solver.verify.checks import check_claims
-from rpr_solver.verify.claims import Claim, Verification, status_of
+from rpr_solver.verify.claims import Claim, ClaimStatus, Verification, status_of
 from rpr_solver.verify.curves import curve_claims
 from rpr_solver.verify.poses import pose_claims
-from rpr_solver.verify.reader import names_of_unread, parsed
+from rpr_solver.verify.reader import names_of_unread, parsed, size_of
 from rpr_solver.verify.schema import Document, read_document
 from rpr_solver.verify.slices import table_claims
 from rpr_solver.verify.texts import check_texts
+from rpr_solver.verify.work import LEAST_CHARACTERS, UNITS_OF_A_CHARACTER, ExhaustedError, bounded
 
 CLAIMS: Mapping[str, Callable[[Document, Progress], Iterator[Claim]]] = {
     "cusp-table": table_claims,
@@ -27,7 +28,7 @@ CLAIMS: Mapping[str, Callable[[Document, Progress], Iterator[Claim]]] = {
 
 
 def verify_document(
-    document: Mapping[str, Any] | str | bytes, *, progress: Progress = silent
+    document: Mapping[str, Any] | str | bytes, *, effort: int = 1, progress: Progress = silent
 ) -> Verification:
     """Checks a document of any solver by independent means: SymPy, exact integers and intervals.
 
@@ -39,6 +40,8 @@ def verify_document(
         document: a cusp table, a table of poses, a census, cusp curves or a report of a check: the bytes or
             the text of its JSON, or what JSON made of them, with its texts. Only of bytes or a text is it
             seen that a key is there twice.
+        effort: how many times the work is done that the length of the document allows: for ``1`` about
+            ten seconds for each 100 kB. What is left then is open.
         progress: callback ``progress(done, total)``.
 
     Raises:
@@ -53,13 +56,27 @@ def verify_document(
     >>> verify_document(document).refused[0].at
     '/slices/0/count'
     """
+    check_integer(effort, "effort", "1 to 1000", 1, 1000)
     value = parsed(document) if isinstance(document, str | bytes) else document
     if isinstance(value, Mapping):
         check_texts(value)
     read = read_document(value)
-    claims = (_hash_claim(read), *CLAIMS[read.kind](read, progress))
+    units = UNITS_OF_A_CHARACTER * max(LEAST_CHARACTERS, size_of(value)) * effort
+    claims = (_hash_claim(read), *_within(units, CLAIMS[read.kind](read, progress)))
     unread = tuple(sorted(names_of_unread(read.members)))
     return Verification(read.kind, read.geometry.hash, str(value["solver_version"]), claims, unread)
+
+
+def _within(units: int, claims: Iterator[Claim]) -> Iterator[Claim]:
+    """The claims for which there is enough work; of the others it is said that they are open."""
+    found: list[Claim] = []
+    with bounded(units):
+        try:
+            found.extend(claims)
+        except ExhaustedError:
+            reason = "it needs more work than its length allows; verify parts of it, or allow more effort"
+            found.append(Claim("", "what is not named here", ClaimStatus.NOT_CHECKED, reason))
+    return iter(found)
 
 
 def _hash_claim(document: Document) -> Claim:

@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import Protocol
 
 from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.work import spend
 
 _STEPS = 12
 Matrix = list[list[Interval]]
@@ -56,6 +57,7 @@ def contracted(problem: Problem, wide: Sequence[Interval]) -> list[Interval] | N
         return None
     slopes, shifts = problem.jacobian(wide), _times(inverse, problem.values(points))
     around, result = [x - point for x, point in zip(wide, points, strict=True)], []
+    spend(len(wide) ** 3, work)
     for i, row in enumerate(inverse):
         image = points[i] - shifts[i]
         for k in range(len(wide)):
@@ -84,6 +86,7 @@ def _middle(x: Interval) -> int:
 def _inverse(matrix: Matrix) -> Matrix | None:
     """The inverse of the midpoints, rounded; None if they are dependent."""
     size, work = len(matrix), matrix[0][0].bits
+    spend(20 * size**3, 2 * work)
     rows = [
         [x.middle for x in row] + [Fraction(int(i == k)) for k in range(size)] for i, row in enumerate(matrix)
     ]

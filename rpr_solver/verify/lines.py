@@ -16,6 +16,7 @@ from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.roots import refined
 from rpr_solver.verify.system import System, Trig, derivative
+from rpr_solver.verify.work import spend
 
 _LINE_BITS = 128
 _LEAST_APART = 32
@@ -163,6 +164,7 @@ def _collapsed(p: Trig, line: Pair, radicand: int) -> dict[tuple[int, int], Inte
 
 def _sum(coefficients: dict[tuple[int, int], Interval], alpha: Pair) -> Interval:
     cos, sin = alpha
+    spend(2 * len(coefficients), cos.bits)
     total = Interval(0, 0, cos.bits)
     powers = [Interval.of(1, cos.bits)]
     for (i, j), x in coefficients.items():

@@ -91,6 +91,12 @@ class Geometry:
         sign = -1 if self.clockwise else 1
         return Fraction(sign * factor, square.denominator), radicand
 
+    @property
+    def bits(self) -> int:
+        """The size of its longest number."""
+        numbers = (self.a2x, self.a3x, self.a3y, self.d1, self.d2, self.d3)
+        return max(part.bit_length() for x in numbers for part in x.as_integer_ratio())
+
     def free_legs(self, fixed: int) -> tuple[int, int]:
         """The legs whose lengths vary while one is fixed."""
         first, second = (leg for leg in (1, 2, 3) if leg != fixed)

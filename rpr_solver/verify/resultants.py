@@ -7,6 +7,7 @@ from fractions import Fraction
 from math import lcm
 
 from rpr_solver.verify.surds import ONE, ZERO, Poly, Ring, Surd, trimmed
+from rpr_solver.verify.work import spend
 
 Family = Callable[[int], Sequence[Surd]]
 """The coefficients in t, of formal degree, at an integer value of the other variable."""
@@ -31,6 +32,7 @@ def determinant(ring: Ring, rows: list[list[Surd]]) -> Surd:
         if pivot != k:
             rows[k], rows[pivot], sign = rows[pivot], rows[k], -sign
         head = rows[k]
+        spend(8 * (size - k) ** 2, max(map(int.bit_length, head[k])))
         for row in rows[k + 1 :]:
             lead = row[k]
             for j in range(k + 1, size):
@@ -58,6 +60,7 @@ def interpolated(points: Sequence[int], values: Sequence[int]) -> list[int]:
     for k in range(1, len(points)):
         for i in range(len(points) - 1, k - 1, -1):
             slopes[i] = (slopes[i] - slopes[i - 1]) / (points[i] - points[i - k])
+    spend(len(points) ** 2, max(map(int.bit_length, values)))
     common = lcm(*(s.denominator for s in slopes))
     result = [0] * len(points)
     for k in reversed(range(len(points))):

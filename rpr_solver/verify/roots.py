@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, isqrt
 
-from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd, derivative, trimmed
+from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd, derivative, size_of, trimmed
+from rpr_solver.verify.work import spend
 
 _GUARD_BITS = 64
 
@@ -164,6 +165,7 @@ def _variations(ring: Ring, p: Sequence[Surd]) -> int:
 
 def shifted(p: Sequence[Surd]) -> list[Surd]:
     """p(x + 1)."""
+    spend(len(p) ** 2 // 4, size_of(p) // 8)
     first, second = [a for a, _ in p], [b for _, b in p]
     for part in (first, second):
         if any(part):

@@ -21,6 +21,7 @@ from rpr_solver.verify.modular import random_places
 from rpr_solver.verify.surds import Surd
 from rpr_solver.verify.surface import Surface
 from rpr_solver.verify.system import Trig, derivative, in_half_tangent
+from rpr_solver.verify.work import spend
 
 Poly = list[int]
 """Coefficients in t modulo the prime, of formal degree."""
@@ -38,6 +39,7 @@ class Place:
     def form(self, p: Trig, alpha: int, theta: int) -> Poly:
         """A polynomial of these degrees in α and θ, which has one parity in θ, as one in t."""
         square = 1 + self.v * self.v
+        spend(5 * len(p))
 
         def weight(cos: int, sin: int) -> int:
             rest, odd = divmod(theta - cos - sin, 2)
@@ -149,6 +151,7 @@ def resultant(p: Poly, q: Poly, prime: int) -> int:
     rows = [[0] * k + p[::-1] + [0] * (n - 1 - k) for k in range(n)]
     rows += [[0] * k + q[::-1] + [0] * (m - 1 - k) for k in range(m)]
     result, size = 1, m + n
+    spend(size**3 // 3)
     for k in range(size):
         pivot = next((i for i in range(k, size) if rows[i][k]), None)
         if pivot is None:

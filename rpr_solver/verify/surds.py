@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd
 
+from rpr_solver.verify.work import spend
+
 Surd = tuple[int, int]
 Poly = tuple[Surd, ...]
 """Coefficients from the constant one on; without leading zeros, unless a formal degree is meant."""
@@ -83,6 +85,7 @@ class Ring:
         """The product of two polynomials."""
         if not p or not q:
             return ()
+        spend(len(p) * len(q), size_of(p))
         result = [ZERO] * (len(p) + len(q) - 1)
         for i, x in enumerate(p):
             if x != ZERO:
@@ -97,6 +100,7 @@ class Ring:
         Raises:
             Indivisible: it has coefficients outside the ring, or a remainder.
         """
+        spend(len(p) * len(q), size_of(p))
         rest, result = list(p), [ZERO] * max(len(p) - len(q) + 1, 0)
         for k in reversed(range(len(result))):
             x = result[k] = self.over(rest[k + len(q) - 1], q[-1])
@@ -111,6 +115,7 @@ class Ring:
         rest, steps = list(p), len(p) - len(q) + 1
         for k in reversed(range(steps)):
             lead = rest[k + len(q) - 1]
+            spend(2 * len(p), size_of(rest))
             rest = [self.times(q[-1], x) for x in rest]
             _subtract(self, rest, lead, q, k)
         return trimmed(rest)
@@ -167,6 +172,7 @@ class Ring:
     def at(self, p: Sequence[Surd], x: Fraction) -> Surd:
         """p(x) times the denominator of x to the formal degree of p."""
         n, d = x.numerator, x.denominator
+        spend(2 * len(p), size_of(p) + len(p) * d.bit_length())
         a = b = 0
         power = 1
         for u, v in reversed(p):
@@ -180,6 +186,11 @@ def _subtract(ring: Ring, rest: list[Surd], x: Surd, q: Poly, shift: int) -> Non
     for i, y in enumerate(q, shift):
         a, b = ring.times(x, y)
         rest[i] = (rest[i][0] - a, rest[i][1] - b)
+
+
+def size_of(p: Sequence[Surd]) -> int:
+    """About the bits of the longest coefficient."""
+    return max((part.bit_length() for x in (*p[:1], *p[-1:]) for part in x), default=0)
 
 
 def trimmed(p: Sequence[Surd]) -> Poly:

@@ -18,6 +18,7 @@ from rpr_solver.verify.krawczyk import Matrix, proved_zero
 from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.surds import Ring
 from rpr_solver.verify.system import Trig, derivative, derive, graded, variables
+from rpr_solver.verify.work import spend
 
 CRITICAL, SWALLOWTAIL = "J = 0, grad J = 0", "J = E = v·grad E = 0"
 """The equations of lips and beaks, and of swallowtails."""
@@ -52,6 +53,7 @@ class Surface:
     @classmethod
     def of(cls, geometry: Geometry, fixed: int) -> Surface:
         """Derives the equations."""
+        spend(50_000, 8 * geometry.bits)
         symbols = variables(geometry, ())
         parts = derive(symbols, geometry, fixed, symbols.length)
         first, second = (

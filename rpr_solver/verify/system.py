@@ -21,6 +21,7 @@ from typing import Any
 
 from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd, rational
+from rpr_solver.verify.work import spend
 
 Monomial = tuple[int, int, int, int]
 """Exponents of cos α, sin α (0 or 1), cos θ, sin θ (0 or 1)."""
@@ -206,6 +207,7 @@ def derive(symbols: Variables, geometry: Geometry, fixed: int, length: Any) -> D
 
 
 def _derived(geometry: Geometry, fixed: int, length: Fraction) -> System:
+    spend(20_000, 8 * geometry.bits)
     symbols = variables(geometry, (length,))
     parts = derive(symbols, geometry, fixed, int(length * symbols.unit))
     first, second = (

@@ -21,6 +21,7 @@ from rpr_solver.verify.reader import Record, refusal
 from rpr_solver.verify.surds import ZERO, Surd
 from rpr_solver.verify.surface import Graded, Surface
 from rpr_solver.verify.system import half_angle_form, in_half_tangent
+from rpr_solver.verify.work import spend
 
 _LAYERS = 3
 _GUARD, _MOST_BITS = 64, 1 << 14
@@ -179,6 +180,7 @@ class Local:
 
     def __init__(self, forms: Forms, tube: Tube) -> None:
         self.tube, bits = tube, tube.bits
+        spend(4000, 2 * bits)
         (j, first), (e, second) = forms.about(tube, 2 * bits + 4 * _GUARD)
         parameter = tube.parameter
         known = Expansion.of(_by_exponents(j, parameter), _by_exponents(e, parameter), (first, second), bits)

@@ -34,17 +34,26 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("document", metavar="FILE", help="a document as JSON, or - for standard input")
     arguments.add_format(parser)
+    parser.add_argument(
+        "--effort",
+        metavar="N",
+        default="1",
+        help="do N times the work that the length of the document allows, about ten seconds for each 100 kB; "
+        "what is left then is not established (default: 1)",
+    )
     remote.add_url(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
-    members = {"document": read_document(args.document), **remote.deadline_of(args)}
+    members = {"document": read_document(args.document), "effort": args.effort, **remote.deadline_of(args)}
     question = read(VerificationRequest, members, arguments.source())
 
     def here() -> dict[str, Any]:
         with progress_bar(1, "parts") as progress:
-            verification = rpr_solver.verify_document(question.document, progress=progress)
+            verification = rpr_solver.verify_document(
+                question.document, effort=question.effort, progress=progress
+            )
         return {**question.geometry.identity_json(), **verification.to_json()}
 
     answer = remote.here_or_there(args.url, question, here)

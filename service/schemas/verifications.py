@@ -13,6 +13,7 @@ from rpr_solver.errors import InputError
 from rpr_solver.verify.texts import check_texts
 from service.schemas.document import Expected, Source, unnamed
 from service.schemas.exact_json import json_kind, plain
+from service.schemas.numbers import whole_from
 from service.schemas.points import GeometryText, optional
 from service.schemas.questions import Examples, GeometryField, Question
 from worker.answers import verifications
@@ -47,6 +48,9 @@ def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
     return document
 
 
+MOST_EFFORT = 100
+
+
 class VerificationRequest(Question):
     """A document to verify, as this service or the command line gave it."""
 
@@ -63,6 +67,12 @@ class VerificationRequest(Question):
     ] = Field(
         description="The document, its numbers as text: a cusp table, poses, a census, cusp curves or a "
         "report of a check."
+    )
+
+    effort: Annotated[int, whole_from(1, MOST_EFFORT, "how many times the usual work, ")] = Field(
+        default=1,
+        description="How many times the work is done that the length of the document allows: once it is "
+        "about ten seconds for each 100 kB. What is left then is not established.",
     )
 
     @model_validator(mode="before")
@@ -89,10 +99,14 @@ class VerificationRequest(Question):
             "geometry": self.geometry.to_json(),
             "digits": digits if whole else MIN_DIGITS,
             "document": self.document,
+            **self._more(),
         }
 
+    def _more(self) -> dict[str, int]:
+        return {} if self.effort == 1 else {"effort": self.effort}
+
     def _asked(self) -> dict[str, Any]:
-        return {"document": self.document}
+        return {"document": self.document, **self._more()}
 
 
 class VerifiedClaim(BaseModel):

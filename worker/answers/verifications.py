@@ -18,5 +18,6 @@ def compute(request: JobRequest, _store: ResultStore, progress: Progress) -> dic
     Raises:
         InputError: it is no document that can be verified.
     """
-    verification = rpr_solver.verify_document(request.content["document"], progress=progress)
+    document, effort = request.content["document"], request.content.get("effort", 1)
+    verification = rpr_solver.verify_document(document, effort=effort, progress=progress)
     return {**request.identity_json(), **verification.to_json()}

@@ -14,6 +14,7 @@ import argparse
 import hashlib
 import json
 import random
+import re
 import sys
 import time
 from collections import Counter
@@ -202,12 +203,17 @@ def cusp_moved(draw: random.Random, document: Document) -> Forged:
 
 
 def another_length(draw: random.Random, document: Document) -> Forged:
-    """Another fixed length."""
-    if (found := _slice(draw, document)) is None or "/" in found[1][f"l{document['fixed_leg']}"]:
+    """Another fixed length: another digit among its first five."""
+    if (found := _slice(draw, document)) is None:
         return None
     n, part = found
     name = f"l{document['fixed_leg']}"
-    part[name] += "01" if "." in part[name] else ".01"
+    text = part[name]
+    places = [k for k, letter in enumerate(text[:6]) if letter in "12345678"]
+    if not places:
+        return None
+    k = draw.choice(places)
+    part[name] = f"{text[:k]}{int(text[k]) + 1}{text[k + 1 :]}"
     return "another length", f"/slices/{n}"
 
 
