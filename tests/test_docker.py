@@ -29,7 +29,7 @@ def test_only_the_api_is_published_and_only_here(compose: dict[str, Any]) -> Non
 
 def test_all_is_started_in_order_and_given_time_to_stop(compose: dict[str, Any]) -> None:
     services = compose["services"]
-    assert set(services) == {"redis", "api", "worker"}
+    assert set(services) == {"redis", "api", "worker", "light-worker"}
     for name, service in services.items():
         assert "stop_grace_period" in service
         assert service["restart"] == "unless-stopped"
@@ -107,6 +107,10 @@ def test_the_password_can_be_read_in_the_containers_and_by_no_other_user(
 
 def test_each_service_has_a_health_check(compose: dict[str, Any]) -> None:
     services = compose["services"]
+    assert services["light-worker"] == {
+        **services["worker"],
+        "command": ["worker", "--duty", "light"],
+    }, "no wrong estimate takes all workers"
     assert services["worker"]["healthcheck"]["test"] == ["CMD", "python", "-m", "worker.process.health"]
     assert "valkey-cli ping" in services["redis"]["healthcheck"]["test"][1]
     image = re.search(r"^HEALTHCHECK .*\n +CMD (\[.*\])$", (DOCKER / "Dockerfile").read_text(), re.MULTILINE)
