@@ -16,5 +16,5 @@ def test_a_route_and_its_proof_make_the_path() -> None:
     path = path_of(LOOP.manipulator, route, proof, plan, 15)
     assert (path.cusp, path.winding) == (None, None)
     assert (path.start, path.stop, path.lengths) == (LOOP.start, LOOP.stop, LOOP.lengths)
-    again = path_of(LOOP.manipulator, route, proof, plan, 15, (4, 1))
+    again = path_of(LOOP.manipulator, route, proof, plan, 15, (4, 1, ()))
     assert again.samples == LOOP.samples
