@@ -88,3 +88,18 @@ def test_scale_and_mirror_change_no_number(number: int, leg: int) -> None:
     sides["a3y"] = -sides["a3y"]
     image = Manipulator(**sides, orientation="cw" if m.orientation == "ccw" else "ccw")
     assert numbers(singular_curves(image, length * factor, fixed_leg=leg)) == expected
+
+
+@settings(max_examples=4)
+@given(st.integers(0, 10**6), st.integers(1, 3))
+def test_exchanging_two_legs_changes_no_number(number: int, leg: int) -> None:
+    """Legs 1 and 2 change places when the manipulator is turned by half a turn; J may change its sign."""
+    given_case = case(13 * (number % 1000) + number % len(MAKERS), number)
+    m, length = given_case.manipulator, min(given_case.length, Fraction(10**4))
+    turned = Manipulator(
+        m.a2x, m.a2x - m.a3x, -m.a3y, m.d1, m.d3, m.d2, orientation="cw" if m.orientation == "ccw" else "ccw"
+    )
+    regions, signs = numbers(singular_curves(m, length, fixed_leg=leg))
+    others, other_signs = numbers(singular_curves(turned, length, fixed_leg={1: 2, 2: 1, 3: 3}[leg]))
+    assert sorted(others) == sorted(regions)
+    assert sorted(other_signs) in (sorted(signs), sorted(-sign for sign in signs))
