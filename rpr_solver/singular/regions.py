@@ -13,7 +13,7 @@ from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, pairwise
-from math import floor, hypot, log10
+from math import floor, hypot, log10, pi
 from typing import Any
 
 from rpr_solver.errors import SolverError
@@ -30,6 +30,7 @@ from rpr_solver.singular.tracing import FINEST
 from rpr_solver.slices.joint_points import coordinate_names
 
 _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
+_MANY_LEVELS = tuple((k + 0.5) / 128 for k in range(128))
 _CLEAR = 1e-7
 _ASIDE = 0.17
 
@@ -138,8 +139,11 @@ def _region(
     Several points are tried, since one may be special: the image of a whole component may be a point.
     """
     finest, tolerance = limits
-    points = _inner_points(face)
+    points = _inner_points(face, _LEVELS)
     point, clearance = next(points)
+    if clearance < tolerance and abs(_area(face.rings[0])) > pi * tolerance**2:  # it may be wide elsewhere
+        points = _inner_points(face, (*_LEVELS, *_MANY_LEVELS))
+        point, clearance = next(points)
     if clearance < finest or (clearance < tolerance and not _touches(face, cusps)):
         return None
     wide = clearance > 2 * tolerance
@@ -182,8 +186,11 @@ def _drawable(curves: Sequence[Polyline], finest: float) -> Iterator[Polyline]:
         yield Polyline(tuple(points), name(start), name(end))
 
 
-def _inner_points(face: Face) -> Iterator[tuple[tuple[Fraction, Fraction], float]]:
-    """Rational points in a face with their distances from the boundary, the farthest of a few first."""
+def _inner_points(face: Face, levels: Sequence[float]) -> Iterator[tuple[tuple[Fraction, Fraction], float]]:
+    """Rational points in a face with their distances from the boundary, the farthest first.
+
+    One is tried at each of the levels between its least and its greatest second coordinate.
+    """
     xs, ys = ([point[k] for ring in face.rings for point in ring] or [1.0] for k in (0, 1))
     if not face.bounded:
         x, y = 2 * max(xs), 2 * max(ys)
@@ -193,7 +200,7 @@ def _inner_points(face: Face) -> Iterator[tuple[tuple[Fraction, Fraction], float
     low, high = min(ys), max(ys)
     best, clearance = (xs[0], ys[0]), 0.0
     others = []
-    for level in _LEVELS:
+    for level in levels:
         y = low + level * (high - low)
         cuts = sorted(
             ax + (y - ay) / (by - ay) * (bx - ax) for (ax, ay), (bx, by) in edges if (ay > y) != (by > y)

@@ -40,6 +40,8 @@ def numbers(curves: SingularCurves) -> tuple[list[int], list[int]]:
         # α = 180° is a double component
         (FLAT, 3, "18/5", [4, 0], [1, 1, -1, -1]),
         (FLAT, 2, "26/5", [4, 0], [1, 1, -1, -1]),
+        # a region that is a thin strip for the most part
+        (Manipulator("-6.2", "-140", 0, "10.7", "11.8", 11), 2, "225.07386", [4, 2, 0], [1, -1]),
     ],
 )
 def test_slices_with_special_components(
