@@ -58,7 +58,9 @@ def running_job(queue: JobQueue, slices: int, digits: int) -> tuple[str, Callabl
     content = {"geometry": MANIPULATOR.to_json(), "fixed_leg": 1, "digits": digits, "l1": l1}
     request = JobRequest(tables.KIND, content)
     plan = queue.plan(request, slices)
-    refs = queue.records.create(request, request.parts, "", plan) or []
+    created = queue.records.create(request, request.parts, "", plan)
+    assert created is not None
+    refs = created.refs
     for ref in refs:  # as its worker would say
         queue.redis.set(queue.records.keys.beat(ref.rq_id), 1, ex=10 * SECONDS)
     one = rpr_solver.slice_json(rpr_solver.eliminate(MANIPULATOR), Fraction("14.98"), digits)
