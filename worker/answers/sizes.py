@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import permutations
 from math import gcd, isqrt, lcm
 from typing import Any
 
@@ -182,8 +183,9 @@ def _size(text: str) -> tuple[int, int | None]:
 def _shape(sides: list[int]) -> tuple[int, bool]:
     """Bits by which the triangles nearly are flat, equilateral, congruent or similar; whether they are.
 
-    The bits are those of the quotient of what then vanishes and its terms; half of them, if they nearly are
-    isosceles or right. A shape that they have is none that they nearly have.
+    Congruent are also triangles whose corners have other names. The bits are those of the quotient of what
+    then vanishes and its terms; half of them, if they nearly are isosceles or right. A shape that they have
+    is none that they nearly have.
     """
     a2x, a3x, a3y, d1, d2, d3 = sides
     base = (a2x**2, (a2x - a3x) ** 2 + a3y**2, a3x**2 + a3y**2)
@@ -202,6 +204,9 @@ def _shape(sides: list[int]) -> tuple[int, bool]:
     for forms in ([(x - y, max(x, y)) for x, y in pairs], alike):
         lost = [_bits_lost(x, size) for x, size in forms if x]
         most = max(most, *(bits // 2 for bits in lost), min(lost, default=0))
+    for sides_in_turn in permutations(platform):  # congruent, but for the names of the corners
+        lost = [_bits_lost(x - y, max(x, y)) for x, y in zip(base, sides_in_turn, strict=True) if x != y]
+        most = max(most, min(lost, default=0))
     return most, not a3y or not area or not any(x for x, _ in alike)
 
 

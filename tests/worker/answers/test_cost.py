@@ -142,6 +142,8 @@ NEARLY_CONGRUENT = {
     **{"a2x": "14.000009", "a3x": "5.000009", "a3y": "12.000009"},
     **{"d1": "14.000018", "d2": "15.000018", "d3": "12.999991", "orientation": "cw"},
 }
+PERMUTED = {"a2x": "14", "a3x": "5", "a3y": "12", "d1": "14", "d2": "13", "d3": "15"}
+"""A congruent platform, its corners in another order."""
 ROUND = {"a2x": "10", "a3x": "4", "a3y": "3", "d1": "5", "d2": "6", "d3": "8", "orientation": "ccw"}
 
 
@@ -156,6 +158,7 @@ ROUND = {"a2x": "10", "a3x": "4", "a3y": "3", "d1": "5", "d2": "6", "d3": "8", "
         ({**HERON, "a2x": f"14.{'0' * 15}1"}, 5),  # > 11
         ({**HERON, "d1": "28", "d2": "30", "d3": f"26.{'0' * 15}1"}, 5),  # > 11
         ({"a2x": "2", "a3x": "1", "a3y": "1.7320508075688772", "d1": "1", "d2": "1", "d3": "1"}, 5),  # > 11
+        ({**PERMUTED, "a3x": "4.99999999999999999996", "d2": "13.00000000000000000004"}, 60),  # > 60
     ],
 )
 def test_nearly_special_shapes_are_priced(geometry: dict[str, str], least: float) -> None:
@@ -164,7 +167,7 @@ def test_nearly_special_shapes_are_priced(geometry: dict[str, str], least: float
 
 
 @pytest.mark.parametrize(
-    "geometry", [HERON, ROUND, {**ROUND, "a3y": "0"}, {**HERON, "d3": "13.1"}, INNOCENTI]
+    "geometry", [HERON, PERMUTED, ROUND, {**ROUND, "a3y": "0"}, {**HERON, "d3": "13.1"}, INNOCENTI]
 )
 def test_special_shapes_are_not_dear(geometry: dict[str, str]) -> None:
     assert estimate(censuses.KIND, WHOLE, geometry) < 1
