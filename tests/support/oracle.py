@@ -15,29 +15,39 @@ from rpr_solver import Manipulator
 _ON_CIRCLE, _OFF_CIRCLE, _APART = 1e-7, 1e-4, 1e-3
 
 
+def free_legs_of(manipulator: Manipulator, leg: int) -> list[tuple[complex, complex]]:
+    """For each free leg the vectors from the fixed leg to it, of the platform and of the base."""
+    m = {name: float(x) for name, x in manipulator.to_dict().items() if name != "orientation"}
+    p = (m["d1"] ** 2 + m["d3"] ** 2 - m["d2"] ** 2) / (2 * m["d1"])
+    height = max(m["d3"] ** 2 - p * p, 0.0) ** 0.5 * (1 if manipulator.orientation == "ccw" else -1)
+    platform, base = [0j, m["d1"] + 0j, p + 1j * height], [0j, m["a2x"] + 0j, m["a3x"] + 1j * m["a3y"]]
+    own, foot = platform.pop(leg - 1), base.pop(leg - 1)
+    return [(x - own, a - foot) for x, a in zip(platform, base, strict=True)]
+
+
+def singularity(legs: list[tuple[complex, complex]], length: float, alpha: Any, theta: Any) -> Any:
+    """J / L at angles or arrays of them."""
+    along, across = [], []
+    for x, a in legs:
+        turned = x * np.exp(1j * alpha)
+        end = length * np.exp(1j * theta) + turned - a
+        along.append((np.conj(end) * 1j * turned).real)
+        across.append((np.conj(end) * 1j * np.exp(1j * theta)).real)
+    return along[0] * across[1] - along[1] * across[0]
+
+
 class FloatManipulator:
     """A manipulator with one leg fixed, its lengths divided by the largest."""
 
     def __init__(self, manipulator: Manipulator, leg: int, length: float) -> None:
-        m = {name: float(x) for name, x in manipulator.to_dict().items() if name != "orientation"}
-        p = (m["d1"] ** 2 + m["d3"] ** 2 - m["d2"] ** 2) / (2 * m["d1"])
-        height = max(m["d3"] ** 2 - p * p, 0.0) ** 0.5 * (1 if manipulator.orientation == "ccw" else -1)
-        platform, base = [0j, m["d1"] + 0j, p + 1j * height], [0j, m["a2x"] + 0j, m["a3x"] + 1j * m["a3y"]]
-        own, foot = platform.pop(leg - 1), base.pop(leg - 1)
-        legs = [(x - own, a - foot) for x, a in zip(platform, base, strict=True)]
+        legs = free_legs_of(manipulator, leg)
         self.size = max(length, *(abs(v) for pair in legs for v in pair))
         self.length = length / self.size
         self.legs = [(x / self.size, a / self.size) for x, a in legs]
 
     def singularity(self, alpha: Any, theta: Any) -> Any:
         """J / L at angles or arrays of them."""
-        along, across = [], []
-        for x, a in self.legs:
-            turned = x * np.exp(1j * alpha)
-            end = self.length * np.exp(1j * theta) + turned - a
-            along.append((np.conj(end) * 1j * turned).real)
-            across.append((np.conj(end) * 1j * np.exp(1j * theta)).real)
-        return along[0] * across[1] - along[1] * across[0]
+        return singularity(self.legs, self.length, alpha, theta)
 
     def number_of_poses(self, first: float, second: float) -> int | None:
         """The poses of a joint vector; None if floats do not decide it.

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from rpr_solver import EXAMPLES, Manipulator, PoseKind, SingularCurves, trace_slice
 from tests.support.families import FAMILIES, family
+from tests.support.oracle import free_legs_of, singularity
 from tests.support.shared import eliminant_of
 
 Array = NDArray[np.float64]
@@ -46,12 +47,7 @@ class Raster:
     """A slice on a grid of α and θ, by the definition of the leg lengths alone."""
 
     def __init__(self, manipulator: Manipulator, leg: int, length: Fraction, size: int) -> None:
-        m = {name: float(x) for name, x in manipulator.to_dict().items() if name != "orientation"}
-        p = (m["d1"] ** 2 + m["d3"] ** 2 - m["d2"] ** 2) / (2 * m["d1"])
-        height = max(m["d3"] ** 2 - p * p, 0.0) ** 0.5 * (1 if manipulator.orientation == "ccw" else -1)
-        platform, base = [0j, m["d1"] + 0j, p + 1j * height], [0j, m["a2x"] + 0j, m["a3x"] + 1j * m["a3y"]]
-        own, foot = platform.pop(leg - 1), base.pop(leg - 1)
-        self.legs = [(x - own, a - foot) for x, a in zip(platform, base, strict=True)]
+        self.legs = free_legs_of(manipulator, leg)
         self.length = float(length)
         # an odd offset, so that nothing special lies on the grid
         self.angles = -np.pi + 0.1234567 + np.arange(size + 1) * (2 * np.pi / size)
@@ -59,13 +55,7 @@ class Raster:
 
     def at(self, alpha: Any, theta: Any) -> Any:
         """J / L at angles or arrays of them."""
-        along, across = [], []
-        for x, a in self.legs:
-            turned = x * np.exp(1j * alpha)
-            end = self.length * np.exp(1j * theta) + turned - a
-            along.append((np.conj(end) * 1j * turned).real)
-            across.append((np.conj(end) * 1j * np.exp(1j * theta)).real)
-        return along[0] * across[1] - along[1] * across[0]
+        return singularity(self.legs, self.length, alpha, theta)
 
     def contours(self) -> list[Array]:
         """The lines J = 0 as arrays of (α, θ) in the square of the grid."""
