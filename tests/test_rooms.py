@@ -162,18 +162,6 @@ def test_no_file_is_long() -> None:
     assert {module: count for module, count in lines.items() if count > LONGEST} == {}
 
 
-def test_every_module_of_the_solver_has_its_tests() -> None:
-    """In the room of the same name: `exact/factors.py` in `tests/rpr_solver/exact/test_factors.py`."""
-    modules = {path.relative_to(ROOT) for name, path in FILES.items() if name.startswith(SOLVER)}
-    named = {path for path in modules if path.name != "__init__.py"}
-    assert named
-    assert [
-        str(path)
-        for path in sorted(named)
-        if not (ROOT / "tests" / path.parent / f"test_{path.name}").exists()
-    ] == []
-
-
 def test_no_module_of_the_solver_hides_behind_an_exported_name() -> None:
     import rpr_solver
 
