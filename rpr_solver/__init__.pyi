@@ -33,6 +33,8 @@ from .kinematics.pose_table import PoseTable as PoseTable
 from .kinematics.pose_table import poses as poses
 from .kinematics.pose_table import poses_of_squares as poses_of_squares
 from .model.classify import PoseKind as PoseKind
+from .model.joint_points import JointPoint as JointPoint
+from .model.lengths import LengthRange as LengthRange
 from .model.manipulator import EXAMPLES as EXAMPLES
 from .model.manipulator import Manipulator as Manipulator
 from .paths.between_poses import joint_path as joint_path
@@ -63,11 +65,8 @@ from .slices.answers import table_json as table_json
 from .slices.cusp_table import cusp_table as cusp_table
 from .slices.cusp_table import solve_slice as solve_slice
 from .slices.cusp_table import solve_slices as solve_slices
-from .slices.degeneracy import Degeneracy as Degeneracy
 from .slices.eliminant import Eliminant as Eliminant
 from .slices.eliminant import eliminate as eliminate
-from .slices.joint_points import JointPoint as JointPoint
-from .slices.length_range import LengthRange as LengthRange
 from .slices.slice_table import SliceTable as SliceTable
 from .transitions.census import Census as Census
 from .transitions.census import LengthKind as LengthKind
@@ -77,6 +76,7 @@ from .transitions.census import census as census
 from .transitions.check_report import CheckedInterval as CheckedInterval
 from .transitions.check_report import CheckReport as CheckReport
 from .transitions.check_report import check as check
+from .transitions.degenerate import Degeneracy as Degeneracy
 from .transitions.requirement import Requirement as Requirement
 from .verify.claims import Claim as Claim
 from .verify.claims import ClaimStatus as ClaimStatus

@@ -15,10 +15,10 @@ from typing import Any
 from rpr_solver.contract import check_digits
 from rpr_solver.exact.decimals import angle_text, shorten
 from rpr_solver.exact.rationals import Exact
+from rpr_solver.model.joint_points import coordinate_names
+from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.notebook import degenerate_words
-from rpr_solver.slices.degeneracy import Degeneracy
-from rpr_solver.slices.joint_points import coordinate_names
-from rpr_solver.slices.length_range import LengthRange, intervals_json
+from rpr_solver.transitions.degenerate import Degeneracy
 
 
 def shorten_slice(slice_json: Mapping[str, Any], have_digits: int, digits: int) -> dict[str, Any] | None:

@@ -48,14 +48,14 @@ from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.exact_pose import ExactPose, common_poses, place
 from rpr_solver.model.half_tangent import HalfTangent, common_root
+from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint
+from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row
 from rpr_solver.slices.answers import slices_json, table_json
-from rpr_solver.slices.by_balls import SlicePoses
+from rpr_solver.slices.by_balls import SlicePoses, point_of_balls
 from rpr_solver.slices.certificate import RootCertificate
-from rpr_solver.slices.joint_points import ClassifiedPoint, JointPoint, point_of_balls
-from rpr_solver.slices.lengths import slice_length
 from rpr_solver.slices.slice_table import SliceTable
 
 METHOD = "article"

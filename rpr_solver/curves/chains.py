@@ -25,7 +25,7 @@ from rpr_solver.curves.follower import LostError
 from rpr_solver.curves.short_tubes import ProvedTube, ShortTube, shortened
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.slices.length_range import LengthRange
+from rpr_solver.model.lengths import LengthRange
 
 _MOST_TUBES = 1 << 13
 

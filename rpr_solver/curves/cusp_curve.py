@@ -9,9 +9,9 @@ from typing import Any
 
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.joint_points import JointPoint
+from rpr_solver.model.lengths import LengthRange
 from rpr_solver.notebook import counted, shortened
-from rpr_solver.slices.joint_points import JointPoint
-from rpr_solver.slices.length_range import LengthRange
 from rpr_solver.transitions.census import LengthKind, TransitionEvent
 
 _KINDS: dict[str, PoseKind | LengthKind] = {kind.value: kind for kind in (*PoseKind, *LengthKind)}

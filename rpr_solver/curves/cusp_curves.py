@@ -34,15 +34,13 @@ from rpr_solver.curves.naming import name_cusps, tracks
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.locus import locus_figure
+from rpr_solver.model.joint_points import JointPoint
+from rpr_solver.model.lengths import LengthRange, slice_lengths
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, with_floats
-from rpr_solver.slices.degeneracy import Degeneracy
 from rpr_solver.slices.eliminant import Eliminant, eliminate
-from rpr_solver.slices.joint_points import JointPoint
-from rpr_solver.slices.length_range import LengthRange
-from rpr_solver.slices.lengths import slice_lengths
 from rpr_solver.transitions.census import LengthKind, transition_at
-from rpr_solver.transitions.degenerate import degeneracies
+from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS
 from rpr_solver.transitions.event_texts import length_text
 from rpr_solver.transitions.survey import Survey, survey

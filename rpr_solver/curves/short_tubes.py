@@ -26,7 +26,7 @@ from rpr_solver.curves.tubes import (
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.half_tangent import HalfTangent
-from rpr_solver.slices.joint_points import free_legs
+from rpr_solver.model.joint_points import free_legs
 
 _SPARE_BITS = (6, 12, 24, 48)
 """How far below a tube's radii its other numbers are rounded, in order of trial."""

@@ -15,8 +15,8 @@ from typing import Any
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.joint_points import coordinate_names, free_legs
 from rpr_solver.model.manipulator import CW, Manipulator
-from rpr_solver.slices.joint_points import coordinate_names, free_legs
 
 _TURNS = (("1", "0"), ("3/5", "4/5"), ("5/13", "12/13"), ("7/25", "24/25"))
 """Cosine and sine of the angles from which half tangents may be taken."""

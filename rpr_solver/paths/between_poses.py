@@ -19,6 +19,8 @@ from rpr_solver.errors import InputError, SolverError, Unproved
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
 from rpr_solver.kinematics.pose_table import PoseTable, poses
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.joint_points import free_legs
+from rpr_solver.model.lengths import Bounds, ExactLimits, read_limits
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cells
@@ -31,8 +33,6 @@ from rpr_solver.paths.path_limits import NO_BOUNDS, outside
 from rpr_solver.paths.proved import PROOF_BITS, path_of
 from rpr_solver.paths.subdivision import Outcome
 from rpr_solver.paths.within_limits import LimitedSearch
-from rpr_solver.slices.joint_limits import Bounds, ExactLimits, read_limits
-from rpr_solver.slices.joint_points import free_legs
 from rpr_solver.transitions.census import census
 
 _CENSUS_DIGITS = 15

@@ -28,6 +28,8 @@ from rpr_solver.contract import (
 from rpr_solver.errors import InputError, Unproved
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
+from rpr_solver.model.joint_points import JointPoint, free_legs
+from rpr_solver.model.lengths import Bounds, ExactLimits, read_limits, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.arcs import Arc, expanded
@@ -40,10 +42,7 @@ from rpr_solver.paths.proved import PROOF_BITS, path_of
 from rpr_solver.paths.route import ControlPoint, Route
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant
-from rpr_solver.slices.joint_limits import Bounds, ExactLimits, read_limits
-from rpr_solver.slices.joint_points import JointPoint, free_legs
 from rpr_solver.slices.kept import kept_eliminant
-from rpr_solver.slices.lengths import slice_length
 from rpr_solver.slices.slice_table import SliceTable
 
 CUSP_DIGITS = 60

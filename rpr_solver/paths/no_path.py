@@ -10,10 +10,10 @@ from typing import Any
 from rpr_solver.contract import document_head
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.model.classify import Kind
+from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.paths.ends import PathPose
 from rpr_solver.paths.path import document_lengths, span_json
-from rpr_solver.slices.joint_limits import Bounds, limits_json
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from flint import arb, ctx
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.kinematics.pose_table import PoseTable
+from rpr_solver.model.joint_points import free_legs
 from rpr_solver.notebook import shortened
 from rpr_solver.paths.arcs import Arc
 from rpr_solver.paths.ends import PathPose, numbered, of_table
@@ -18,7 +19,6 @@ from rpr_solver.paths.followed import follow
 from rpr_solver.paths.isolated import Angles, IsolatedPose, local_map
 from rpr_solver.paths.route import Route
 from rpr_solver.paths.samples import wrapped
-from rpr_solver.slices.joint_points import free_legs
 
 _SPARE_BITS = 128
 

@@ -40,6 +40,7 @@ from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
 from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.loop import loop_figure
 from rpr_solver.kinematics.pose_table import poses
+from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
 from rpr_solver.paths.ends import PathPose
@@ -48,7 +49,6 @@ from rpr_solver.paths.route import Route
 from rpr_solver.paths.samples import PathSample, sampled
 from rpr_solver.paths.timing import TIMINGS
 from rpr_solver.singular.singular_curves import SingularCurves
-from rpr_solver.slices.joint_limits import Bounds, limits_json
 
 
 class PathCertificate(TypedDict):

@@ -14,10 +14,10 @@ from fractions import Fraction
 from flint import arb
 
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.joint_points import free_legs
+from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.isolated import Legs
-from rpr_solver.slices.joint_limits import Bounds
-from rpr_solver.slices.joint_points import free_legs
 
 NO_BOUNDS: Bounds = (None, None)
 

@@ -9,13 +9,13 @@ from flint import ctx
 
 from rpr_solver.exact.decimals import round_down
 from rpr_solver.kinematics.pose_table import poses
+from rpr_solver.model.joint_points import free_legs
+from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.paths.ends import numbered
 from rpr_solver.paths.path import Path, PathCertificate, SamplingPlan
 from rpr_solver.paths.proofs import PathProof
 from rpr_solver.paths.route import Route
-from rpr_solver.slices.joint_limits import Bounds
-from rpr_solver.slices.joint_points import free_legs
 
 PROOF_BITS = 160
 """The working precision of the proofs."""

@@ -14,6 +14,7 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, round_down
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
+from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import shortened
 from rpr_solver.paths.arcs import Arc, Point
@@ -21,7 +22,6 @@ from rpr_solver.paths.clearance import clearance_of
 from rpr_solver.paths.isolated import IsolatedPose, local_map
 from rpr_solver.paths.route import Route
 from rpr_solver.paths.timing import TIMINGS, Joint, places
-from rpr_solver.slices.joint_points import free_legs
 
 _BOUND_DIGITS = 6
 _TRIES = 4

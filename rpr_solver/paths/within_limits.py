@@ -14,6 +14,7 @@ from flint import ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.lengths import Bounds
 from rpr_solver.paths.arcs import Arc, Point
 from rpr_solver.paths.boxes import Boxes, Place
 from rpr_solver.paths.isolated import IsolatedPose, Legs
@@ -24,7 +25,6 @@ from rpr_solver.paths.proofs import ProvedRoute, prove
 from rpr_solver.paths.proved import PROOF_BITS
 from rpr_solver.paths.straightened import Corner
 from rpr_solver.paths.subdivision import Outcome, search
-from rpr_solver.slices.joint_limits import Bounds
 
 _INWARDS = [Fraction(1, 10**k) for k in range(2, 9)]
 

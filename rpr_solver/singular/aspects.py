@@ -13,11 +13,11 @@ from itertools import pairwise
 from math import degrees
 from typing import Any
 
+from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.singular.floats import drawn
 from rpr_solver.singular.strands import UnionFind
 from rpr_solver.singular.sweep import Sweep
 from rpr_solver.singular.tracing import TURN, Sample
-from rpr_solver.slices.joint_points import coordinate_names
 
 Cell = tuple[int, int]
 """A slab and the number of a gap in it."""

@@ -17,6 +17,7 @@ from rpr_solver.model.classify import PoseKind, cos_sin
 from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap, Pose, R
+from rpr_solver.model.joint_points import JointPoint, point_of_pose
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.singular.charts import Chart, Turn
 from rpr_solver.singular.sweep import Sweep
@@ -29,7 +30,6 @@ from rpr_solver.singular.vertices import (
     point_of_balls,
     turned,
 )
-from rpr_solver.slices.joint_points import JointPoint, point_of_pose
 
 
 def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, Place]]:

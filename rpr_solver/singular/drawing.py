@@ -9,6 +9,7 @@ from math import degrees
 from typing import Any
 
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.joint_points import JointPoint, coordinate_names, point_of_pose
 from rpr_solver.notebook import counted
 from rpr_solver.singular.arrangement import Polyline
 from rpr_solver.singular.aspects import Aspect, drawn_aspects
@@ -26,7 +27,6 @@ from rpr_solver.singular.vertices import (
     poses_on_line,
     vertices_of_lines,
 )
-from rpr_solver.slices.joint_points import JointPoint, coordinate_names, point_of_pose
 
 _MORE_DIGITS = (60, 240, 960, 3840)
 """The digits at which cusps are looked for again if a critical line is too near to tell them apart."""

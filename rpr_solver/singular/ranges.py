@@ -28,13 +28,13 @@ from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.exact.real_roots import RealRoot, fraction_of, real_roots
+from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.aspects import Cell, aspect_cells
 from rpr_solver.singular.charts import TURNS, Chart, turned_rows
 from rpr_solver.singular.strands import UnionFind
 from rpr_solver.singular.sweep import Sweep, between, in_order, position, sweep
-from rpr_solver.slices.length_range import LengthRange
 
 _FIRST_BITS = 64
 

@@ -22,12 +22,12 @@ from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.kinematics.fibre import fibre
+from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import counted, shortened
 from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
 from rpr_solver.singular.floats import drawn
 from rpr_solver.singular.tracing import FINEST
-from rpr_solver.slices.joint_points import coordinate_names
 
 _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)
 _MANY_LEVELS = tuple((k + 0.5) / 128 for k in range(128))

@@ -38,6 +38,8 @@ from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
 from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.torus import torus_figure
+from rpr_solver.model.joint_points import JointPoint
+from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, shortened
 from rpr_solver.singular.aspects import Aspect
@@ -49,9 +51,7 @@ from rpr_solver.singular.sweep import Sweep, sweep
 from rpr_solver.singular.vertices import NotPlacedError, Vertex
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant
-from rpr_solver.slices.joint_points import JointPoint
 from rpr_solver.slices.kept import kept_eliminant
-from rpr_solver.slices.lengths import slice_length
 from rpr_solver.slices.slice_table import SliceTable
 
 _VIEWS = {"joints": joint_figure, "torus": torus_figure}

@@ -26,10 +26,10 @@ from rpr_solver.model.classify import Kind, PoseKind, cos_sin
 from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.half_tangent import HalfTangent, common_root, direction
 from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.joint_points import JointPoint, joint_point, point_of_pose
 from rpr_solver.model.slice_map import Leg
 from rpr_solver.singular.charts import Chart, Turn
 from rpr_solver.singular.sweep import Line, Sweep, free_of_zeros
-from rpr_solver.slices.joint_points import JointPoint, joint_point, point_of_pose
 
 _FIRST_BITS = 64
 

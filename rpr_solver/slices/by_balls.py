@@ -7,10 +7,13 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
+from rpr_solver.exact.decimals import round_all
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
 from rpr_solver.model.jets import LocalMap
+from rpr_solver.model.joint_points import ClassifiedPoint, joint_point
 from rpr_solver.model.slice_map import SliceMap
 
 
@@ -25,6 +28,15 @@ class CuspBalls:
     proof: dict[str, arb]
     """Balls that exclude zero where a cusp needs it (:class:`~rpr_solver.PoseKind`), by their names in the
     certificate; lengths are scaled."""
+
+
+def point_of_balls(cusp: CuspBalls, fixed_leg: int, digits: int, bits: int) -> ClassifiedPoint | None:
+    """A proved cusp in decimals; None if the balls, of working precision ``bits``, are too wide."""
+    texts = round_all((cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second), digits)
+    if texts is None:
+        return None
+    point, proof = joint_point(texts, fixed_leg), {name: x.str(5) for name, x in cusp.proof.items()}
+    return ClassifiedPoint(PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, point, proof, bits)
 
 
 class SlicePoses:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TypedDict
 
 from rpr_solver.exact.factors import FactorShape, shapes_json
-from rpr_solver.slices.joint_points import free_legs
+from rpr_solver.model.joint_points import free_legs
 
 
 class Factor(FactorShape):

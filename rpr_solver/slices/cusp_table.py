@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, check_leg, check_type
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.rationals import Exact
+from rpr_solver.model.lengths import slice_length, slice_lengths
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.chunk import SliceChunk
 from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.kept import kept_eliminant
-from rpr_solver.slices.lengths import slice_length, slice_lengths
 from rpr_solver.slices.slice_table import SliceTable
 
 

@@ -24,8 +24,8 @@ from flint import arb, ctx
 from rpr_solver.exact.certified import Certified
 from rpr_solver.exact.quadratic import Form
 from rpr_solver.exact.real_roots import RealRoot, fraction_of
+from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
-from rpr_solver.slices.joint_points import coordinate_names
 
 _BITS = 96
 

@@ -17,9 +17,9 @@ from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.joint_points import ClassifiedPoint, joint_point
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.cusp_proof import At, PoseDerivatives
-from rpr_solver.slices.joint_points import ClassifiedPoint, joint_point
 from rpr_solver.slices.pose_decimals import HalfAngle, MapBalls, SliceDecimals
 
 GRID_GUARD = 128

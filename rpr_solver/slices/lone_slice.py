@@ -20,12 +20,12 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.joint_points import ClassifiedPoint, point_of_pose
 from rpr_solver.slices.by_balls import SlicePoses
 from rpr_solver.slices.by_fields import poses_above
 from rpr_solver.slices.certificate import root_certificate
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
 from rpr_solver.slices.grid import GridSlice, first_bits, on_grid
-from rpr_solver.slices.joint_points import ClassifiedPoint, point_of_pose
 from rpr_solver.slices.pose_decimals import HalfAngle
 from rpr_solver.slices.shared_curves import SliceForms, without_shared_curves
 from rpr_solver.slices.slice_table import SliceTable

@@ -14,8 +14,8 @@ from flint import arb, arb_mat, arb_poly, ctx
 from rpr_solver.exact.decimals import digit_bits
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.joint_points import JointPoint, joint_point
 from rpr_solver.slices.eliminant import DEGREE_L, Eliminant
-from rpr_solver.slices.joint_points import JointPoint, joint_point
 from rpr_solver.slices.pose_decimals import HalfAngle, MapBalls, SliceDecimals
 from rpr_solver.slices.pose_proofs import PROOFS, NearPose
 

@@ -10,9 +10,9 @@ from typing import Any
 from rpr_solver.exact.decimals import sorted_by_balls
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.classify import PoseKind
+from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint
 from rpr_solver.notebook import Row, counted, html_table, shortened, text_table, with_floats
 from rpr_solver.slices.certificate import RootCertificate, SliceCertificate
-from rpr_solver.slices.joint_points import ClassifiedPoint, JointPoint
 
 
 @dataclass(frozen=True)

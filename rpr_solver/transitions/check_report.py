@@ -26,16 +26,15 @@ from rpr_solver.contract import (
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.precision import decided
 from rpr_solver.exact.rationals import exact_or_none, exact_str
+from rpr_solver.model.joint_points import JointPoint, free_legs
+from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
 from rpr_solver.slices.cusp_table import solve_slice
-from rpr_solver.slices.degeneracy import Degeneracy
 from rpr_solver.slices.eliminant import Eliminant
-from rpr_solver.slices.joint_limits import Bounds
-from rpr_solver.slices.joint_points import JointPoint, free_legs
 from rpr_solver.slices.slice_table import SliceTable
-from rpr_solver.transitions.degenerate import degeneracies
+from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import NotGeneric
 from rpr_solver.transitions.event_texts import length_text
 from rpr_solver.transitions.event_types import Event

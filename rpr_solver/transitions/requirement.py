@@ -10,8 +10,7 @@ from typing import Any, TypeVar
 from rpr_solver.contract import check_integer, check_leg
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.rationals import MAX_DIGITS, Exact, parse_exact
-from rpr_solver.slices.joint_limits import Bounds, ExactLimits, limits_json, read_limits
-from rpr_solver.slices.length_range import LengthRange
+from rpr_solver.model.lengths import Bounds, ExactLimits, LengthRange, limits_json, read_limits
 
 ALLOWED, REFUSED = "allowed", "refused"
 

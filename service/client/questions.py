@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement, exact_str
 from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
-from rpr_solver.slices.joint_limits import ExactLimits, limits_json, read_limits
+from rpr_solver.model.lengths import ExactLimits, limits_json, read_limits
 from service.schemas.aspects import RangeAspects, RangeAspectsRequest
 from service.schemas.census import Census, CensusRequest
 from service.schemas.checks import CheckReport, CheckRequest

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from rpr_solver.slices.joint_limits import Bounds
+from rpr_solver.model.lengths import Bounds
 from service.schemas.document import Document
 from service.schemas.model import Model
 from service.schemas.numbers import Exact

@@ -18,7 +18,7 @@ from rpr_solver.contract import (
     number_of,
 )
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.slices.joint_limits import Bounds, limits_json, read_limits
+from rpr_solver.model.lengths import Bounds, limits_json, read_limits
 from service.schemas.document import Document, Source, given
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.schemas.joint_limits import JointLimits, KeptLimits

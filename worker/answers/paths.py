@@ -8,7 +8,7 @@ from typing import Any
 import rpr_solver
 from rpr_solver.contract import DEFAULT_SAMPLES, Progress
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.slices.joint_limits import read_limits
+from rpr_solver.model.lengths import read_limits
 from worker.answers.requests import JobRequest, Kind
 from worker.answers.store import ResultStore
 from worker.answers.tables import eliminant_of

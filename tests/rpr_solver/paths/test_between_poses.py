@@ -17,8 +17,8 @@ from rpr_solver import (
     joint_path,
     range_aspects,
 )
+from rpr_solver.model.lengths import ExactLimits
 from rpr_solver.paths import between_poses
-from rpr_solver.slices.joint_limits import ExactLimits
 from tests.support.motions import Mover, angles_of, apart, arrives, legs_of
 
 FIRST = EXAMPLES["innocenti"]

@@ -11,10 +11,10 @@ import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, NoPath, Path, SolverError, joint_path, poses
+from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.isolated import local_map
 from rpr_solver.paths.joint_paths import sign_at
-from rpr_solver.slices.joint_limits import Bounds
 from tests.support.motions import Mover, angles_of, apart, legs_of
 
 GRID = 400

@@ -6,7 +6,7 @@ from random import Random
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, NoPath, Obstacle, Path, cusp_loop, joint_path
-from rpr_solver.slices.joint_limits import Bounds
+from rpr_solver.model.lengths import Bounds
 from tests.rpr_solver.paths.test_joint_paths import a_pair, joined_on_a_grid
 from tests.support.motions import arrives
 

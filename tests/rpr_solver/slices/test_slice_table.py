@@ -8,8 +8,8 @@ import pytest
 from flint import arb
 
 from rpr_solver import JointPoint, PoseKind
+from rpr_solver.model.joint_points import ClassifiedPoint
 from rpr_solver.slices.certificate import RootCertificate, SliceCertificate
-from rpr_solver.slices.joint_points import ClassifiedPoint
 from rpr_solver.slices.slice_table import SliceTable
 
 ROOTS: RootCertificate = {"eliminant_degree": 24, "real_roots": 2, "factors": [], "method": "balls"}

@@ -1,4 +1,6 @@
-"""What is degenerate throughout is said, for every family and every fixed leg, and only there."""
+"""Degeneracies on whole intervals: reported for every family and every fixed leg, and only there."""
+
+from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
@@ -7,6 +9,8 @@ from itertools import pairwise, product
 
 import pytest
 from flint import fmpz_mat, fmpz_mpoly
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rpr_solver import (
     EXAMPLES,
@@ -14,6 +18,7 @@ from rpr_solver import (
     Eliminant,
     LengthRange,
     Manipulator,
+    PoseKind,
     Requirement,
     census,
     check,
@@ -26,6 +31,35 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.degenerate import _curves
 from tests.support.families import FAMILIES, family
 from tests.support.shared import census_of, eliminant_of
+from tests.support.strategies import examples
+
+ENDS = st.one_of(st.none(), st.integers(1, 12))
+
+
+@given(st.integers(0, 10), ENDS, st.integers(0, 10), ENDS)
+@examples(60)
+def test_a_part_is_the_intersection(low: int, high: int | None, start: int, stop: int | None) -> None:
+    if (high is not None and high <= low) or (stop is not None and stop <= start):
+        return
+    whole = Degeneracy(1, PoseKind.CURVE, str(low), None if high is None else str(high))
+    part = whole.within(LengthRange(Fraction(start), None if stop is None else Fraction(stop)))
+    inside = [
+        x
+        for x in (Fraction(2 * n + 1, 2) for n in range(14))
+        if low < x and start < x and (high is None or x < high) and (stop is None or x < stop)
+    ]
+    assert (part is not None) == bool(inside)
+    if part is not None:
+        assert Fraction(part.start) == max(low, start)
+        assert (part.stop and int(part.stop)) == min((x for x in (high, stop) if x), default=None)
+
+
+def test_a_single_length_is_inside_or_not() -> None:
+    at_five = Degeneracy(1, PoseKind.CURVE, "5", "5", equation="alpha = 0 deg")
+    assert at_five.within(LengthRange(Fraction(4), Fraction(6))) == at_five
+    assert at_five.within(LengthRange(Fraction(6), None)) is None
+    assert Degeneracy.from_json(at_five.to_json(), 1) == at_five
+
 
 DEGENERATE = ("both flat", "similar", "congruent", "congruent, mirrored")
 """The families that are degenerate in all slices of an interval, whichever leg is fixed."""

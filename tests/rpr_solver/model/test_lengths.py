@@ -1,14 +1,53 @@
-"""Ranges of lengths: what is in them, how they are read, named and written; the intervals of a document."""
+"""Lengths of slices, ranges and joint limits: exact, read and written; each fault names its place."""
 
+from __future__ import annotations
+
+from decimal import Decimal
 from fractions import Fraction
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver.errors import InputError
-from rpr_solver.slices.length_range import LengthRange, intervals_json
+from rpr_solver import InputError
+from rpr_solver.model.lengths import (
+    LengthRange,
+    intervals_json,
+    limits_json,
+    read_limits,
+    slice_length,
+    slice_lengths,
+)
 from tests.support.strategies import examples, rationals
+
+
+@pytest.mark.parametrize("spelling", ["17.04", "426/25", Decimal("17.040"), Fraction(426, 25)])
+def test_a_length_is_exact(spelling: str | Decimal | Fraction) -> None:
+    assert slice_length(spelling, 1) == Fraction(426, 25)
+    assert slice_lengths(spelling, 1) == [Fraction(426, 25)]
+
+
+def test_lengths_stay_in_their_order_and_may_repeat() -> None:
+    assert slice_lengths(iter(["3", 1, "3"]), 2) == [3, 1, 3]
+    assert slice_lengths([], 2) == []
+
+
+@pytest.mark.parametrize("bad", ["0", -1, "-1/7", "x", None, 2.5])
+def test_a_bad_length_is_named_by_the_leg(bad: object) -> None:
+    with pytest.raises(InputError) as caught:
+        slice_length(bad, 3)  # type: ignore[arg-type]
+    assert [p.field for p in caught.value.problems] == ["l3"]
+
+
+def test_every_bad_length_is_named_with_its_place() -> None:
+    with pytest.raises(InputError) as caught:
+        slice_lengths([0, 5, "x", "7", "-2"], 2)
+    assert [p.field for p in caught.value.problems] == ["l2[0]", "l2[2]", "l2[4]"]
+    assert "a slice needs a leg length > 0" in caught.value.problems[0].message
+    with pytest.raises(InputError) as caught:
+        slice_lengths("0", 2)
+    assert [p.field for p in caught.value.problems] == ["l2"]
+
 
 LENGTHS = rationals(0, 20, (1, 4, 3))
 
@@ -78,3 +117,26 @@ def test_intervals_lie_between_neighbouring_ends() -> None:
         {"from": "1.5", "to": None, "count": 6},
     ]
     assert intervals_json(["2", "3"], [0]) == [{"from": "2", "to": "3", "count": 0}]
+
+
+def test_legs_are_given_by_number_or_by_name() -> None:
+    by_number = read_limits({2: ("5", None), 3: (None, "20.5")}, "limits")
+    assert by_number == read_limits({"l3": (None, "20.5"), "l2": (5, None)}, "limits")
+    assert by_number == {2: (Fraction(5), None), 3: (None, Fraction(41, 2))}
+    assert limits_json(by_number) == {"l2": {"min": "5", "max": None}, "l3": {"min": None, "max": "20.5"}}
+
+
+@pytest.mark.parametrize(
+    ("limits", "message"),
+    [
+        ({"l2": (5, 4)}, "limits.l2.max: is 4; it must exceed 5"),
+        ({"l2": (-1, 4)}, "limits.l2.min: is -1"),
+        ({"l2": 5}, "limits.l2: is 5; give"),
+        ({"l4": (1, 2)}, "limits: 'l4' is not a leg"),
+        ({1: (1, 2)}, "limits.l1: is the fixed leg"),
+        ([(1, 2)], "limits: is .*its keys are the free legs"),
+    ],
+)
+def test_what_is_at_fault_is_named(limits: object, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        read_limits(limits, "limits", 1)  # type: ignore[arg-type]

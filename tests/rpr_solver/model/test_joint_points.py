@@ -17,15 +17,14 @@ from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.model.classify import cos_sin
 from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.jets import Pose
-from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.by_balls import CuspBalls
-from rpr_solver.slices.joint_points import (
+from rpr_solver.model.joint_points import (
     coordinate_names,
     free_legs,
     joint_point,
-    point_of_balls,
     point_of_pose,
 )
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.slices.by_balls import CuspBalls, point_of_balls
 
 PROOF = {"rank_1": arb(2), "grad_J": arb(-3, 1), "v_grad_E": arb("123456.789")}
 RATIONALS = Field.rationals()

@@ -13,7 +13,6 @@ from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.notebook import shortened
-from rpr_solver.slices.by_balls import CuspBalls
 
 
 class _Coordinate:
@@ -117,15 +116,6 @@ class ClassifiedPoint:
     point: JointPoint
     proof: dict[str, str]
     bits: int
-
-
-def point_of_balls(cusp: CuspBalls, fixed_leg: int, digits: int, bits: int) -> ClassifiedPoint | None:
-    """A proved cusp in decimals; None if the balls, of working precision ``bits``, are too wide."""
-    texts = round_all((cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second), digits)
-    if texts is None:
-        return None
-    point, proof = joint_point(texts, fixed_leg), {name: x.str(5) for name, x in cusp.proof.items()}
-    return ClassifiedPoint(PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, point, proof, bits)
 
 
 def point_of_pose(pose: ExactPose, digits: int) -> ClassifiedPoint:

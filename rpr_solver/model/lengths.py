@@ -1,0 +1,141 @@
+"""Lengths of legs as they are asked for: of a slice, a range of slices, and joint limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from typing import Any, TypeAlias
+
+from rpr_solver.contract import check_leg
+from rpr_solver.errors import FieldProblem, InputError, shown
+from rpr_solver.exact.rationals import (
+    Exact,
+    exact_or_none,
+    exact_str,
+    one_or_more,
+    parse_all,
+    parse_exact,
+    parse_positive,
+)
+
+Bounds: TypeAlias = tuple[Fraction | None, Fraction | None]
+"""A least and a greatest length; None is an open end."""
+ExactBounds: TypeAlias = tuple[Exact | None, Exact | None]
+ExactLimits: TypeAlias = Mapping[int, ExactBounds] | Mapping[str, ExactBounds]
+"""The bounds by the legs' numbers or names: ``{"l2": (5, "20.5"), "l3": (None, 30)}``."""
+
+_LEGS = {"l1": 1, "l2": 2, "l3": 3}
+_positive = partial(parse_positive, expected="a slice needs a leg length > 0 (at 0 its angle is undefined)")
+
+
+def slice_length(length: Exact, fixed_leg: int) -> Fraction:
+    """The length of a slice's fixed leg, in the user's unit.
+
+    Raises:
+        InputError: naming the leg: the length is not an exact number, or not positive.
+    """
+    return _positive(length, f"l{fixed_leg}")
+
+
+def slice_lengths(lengths: Exact | Iterable[Exact], fixed_leg: int) -> list[Fraction]:
+    """As :func:`slice_length`, for one length or several.
+
+    Raises:
+        InputError: naming the leg and the place of each length at fault.
+    """
+    return list(parse_all(one_or_more(lengths, f"l{fixed_leg}"), _positive).values())
+
+
+@dataclass(frozen=True)
+class LengthRange:
+    """The lengths of the fixed leg from ``start`` to ``stop``, in the user's unit; 0 and None are open ends.
+
+    >>> LengthRange.of(20, "61/2")
+    LengthRange(start=Fraction(20, 1), stop=Fraction(61, 2))
+    """
+
+    start: Fraction = Fraction(0)
+    stop: Fraction | None = None
+
+    @classmethod
+    def of(
+        cls, start: Exact | None, stop: Exact | None, names: tuple[str, str] = ("start", "stop")
+    ) -> LengthRange:
+        """Reads the ends of a range; None is an open end.
+
+        Raises:
+            InputError: an end is negative or not an exact number, or the range is empty; ``names`` are the
+                fields of the ends.
+        """
+        pairs = zip(names, (start, stop), strict=True)
+        ends = parse_all({name: end for name, end in pairs if end is not None}, parse_exact)
+        low, high = ends.get(names[0], Fraction(0)), ends.get(names[1])
+        problems = []
+        if low < 0:
+            problems.append(FieldProblem(names[0], f"is {exact_str(low)}; a length is at least 0"))
+        if high is not None and high <= low:
+            problems.append(FieldProblem(names[1], f"is {exact_str(high)}; it must exceed {exact_str(low)}"))
+        if problems:
+            raise InputError(problems)
+        return cls(low, high)
+
+    def __contains__(self, length: Fraction) -> bool:
+        return self.start <= length and (self.stop is None or length <= self.stop)
+
+    def __str__(self) -> str:
+        return f"from {exact_str(self.start)}{'' if self.stop is None else f' to {exact_str(self.stop)}'}"
+
+    def to_json(self) -> dict[str, str | None]:
+        """The contract's object; the range of all lengths is ``{"from": "0", "to": null}``."""
+        return {"from": exact_str(self.start), "to": exact_or_none(self.stop)}
+
+
+def intervals_json(
+    ends: Sequence[str | None], counts: Sequence[int], aspects: Sequence[int | None] = ()
+) -> list[dict[str, Any]]:
+    """The contract's intervals: numbers of cusps, and of aspects, with the ends between which they hold."""
+    known = [{"aspects": number} for number in aspects] or [{}] * len(counts)
+    return [
+        {"from": start, "to": stop, "count": count, **more}
+        for start, stop, count, more in zip(ends, ends[1:], counts, known, strict=False)
+    ]
+
+
+def read_limits(limits: ExactLimits, field: str, fixed_leg: int | None = None) -> dict[int, Bounds]:
+    """The bounds by the legs' numbers; ``fixed_leg`` is a leg that may have none.
+
+    Raises:
+        InputError: naming every part of ``field`` at fault, such as ``limits.l2.max``.
+
+    >>> read_limits({"l2": (5, None)}, "limits")
+    {2: (Fraction(5, 1), None)}
+    """
+    if not isinstance(limits, Mapping):
+        legs = "the legs, such as l2" if fixed_leg is None else "the free legs, such as l2 and l3"
+        raise InputError.of(field, f"is {shown(limits)}; its keys are {legs}")
+
+    def read(bounds: ExactBounds, key: Any) -> tuple[int, Bounds]:
+        leg = _LEGS[key] if isinstance(key, str) and key in _LEGS else check_leg(key, field)
+        return leg, _bounds(bounds, f"{field}.l{leg}", is_fixed=leg == fixed_leg)
+
+    given: Mapping[Any, ExactBounds] = limits
+    return dict(parse_all(given, read).values())
+
+
+def limits_json(limits: Mapping[int, Bounds]) -> dict[str, dict[str, str | None]]:
+    """The contract's object, with numbers in canonical text."""
+    return {
+        f"l{leg}": {"min": exact_or_none(low), "max": exact_or_none(high)}
+        for leg, (low, high) in sorted(limits.items())
+    }
+
+
+def _bounds(bounds: ExactBounds, field: str, *, is_fixed: bool) -> Bounds:
+    if is_fixed:
+        raise InputError.of(field, "is the fixed leg; its limits are the range")
+    if isinstance(bounds, str | bytes) or not isinstance(bounds, Sequence) or len(bounds) != 2:
+        raise InputError.of(field, f"is {shown(bounds)}; give (min, max)")
+    span = LengthRange.of(*bounds, (f"{field}.min", f"{field}.max"))
+    return None if bounds[0] is None else span.start, span.stop
