@@ -12,11 +12,22 @@ import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from rpr_solver import EXAMPLES, Figure, census, cusp_curves, cusp_loop, cusp_table, poses, singular_curves
+from rpr_solver import (
+    EXAMPLES,
+    Figure,
+    Manipulator,
+    census,
+    cusp_curves,
+    cusp_loop,
+    cusp_table,
+    poses,
+    singular_curves,
+)
 from rpr_solver.figures.mechanism import point_figure
 
 FOLDER = Path(__file__).with_name("figures")
 FIRST, SECOND, EIGHTEEN = EXAMPLES["innocenti"], EXAMPLES["zein-flat"], EXAMPLES["eighteen-cusps"]
+SIMILAR = Manipulator(a2x=30, a3x=0, a3y=40, d1=15, d2=25, d3=20)
 
 
 def _loop() -> Figure:
@@ -42,6 +53,8 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
     "ten-cusps": lambda: singular_curves(FIRST, "28.1").figure(),
     "eighteen-cusps": lambda: singular_curves(EIGHTEEN, "15.6431").figure("torus"),
     "eighteen-cusps-census": lambda: census(EIGHTEEN, digits=15).figure(),
+    "nodes": lambda: singular_curves(SIMILAR, 14).figure("torus"),
+    "lips": lambda: singular_curves(FIRST, "30.9").figure(),
     "aspects": lambda: singular_curves(FIRST, 27).figure("torus"),
     "loop": _loop,
     "cusp": _cusp,

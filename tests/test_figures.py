@@ -4,7 +4,7 @@ import pytest
 
 from docs import figures
 
-QUICK = ("article-2", "article-5", "cusp", "poses")
+QUICK = ("article-2", "article-5", "cusp", "nodes", "poses")
 
 
 @pytest.mark.parametrize(
