@@ -11,16 +11,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rpr_solver.verify.angles import angle_near, degrees, radians
-from rpr_solver.verify.boxes import Box, Pair, around, direction
 from rpr_solver.verify.claims import ClaimStatus
+from rpr_solver.verify.core.angles import angle_near, degrees, radians
+from rpr_solver.verify.core.boxes import Box, Pair, around, direction
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.roots import real_roots, refined
+from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, derivative, primitive
+from rpr_solver.verify.core.system import System, Trig, in_half_tangent
 from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.lines import meet, opposite, separation
 from rpr_solver.verify.points import Finding, Point, Points
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.roots import real_roots, refined
-from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd, derivative, primitive
-from rpr_solver.verify.system import System, Trig, in_half_tangent
 
 _SPARE_BITS = 64
 _CONTACTS = (2, 4)

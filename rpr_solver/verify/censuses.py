@@ -8,15 +8,15 @@ from itertools import pairwise
 
 from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
+from rpr_solver.verify.core.manipulator import Geometry
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.reader import Record, exact
+from rpr_solver.verify.core.schema import Document
+from rpr_solver.verify.core.system import System
 from rpr_solver.verify.counts import OPEN, Bounds, changed, count_of, sampled
 from rpr_solver.verify.events import GENERIC, event_finding
 from rpr_solver.verify.full_censuses import AT, Completeness, completeness
-from rpr_solver.verify.manipulator import Geometry
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.reader import Record, exact
-from rpr_solver.verify.schema import Document
 from rpr_solver.verify.surface import Surface
-from rpr_solver.verify.system import System
 
 _SAMPLES = 2
 

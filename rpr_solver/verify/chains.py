@@ -9,9 +9,9 @@ from functools import cached_property
 from itertools import pairwise
 
 from rpr_solver.verify.claims import Claim, ClaimStatus
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.links import Pose, chain_of
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.reader import Record
 from rpr_solver.verify.surface import Surface
 from rpr_solver.verify.tubes import Forms, Tube
 

@@ -9,12 +9,12 @@ from itertools import pairwise
 from rpr_solver.contract import Progress
 from rpr_solver.verify.censuses import Cuts
 from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
+from rpr_solver.verify.core.reader import Record, decimal, refusal
+from rpr_solver.verify.core.schema import Document
+from rpr_solver.verify.core.system import System
 from rpr_solver.verify.counts import OPEN, changed, sampled
 from rpr_solver.verify.points import Point, Points
-from rpr_solver.verify.reader import Record, decimal, refusal
-from rpr_solver.verify.schema import Document
 from rpr_solver.verify.slices import sorted_turns
-from rpr_solver.verify.system import System
 from rpr_solver.verify.within_limits import Limits
 
 _SAMPLES = 2

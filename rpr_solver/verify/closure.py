@@ -12,10 +12,10 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from rpr_solver.verify.manipulator import Geometry
-from rpr_solver.verify.surds import Poly, Ring, Surd, primitive
-from rpr_solver.verify.system import Trig, in_half_tangent, normal_form, variables
-from rpr_solver.verify.work import spend
+from rpr_solver.verify.core.manipulator import Geometry
+from rpr_solver.verify.core.surds import Poly, Ring, Surd, primitive
+from rpr_solver.verify.core.system import Trig, in_half_tangent, normal_form, variables
+from rpr_solver.verify.core.work import spend
 
 DEGREE = 6
 

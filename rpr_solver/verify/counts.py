@@ -7,14 +7,14 @@ from fractions import Fraction
 from math import atan2, degrees
 from secrets import randbelow
 
-from rpr_solver.verify.boxes import Equations, Pair, zero_near
 from rpr_solver.verify.claims import Claim, ClaimStatus
+from rpr_solver.verify.core.boxes import Equations, Pair, zero_near
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.surds import Indivisible
+from rpr_solver.verify.core.system import Leg, System
 from rpr_solver.verify.eliminant import Eliminant
-from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.lines import nearby, special_lines, unlisted
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.surds import Indivisible
-from rpr_solver.verify.system import Leg, System
 
 _BITS = 60
 _MOST = 12

@@ -8,21 +8,21 @@ from fractions import Fraction
 
 from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.alike import doubtful_of, located
-from rpr_solver.verify.boxes import Box
 from rpr_solver.verify.chains import SIDES, Chains, Place
 from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
+from rpr_solver.verify.core.boxes import Box
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.schema import Document
+from rpr_solver.verify.core.system import System
 from rpr_solver.verify.counts import OPEN, count_of
 from rpr_solver.verify.eliminant import Eliminant
 from rpr_solver.verify.events import Finding, event_finding
-from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.links import Pose
 from rpr_solver.verify.points import Point, Points
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.reader import Record
-from rpr_solver.verify.schema import Document
 from rpr_solver.verify.slices import sorted_turns
 from rpr_solver.verify.surface import Surface
-from rpr_solver.verify.system import System
 
 _LENGTH_ONLY = ("unclassified", "undecided", "several")
 

@@ -9,13 +9,13 @@ from rpr_solver.contract import Progress, check_integer, silent
 from rpr_solver.verify.censuses import census_claims
 from rpr_solver.verify.checks import check_claims
 from rpr_solver.verify.claims import Claim, ClaimStatus, Verification, status_of
+from rpr_solver.verify.core.reader import names_of_unread, parsed, size_of
+from rpr_solver.verify.core.schema import Document, read_document
+from rpr_solver.verify.core.texts import check_texts
+from rpr_solver.verify.core.work import LEAST_CHARACTERS, UNITS_OF_A_CHARACTER, ExhaustedError, bounded
 from rpr_solver.verify.curves import curve_claims
 from rpr_solver.verify.poses import pose_claims
-from rpr_solver.verify.reader import names_of_unread, parsed, size_of
-from rpr_solver.verify.schema import Document, read_document
 from rpr_solver.verify.slices import table_claims
-from rpr_solver.verify.texts import check_texts
-from rpr_solver.verify.work import LEAST_CHARACTERS, UNITS_OF_A_CHARACTER, ExhaustedError, bounded
 
 CLAIMS: Mapping[str, Callable[[Document, Progress], Iterator[Claim]]] = {
     "cusp-table": table_claims,

@@ -11,11 +11,21 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 
-from rpr_solver.verify.modular import simple_and_apart
-from rpr_solver.verify.resultants import interpolated_resultant
-from rpr_solver.verify.roots import Root, real_roots
-from rpr_solver.verify.surds import ONE, ZERO, Indivisible, Poly, Ring, Surd, derivative, primitive, rational
-from rpr_solver.verify.system import System, at_half_tangent
+from rpr_solver.verify.core.modular import simple_and_apart
+from rpr_solver.verify.core.resultants import interpolated_resultant
+from rpr_solver.verify.core.roots import Root, real_roots
+from rpr_solver.verify.core.surds import (
+    ONE,
+    ZERO,
+    Indivisible,
+    Poly,
+    Ring,
+    Surd,
+    derivative,
+    primitive,
+    rational,
+)
+from rpr_solver.verify.core.system import System, at_half_tangent
 
 DEGREE = 24
 _CIRCULAR = rational([1, 0, 1])

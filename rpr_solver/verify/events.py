@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
 
-from rpr_solver.verify.angles import degrees, pi
-from rpr_solver.verify.boxes import Directions, around, precisions
 from rpr_solver.verify.claims import ClaimStatus
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.krawczyk import contracted, proved_zero
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.reader import Record
+from rpr_solver.verify.core.angles import degrees, pi
+from rpr_solver.verify.core.boxes import Directions, around, precisions
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.krawczyk import contracted, proved_zero
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.surface import Graded, Surface, value
 
 _SPARE_BITS = 40

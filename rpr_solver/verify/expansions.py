@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import comb
 
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval
 
 DEGREE = 6
 """The greatest exponent of p, of q and of r,"""

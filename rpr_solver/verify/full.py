@@ -7,13 +7,13 @@ from fractions import Fraction
 from math import gcd, isqrt
 
 from rpr_solver.verify.claims import Claim, ClaimStatus
+from rpr_solver.verify.core.modular import proves_simple
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.roots import real_roots
+from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd
 from rpr_solver.verify.eliminant import Eliminant
-from rpr_solver.verify.modular import proves_simple
 from rpr_solver.verify.points import Point
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.reader import Record
-from rpr_solver.verify.roots import real_roots
-from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd
 
 
 def full_claims(eliminant: Eliminant, full: Record, cusps: Sequence[Point], at: str) -> Iterator[Claim]:

@@ -16,20 +16,20 @@ from functools import cached_property
 from itertools import pairwise
 from random import SystemRandom
 
-from rpr_solver.verify.boxes import Pair
 from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
+from rpr_solver.verify.core.boxes import Pair
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.roots import Root, refined
+from rpr_solver.verify.core.surds import Poly, primitive
+from rpr_solver.verify.core.system import Trig, derivative
 from rpr_solver.verify.events import GENERIC, EventBox, ProvedEvent, kind_finding, matched, proved_event
 from rpr_solver.verify.full import form_of, isolation_claim, squarefree
-from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.lines import common_zero
 from rpr_solver.verify.permanent import never_degenerate
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.reader import Record
-from rpr_solver.verify.roots import Root, refined
 from rpr_solver.verify.specialisations import Identity, Place, agree
-from rpr_solver.verify.surds import Poly, primitive
 from rpr_solver.verify.surface import CRITICAL, SWALLOWTAIL, Surface
-from rpr_solver.verify.system import Trig, derivative
 
 AT = "/certificate/full"
 PRIMES = 12

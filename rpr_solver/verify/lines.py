@@ -10,13 +10,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rpr_solver.verify.angles import cos_sin, pi
-from rpr_solver.verify.boxes import Directions, Pair, direction
+from rpr_solver.verify.core.angles import cos_sin, pi
+from rpr_solver.verify.core.boxes import Directions, Pair, direction
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.roots import refined
+from rpr_solver.verify.core.system import System, Trig, derivative
+from rpr_solver.verify.core.work import spend
 from rpr_solver.verify.eliminant import Eliminant
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.roots import refined
-from rpr_solver.verify.system import System, Trig, derivative
-from rpr_solver.verify.work import spend
 
 _LINE_BITS = 128
 _LEAST_APART = 32

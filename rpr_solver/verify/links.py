@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rpr_solver.verify.angles import cos_sin
-from rpr_solver.verify.boxes import Directions, Pair
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.angles import cos_sin
+from rpr_solver.verify.core.boxes import Directions, Pair
+from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.surface import Surface, value
 from rpr_solver.verify.tubes import Forms, Local, Tube
 from rpr_solver.verify.turns import turns

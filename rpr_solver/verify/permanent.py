@@ -16,10 +16,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from rpr_solver.verify.boxes import Directions, Pair
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.boxes import Directions, Pair
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.system import derivative
 from rpr_solver.verify.surface import Graded, Surface
-from rpr_solver.verify.system import derivative
 
 _BITS = 256
 Vector = tuple[Interval, Interval]

@@ -8,14 +8,14 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
 
-from rpr_solver.verify.angles import degrees
-from rpr_solver.verify.boxes import Box, Equations, around, common_on_axis, zero_near
 from rpr_solver.verify.claims import ClaimStatus
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.reader import Record
+from rpr_solver.verify.core.angles import degrees
+from rpr_solver.verify.core.boxes import Box, Equations, around, common_on_axis, zero_near
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.system import Leg, System, Trig, derivative
 from rpr_solver.verify.surface import Surface
-from rpr_solver.verify.system import Leg, System, Trig, derivative
 
 _SPARE_BITS = 40
 Finding = tuple[ClaimStatus, str]

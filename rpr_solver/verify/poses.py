@@ -8,19 +8,19 @@ from fractions import Fraction
 from functools import cached_property
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.angles import cos_sin, radians
-from rpr_solver.verify.boxes import Directions, Pair, direction
 from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
 from rpr_solver.verify.closure import Closure
+from rpr_solver.verify.core.angles import cos_sin, radians
+from rpr_solver.verify.core.boxes import Directions, Pair, direction
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.roots import Root, has_root, real_roots
+from rpr_solver.verify.core.schema import Document
+from rpr_solver.verify.core.surds import ZERO, Poly, Surd
+from rpr_solver.verify.core.system import Trig, in_half_tangent
 from rpr_solver.verify.full import form_of, proportional
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.reader import Record
-from rpr_solver.verify.roots import Root, has_root, real_roots
-from rpr_solver.verify.schema import Document
 from rpr_solver.verify.slices import sorted_turns
-from rpr_solver.verify.surds import ZERO, Poly, Surd
-from rpr_solver.verify.system import Trig, in_half_tangent
 
 _ANGLES = ("theta1_deg", "theta2_deg", "theta3_deg")
 _NAMES = ("alpha_deg", *_ANGLES, "b1_x", "b1_y")

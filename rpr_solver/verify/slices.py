@@ -8,18 +8,18 @@ from functools import cached_property
 
 from rpr_solver.contract import Progress
 from rpr_solver.verify.alike import Located, located
-from rpr_solver.verify.angles import pi
-from rpr_solver.verify.boxes import Box, Pair
 from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
+from rpr_solver.verify.core.angles import pi
+from rpr_solver.verify.core.boxes import Box, Pair
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.manipulator import Geometry
+from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.schema import Document
+from rpr_solver.verify.core.system import System
 from rpr_solver.verify.eliminant import DEGREE, Eliminant
 from rpr_solver.verify.full import full_claims
-from rpr_solver.verify.intervals import Interval
 from rpr_solver.verify.lines import nearby, separation, special_lines, unlisted
-from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.points import Point, Points
-from rpr_solver.verify.reader import Record
-from rpr_solver.verify.schema import Document
-from rpr_solver.verify.system import System
 
 _FACTOR = ("degree", "multiplicity", "origin")
 

@@ -17,11 +17,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from random import Random
 
-from rpr_solver.verify.modular import random_places
-from rpr_solver.verify.surds import Surd
+from rpr_solver.verify.core.modular import random_places
+from rpr_solver.verify.core.surds import Surd
+from rpr_solver.verify.core.system import Trig, derivative, in_half_tangent
+from rpr_solver.verify.core.work import spend
 from rpr_solver.verify.surface import Surface
-from rpr_solver.verify.system import Trig, derivative, in_half_tangent
-from rpr_solver.verify.work import spend
 
 Poly = list[int]
 """Coefficients in t modulo the prime, of formal degree."""

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from rpr_solver.verify.angles import radians
-from rpr_solver.verify.boxes import Directions, precisions
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.krawczyk import Matrix, proved_zero
-from rpr_solver.verify.manipulator import Geometry
-from rpr_solver.verify.surds import Ring
-from rpr_solver.verify.system import Trig, derivative, derive, graded, variables
-from rpr_solver.verify.work import spend
+from rpr_solver.verify.core.angles import radians
+from rpr_solver.verify.core.boxes import Directions, precisions
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.krawczyk import Matrix, proved_zero
+from rpr_solver.verify.core.manipulator import Geometry
+from rpr_solver.verify.core.surds import Ring
+from rpr_solver.verify.core.system import Trig, derivative, derive, graded, variables
+from rpr_solver.verify.core.work import spend
 
 CRITICAL, SWALLOWTAIL = "J = 0, grad J = 0", "J = E = v·grad E = 0"
 """The equations of lips and beaks, and of swallowtails."""
@@ -29,7 +29,7 @@ Graded = tuple[Trig, ...]
 
 @dataclass(frozen=True)
 class SurfaceLeg:
-    """As :class:`~rpr_solver.verify.system.Leg`, for every length."""
+    """As :class:`~rpr_solver.verify.core.system.Leg`, for every length."""
 
     number: int
     squared: Graded

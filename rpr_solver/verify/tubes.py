@@ -15,13 +15,13 @@ from fractions import Fraction
 from itertools import product
 from math import isqrt
 
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.reader import Record, refusal
+from rpr_solver.verify.core.surds import ZERO, Surd
+from rpr_solver.verify.core.system import half_angle_form, in_half_tangent
+from rpr_solver.verify.core.work import spend
 from rpr_solver.verify.expansions import DEGREE, Expansion, Index, P, Q
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.reader import Record, refusal
-from rpr_solver.verify.surds import ZERO, Surd
 from rpr_solver.verify.surface import Graded, Surface
-from rpr_solver.verify.system import half_angle_form, in_half_tangent
-from rpr_solver.verify.work import spend
 
 _LAYERS = 3
 _GUARD, _MOST_BITS = 64, 1 << 14

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import atan2, degrees
 
-from rpr_solver.verify.boxes import Box, Equations, direction, zero_near
+from rpr_solver.verify.core.boxes import Box, Equations, direction, zero_near
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.manipulator import Geometry
+from rpr_solver.verify.core.roots import Root, real_roots, refined
+from rpr_solver.verify.core.surds import Indivisible
+from rpr_solver.verify.core.system import System, at_half_tangent
 from rpr_solver.verify.counts import count_of
 from rpr_solver.verify.eliminant import Eliminant
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.manipulator import Geometry
 from rpr_solver.verify.points import Points
-from rpr_solver.verify.roots import Root, real_roots, refined
-from rpr_solver.verify.surds import Indivisible
-from rpr_solver.verify.system import System, at_half_tangent
 
 _BITS, _LINE_BITS, _START_BITS = 80, 96, 40
 Bounds = tuple[Fraction | None, Fraction | None]

@@ -10,7 +10,7 @@ from pydantic.json_schema import SkipJsonSchema
 
 from rpr_solver import MAX_DIGITS, MIN_DIGITS, Manipulator
 from rpr_solver.errors import InputError
-from rpr_solver.verify.texts import check_texts
+from rpr_solver.verify.core.texts import check_texts
 from service.schemas.document import Expected, Source, unnamed
 from service.schemas.exact_json import json_kind, plain
 from service.schemas.numbers import whole_from
@@ -35,7 +35,7 @@ _EXAMPLE: dict[str, Any] = {
 def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
     if not isinstance(value, Mapping):
         raise InputError.of("", f"is {json_kind(value)}; give a document of this service")
-    from rpr_solver.verify.schema import kind_of  # the verifier is loaded when it is needed first
+    from rpr_solver.verify.core.schema import kind_of  # the verifier is loaded when it is needed first
 
     limits = Source.of(info).limits
     check_texts(value, number_digits=limits.max_number_digits, most_digits=limits.max_digits)

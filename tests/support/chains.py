@@ -8,12 +8,12 @@ from typing import Any
 
 from rpr_solver import EXAMPLES
 from rpr_solver.verify.chains import Place
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.schema import read_document
+from rpr_solver.verify.core.system import System
 from rpr_solver.verify.links import Pose
 from rpr_solver.verify.points import Point, Points
-from rpr_solver.verify.schema import read_document
 from rpr_solver.verify.surface import Surface
-from rpr_solver.verify.system import System
 from rpr_solver.verify.tubes import Tube
 from tests.support.shared import curves_of
 from tests.support.verified import geometry_of

@@ -5,8 +5,8 @@ from fractions import Fraction
 import mpmath
 import pytest
 
-from rpr_solver.verify.angles import angle_near, cos_sin, degrees, pi, radians
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.angles import angle_near, cos_sin, degrees, pi, radians
+from rpr_solver.verify.core.intervals import Interval
 
 
 def near(x: Interval, value: mpmath.mpf, slack: int) -> bool:

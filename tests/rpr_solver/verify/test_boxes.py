@@ -2,9 +2,9 @@
 
 from fractions import Fraction
 
-from rpr_solver.verify.angles import degrees
-from rpr_solver.verify.boxes import Equations, around, zero_near
-from rpr_solver.verify.system import Trig
+from rpr_solver.verify.core.angles import degrees
+from rpr_solver.verify.core.boxes import Equations, around, zero_near
+from rpr_solver.verify.core.system import Trig
 from tests.support.verified import printed
 
 SUM: Trig = {(1, 0, 0, 0): (2, 0), (0, 0, 0, 0): (-1, 0)}

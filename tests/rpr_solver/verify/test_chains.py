@@ -12,7 +12,7 @@ import pytest
 from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, cusp_curves
 from rpr_solver.verify.chains import Chains
 from rpr_solver.verify.claims import Claim
-from rpr_solver.verify.schema import read_document
+from rpr_solver.verify.core.schema import read_document
 from tests.support.chains import poses, surface, window
 from tests.support.mutations import OF_CHAINS, OF_CURVES, mutated
 from tests.support.shared import curves_of

@@ -6,8 +6,8 @@ from fractions import Fraction
 import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, Manipulator
+from rpr_solver.verify.core.system import System
 from rpr_solver.verify.counts import Bounds, changed, count_of, drawn_within, sampled, simplest_between
-from rpr_solver.verify.system import System
 from tests.support.families import family
 from tests.support.verified import geometry_of, printed
 

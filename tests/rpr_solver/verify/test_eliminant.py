@@ -8,8 +8,8 @@ from math import isqrt
 import pytest
 
 from rpr_solver import Manipulator, eliminate
+from rpr_solver.verify.core.system import System
 from rpr_solver.verify.eliminant import Eliminant
-from rpr_solver.verify.system import System
 from tests.support.families import family
 from tests.support.verified import geometry_of
 

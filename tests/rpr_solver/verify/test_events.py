@@ -9,8 +9,8 @@ from fractions import Fraction
 import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, census
+from rpr_solver.verify.core.schema import POSE_KINDS, read_document
 from rpr_solver.verify.events import EventBox, event_finding, proved_event
-from rpr_solver.verify.schema import POSE_KINDS, read_document
 from rpr_solver.verify.surface import CRITICAL, Surface
 from tests.support.families import family
 from tests.support.mutations import other_digit

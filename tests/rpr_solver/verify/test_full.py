@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, table_document, verify_document
+from rpr_solver.verify.core.surds import Ring
 from rpr_solver.verify.full import proportional
-from rpr_solver.verify.surds import Ring
 from tests.support.families import family
 
 DOCUMENT = table_document(EXAMPLES["zein-flat"], 10, digits=15, certificate="full")

@@ -12,9 +12,9 @@ import pytest
 import rpr_solver
 from rpr_solver import ClaimStatus, Manipulator, census
 from rpr_solver.verify import full_censuses
+from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.events import EventBox, ProvedEvent, proved_event
 from rpr_solver.verify.full_censuses import CHANCE, COMPLETE, Completeness, completeness
-from rpr_solver.verify.schema import read_document
 from rpr_solver.verify.surface import Surface
 from tests.support.mutations import OF_FULL_CENSUSES
 from tests.support.verified import accepted, accepted_but_no_mutation, random_documents

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval
 from tests.support.strategies import examples
 
 NUMBERS = st.fractions(-50, 50, max_denominator=1000)

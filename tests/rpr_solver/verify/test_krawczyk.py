@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.krawczyk import proved_zero
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.krawczyk import proved_zero
 
 BITS = 120
 

@@ -3,11 +3,11 @@
 from fractions import Fraction
 
 from rpr_solver import EXAMPLES, cusp_table
-from rpr_solver.verify.angles import cos_sin, radians
+from rpr_solver.verify.core.angles import cos_sin, radians
+from rpr_solver.verify.core.roots import Root
+from rpr_solver.verify.core.surds import Ring, rational
+from rpr_solver.verify.core.system import System
 from rpr_solver.verify.lines import direction, nearby, opposite, unlisted
-from rpr_solver.verify.roots import Root
-from rpr_solver.verify.surds import Ring, rational
-from rpr_solver.verify.system import System
 from tests.support.verified import geometry_of
 
 BITS = 160

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.links import Pose, chain_of, moved, with_bits
 from rpr_solver.verify.tubes import Forms
 from tests.support.chains import PAST, poses, surface, tubes

@@ -6,7 +6,7 @@ import pytest
 
 from rpr_solver import EXAMPLES
 from rpr_solver.errors import InputError
-from rpr_solver.verify.manipulator import Geometry
+from rpr_solver.verify.core.manipulator import Geometry
 from tests.support.families import FAMILIES, family
 
 

@@ -1,7 +1,7 @@
 """Proofs modulo a prime."""
 
-from rpr_solver.verify.modular import simple_and_apart
-from rpr_solver.verify.surds import Ring, rational
+from rpr_solver.verify.core.modular import simple_and_apart
+from rpr_solver.verify.core.surds import Ring, rational
 
 
 def test_simple_roots_and_shared_ones() -> None:

@@ -7,10 +7,10 @@ from fractions import Fraction
 import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, cusp_table
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.schema import POSE_KINDS
+from rpr_solver.verify.core.system import System
 from rpr_solver.verify.points import Point, Points
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.schema import POSE_KINDS
-from rpr_solver.verify.system import System
 from tests.support.families import family
 from tests.support.verified import geometry_of, typed
 

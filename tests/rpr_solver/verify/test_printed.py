@@ -2,8 +2,8 @@
 
 from fractions import Fraction
 
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.printed import Printed
 from tests.support.verified import printed
 
 BITS = 60

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rpr_solver import InputError
 from rpr_solver.exact.decimals import round_fraction
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.verify.reader import (
+from rpr_solver.verify.core.reader import (
     count,
     decimal,
     exact,

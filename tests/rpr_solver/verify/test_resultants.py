@@ -3,8 +3,8 @@
 import pytest
 import sympy as sp
 
-from rpr_solver.verify.resultants import interpolated, interpolated_resultant, resultant
-from rpr_solver.verify.surds import Ring
+from rpr_solver.verify.core.resultants import interpolated, interpolated_resultant, resultant
+from rpr_solver.verify.core.surds import Ring
 
 T, U = sp.symbols("t u")
 

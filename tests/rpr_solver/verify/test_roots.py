@@ -6,8 +6,8 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
-from rpr_solver.verify.roots import real_roots, refined, shifted
-from rpr_solver.verify.surds import Poly, Ring, rational
+from rpr_solver.verify.core.roots import real_roots, refined, shifted
+from rpr_solver.verify.core.surds import Poly, Ring, rational
 
 X = sp.Symbol("x")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rpr_solver import InputError
-from rpr_solver.verify.schema import kind_of, read_document
+from rpr_solver.verify.core.schema import kind_of, read_document
 from tests.rpr_solver.verify.forgeries import base
 
 

@@ -7,8 +7,8 @@ from random import Random
 import pytest
 
 from rpr_solver import EXAMPLES, census
+from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.full import form_of
-from rpr_solver.verify.schema import read_document
 from rpr_solver.verify.specialisations import Identity, Place, agree, resultant
 from rpr_solver.verify.surface import Surface
 from tests.support.families import family

@@ -5,7 +5,7 @@ import math
 import pytest
 import sympy as sp
 
-from rpr_solver.verify.surds import Indivisible, Poly, Ring, derivative, primitive, rational
+from rpr_solver.verify.core.surds import Indivisible, Poly, Ring, derivative, primitive, rational
 
 RING = Ring(7)
 W = sp.sqrt(7)

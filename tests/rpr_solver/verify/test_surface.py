@@ -7,11 +7,11 @@ from fractions import Fraction
 import pytest
 
 from rpr_solver import EXAMPLES, census
-from rpr_solver.verify.angles import radians
-from rpr_solver.verify.boxes import Directions
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.angles import radians
+from rpr_solver.verify.core.boxes import Directions
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.system import System
 from rpr_solver.verify.surface import Surface, value
-from rpr_solver.verify.system import System
 from tests.support.verified import geometry_of
 
 BITS = 200

@@ -8,8 +8,8 @@ from fractions import Fraction
 import pytest
 
 from rpr_solver import EXAMPLES
-from rpr_solver.verify.surds import Surd
-from rpr_solver.verify.system import System, Trig, at_half_tangent, derivative
+from rpr_solver.verify.core.surds import Surd
+from rpr_solver.verify.core.system import System, Trig, at_half_tangent, derivative
 from tests.support.families import family
 from tests.support.verified import geometry_of
 

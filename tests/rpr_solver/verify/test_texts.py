@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, census, table_document, verify_document
-from rpr_solver.verify.reader import decimal, exact
-from rpr_solver.verify.texts import MAX_DEPTH, check_texts
+from rpr_solver.verify.core.reader import decimal, exact
+from rpr_solver.verify.core.texts import MAX_DEPTH, check_texts
 
 TABLE = table_document(EXAMPLES["zein-flat"], [10], digits=15)
 

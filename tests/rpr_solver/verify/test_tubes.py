@@ -8,8 +8,8 @@ from fractions import Fraction
 import pytest
 
 from rpr_solver import EXAMPLES
-from rpr_solver.verify.boxes import Directions
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.boxes import Directions
+from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.links import Pose
 from rpr_solver.verify.surface import Surface, value
 from rpr_solver.verify.tubes import DEGREE, Forms, Local, Tube

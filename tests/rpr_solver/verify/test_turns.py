@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import pairwise
 
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.links import chain_of
 from rpr_solver.verify.tubes import LENGTH, Forms, Local
 from rpr_solver.verify.turns import turns

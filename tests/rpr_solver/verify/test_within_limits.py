@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from rpr_solver import EXAMPLES, cusp_table
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.within_limits import Limits
 from tests.support.verified import geometry_of
 

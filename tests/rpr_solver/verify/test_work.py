@@ -11,7 +11,7 @@ import pytest
 from rpr_solver import ClaimStatus, InputError, Manipulator, table_document, verify_document
 from rpr_solver.verify import documents
 from rpr_solver.verify.claims import Outcome
-from rpr_solver.verify.work import ExhaustedError, bounded, spend
+from rpr_solver.verify.core.work import ExhaustedError, bounded, spend
 from tests.rpr_solver.verify.forgeries import base
 
 

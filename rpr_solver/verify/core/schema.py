@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, MOST_CUSPS, MOST_POSES
-from rpr_solver.verify.manipulator import Geometry
-from rpr_solver.verify.reader import (
+from rpr_solver.verify.core.manipulator import Geometry
+from rpr_solver.verify.core.reader import (
     MOST_DIGITS,
     POSITIVE,
     Read,

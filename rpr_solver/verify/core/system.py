@@ -19,9 +19,9 @@ from functools import cached_property
 from math import comb, gcd, lcm
 from typing import Any
 
-from rpr_solver.verify.manipulator import Geometry
-from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd, rational
-from rpr_solver.verify.work import spend
+from rpr_solver.verify.core.manipulator import Geometry
+from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, rational
+from rpr_solver.verify.core.work import spend
 
 Monomial = tuple[int, int, int, int]
 """Exponents of cos α, sin α (0 or 1), cos θ, sin θ (0 or 1)."""

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from rpr_solver.verify.angles import cos_sin, pi, radians
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.krawczyk import contracted, proved_zero
-from rpr_solver.verify.printed import Printed
-from rpr_solver.verify.roots import Root, real_roots, refined
-from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd, primitive
-from rpr_solver.verify.surds import derivative as slope
-from rpr_solver.verify.system import Trig, derivative, in_half_tangent
-from rpr_solver.verify.work import spend
+from rpr_solver.verify.core.angles import cos_sin, pi, radians
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.krawczyk import contracted, proved_zero
+from rpr_solver.verify.core.printed import Printed
+from rpr_solver.verify.core.roots import Root, real_roots, refined
+from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive
+from rpr_solver.verify.core.surds import derivative as slope
+from rpr_solver.verify.core.system import Trig, derivative, in_half_tangent
+from rpr_solver.verify.core.work import spend
 
 _SPARE = 48
 _ROOMS = (5, 8, 12, 16, 24, 40, 64, 100)

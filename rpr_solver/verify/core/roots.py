@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, isqrt
 
-from rpr_solver.verify.surds import ZERO, Poly, Ring, Surd, derivative, size_of, trimmed
-from rpr_solver.verify.work import spend
+from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, derivative, size_of, trimmed
+from rpr_solver.verify.core.work import spend
 
 _GUARD_BITS = 64
 

@@ -6,8 +6,8 @@ from fractions import Fraction
 from functools import lru_cache
 from math import isqrt
 
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.work import spend
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.work import spend
 
 _SPARE = 32
 _ULPS = 1 << 8

@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import cached_property
 from math import isqrt
 
-from rpr_solver.verify.reader import POSITIVE, exact, record, refusal, word
+from rpr_solver.verify.core.reader import POSITIVE, exact, record, refusal, word
 
 LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 _READ = record(

@@ -17,7 +17,7 @@ from types import MappingProxyType
 from typing import Any
 
 from rpr_solver.errors import InputError, shown
-from rpr_solver.verify.printed import Printed
+from rpr_solver.verify.core.printed import Printed
 
 Read = Callable[[object, str], Any]
 Record = Mapping[str, Any]

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import lcm
 
-from rpr_solver.verify.surds import ONE, ZERO, Poly, Ring, Surd, trimmed
-from rpr_solver.verify.work import spend
+from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Ring, Surd, trimmed
+from rpr_solver.verify.core.work import spend
 
 Family = Callable[[int], Sequence[Surd]]
 """The coefficients in t, of formal degree, at an integer value of the other variable."""

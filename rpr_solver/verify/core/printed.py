@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rpr_solver.verify.intervals import Interval
+from rpr_solver.verify.core.intervals import Interval
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Protocol
 
-from rpr_solver.verify.intervals import Interval
-from rpr_solver.verify.work import spend
+from rpr_solver.verify.core.intervals import Interval
+from rpr_solver.verify.core.work import spend
 
 _STEPS = 12
 Matrix = list[list[Interval]]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from random import Random
 
-from rpr_solver.verify.surds import Poly, Ring
+from rpr_solver.verify.core.surds import Poly, Ring
 
 _TRIES = 4
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd
 
-from rpr_solver.verify.work import spend
+from rpr_solver.verify.core.work import spend
 
 Surd = tuple[int, int]
 Poly = tuple[Surd, ...]
