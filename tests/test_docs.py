@@ -3,6 +3,8 @@
 import doctest
 import importlib
 import re
+import tomllib
+from datetime import date
 from pathlib import Path
 
 import pytest
@@ -103,7 +105,10 @@ def test_every_block_is_in_a_language_that_is_run_or_says_why_it_is_not(path: Pa
 
 @pytest.mark.parametrize(
     "path",
-    ["README.md", "CHANGELOG.md", "examples/README.md", *(f"docs/{name}" for name in TEXTS)],
+    [
+        *("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "examples/README.md"),
+        *(f"docs/{name}" for name in TEXTS),
+    ],
 )
 def test_every_link_leads_somewhere(path: str) -> None:
     assert not list(broken(ROOT / path))
@@ -129,3 +134,15 @@ def test_every_page_is_in_the_navigation_once() -> None:
     trees = re.findall(r"^```\{toctree\}\n(.*?)^```$", TEXTS["index.md"], re.MULTILINE | re.DOTALL)
     listed = [line for tree in trees for line in tree.splitlines() if not line.startswith(":")]
     assert sorted(f"{name}.md" for name in [*listed, "index"]) == sorted(TEXTS)
+
+
+def test_the_changelog_has_this_version_dated_below_what_is_unreleased() -> None:
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    unreleased, *released = re.findall(r"^## (.+)$", changelog, re.MULTILINE)
+    assert unreleased == "[Unreleased]"
+    found = [re.fullmatch(r"\[(\d+\.\d+\.\d+)\] - (\d{4}-\d\d-\d\d)", heading) for heading in released]
+    versions = [(tuple(map(int, each[1].split("."))), date.fromisoformat(each[2])) for each in found if each]
+    assert len(versions) == len(released)
+    assert versions == sorted(versions, reverse=True)
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["version"] == ".".join(map(str, versions[0][0]))

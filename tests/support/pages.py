@@ -9,7 +9,10 @@ from pathlib import Path
 
 from tests.support.processes import ROOT
 
-PAGES = (ROOT / "README.md", ROOT / "examples" / "README.md", *sorted((ROOT / "docs").glob("**/*.md")))
+PAGES = (
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "examples/README.md")),
+    *sorted((ROOT / "docs").glob("**/*.md")),
+)
 
 RUN = {"sh", "python", "pycon", "javascript"}
 """Languages of blocks that are executed."""
