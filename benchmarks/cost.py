@@ -48,7 +48,7 @@ from worker.answers.sizes import sizes
 from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable
 from worker.connection import connect
-from worker.process.preload import load_numpy, load_solver
+from worker.process.horse import load_numpy, load_solver
 from worker.settings import WorkerSettings
 
 LEAST = 0.02

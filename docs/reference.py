@@ -26,7 +26,7 @@ from service.api.settings import Settings
 from service.cli.main import COMMANDS
 from service.client import ClientSettings
 from service.schemas.limits import Limits
-from service.stack.settings import SupervisorSettings
+from service.stack.supervisor import SupervisorSettings
 from service.webhooks.settings import WebhookSettings
 from worker.settings import ConnectionSettings, WorkerSettings
 

@@ -41,7 +41,7 @@ def loaded(program: str) -> set[str]:
 
 
 def test_work_horses_find_the_whole_solver_loaded() -> None:
-    modules = loaded("import worker.process.preload; worker.process.preload.load_solver()")
+    modules = loaded("import worker.process.horse; worker.process.horse.load_solver()")
     answers = [path for name, path in FILES.items() if name.startswith("worker.answers.")]
     named = {name for path in answers for name in imported(path) if name.startswith("rpr_solver")}
     assert named

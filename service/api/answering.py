@@ -21,7 +21,7 @@ from service.api.reading import Asked
 from service.api.responses import answer_response
 from service.api.table_forms import json_bytes
 from service.schemas.price import check_price
-from service.webhooks.urls import target_of
+from service.webhooks.settings import target_of
 from worker.answers.kinds import Answer
 from worker.answers.requests import JobRequest
 from worker.jobs.subscriptions import Subscriber

@@ -11,7 +11,7 @@ from service.api.job_view import job_json
 from service.api.prefix import prefixed
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.webhooks.deliverer import Shown, event_type
-from service.webhooks.urls import FIELD, target_of
+from service.webhooks.settings import FIELD, target_of
 from worker.answers.kinds import is_batch
 from worker.jobs.callbacks import MANY, Delivery, TooManyCallbacksError
 from worker.jobs.subscriptions import Subscriber

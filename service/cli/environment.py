@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from service.api.settings import Settings
 from service.schemas.limits import Limits
-from service.stack.settings import SupervisorSettings
+from service.stack.supervisor import SupervisorSettings
 from service.webhooks.settings import WebhookSettings
 from worker.logs import told
 from worker.settings import ConnectionSettings, WorkerSettings

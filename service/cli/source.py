@@ -12,7 +12,7 @@ from redis.exceptions import RedisError
 
 from service.cli.options import add_redis_url
 from service.errors import ServiceError
-from service.stack.attached import attached
+from service.stack.embedded_valkey import attached
 from service.stack.errors import StackError
 from worker.connection import UnreachableError, check, connect
 

@@ -14,7 +14,8 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Self
 
@@ -26,7 +27,9 @@ from redis.retry import Retry
 from service.stack.aof import DIRECTORY, check_manifest, repair
 from service.stack.data_dir import DirectoryLock, default_data_dir, make_private, runtime_dir
 from service.stack.errors import EmbeddedError
-from worker.process.child import end_all
+from service.stack.health import ValkeyPing
+from worker.connection import UnreachableError, check
+from worker.process.child import Child, Say, end_all
 from worker.process.os_limits import usable_memory
 from worker.settings import WorkerSettings
 
@@ -234,3 +237,58 @@ class EmbeddedValkey:
         except OSError:
             lines = []
         return lines[-1].rpartition(" # ")[2] if lines else "it left no message"
+
+
+class ValkeyChild:
+    """Keeps the embedded Valkey running, with the same data at the same address."""
+
+    def __init__(self, server: EmbeddedValkey, say: Say, hang_seconds: float) -> None:
+        self._server = server
+        self._child = Child("the embedded Valkey", server.spawn, say, hang_seconds)
+        self._ping: ValkeyPing | None = None
+
+    def start(self, is_wanted: Callable[[], bool]) -> None:
+        """Start the server and wait until it answers, or is no longer wanted.
+
+        Raises:
+            EmbeddedError: it cannot be started.
+        """
+        self._server.start(is_wanted)
+        self._child.adopt(self._server.process)
+        self._ping = ValkeyPing(self._server.socket_path)
+
+    def look_after(self) -> None:
+        """Replace the process if it died, hangs or cannot be reached; takes no time."""
+        if self._ping is not None:
+            lost = "lost its socket" if self._ping.is_unreachable else None
+            self._child.look_after(self._ping.last, lost)
+
+    def stop(self, is_hurried: Callable[[], bool]) -> None:
+        """Stop the server, with everything written to disk."""
+        if self._ping is not None:
+            self._ping.stop()
+        self._server.stop(is_hurried)
+
+
+@contextmanager
+def attached(data_dir: Path | None) -> Iterator[str]:
+    """The address of the embedded server that runs on a directory, or of one that runs as long as the block.
+
+    Raises:
+        EmbeddedError: there is none, and none can be started.
+    """
+    server = EmbeddedValkey(data_dir)
+    running = runtime_dir(server.data_dir) / "valkey.sock"
+    if running.exists() and _answers(f"unix://{running}"):
+        yield f"unix://{running}"
+        return
+    with server:
+        yield server.url
+
+
+def _answers(url: str) -> bool:
+    try:
+        check(url)
+    except UnreachableError:
+        return False
+    return True

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ipaddress
 import logging
 import signal
 import socket
+import time
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
@@ -13,20 +15,48 @@ from types import FrameType
 from typing import Any
 
 from pydantic import ValidationError
+from redis.exceptions import RedisError
 
+from service.api.access.key_store import KeyStore
 from service.api.settings import KeysPolicy, Settings
-from service.stack.api_child import ApiChild
-from service.stack.embedded_valkey import EmbeddedValkey
+from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild
 from service.stack.errors import BadAddressError, StackError
-from service.stack.exposure import check_keys, is_loopback, keys_policy
 from service.stack.given_redis import GivenRedis
 from service.stack.output import note, say
-from service.stack.settings import SupervisorSettings
-from service.stack.supervisor import Supervisor
-from service.stack.valkey_child import ValkeyChild
+from service.stack.supervisor import ApiChild, Supervisor, SupervisorSettings
+from worker.connection import connect
 from worker.process.os_limits import on_stop_signals, raise_file_limit, usable_cores
 from worker.process.pool import WorkerPool
 from worker.settings import WorkerSettings, settings_problem
+
+
+def is_loopback(listener: socket.socket) -> bool:
+    """Whether only this computer reaches the address of a listening socket."""
+    return ipaddress.ip_address(listener.getsockname()[0].partition("%")[0]).is_loopback
+
+
+def keys_policy(listener: socket.socket, asked: KeysPolicy) -> KeysPolicy:
+    """Returns whether the service asks for keys."""
+    return "always" if asked == "auto" and not is_loopback(listener) else asked
+
+
+def check_keys(listener: socket.socket, redis_url: str, where: str) -> None:
+    """Have a service that asks for keys have one; `where` is the option that finds them, for the message.
+
+    Raises:
+        StackError: there is none.
+    """
+    try:
+        with connect(redis_url) as redis:
+            keys = KeyStore(redis, WorkerSettings().key_prefix).all().values()
+    except RedisError as error:
+        raise StackError(f"cannot read the keys from Redis: {error}") from error
+    if not any(key.state(time.time()) == "valid" for key in keys):
+        raise StackError(
+            f"on {listener.getsockname()[0]} the service asks for keys, and there is none yet: make one with "
+            f"`rpr-cusps keys create NAME{where}`, or let everyone in with --insecure"
+        )
+
 
 _FAILED, _BAD_INPUT = 1, 2
 

@@ -2,14 +2,97 @@
 
 from __future__ import annotations
 
+import os
+import socket
+import subprocess
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
-from service.stack.api_child import ApiChild
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from service.stack.embedded_valkey import ValkeyChild
+from service.stack.health import Pulse
 from service.stack.output import announce
-from service.stack.valkey_child import ValkeyChild
-from worker.process.child import end_all
+from worker.process.child import Child, Process, Say, end_all, python_program
 from worker.process.pool import WorkerPool
+
+
+class SupervisorSettings(BaseSettings):
+    """How the processes of one machine are looked after."""
+
+    model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
+
+    hang_seconds: float = Field(
+        default=10.0,
+        ge=3,
+        allow_inf_nan=False,
+        description="time without a sign of life after which `serve` kills Valkey, a worker or the API "
+        "and starts another, in seconds",
+    )
+
+
+_STOP_PATIENCE = 6.0  # it gives open connections half of this
+_FEW_ARENAS = {"MALLOC_ARENA_MAX": "2"}
+"""Or else glibc spreads what some forty threads need over one arena each, and its memory grows for hours."""
+
+
+class ApiChild:
+    """Keeps one API process running. The listening socket stays open: clients wait for the next one.
+
+    Args:
+        listener: the listening socket.
+        settings: those of the API that differ from the environment.
+        say: tells what happens to the process.
+        hang_seconds: how long it may be silent.
+    """
+
+    def __init__(
+        self,
+        listener: socket.socket,
+        settings: Mapping[str, str],
+        say: Say,
+        hang_seconds: float,
+    ) -> None:
+        self._listener = listener
+        self._environment = {
+            **_FEW_ARENAS,
+            **os.environ,
+            **{f"RPR_CUSPS_{name.upper()}": value for name, value in settings.items()},
+        }
+        self._child = Child("the API", self._launch, say, hang_seconds)
+        self._pulse: Pulse | None = None
+
+    def start(self) -> None:
+        """Start the process."""
+        self._child.start()
+
+    def is_ready(self) -> bool:
+        """Whether it has answered."""
+        return self._pulse is not None and self._pulse.last > 0
+
+    def look_after(self) -> None:
+        """Replace the process if it died or hangs; takes no time."""
+        self._child.look_after(self._pulse.last if self._pulse is not None else 0.0)
+
+    def processes(self) -> list[tuple[Process, float]]:
+        """The process, if it is running, and how long it may take to end."""
+        return [] if self._child.process is None else [(self._child.process, _STOP_PATIENCE)]
+
+    def _launch(self) -> Process:
+        ours, theirs = socket.socketpair()
+        with theirs:
+            self._pulse = Pulse(ours)  # ends by itself if no process comes to hold the other end
+            fds = (self._listener.fileno(), theirs.fileno())
+            options = ("--listener", str(fds[0]), "--health", str(fds[1]), "--parent-pid", str(os.getpid()))
+            return subprocess.Popen(
+                python_program("service.stack.api_process", *options),
+                env=self._environment,
+                stdin=subprocess.DEVNULL,
+                start_new_session=True,  # Ctrl-C on a terminal reaches the supervisor alone
+                pass_fds=fds,
+            )
+
 
 _TICK = 0.05
 _ANNOUNCE_PATIENCE = 5.0  # seconds that the announcement waits for workers, once the API answers

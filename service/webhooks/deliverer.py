@@ -25,8 +25,7 @@ from redis.exceptions import RedisError
 
 from rpr_solver.errors import InputError
 from service.webhooks.sending import Answer, RefusedError, post
-from service.webhooks.settings import SecretError, WebhookSettings
-from service.webhooks.urls import fits, target_of
+from service.webhooks.settings import SecretError, WebhookSettings, fits, target_of
 from worker.answers.kinds import is_batch
 from worker.jobs.callbacks import Attempt, Callbacks, Delivery, State
 from worker.jobs.views import JobView

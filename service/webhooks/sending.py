@@ -16,8 +16,7 @@ from email.utils import parsedate_to_datetime
 import httpcore
 
 from service import __version__
-from service.webhooks.settings import Network, WebhookSettings
-from service.webhooks.urls import Target, is_allowed
+from service.webhooks.settings import Network, Target, WebhookSettings, is_allowed
 
 _MOST_ADDRESSES = 6
 

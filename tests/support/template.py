@@ -102,7 +102,7 @@ def main() -> int:
     """Load a worker, and fork one for each request until nobody is left to ask."""
     control = socket.socket(fileno=int(sys.argv[1]))
     program = import_module("worker.__main__")
-    import_module("worker.process.preload").load_solver()
+    import_module("worker.process.horse").load_solver()
     gc.freeze()
     woken, wakes = os.pipe()
     os.set_blocking(wakes, False)

@@ -26,10 +26,18 @@ from worker.jobs.lanes import Lane
 from worker.jobs.overruns import Overruns
 from worker.jobs.records import JobRecords
 from worker.logs import about
-from worker.process.horse import BeatAlarm, Horse, Task
-from worker.process.horse_exit import UNANSWERED, GivenUp, Outcome, RunAgain, judge_exit
+from worker.process.horse import (
+    UNANSWERED,
+    BeatAlarm,
+    GivenUp,
+    Horse,
+    Outcome,
+    RunAgain,
+    Task,
+    judge_exit,
+    load_numpy,
+)
 from worker.process.os_limits import processor_seconds, stop_signals_held
-from worker.process.preload import load_numpy
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")

@@ -14,8 +14,8 @@ from worker import tracing
 from worker.connection import UnreachableError, connect, eviction_warning, wait_for
 from worker.jobs.lanes import Duty
 from worker.logs import set_up
+from worker.process.horse import load_solver
 from worker.process.os_limits import die_with_parent, on_stop_signals
-from worker.process.preload import load_solver
 from worker.process.tasks import Context, set_context
 from worker.process.worker import CuspWorker
 from worker.settings import WorkerSettings

@@ -29,8 +29,8 @@ from worker.jobs.chunks import ChunkQueue
 from worker.jobs.interruption import fail, give_up, is_ahead
 from worker.jobs.records import INCOMPLETE, JobRecords
 from worker.logs import about
+from worker.process.horse import ExpectedSlices
 from worker.process.os_limits import lift_memory_limit
-from worker.process.preload import ExpectedSlices
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")

@@ -32,8 +32,7 @@ from service.errors import ServiceError
 from service.stack.embedded_valkey import EmbeddedValkey
 from service.webhooks.deliverer import Deliverer, pause
 from service.webhooks.sending import signature
-from service.webhooks.settings import WebhookSettings
-from service.webhooks.urls import is_allowed, target_of
+from service.webhooks.settings import WebhookSettings, is_allowed, target_of
 from tests.support.processes import PATIENCE, started, until
 from tests.support.receivers import Receiver, receiving, silent
 from tests.support.service_server import GEOMETRY, serving

@@ -1,3 +1,5 @@
+"""The work horse: what it runs, when it stays, and what its exit means for its chunk."""
+
 from __future__ import annotations
 
 import os
@@ -8,8 +10,9 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support.processes import PATIENCE
+from worker.process import horse as horse_module
 from worker.process import horse as module
-from worker.process.horse import Horse, Task
+from worker.process.horse import UNRECORDED, Failed, GivenUp, Horse, RunAgain, Task, judge_exit
 from worker.settings import WorkerSettings
 
 SETTINGS = WorkerSettings(deadline=60, niceness=0)
@@ -93,3 +96,64 @@ def test_a_task_ends_soon_after_the_deadline_even_without_a_worker(
     assert stays_after(horse, "sound")
     assert not stays_after(horse, "endless")
     assert status_of(horse, horses) == -signal.SIGALRM
+
+
+LIMITED = WorkerSettings(deadline=5, memory_limit_mb=100)
+
+
+def test_a_normal_exit() -> None:
+    assert judge_exit(0, None, LIMITED) is None
+    assert judge_exit(0, "deadline", LIMITED) is None
+
+
+@pytest.mark.parametrize(
+    ("status", "ended_for", "kind"),
+    [
+        (signal.SIGKILL, "deadline", "timeout"),
+        (signal.SIGKILL, "canceled", ""),
+    ],
+)
+def test_failures(status: int, ended_for: str | None, kind: str) -> None:
+    outcome = judge_exit(int(status), ended_for, LIMITED)
+    assert isinstance(outcome, Failed)
+    assert outcome.kind == kind
+
+
+def test_what_is_given_up() -> None:
+    outcome = judge_exit(int(signal.SIGABRT), None, LIMITED)
+    assert isinstance(outcome, GivenUp)
+    assert outcome.kind == "resource-exhausted"
+    assert "100 MiB" in outcome.detail
+
+
+def test_what_is_run_again() -> None:
+    for reason in ("shutdown", "silence"):
+        assert judge_exit(int(signal.SIGKILL), reason, LIMITED) == RunAgain()
+    for number in (signal.SIGKILL, signal.SIGSEGV):
+        killed = judge_exit(int(number), None, LIMITED)
+        assert isinstance(killed, RunAgain)
+        assert (killed.lost, killed.kind) == ("horses", "worker-crashed")
+        assert number.name in killed.detail
+    unrecorded = judge_exit(UNRECORDED << 8, None, LIMITED)
+    assert isinstance(unrecorded, RunAgain)
+    assert unrecorded.lost == "workers"
+    exited = judge_exit(1 << 8, None, LIMITED)
+    assert isinstance(exited, RunAgain)
+    assert exited.lost == "horses"
+
+
+def test_the_time_that_other_items_took_is_not_held_against_the_one_at_hand() -> None:
+    killed = int(signal.SIGKILL)
+    assert judge_exit(killed, "deadline", LIMITED, has_advanced=True) == RunAgain()
+    assert isinstance(judge_exit(killed, "deadline", LIMITED), Failed)
+
+
+def test_numpy_is_loaded_once_many_slices_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    loaded: list[int] = []
+    monkeypatch.setattr(horse_module, "load_numpy", lambda: loaded.append(1))
+    expected = horse_module.ExpectedSlices()
+    expected.add(63)
+    assert not loaded
+    expected.add(1)
+    expected.add(1000)
+    assert loaded == [1]
