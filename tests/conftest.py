@@ -5,6 +5,7 @@ import gc
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -16,11 +17,12 @@ from worker.process.os_limits import usable_cores
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
-DEAR = {
+EXPENSIVE = {
     *("curves", "transitions", "article", "paths", "cli", "api"),
     *("test_properties", "test_golden", "test_docs", "test_examples", "test_client"),
 }
-"""Directories and files that the quick run leaves out as a whole, besides all tests with real processes."""
+"""Directories and files that the quick run leaves out, but for tests marked `quick`; it also leaves out all
+tests with real processes."""
 
 SLOW = [HealthCheck.too_slow]
 settings.register_profile("ci", deadline=None, derandomize=True, suppress_health_check=SLOW)
@@ -49,8 +51,18 @@ def pytest_collection_finish() -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """Two processes a core, since many tests wait for other processes."""
-    return 2 * usable_cores()
+    """Two processes a core for `-n auto`, since many tests wait for other processes; four at most."""
+    return min(2 * usable_cores(), 4)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """A process without work takes some from another; `--dist` names another way."""
+    if config.getoption("dist") != "load":
+        return None
+    from xdist.scheduler import WorkStealingScheduling
+
+    return WorkStealingScheduling(config, log)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -64,7 +76,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if uses_processes(item):
             item.add_marker(pytest.mark.flaky(reruns=1))
             item.add_marker(pytest.mark.slow)
-        if not DEAR.isdisjoint({*item.path.parts, item.path.stem}):
+        elif item.get_closest_marker("quick") is None and not EXPENSIVE.isdisjoint(
+            {*item.path.parts, item.path.stem}
+        ):
             item.add_marker(pytest.mark.slow)
 
 
