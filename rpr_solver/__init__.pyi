@@ -26,7 +26,6 @@ from .exact.rationals import Exact as Exact
 from .exact.rationals import exact_str as exact_str
 from .exact.rationals import parse_exact as parse_exact
 from .exports.export import export as export
-from .figures.figure import Figure as Figure
 from .kinematics.pose_table import DirectPolynomial as DirectPolynomial
 from .kinematics.pose_table import PlatformPose as PlatformPose
 from .kinematics.pose_table import PoseTable as PoseTable
@@ -37,6 +36,7 @@ from .model.joint_points import JointPoint as JointPoint
 from .model.lengths import LengthRange as LengthRange
 from .model.manipulator import EXAMPLES as EXAMPLES
 from .model.manipulator import Manipulator as Manipulator
+from .notebook.figure import Figure as Figure
 from .paths.between_poses import joint_path as joint_path
 from .paths.ends import PathPose as PathPose
 from .paths.loops import cusp_loop as cusp_loop

@@ -13,7 +13,7 @@ SOLVER = "rpr_solver"
 MAY_IMPORT = {
     # rpr_solver: pure mathematics
     "rpr_solver.errors": "",
-    "rpr_solver.notebook": "",
+    "rpr_solver.notebook": "errors",
     "rpr_solver.contract": "errors",
     "rpr_solver.figures": "errors notebook",
     "rpr_solver.exact": "errors contract",

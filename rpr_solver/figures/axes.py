@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from rpr_solver.figures.plane import Box, Line, Point
 from rpr_solver.figures.scales import Scale, ticks
-from rpr_solver.figures.scene import Paint, Path, Shape, Text
+from rpr_solver.notebook.scene import Box, Line, Paint, Path, Point, Shape, Text
 
 Ticks = Sequence[tuple[float, str]]
 

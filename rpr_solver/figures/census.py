@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.figures.axes import EDGE, SMALL
-from rpr_solver.figures.figure import Figure
-from rpr_solver.figures.plane import Box, Point
 from rpr_solver.figures.scales import Scale, WidenedScale, ticks
-from rpr_solver.figures.scene import Disc, Group, Paint, Path, Shape, Text
 from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, sheet
 from rpr_solver.figures.wording import number, short, width
+from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Shape, Text
 
 HEIGHT = 480.0
 _PLOT = Box(66, 160, WIDTH - 30, 350)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
 
-from rpr_solver.figures.plane import Box, Line, Point, distance, off_segment
+from rpr_solver.notebook.scene import Box, Line, Point, distance, off_segment
 
 CLEAR = 13.0
 """How far, in pixels, a cusp must be from other cusps and corners to be seen."""

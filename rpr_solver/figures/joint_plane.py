@@ -6,15 +6,27 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rpr_solver.figures.axes import Frame
-from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.insets import Spot, Window, windows
 from rpr_solver.figures.labels import Room
-from rpr_solver.figures.plane import Box, Point, area, clipped, distance, simplified
-from rpr_solver.figures.scene import Disc, Group, Paint, Path, Shape, Text
 from rpr_solver.figures.sheet import WIDTH, listed, sheet
 from rpr_solver.figures.slice_floats import Angles, SliceFloats
 from rpr_solver.figures.strands import cusps_of, drawn, strands_of
 from rpr_solver.figures.wording import box_of, letters, number, short, width
+from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.scene import (
+    Box,
+    Disc,
+    Group,
+    Paint,
+    Path,
+    Point,
+    Shape,
+    Text,
+    area,
+    clipped,
+    distance,
+    simplified,
+)
 
 HEIGHT = 656.0
 _PLOT = Box(72, 46, WIDTH - 24, HEIGHT - 108)

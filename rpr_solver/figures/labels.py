@@ -8,9 +8,8 @@ from itertools import pairwise
 from math import ceil, cos, floor, hypot, pi, sin
 from operator import or_
 
-from rpr_solver.figures.plane import Box, Line, Point
-from rpr_solver.figures.scene import Text
 from rpr_solver.figures.wording import box_of
+from rpr_solver.notebook.scene import Box, Line, Point, Text
 
 _CELL, _COARSE = 4, 8
 _MARGIN = 2

@@ -10,13 +10,12 @@ from typing import Any
 
 from rpr_solver.figures.axes import EDGE, GRID, SMALL
 from rpr_solver.figures.census import mark
-from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.labels import Room
-from rpr_solver.figures.plane import Box, Point, simplified
 from rpr_solver.figures.scales import ticks
-from rpr_solver.figures.scene import Group, Paint, Path, Shape, Text
 from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, sheet
 from rpr_solver.figures.wording import number, width
+from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.scene import Box, Group, Paint, Path, Point, Shape, Text, simplified
 
 HEIGHT = 640.0
 _TURN, _TILT = radians(32), radians(24)

@@ -12,16 +12,27 @@ from math import atan2, ceil, cos, degrees, radians, sin
 from typing import Any
 
 from rpr_solver.figures.axes import Frame
-from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.labels import Room
 from rpr_solver.figures.mechanism import View, base_shapes, joint, platform_shape
-from rpr_solver.figures.plane import Box, Point, clipped, distance, simplified
-from rpr_solver.figures.scene import Disc, Group, Motion, Paint, Path, Shape
 from rpr_solver.figures.sheet import sheet
 from rpr_solver.figures.slice_floats import Angles, SliceFloats
 from rpr_solver.figures.strands import cusps_of, drawn, strands_of
 from rpr_solver.figures.triangles import Triangles, Triple
 from rpr_solver.figures.wording import letters, number, short
+from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.scene import (
+    Box,
+    Disc,
+    Group,
+    Motion,
+    Paint,
+    Path,
+    Point,
+    Shape,
+    clipped,
+    distance,
+    simplified,
+)
 
 WIDTH, HEIGHT = 980.0, 500.0
 _PLOT = Box(76, 50, 470, 410)

@@ -7,13 +7,12 @@ from math import hypot
 from typing import Any
 
 from rpr_solver.errors import InputError
-from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.labels import Room
-from rpr_solver.figures.plane import Box, Point, between, distance
-from rpr_solver.figures.scene import Disc, Group, Paint, Path, Shape
 from rpr_solver.figures.sheet import WIDTH, sheet
 from rpr_solver.figures.triangles import Triangles
 from rpr_solver.figures.wording import number, short
+from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Shape, between, distance
 
 HEIGHT = 560.0
 _ROD, _CYLINDER, _JOINT = 3.0, 9.0, 6.0

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from rpr_solver.figures.figure import Figure
-from rpr_solver.figures.scene import Scene, Shape, Text
 from rpr_solver.figures.wording import short
 from rpr_solver.notebook import degenerate_words
+from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.scene import Scene, Shape, Text
 
 WIDTH = 760.0
 TITLE, CAPTION = 40.0, 26.0

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import cos, hypot, radians, sin
 
-from rpr_solver.figures.plane import Point
 from rpr_solver.figures.triangles import Triangles
+from rpr_solver.notebook.scene import Point
 
 Angles = tuple[float, float]
 """α and the angle of the fixed leg, in degrees."""

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rpr_solver.figures.plane import Box, Point, distance, off_segment
 from rpr_solver.figures.slice_floats import Angles, SliceFloats
+from rpr_solver.notebook.scene import Box, Point, distance, off_segment
 
 _DEPTH = 10
 _FINE = 0.1

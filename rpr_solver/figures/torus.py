@@ -8,15 +8,26 @@ from math import ceil, floor
 from typing import Any
 
 from rpr_solver.figures.axes import Frame
-from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.labels import Room
-from rpr_solver.figures.plane import Box, Line, Point, clipped, simplified
 from rpr_solver.figures.scales import angle_ticks
-from rpr_solver.figures.scene import Disc, Group, Paint, Path, Shape, Text
 from rpr_solver.figures.sheet import WIDTH, sheet
 from rpr_solver.figures.slice_floats import Angles, SliceFloats
 from rpr_solver.figures.strands import Place, cusps_of, drawn, strands_of
 from rpr_solver.figures.wording import box_of, letters, number, short, width
+from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.scene import (
+    Box,
+    Disc,
+    Group,
+    Line,
+    Paint,
+    Path,
+    Point,
+    Shape,
+    Text,
+    clipped,
+    simplified,
+)
 
 HEIGHT = 736.0
 _PLOT = Box(86, 46, WIDTH - 40, HEIGHT - 108)

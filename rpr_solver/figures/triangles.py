@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 from math import cos, radians, sin
 
-from rpr_solver.figures.plane import Point
 from rpr_solver.figures.wording import exact
+from rpr_solver.notebook.scene import Point
 
 Triple = tuple[Point, Point, Point]
 

@@ -6,8 +6,7 @@ from decimal import Decimal
 from math import isinf
 
 from rpr_solver.errors import InputError
-from rpr_solver.figures.plane import Box
-from rpr_solver.figures.scene import Text
+from rpr_solver.notebook.scene import Box, Text
 
 _NARROW = {**dict.fromkeys("ijl'|", 0.28), **dict.fromkeys(" .,:;!()[]ft-/r", 0.38)}
 _WIDE = {**dict.fromkeys("mwMW@%", 0.97), **dict.fromkeys("+=<>−≤≥∞→≠±", 0.84)}

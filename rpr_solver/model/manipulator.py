@@ -18,7 +18,7 @@ from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_all, 
 from rpr_solver.notebook import html_table
 
 if TYPE_CHECKING:
-    from rpr_solver.figures.figure import Figure
+    from rpr_solver.notebook.figure import Figure
 
 CCW, CW = "ccw", "cw"
 _LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")

@@ -35,13 +35,13 @@ from rpr_solver.contract import (
 )
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
-from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.torus import torus_figure
 from rpr_solver.model.joint_points import JointPoint
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, shortened
+from rpr_solver.notebook.figure import Figure
 from rpr_solver.singular.aspects import Aspect
 from rpr_solver.singular.charts import TURNS
 from rpr_solver.singular.drawing import Drawing, Strand

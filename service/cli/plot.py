@@ -10,8 +10,8 @@ from typing import Any
 import rpr_solver
 from rpr_solver import Figure
 from rpr_solver.errors import InputError
-from rpr_solver.figures.figure import suffix_of
-from rpr_solver.figures.palette import THEMES
+from rpr_solver.notebook.figure import suffix_of
+from rpr_solver.notebook.scene import THEMES
 from service.cli import arguments, output, remote
 from service.cli.progress import progress_bar
 from service.schemas.document import named

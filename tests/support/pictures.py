@@ -7,10 +7,9 @@ from collections.abc import Iterator
 from itertools import combinations
 from xml.etree import ElementTree
 
-from rpr_solver.figures.figure import Figure
-from rpr_solver.figures.plane import Box
-from rpr_solver.figures.scene import Group, Shape, Text
 from rpr_solver.figures.wording import box_of
+from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.scene import Box, Group, Shape, Text
 
 SVG = "{http://www.w3.org/2000/svg}"
 GEOMETRY = {

@@ -8,13 +8,13 @@ from typing import Any
 
 from rpr_solver.contract import number_of
 from rpr_solver.figures.census import census_figure
-from rpr_solver.figures.figure import Figure
 from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.locus import locus_figure
 from rpr_solver.figures.loop import loop_figure
 from rpr_solver.figures.mechanism import point_figure, poses_figure
 from rpr_solver.figures.torus import torus_figure
 from rpr_solver.figures.wording import letters
+from rpr_solver.notebook.figure import Figure
 
 Document = dict[str, Any]
 

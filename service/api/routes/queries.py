@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request, Response
 
 from rpr_solver.contract import MOST_POSES
 from rpr_solver.errors import InputError
-from rpr_solver.figures.palette import THEMES
+from rpr_solver.notebook.scene import THEMES
 from service.api.answering import answer_asked
 from service.api.batch_csv import ENDS, GEOMETRY, item_of
 from service.api.context import ContextDep

@@ -1,8 +1,7 @@
 """A frame places values, and its ticks lie in it."""
 
 from rpr_solver.figures.axes import Frame
-from rpr_solver.figures.plane import Box
-from rpr_solver.figures.scene import Text
+from rpr_solver.notebook.scene import Box, Text
 
 
 def test_ticks_are_where_their_values_are() -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from rpr_solver.figures.census import census_figure
-from rpr_solver.figures.scene import Group
+from rpr_solver.notebook.scene import Group
 from tests.support.pictures import GEOMETRY, check, words
 
 KINDS = ["swallowtail", "beak-to-beak", "lips", "several"]

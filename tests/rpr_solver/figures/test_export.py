@@ -6,9 +6,7 @@ from io import BytesIO
 
 import pytest
 
-from rpr_solver.figures.palette import colour
-from rpr_solver.figures.plane import Box
-from rpr_solver.figures.scene import Disc, Group, Motion, Paint, Path, Scene, Text
+from rpr_solver.notebook.scene import Box, Disc, Group, Motion, Paint, Path, Scene, Text, colour
 
 SCENE = Scene(
     80,
@@ -26,9 +24,9 @@ SCENE = Scene(
 
 
 def drawn(scene: Scene, form: str, theme: str) -> bytes:
-    """The same of :mod:`rpr_solver.figures.export`, which loads Matplotlib: not while tests are collected."""
+    """That of :mod:`rpr_solver.notebook.export`, which loads Matplotlib: not while tests are collected."""
     pytest.importorskip("matplotlib")
-    from rpr_solver.figures.export import drawn
+    from rpr_solver.notebook.export import drawn
 
     return drawn(scene, form, theme)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from rpr_solver import EXAMPLES, Figure, InputError
-from rpr_solver.figures.figure import suffix_of
+from rpr_solver.notebook.figure import suffix_of
 
 FIGURE = EXAMPLES["innocenti"].figure()
 
@@ -31,7 +31,7 @@ def test_files(tmp_path: Path) -> None:
 
 
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delitem(sys.modules, "rpr_solver.figures.export", raising=False)
+    monkeypatch.delitem(sys.modules, "rpr_solver.notebook.export", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(InputError, match=r"^png: needs matplotlib; install rpr-cusps\[plot\]"):
         FIGURE.png()

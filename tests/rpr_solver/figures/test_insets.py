@@ -3,7 +3,7 @@
 from math import cos, pi, sin
 
 from rpr_solver.figures.insets import CLEAR, Spot, windows
-from rpr_solver.figures.plane import Point
+from rpr_solver.notebook.scene import Point
 
 
 def spike(at: Point, reach: float = 120.0, width: float = 40.0) -> list[Point]:

@@ -6,9 +6,8 @@ import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, SingularCurves, singular_curves
 from rpr_solver.figures.joint_plane import joint_figure
-from rpr_solver.figures.plane import area
-from rpr_solver.figures.scene import Group, Path
 from rpr_solver.figures.wording import letters
+from rpr_solver.notebook.scene import Group, Path, area
 from tests.support.pictures import check, every, words
 
 

@@ -1,8 +1,8 @@
 """Labels and boxes go where they hide nothing."""
 
 from rpr_solver.figures.labels import Room
-from rpr_solver.figures.plane import Box
 from rpr_solver.figures.wording import box_of
+from rpr_solver.notebook.scene import Box
 
 
 def test_labels_near_one_point_do_not_cover_each_other_or_lines() -> None:

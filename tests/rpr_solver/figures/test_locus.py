@@ -7,7 +7,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, cusp_curves
 from rpr_solver.figures.locus import locus_figure
-from rpr_solver.figures.scene import Group
+from rpr_solver.notebook.scene import Group
 from tests.support.pictures import GEOMETRY, check, words
 
 

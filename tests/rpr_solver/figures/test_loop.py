@@ -6,7 +6,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, cusp_loop, singular_curves
 from rpr_solver.figures.loop import loop_figure
-from rpr_solver.figures.scene import Group
+from rpr_solver.notebook.scene import Group
 from tests.support.pictures import check, every, words
 
 INNOCENTI = EXAMPLES["innocenti"]

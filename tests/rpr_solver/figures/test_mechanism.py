@@ -4,7 +4,7 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, cusp_table, poses
 from rpr_solver.figures.mechanism import geometry_figure, point_figure, poses_figure
-from rpr_solver.figures.scene import Disc, Group
+from rpr_solver.notebook.scene import Disc, Group
 from tests.support.pictures import GEOMETRY, check, every, words
 
 INNOCENTI = EXAMPLES["innocenti"]

@@ -5,7 +5,7 @@ from math import dist
 
 import pytest
 
-from rpr_solver.figures.palette import COLOURS, colour
+from rpr_solver.notebook.scene import COLOURS, colour
 
 
 def rgb(code: str) -> list[float]:

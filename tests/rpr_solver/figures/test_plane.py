@@ -5,7 +5,7 @@ from math import cos, hypot, pi, sin
 
 import pytest
 
-from rpr_solver.figures.plane import Box, clipped, distance, simplified
+from rpr_solver.notebook.scene import Box, clipped, distance, simplified
 
 CIRCLE = [(100 * cos(k * pi / 180), 100 * sin(k * pi / 180)) for k in range(361)]
 

@@ -1,6 +1,6 @@
 """The roles of a scene are those of all its shapes."""
 
-from rpr_solver.figures.scene import Disc, Group, Paint, Path, Text, roles
+from rpr_solver.notebook.scene import Disc, Group, Paint, Path, Text, roles
 
 LINE = [(0.0, 0.0), (1.0, 1.0)]
 

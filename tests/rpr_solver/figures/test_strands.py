@@ -1,9 +1,9 @@
 """Strands are drawn smoothly at every magnification."""
 
 from rpr_solver import EXAMPLES, singular_curves
-from rpr_solver.figures.plane import Box, Point, distance
 from rpr_solver.figures.slice_floats import SliceFloats
 from rpr_solver.figures.strands import cusps_of, drawn, strands_of
+from rpr_solver.notebook.scene import Box, Point, distance
 
 CURVES = singular_curves(EXAMPLES["zein-flat"], 3).to_json()
 FLOATS = SliceFloats.of(CURVES["geometry"], 1, "3")

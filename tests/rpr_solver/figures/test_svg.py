@@ -3,10 +3,8 @@
 import re
 from xml.etree import ElementTree
 
-from rpr_solver.figures.palette import COLOURS
-from rpr_solver.figures.plane import Box
-from rpr_solver.figures.scene import Disc, Group, Motion, Paint, Path, Scene, Shape, Text
-from rpr_solver.figures.svg import svg_of
+from rpr_solver.notebook.scene import COLOURS, Box, Disc, Group, Motion, Paint, Path, Scene, Shape, Text
+from rpr_solver.notebook.svg import svg_of
 
 SQUARE = Box(10, 10, 30, 30).corners
 

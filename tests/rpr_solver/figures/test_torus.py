@@ -3,9 +3,8 @@
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, singular_curves
-from rpr_solver.figures.plane import area
-from rpr_solver.figures.scene import Group, Path
 from rpr_solver.figures.torus import torus_figure
+from rpr_solver.notebook.scene import Group, Path, area
 from tests.support.pictures import check, words
 
 CURVES = singular_curves(EXAMPLES["innocenti"], 27)

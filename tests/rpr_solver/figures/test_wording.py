@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver.errors import InputError
-from rpr_solver.figures.scene import Text
 from rpr_solver.figures.wording import box_of, exact, letters, number, short, width
+from rpr_solver.notebook.scene import Text
 
 
 @given(st.decimals(min_value=-(10**9), max_value=10**9, places=6))

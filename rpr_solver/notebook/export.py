@@ -14,9 +14,7 @@ from matplotlib.path import Path as Outline
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D, Transform
 
-from rpr_solver.figures.palette import Theme, colour
-from rpr_solver.figures.plane import Box
-from rpr_solver.figures.scene import Disc, Group, Paint, Path, Scene, Shape, Text
+from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Scene, Shape, Text, Theme, colour
 
 _INCH = 96.0
 """Pixels of a scene in an inch, as in CSS."""

@@ -12,9 +12,22 @@ from collections.abc import Iterable, Iterator
 from html import escape
 from itertools import pairwise
 
-from rpr_solver.figures.palette import COLOURS, Theme, colour
-from rpr_solver.figures.plane import Box, Line
-from rpr_solver.figures.scene import Disc, Group, Motion, Paint, Path, Scene, Shape, Text, roles
+from rpr_solver.notebook.scene import (
+    COLOURS,
+    Box,
+    Disc,
+    Group,
+    Line,
+    Motion,
+    Paint,
+    Path,
+    Scene,
+    Shape,
+    Text,
+    Theme,
+    colour,
+    roles,
+)
 
 FONT = "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif"
 _BASELINE = 0.355

@@ -7,9 +7,8 @@ from os import PathLike, fspath
 from pathlib import Path
 
 from rpr_solver.errors import InputError
-from rpr_solver.figures.palette import THEMES, Theme
-from rpr_solver.figures.scene import Scene
-from rpr_solver.figures.svg import svg_of
+from rpr_solver.notebook.scene import THEMES, Scene, Theme
+from rpr_solver.notebook.svg import svg_of
 
 SUFFIXES = (".svg", ".png", ".pdf")
 """The kinds of files in which pictures are kept."""
@@ -90,7 +89,7 @@ class Figure:
     def _drawn(self, form: str, theme: Theme | None) -> bytes:
         theme = self._theme(theme)
         try:
-            from rpr_solver.figures.export import drawn
+            from rpr_solver.notebook.export import drawn
         except ModuleNotFoundError as error:
             if error.name != "matplotlib":
                 raise

@@ -1,4 +1,4 @@
-"""Notebook output: rows for data frames and HTML tables of plain data.
+"""How answers are shown: rows for data frames and tables of plain data here, figures in the modules.
 
 Floats occur only here, for display and data frames; nothing is decided by them.
 """
