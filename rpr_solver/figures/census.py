@@ -10,10 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rpr_solver.figures.axes import EDGE, SMALL
-from rpr_solver.figures.scales import Scale, WidenedScale, ticks
-from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, sheet
-from rpr_solver.figures.wording import number, short, width
+from rpr_solver.figures.axes import EDGE, SMALL, Scale, WidenedScale, ticks
+from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, number, sheet, short, width
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Shape, Text
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 from math import ceil, cos, floor, hypot, pi, sin
 from operator import or_
 
-from rpr_solver.figures.wording import box_of
+from rpr_solver.figures.sheet import box_of
 from rpr_solver.notebook.scene import Box, Line, Point, Text
 
 _CELL, _COARSE = 4, 8

@@ -8,12 +8,10 @@ from itertools import pairwise
 from math import ceil, cos, inf, radians, sin
 from typing import Any
 
-from rpr_solver.figures.axes import EDGE, GRID, SMALL
+from rpr_solver.figures.axes import EDGE, GRID, SMALL, ticks
 from rpr_solver.figures.census import mark
 from rpr_solver.figures.labels import Room
-from rpr_solver.figures.scales import ticks
-from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, sheet
-from rpr_solver.figures.wording import number, width
+from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, number, sheet, width
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import Box, Group, Paint, Path, Point, Shape, Text, simplified
 

@@ -13,12 +13,9 @@ from typing import Any
 
 from rpr_solver.figures.axes import Frame
 from rpr_solver.figures.labels import Room
-from rpr_solver.figures.mechanism import View, base_shapes, joint, platform_shape
-from rpr_solver.figures.sheet import sheet
-from rpr_solver.figures.slice_floats import Angles, SliceFloats
-from rpr_solver.figures.strands import cusps_of, drawn, strands_of
-from rpr_solver.figures.triangles import Triangles, Triple
-from rpr_solver.figures.wording import letters, number, short
+from rpr_solver.figures.mechanism import Triangles, Triple, View, base_shapes, joint, platform_shape
+from rpr_solver.figures.sheet import letters, number, sheet, short
+from rpr_solver.figures.strands import Angles, SliceFloats, cusps_of, drawn, strands_of
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import (
     Box,

@@ -1,14 +1,91 @@
-"""What all pictures have: a title above, the geometry below, and a description for those who do not see."""
+"""What all figures have: a title above, the geometry below, a description; and words and numbers in them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from decimal import Decimal
+from math import isinf
 from typing import Any
 
-from rpr_solver.figures.wording import short
+from rpr_solver.errors import InputError
 from rpr_solver.notebook import degenerate_words
 from rpr_solver.notebook.figure import Figure
-from rpr_solver.notebook.scene import Scene, Shape, Text
+from rpr_solver.notebook.scene import Box, Scene, Shape, Text
+
+_NARROW = {**dict.fromkeys("ijl'|", 0.28), **dict.fromkeys(" .,:;!()[]ft-/r", 0.38)}
+_WIDE = {**dict.fromkeys("mwMW@%", 0.97), **dict.fromkeys("+=<>−≤≥∞→≠±", 0.84)}
+_WIDTHS = {**_NARROW, **_WIDE}
+_CAPITAL, _USUAL = 0.72, 0.635
+
+
+def width(words: str, size: float, *, bold: bool = False) -> float:
+    """The width of a line of text, at most: in a wide sans-serif font."""
+    ems = sum(_WIDTHS.get(c) or (_CAPITAL if c.isupper() else _USUAL) for c in words)
+    return ems * size * (1.09 if bold else 1)
+
+
+def box_of(text: Text) -> Box:
+    """The box that a text fills, which must not be turned."""
+    wide = width(text.words, text.size, bold=text.bold)
+    left = text.at[0] - {"start": 0, "middle": wide / 2, "end": wide}[text.anchor]
+    return Box(left, text.at[1] - 0.55 * text.size, left + wide, text.at[1] + 0.55 * text.size)
+
+
+def letters(number: int) -> str:
+    """The letters of a cusp by its number from 1: A to Z, then AA, AB and so on.
+
+    >>> [letters(n) for n in (1, 26, 27, 53)]
+    ['A', 'Z', 'AA', 'BA']
+    """
+    text = ""
+    while number:
+        number, rest = divmod(number - 1, 26)
+        text = chr(ord("A") + rest) + text
+    return text
+
+
+def short(text: str | float, digits: int = 4) -> str:
+    """A number as a reader of a picture wants it, with few significant digits; all of its integer part.
+
+    >>> short("28.012345"), short("-0.00012345"), short("1500"), short(0.5)
+    ('28.01', '−0.0001234', '1500', '0.5')
+    """
+    value = Decimal(text) if isinstance(text, float) else exact(text)
+    if value != 0 and not Decimal("1e-5") <= abs(value) < Decimal("1e7"):
+        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        shown = f"{mantissa}e{int(exponent)}"
+    else:
+        whole = max(value.adjusted() + 1, 0) if value else 1
+        shown = f"{value:.{max(digits - whole, 0) if whole else digits - value.adjusted() - 1}f}"
+        shown = shown.rstrip("0").rstrip(".") if "." in shown else shown
+    return shown.replace("-", "−")
+
+
+def number(text: str) -> float:
+    """The float nearest to a number of a document: a decimal, a fraction or ``sqrt(…)``.
+
+    Raises:
+        InputError: it is too large for a picture.
+
+    >>> number("46/4"), number("sqrt(2.25)")
+    (11.5, 1.5)
+    """
+    value = float(text) if "/" not in text and "(" not in text else float(exact(text))
+    if isinf(value):
+        raise InputError.of(
+            "geometry", f"{short(text)} is too large to be drawn; give lengths in a larger unit"
+        )
+    return value
+
+
+def exact(text: str) -> Decimal:
+    """A number of a document as a decimal, of any size."""
+    if text.startswith("sqrt("):
+        return exact(text[5:-1]).sqrt()
+    numerator, _, denominator = text.partition("/")
+    return Decimal(numerator) / Decimal(denominator or 1)
+
 
 WIDTH = 760.0
 TITLE, CAPTION = 40.0, 26.0

@@ -7,13 +7,10 @@ from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
 
-from rpr_solver.figures.axes import Frame
+from rpr_solver.figures.axes import Frame, angle_ticks
 from rpr_solver.figures.labels import Room
-from rpr_solver.figures.scales import angle_ticks
-from rpr_solver.figures.sheet import WIDTH, sheet
-from rpr_solver.figures.slice_floats import Angles, SliceFloats
-from rpr_solver.figures.strands import Place, cusps_of, drawn, strands_of
-from rpr_solver.figures.wording import box_of, letters, number, short, width
+from rpr_solver.figures.sheet import WIDTH, box_of, letters, number, sheet, short, width
+from rpr_solver.figures.strands import Angles, Place, SliceFloats, cusps_of, drawn, strands_of
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import (
     Box,

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import combinations
 from xml.etree import ElementTree
 
-from rpr_solver.figures.wording import box_of
+from rpr_solver.figures.sheet import box_of
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import Box, Group, Shape, Text
 

@@ -12,8 +12,8 @@ from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.locus import locus_figure
 from rpr_solver.figures.loop import loop_figure
 from rpr_solver.figures.mechanism import point_figure, poses_figure
+from rpr_solver.figures.sheet import letters
 from rpr_solver.figures.torus import torus_figure
-from rpr_solver.figures.wording import letters
 from rpr_solver.notebook.figure import Figure
 
 Document = dict[str, Any]

@@ -1,14 +1,63 @@
-"""A slice in joint space: its cusps lettered in the order of the table, insets where they are needed."""
+"""Insets are made for cusps that cannot be seen, and for no other.
+
+A slice in joint space: its cusps lettered in the order of the table, insets where they are needed.
+"""
+
+from __future__ import annotations
 
 from functools import cache
+from math import cos, pi, sin
 
 import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, SingularCurves, singular_curves
-from rpr_solver.figures.joint_plane import joint_figure
-from rpr_solver.figures.wording import letters
-from rpr_solver.notebook.scene import Group, Path, area
+from rpr_solver.figures.joint_plane import CLEAR, Spot, joint_figure, windows
+from rpr_solver.figures.sheet import letters
+from rpr_solver.notebook.scene import Group, Path, Point, area
 from tests.support.pictures import check, every, words
+
+
+def spike(at: Point, reach: float = 120.0, width: float = 40.0) -> list[Point]:
+    """Two branches that begin at a cusp, which is point 20."""
+    x, y = at
+    steps = [k / 20 for k in range(21)]
+    left = [(x - reach * s**2, y + width * s**3) for s in reversed(steps)]
+    return [*left, *((x - reach * s**2, y - width * s**3) for s in steps[1:])]
+
+
+def test_a_single_spike_is_seen() -> None:
+    assert windows([spike((300, 200))], [Spot(0, 20)], [], 160) == []
+
+
+def test_two_cusps_that_are_near_share_an_inset_that_parts_them() -> None:
+    lines = [spike((300, 200)), spike((303, 204))]
+    [window] = windows(lines, [Spot(0, 20), Spot(1, 20)], [], 160)
+    assert window.members == (0, 1)
+    assert 5 * 160 / window.box.width > CLEAR
+    assert (300, 200) in window.box
+    assert (303, 204) in window.box
+
+
+def test_pairs_far_from_each_other_have_insets_of_their_own() -> None:
+    lines = [spike((300, 200)), spike((303, 204)), spike((300, 500)), spike((300, 502))]
+    found = windows(lines, [Spot(k, 20) for k in range(4)], [], 160)
+    assert [window.members for window in found] == [(0, 1), (2, 3)]
+
+
+def test_a_pair_within_a_group_has_an_inset_of_its_own() -> None:
+    lines = [spike((300, 200)), spike((310, 200)), spike((310.01, 200.01))]
+    found = windows(lines, [Spot(k, 20) for k in range(3)], [], 160)
+    assert [window.members for window in found] == [(0, 1, 2), (1, 2)]
+    assert 0.014 * 160 / found[1].box.width > CLEAR
+
+
+def test_corners_and_foreign_curves_crowd_a_cusp_too() -> None:
+    line = spike((300, 200))
+    assert len(windows([line], [Spot(0, 20)], [(306, 200)], 160)) == 1
+    circle = [(340 + 36 * cos(k * pi / 50), 200 + 36 * sin(k * pi / 50)) for k in range(101)]
+    assert len(windows([line, circle], [Spot(0, 20)], [], 160)) == 1
+    far = [(x + 40, y) for x, y in circle]
+    assert windows([line, far], [Spot(0, 20)], [], 160) == []
 
 
 @cache

@@ -1,7 +1,7 @@
 """Labels and boxes go where they hide nothing."""
 
 from rpr_solver.figures.labels import Room
-from rpr_solver.figures.wording import box_of
+from rpr_solver.figures.sheet import box_of
 from rpr_solver.notebook.scene import Box
 
 
