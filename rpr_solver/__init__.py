@@ -11,9 +11,20 @@ Every input number is exact (:data:`Exact`): an integer, a ``Fraction``, a ``Dec
 ``"14.98"`` or ``"749/50"``. Lengths are in the user's unit, angles in degrees.
 """
 
+from typing import Any
+
 from lazy_loader import attach_stub
+
+from rpr_solver.notebook.figure import Figure, draw_with
 
 __getattr__, __dir__, __all__ = attach_stub(__name__, __file__)
 
 __version__ = "0.1.0"
 __all__ += ["__version__"]
+
+
+@draw_with
+def _figure_of(document: dict[str, Any], **options: Any) -> Figure:
+    from rpr_solver.figures import figure_of  # a start need not load what draws
+
+    return figure_of(document, **options)

@@ -32,12 +32,11 @@ from rpr_solver.curves.cusp_curve import CurveEnd, CurvePoint, CuspCurve
 from rpr_solver.curves.destinations import Tracker
 from rpr_solver.curves.naming import name_cusps, tracks
 from rpr_solver.exact.rationals import Exact, exact_str
-from rpr_solver.figures.locus import locus_figure
 from rpr_solver.model.joint_points import JointPoint
 from rpr_solver.model.lengths import LengthRange, slice_lengths
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, with_floats
-from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.transitions.census import LengthKind, transition_at
 from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
@@ -191,7 +190,7 @@ class CuspCurves:
         Raises:
             InputError: the lengths are too large to be drawn.
         """
-        return locus_figure(self.to_json())
+        return draw(self.to_json())
 
     def within(self, start: Exact = 0, stop: Exact | None = None) -> CuspCurves:
         """The curves and points of a smaller range. Sample first: sampling needs the points of whole curves.

@@ -1,4 +1,66 @@
-"""Pictures of answers: documents in, scenes of simple shapes out, as SVG text with reproducible bytes.
+"""Figures of answers: documents in, scenes of simple shapes out, as SVG text with reproducible bytes.
 
-Floats draw here and decide nothing: what a picture shows was proved before, in the document it is drawn from.
+This room stands above all others of the solver: it reads their documents. Floats draw here and decide
+nothing; what a figure shows was proved before, in the document it is drawn from.
 """
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rpr_solver.errors import InputError, shown
+from rpr_solver.figures.census import census_figure
+from rpr_solver.figures.joint_plane import joint_figure
+from rpr_solver.figures.locus import locus_figure
+from rpr_solver.figures.loop import loop_figure
+from rpr_solver.figures.mechanism import geometry_figure, poses_figure
+from rpr_solver.figures.torus import torus_figure
+from rpr_solver.notebook.figure import Figure
+
+VIEWS: Mapping[str, Callable[[Mapping[str, Any]], Figure]] = {"joints": joint_figure, "torus": torus_figure}
+"""The pictures of a slice, by name."""
+
+
+def slice_figure(document: Mapping[str, Any], view: str = "joints") -> Figure:
+    """Draws the singular curves of a slice, in one of :data:`VIEWS`.
+
+    Raises:
+        InputError: naming ``view``, or the lengths are too large to be drawn.
+    """
+    if view not in VIEWS:
+        raise InputError.of("view", f"is {shown(view)}; give {' or '.join(VIEWS)}")
+    return VIEWS[view](document)
+
+
+_FIGURES: Mapping[str, Callable[..., Figure]] = {
+    "poses": poses_figure,
+    "components": slice_figure,
+    "transitions": census_figure,
+    "curves": locus_figure,
+    "duration": loop_figure,
+    "d1": geometry_figure,
+}
+"""The first of these members that a document has, and its figure."""
+
+
+def figure_of(document: Mapping[str, Any], **options: Any) -> Figure:
+    """The figure of a document, or of the geometry of a manipulator.
+
+    Args:
+        document: the singular curves of a slice, a census, curves of cusps, a path, a table of poses, or a
+            geometry, as ``to_json()`` gives it.
+        options: ``view`` (``"joints"`` or ``"torus"``) of a slice, ``pose`` (a number) of a table of poses,
+            ``curves`` (the singular curves of its slice) of a path.
+
+    Raises:
+        InputError: the document has no figure, an option is wrong, or a length is too large to be drawn.
+
+    >>> from rpr_solver import EXAMPLES, poses
+    >>> figure_of(poses(EXAMPLES["innocenti"], "14.98", 16, 20).to_json(), pose=2)
+    <Figure 'Pose 2 of 6 with these legs'>
+    """
+    for member, draw in _FIGURES.items():
+        if member in document:
+            return draw(document, **options)
+    raise InputError.of("document", "has no figure; give curves, a census, a path, poses or a geometry")

@@ -28,14 +28,13 @@ from rpr_solver.contract import DEFAULT_DIGITS, check_digits, document_head
 from rpr_solver.exact.factors import FactorShape, shapes_json
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive, rational_sqrt
-from rpr_solver.figures.mechanism import poses_figure
 from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.kinematics.fibre import DecimalPose, Fibre, fibre
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
-from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.figure import Figure, draw
 
 
 class PoseCertificate(TypedDict):
@@ -207,7 +206,7 @@ class PoseTable:
         Raises:
             InputError: naming ``pose``: there is no such pose.
         """
-        return poses_figure(self.to_json(), pose)
+        return draw(self.to_json(), pose=pose)
 
 
 def poses(

@@ -11,14 +11,12 @@ from functools import cached_property
 from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rpr_solver.errors import FieldProblem, InputError, shown
 from rpr_solver.exact.rationals import MAX_DIGITS, Exact, exact_str, parse_all, parse_exact
 from rpr_solver.notebook import html_table
-
-if TYPE_CHECKING:
-    from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.figure import Figure, draw
 
 CCW, CW = "ccw", "cw"
 _LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
@@ -176,9 +174,7 @@ class Manipulator:
         >>> EXAMPLES["innocenti"].figure()
         <Figure 'Manipulator at α = 0'>
         """
-        from rpr_solver.figures.mechanism import geometry_figure  # a start need not load pictures
-
-        return geometry_figure(self.to_json())
+        return draw(self.to_json())
 
     @cached_property
     def geometry_hash(self) -> str:

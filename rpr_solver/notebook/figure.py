@@ -1,10 +1,16 @@
-"""A picture with its ways out: SVG text, PNG, PDF, a file, a notebook."""
+"""A figure and its export formats: SVG text, PNG, PDF, a file, a notebook.
+
+What a figure of an answer shows is no matter of this room: the package hands it a function that draws
+documents (:func:`draw_with`), which stands above the rooms that ask for figures.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike, fspath
 from pathlib import Path
+from typing import Any
 
 from rpr_solver.errors import InputError
 from rpr_solver.notebook.scene import THEMES, Scene, Theme
@@ -12,6 +18,24 @@ from rpr_solver.notebook.svg import svg_of
 
 SUFFIXES = (".svg", ".png", ".pdf")
 """The kinds of files in which pictures are kept."""
+
+_drawers: list[Callable[..., Figure]] = []
+
+
+def draw_with(figure_of: Callable[..., Figure]) -> Callable[..., Figure]:
+    """Makes a function of a document and options draw all figures that :func:`draw` is asked for."""
+    _drawers[:] = [figure_of]
+    return figure_of
+
+
+def draw(document: dict[str, Any], **options: Any) -> Figure:
+    """The figure of a document, or of the geometry of a manipulator.
+
+    Raises:
+        InputError: an option is wrong, or a length is too large to be drawn.
+    """
+    [figure_of] = _drawers
+    return figure_of(document, **options)
 
 
 @dataclass(frozen=True)

@@ -37,12 +37,11 @@ from rpr_solver.contract import (
 )
 from rpr_solver.errors import InputError, shown
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
-from rpr_solver.figures.loop import loop_figure
 from rpr_solver.kinematics.pose_table import poses
 from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
-from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.paths.ends import PathPose
 from rpr_solver.paths.others import OtherPose, other_poses
 from rpr_solver.paths.route import Route
@@ -206,7 +205,7 @@ class Path:
         Raises:
             InputError: the lengths are too large to be drawn.
         """
-        return loop_figure(self.to_json(), None if curves is None else curves.to_json())
+        return draw(self.to_json(), curves=None if curves is None else curves.to_json())
 
     def _repr_svg_(self) -> str:
         return self.figure().svg()

@@ -33,15 +33,13 @@ from rpr_solver.contract import (
     check_type,
     document_head,
 )
-from rpr_solver.errors import InputError, shown
+from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
-from rpr_solver.figures.joint_plane import joint_figure
-from rpr_solver.figures.torus import torus_figure
 from rpr_solver.model.joint_points import JointPoint
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted, shortened
-from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.singular.aspects import Aspect
 from rpr_solver.singular.charts import TURNS
 from rpr_solver.singular.drawing import Drawing, Strand
@@ -53,8 +51,6 @@ from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.kept import kept_eliminant
 from rpr_solver.slices.slice_table import SliceTable
-
-_VIEWS = {"joints": joint_figure, "torus": torus_figure}
 
 
 @dataclass(frozen=True)
@@ -156,9 +152,7 @@ class SingularCurves:
         Raises:
             InputError: naming ``view``, or the lengths are too large to be drawn.
         """
-        if view not in _VIEWS:
-            raise InputError.of("view", f"is {shown(view)}; give {' or '.join(_VIEWS)}")
-        return _VIEWS[view](self.to_json())
+        return draw(self.to_json(), view=view)
 
     def _repr_svg_(self) -> str:
         return self.figure().svg()

@@ -17,13 +17,12 @@ from rpr_solver.contract import (
     silent,
 )
 from rpr_solver.exact.rationals import Exact
-from rpr_solver.figures.census import census_figure
 from rpr_solver.model.classify import Kind, PoseKind
 from rpr_solver.model.joint_points import JointPoint
 from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
-from rpr_solver.notebook.figure import Figure
+from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.transitions.aspect_numbers import numbers_of_aspects
 from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
 from rpr_solver.transitions.event_texts import event_point, length_text
@@ -214,7 +213,7 @@ class Census:
         Raises:
             InputError: the lengths are too large to be drawn.
         """
-        return census_figure(self.to_json())
+        return draw(self.to_json())
 
 
 def census(
