@@ -17,11 +17,11 @@ from service.api.access_log import AccessLog
 from service.api.assets import Assets
 from service.api.compression import Compression
 from service.api.context import Context
-from service.api.error_handlers import add_error_handlers
-from service.api.middleware import RequestEnvelope
-from service.api.openapi import describe, operation_id
+from service.api.contract.openapi import describe, operation_id
+from service.api.http.errors import add_error_handlers
+from service.api.http.middleware import RequestEnvelope
 from service.api.operations import WEB
-from service.api.routes import batches, jobs, operations, pages, queries, questions
+from service.api.routes import batches, jobs, pages, queries, questions, status
 from service.api.settings import Settings
 from service.commit import commit
 
@@ -62,7 +62,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.context = context
     app.state.begin_shutdown = context.events.stop
-    for part in (questions, queries, batches, jobs, operations, pages):
+    for part in (questions, queries, batches, jobs, status, pages):
         app.include_router(part.router)
     app.mount("/static", Assets(directory=WEB), name="static")
     add_error_handlers(app)

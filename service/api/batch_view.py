@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from service.api.job_view import cancel_link, expires_at
+from service.api.jobs.views import cancel_link, expires_at
 from service.api.prefix import here
 from worker.jobs.subscriptions import Subscriber
 from worker.jobs.views import JobView

@@ -10,11 +10,11 @@ from typing import Annotated, cast
 from fastapi import Depends, Request
 from redis.exceptions import RedisError
 
-from service.api.job_events import JobEvents
+from service.api.answers.large_answers import Places
+from service.api.answers.request_body import Reading
+from service.api.jobs.events import JobEvents
 from service.api.metrics import Metrics
-from service.api.reading import Reading
 from service.api.redis_access import Breaker, RedisAccess, Refusals
-from service.api.sending import Places
 from service.api.settings import Settings
 from service.api.threads import Threads
 from worker.connection import connect, eviction_warning

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from fastapi import Request, Response
 
 from service.api.access.caller import caller_of, oversees, subscriber_of
-from service.api.calling_back import deliveries_json
 from service.api.context import Context
+from service.api.jobs.callbacks import deliveries_json
 from service.api.negotiation import JSON
 from service.api.problems import ProblemError, ProblemType
 from service.api.table_forms import json_bytes

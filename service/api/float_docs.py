@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from service.api.chosen_forms import IN_FLOATS, NO_NUMBERS
+from service.api.answers.forms import IN_FLOATS, NO_NUMBERS
 
 _PREFIX = "#/components/schemas/"
 _NO_NUMBER = ("enum", "const", "pattern", "format")

@@ -6,11 +6,11 @@ import re
 
 from fastapi import Request, Response
 
-from service.api.client_transport import FOLLOWS
+from service.api.answers.large_answers import IS_HEAD, LongAnswer
 from service.api.context import Context
-from service.api.job_tail import EVENT_ID
+from service.api.http.transport import FOLLOWS
+from service.api.jobs.tail import EVENT_ID
 from service.api.problems import ProblemError, ProblemType
-from service.api.sending import IS_HEAD, LongAnswer
 from worker.jobs.views import JobView
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from service.api.chosen_forms import FORMATS, NUMBERS, format_names
-from service.api.job_tail import EVENT_ID
+from service.api.answers.forms import FORMATS, NUMBERS, format_names
+from service.api.jobs.tail import EVENT_ID
 from service.api.negotiation import Forms
 
 _TEXT = {"type": "string"}

@@ -11,8 +11,8 @@ from fastapi import Query, Request, Response
 from service.api.access.caller import caller_of, oversees
 from service.api.access.key_store import KeyStore
 from service.api.context import Context
+from service.api.contract.operations import Docs, json_response, problems
 from service.api.negotiation import JSON
-from service.api.operation_docs import Docs, json_response, problems
 from service.api.prefix import here
 from service.api.problems import ProblemType
 from service.api.table_forms import json_bytes

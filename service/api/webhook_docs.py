@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from service.api.contract.operations import ref
 from service.api.negotiation import JSON
-from service.api.operation_docs import ref
 
 _HEADERS = {
     "webhook-id": "The same at every attempt: whoever has seen it has the event already.",

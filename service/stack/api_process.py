@@ -22,9 +22,9 @@ from fastapi import FastAPI
 from starlette.types import Receive, Scope, Send
 
 from service.api.app import create_app
-from service.api.calling_back import shown
-from service.api.http_protocol import uvicorn_options
-from service.api.middleware import UNCOUNTED
+from service.api.http.middleware import UNCOUNTED
+from service.api.http.protocol import uvicorn_options
+from service.api.jobs.callbacks import shown
 from service.api.settings import Settings
 from service.webhooks.deliverer import Deliverer
 from worker import tracing

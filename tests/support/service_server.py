@@ -13,7 +13,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from service.api.app import create_app
-from service.api.http_protocol import uvicorn_options
+from service.api.http.protocol import uvicorn_options
 from service.api.settings import Settings
 from tests.support.processes import PATIENCE, until
 

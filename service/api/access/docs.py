@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from service.api.access.rules import NEEDED
-from service.api.operation_docs import problems
+from service.api.contract.operations import problems
 from service.api.problems import ProblemType
 
 _SCHEME = {

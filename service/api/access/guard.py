@@ -17,7 +17,7 @@ from service.api.access.key_store import KeyStore
 from service.api.access.rate import Allowance, RateLimit
 from service.api.access.rules import CHALLENGE, Rules, check_scope
 from service.api.context import Context
-from service.api.error_handlers import problem_of
+from service.api.http.errors import problem_of
 from service.api.problems import ProblemError, ProblemType
 
 

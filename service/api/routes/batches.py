@@ -7,21 +7,21 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Request, Response
 
-from service.api import batch_docs as doc
-from service.api.batch_intake import accept_batch
-from service.api.batch_results import BatchResults, Wanted, as_array
+from service.api.answers.forms import FORMATS, one_of
+from service.api.answers.large_answers import IS_HEAD, LARGE, LargeAnswer
 from service.api.batch_view import batch_json
-from service.api.chosen_forms import FORMATS, one_of
+from service.api.batches.intake import accept_batch
+from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep
+from service.api.contract import batches as doc
 from service.api.ending import deliveries, end
 from service.api.following import follow
 from service.api.job_list import LIST_RESPONSES, Before, MostItems, StatusWanted, list_response
-from service.api.job_view import retry_after
+from service.api.jobs.views import retry_after
 from service.api.negotiation import JSON, NDJSON, negotiate
 from service.api.prefer import parse_prefer
 from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
-from service.api.sending import IS_HEAD, LARGE, LargeAnswer
 from service.api.table_forms import json_bytes
 from worker.answers.batches import KIND
 from worker.jobs.subscriptions import Subscriber

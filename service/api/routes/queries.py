@@ -10,15 +10,15 @@ from fastapi import APIRouter, Request, Response
 from rpr_solver.contract import MOST_POSES
 from rpr_solver.errors import InputError
 from rpr_solver.notebook.scene import THEMES
-from service.api.answering import answer_asked
-from service.api.batch_csv import ENDS, GEOMETRY, item_of
+from service.api.answers.answer import answer_asked
+from service.api.answers.request_body import asked_of
+from service.api.batches.items import ENDS, GEOMETRY, item_of
 from service.api.context import ContextDep
+from service.api.contract.operations import question_responses
 from service.api.header_docs import RESULT_FORM, form_parameters
-from service.api.operation_docs import question_responses
 from service.api.operations import CUSP_TABLES, PICTURES, QUERIES, Operation
 from service.api.prefer import Preferences
 from service.api.problems import ProblemError, ProblemType
-from service.api.reading import asked_of
 from service.api.routes.plain import PlainRoute
 from service.schemas.lengths import LEGS
 from service.schemas.limits import MAX_DIGITS, MIN_DIGITS

@@ -6,9 +6,9 @@ from collections.abc import Awaitable, Callable
 
 from fastapi import APIRouter, Request, Response
 
-from service.api.answering import answer_question
+from service.api.answers.answer import answer_question
 from service.api.context import ContextDep
-from service.api.operation_docs import question_responses, request_body
+from service.api.contract.operations import question_responses, request_body
 from service.api.operations import OPERATIONS, Operation
 from service.api.routes.plain import PlainRoute
 

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver.errors import InputError
-from service.api import batch_bodies
-from service.api.batch_bodies import Cutter, Elements, Lines
-from service.api.batch_csv import COLUMNS, Rows
+from service.api.batches import bodies
+from service.api.batches.bodies import Cutter, Elements, Lines
+from service.api.batches.items import COLUMNS, Rows
 from service.api.problems import ProblemError
 from service.schemas.batches import KIND_NAMES
 from tests.support.processes import ROOT
@@ -47,9 +47,9 @@ class Counted:
 
 @pytest.fixture
 def looked(monkeypatch: pytest.MonkeyPatch) -> list[Counted]:
-    counted = [Counted(batch_bodies._MARK), Counted(batch_bodies._IN_STRING)]
-    monkeypatch.setattr(batch_bodies, "_MARK", counted[0])
-    monkeypatch.setattr(batch_bodies, "_IN_STRING", counted[1])
+    counted = [Counted(bodies._MARK), Counted(bodies._IN_STRING)]
+    monkeypatch.setattr(bodies, "_MARK", counted[0])
+    monkeypatch.setattr(bodies, "_IN_STRING", counted[1])
     return counted
 
 

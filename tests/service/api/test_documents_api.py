@@ -14,7 +14,7 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, cusp_curves, poses
-from service.api.operation_docs import request_body
+from service.api.contract.operations import request_body
 from service.api.operations import OPERATIONS
 from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY, accepted, ended

@@ -11,7 +11,7 @@ from contextlib import closing
 import h11
 import pytest
 
-from service.api.framing import StrictConnection
+from service.api.http.framing import StrictConnection
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE

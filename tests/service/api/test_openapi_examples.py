@@ -12,7 +12,7 @@ import jsonschema_rs
 import pytest
 
 from service.api.app import create_app
-from service.api.batch_docs import POST_BODY
+from service.api.contract.batches import POST_BODY
 from service.api.negotiation import JSON, NDJSON
 from service.api.operations import OPERATIONS
 from tests.support.contract import parts

@@ -14,7 +14,7 @@ import pytest
 from pydantic import ValidationError
 
 from rpr_solver import EXAMPLES
-from service.api.calling_back import shown
+from service.api.jobs.callbacks import shown
 from service.api.settings import Settings
 from service.cli.main import main
 from service.client import ServiceClient, cusp_table

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from service.api import reading
+from service.api.answers import request_body
+from service.api.answers.request_body import Asked, Reading
 from service.api.operations import CENSUSES, CUSP_CURVES, CUSP_TABLES
-from service.api.reading import Asked, Reading
 from service.api.threads import Threads
 from service.schemas.limits import Limits
 from service.schemas.questions import EXAMPLE_GEOMETRY
@@ -52,7 +52,7 @@ def test_a_large_question_is_read_each_time(asked: dict[str, Any]) -> None:
 
 
 def test_the_questions_not_asked_for_the_longest_time_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reading, "_KEPT", 2)
+    monkeypatch.setattr(request_body, "_KEPT", 2)
     one, two, three = (body(l1=length) for length in (1, 2, 3))
     answers = read_in_turn(one, two, one, three, one, two)
     assert answers[2] is answers[4] is answers[0]

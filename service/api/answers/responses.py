@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from starlette.requests import Request
 from starlette.responses import Response
 
-from service.api.chosen_forms import Choice
+from service.api.answers.forms import Choice
+from service.api.answers.large_answers import LARGE, LargeAnswer, at_hand, in_turn, slices_of
 from service.api.context import Context
 from service.api.negotiation import CSV, SVG, Document, Form, is_known, media_type_of, negotiate
 from service.api.problems import ProblemError
-from service.api.sending import LARGE, LargeAnswer, at_hand, in_turn, slices_of
 from service.schemas.limits import LimitError, Limits
 from worker.answers.kinds import Answer
 from worker.answers.stored_tables import ResultLostError, StoredTable

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from service.api.batch_csv import COLUMNS
 from service.api.batch_view import batch_json
-from service.api.header_docs import PREFERENCE_APPLIED
-from service.api.idempotency import KEY_PATTERN
-from service.api.negotiation import CSV, JSON, NDJSON
-from service.api.operation_docs import (
+from service.api.batches.idempotency import KEY_PATTERN
+from service.api.batches.items import COLUMNS
+from service.api.contract.operations import (
     RETRY_AFTER,
     UNAVAILABLE,
     Docs,
@@ -18,6 +16,8 @@ from service.api.operation_docs import (
     problems,
     ref,
 )
+from service.api.header_docs import PREFERENCE_APPLIED
+from service.api.negotiation import CSV, JSON, NDJSON
 from service.api.operations import EXAMPLE_TABLE
 from service.api.problems import ProblemType
 from service.schemas.forms import compact

@@ -17,8 +17,8 @@ from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
 from service.api.batch_view import batch_json
-from service.api.job_tail import BLOCK, Tail, Tails, event_id, is_terminal
-from service.api.job_view import job_json, state_then
+from service.api.jobs.tail import BLOCK, Tail, Tails, event_id, is_terminal
+from service.api.jobs.views import job_json, state_then
 from service.api.prefix import here
 from service.api.redis_access import RedisAccess, Refusals
 from service.api.settings import Settings

@@ -6,19 +6,19 @@ from fastapi import Request, Response
 
 from service.api.access.admission import admit
 from service.api.access.caller import caller_of, subscriber_of
+from service.api.answers.forms import choice_of
+from service.api.answers.request_body import Asked
+from service.api.answers.responses import answer_response
 from service.api.body import read_body
-from service.api.calling_back import call_back
-from service.api.chosen_forms import choice_of
-from service.api.client_transport import CLIENT_ENDED
 from service.api.context import Context
-from service.api.job_view import job_json, retry_after
+from service.api.http.transport import CLIENT_ENDED
+from service.api.jobs.callbacks import call_back
+from service.api.jobs.views import job_json, retry_after
 from service.api.negotiation import JSON, negotiate
 from service.api.operations import Operation
 from service.api.prefer import Preferences, parse_prefer
 from service.api.prefix import here
 from service.api.problems import ProblemError
-from service.api.reading import Asked
-from service.api.responses import answer_response
 from service.api.table_forms import json_bytes
 from service.schemas.price import check_price
 from service.webhooks.settings import target_of

@@ -17,10 +17,10 @@ from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.access_log import AccessLog
+from service.api.answers.large_answers import IS_HEAD
 from service.api.metrics import Metrics
 from service.api.prefix import forwarded_prefix, prefixed, without_prefix
 from service.api.problems import ProblemError, ProblemType
-from service.api.sending import IS_HEAD
 from service.api.settings import Settings
 from worker import tracing
 from worker.logs import about

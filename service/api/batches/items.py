@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rpr_solver.errors import InputError
-from service.api.batch_bodies import Lines
+from service.api.batches.bodies import Lines
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.batches import KIND_NAMES
 from service.schemas.exact_json import JsonNumber

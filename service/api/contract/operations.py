@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from service.api.chosen_forms import FLOATS, IN_FLOATS
+from service.api.answers.forms import FLOATS, IN_FLOATS
 from service.api.header_docs import CONTENT_LOCATION, PREFERENCE_APPLIED, form_parameters
-from service.api.job_view import job_json
+from service.api.jobs.views import job_json
 from service.api.negotiation import JSON, media_type_of
 from service.api.operations import CUSP_TABLES, OPERATIONS, Operation
 from service.api.problems import MEDIA_TYPE, ProblemType

@@ -13,13 +13,13 @@ from redis.exceptions import RedisError
 from rpr_solver.errors import InputError
 from service.api.access.admission import admit_bytes, admit_work
 from service.api.access.caller import Caller, caller_of, subscriber_of
-from service.api.batch_bodies import Cutter, Elements, Lines, Sent
-from service.api.batch_csv import Rows
 from service.api.batch_items import read_item
+from service.api.batches.bodies import Cutter, Elements, Lines, Sent
+from service.api.batches.idempotency import Idempotency, Submission, key_of
+from service.api.batches.items import Rows
 from service.api.body import JSON_TYPES, media_type_of, too_large
-from service.api.calling_back import allowed_url, call_back
 from service.api.context import Context
-from service.api.idempotency import Idempotency, Submission, key_of
+from service.api.jobs.callbacks import allowed_url, call_back
 from service.api.negotiation import CSV, NDJSON
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.limits import LimitError, Limits

@@ -10,8 +10,8 @@ from fastapi import APIRouter, Response
 
 import rpr_solver
 from service import __version__
-from service.api import operation_docs as doc
 from service.api.context import ContextDep
+from service.api.contract import operations as doc
 from service.api.metrics import CONTENT_TYPE
 from service.api.negotiation import JSON
 from service.api.problems import ProblemError, ProblemType

@@ -1,0 +1,1 @@
+"""HTTP itself: connections, framing, and what every request and response has."""

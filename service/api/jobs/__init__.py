@@ -1,0 +1,1 @@
+"""Jobs and batches as their callers see them: state, events, callbacks."""
