@@ -37,7 +37,7 @@ from typing import Any
 
 from benchmarks.questions import Body, changed, geometry, is_verification, seeds, to_verify
 from rpr_solver.errors import InputError, SolverError
-from service.api.batch_items import read_item
+from service.api.batches.items import read_item
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from worker.answers.cost import seconds

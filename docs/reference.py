@@ -20,7 +20,7 @@ from pydantic import BaseModel
 
 import rpr_solver
 from service.api.app import create_app
-from service.api.metric_families import OF_INSTALLATION, OF_PROCESS
+from service.api.metrics import OF_INSTALLATION, OF_PROCESS
 from service.api.problems import ProblemType
 from service.api.settings import Settings
 from service.cli.main import COMMANDS

@@ -11,17 +11,15 @@ from fastapi import FastAPI, Response
 from starlette.middleware.cors import CORSMiddleware
 
 from service import __version__
+from service.api.access.caller import Rules
 from service.api.access.guard import Guard
-from service.api.access.rules import Rules
-from service.api.access_log import AccessLog
-from service.api.assets import Assets
-from service.api.compression import Compression
 from service.api.context import Context
 from service.api.contract.openapi import describe, operation_id
 from service.api.http.errors import add_error_handlers
-from service.api.http.middleware import RequestEnvelope
+from service.api.http.middleware import AccessLog, Compression, RequestEnvelope
 from service.api.operations import WEB
-from service.api.routes import batches, jobs, pages, queries, questions, status
+from service.api.routes import batches, jobs, pages, questions, status
+from service.api.routes.pages import Assets
 from service.api.settings import Settings
 from service.commit import commit
 
@@ -62,7 +60,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     )
     app.state.context = context
     app.state.begin_shutdown = context.events.stop
-    for part in (questions, queries, batches, jobs, status, pages):
+    for part in (questions, batches, jobs, status, pages):
         app.include_router(part.router)
     app.mount("/static", Assets(directory=WEB), name="static")
     add_error_handlers(app)

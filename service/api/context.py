@@ -10,13 +10,12 @@ from typing import Annotated, cast
 from fastapi import Depends, Request
 from redis.exceptions import RedisError
 
-from service.api.answers.large_answers import Places
 from service.api.answers.request_body import Reading
+from service.api.http.transport import Places
 from service.api.jobs.events import JobEvents
 from service.api.metrics import Metrics
-from service.api.redis_access import Breaker, RedisAccess, Refusals
 from service.api.settings import Settings
-from service.api.threads import Threads
+from service.api.threads import Breaker, RedisAccess, Refusals, Threads
 from worker.connection import connect, eviction_warning
 from worker.jobs.callbacks import Callbacks
 from worker.jobs.queue import JobQueue

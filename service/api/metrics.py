@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+import logging
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import Any, Literal
 
 from prometheus_client import (
     CollectorRegistry,
@@ -13,12 +16,161 @@ from prometheus_client import (
     disable_created_metrics,
     generate_latest,
 )
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
+from prometheus_client.registry import Collector
+from redis.exceptions import RedisError
 
-from service.api import metric_families as families
-from service.api.metric_families import Family
-from service.api.queue_metrics import QueueCollector
+import rpr_solver
+from service import __version__
 from worker.answers import tables
+from worker.jobs.ends import BOUNDS, Durations, Ends
+from worker.jobs.load import Load, read_load
 from worker.jobs.queue import JobQueue
+
+PREFIX = "rpr_cusps_"
+
+
+@dataclass(frozen=True)
+class Family:
+    """A metric. In the text format the name of a counter ends in `_total`."""
+
+    name: str
+    kind: Literal["counter", "gauge", "histogram"]
+    meaning: str
+    labels: tuple[str, ...] = ()
+
+    @property
+    def shown(self) -> str:
+        """The name in the text format."""
+        return self.name + "_total" * (self.kind == "counter")
+
+
+def _counter(name: str, meaning: str, *labels: str) -> Family:
+    return Family(PREFIX + name, "counter", meaning, labels)
+
+
+def _gauge(name: str, meaning: str, *labels: str) -> Family:
+    return Family(PREFIX + name, "gauge", meaning, labels)
+
+
+def _histogram(name: str, meaning: str, *labels: str) -> Family:
+    return Family(PREFIX + name, "histogram", meaning, labels)
+
+
+# -- of this API process
+
+INFO = _gauge("info", "version of this service and of its solver; always 1", "version", "solver_version")
+REQUESTS = _counter("http_requests", "HTTP requests answered", "method", "route", "status")
+SECONDS = _histogram("http_request_seconds", "time to answer an HTTP request", "method", "route")
+IN_FLIGHT = _gauge("http_in_flight", "HTTP requests that are being answered, with those that follow events")
+FOLLOWERS = _gauge("followers", "clients that follow the events of a job")
+TABLES = _counter("table_requests", "requests for a cusp table: cached, or handed to a job", "answer")
+ANSWERS = _counter("answers", "questions by kind: cached, or handed to a job", "kind", "answer")
+
+# -- of the whole installation
+
+UP = _gauge("up", "whether Redis can be reached; without it, there is nothing below this line")
+QUEUE_DEPTH = _gauge("queue_depth", "chunks of jobs that wait for a worker", "lane")
+QUEUE_AGE = _gauge("queue_age_seconds", "time since the job first in line was submitted, or 0", "lane")
+WORKERS = _gauge("workers", "number of live workers of this solver version")
+BEAT_AGE = _gauge("worker_beat_age_seconds", "time since the least recent heartbeat of a live worker")
+ACTIVE = _gauge("jobs_active", "jobs that are queued or running")
+SUSPECTED = _gauge("chunks_suspected", "chunks that no worker seems to run; they are run again after a grace")
+JOBS_ENDED = _counter("jobs_ended", "jobs by the way they ended", "kind", "status")
+FAILURES = _counter("job_failures", "failed jobs by the reason, as in their problem type", "kind", "reason")
+WAIT = _histogram("job_wait_seconds", "time of an ended job in the queue", "kind")
+RUN = _histogram("job_run_seconds", "time from a job's first chunk to its end", "kind")
+LOST = _counter("chunks_lost", "chunks that lost their work horse, or their worker", "what")
+OVERRUNS = _counter(
+    "chunks_overrun",
+    "chunks that took a few times their estimate: left to their worker, or given back to the heavy lane",
+    *("kind", "outcome"),
+)
+WEBHOOKS = _counter(
+    "webhook_attempts", "attempts to deliver a webhook, by what they left; `pending`: to be repeated", "state"
+)
+MEMORY = _gauge("redis_memory_bytes", "memory that Redis uses")
+MEMORY_LIMIT = _gauge("redis_memory_limit_bytes", "maxmemory of Redis; 0: none")
+
+OF_PROCESS = (INFO, REQUESTS, SECONDS, IN_FLIGHT, FOLLOWERS, TABLES, ANSWERS)
+OF_INSTALLATION = (
+    *(UP, QUEUE_DEPTH, QUEUE_AGE, WORKERS, BEAT_AGE, ACTIVE, SUSPECTED),
+    *(JOBS_ENDED, FAILURES, WAIT, RUN, LOST, OVERRUNS, WEBHOOKS, MEMORY, MEMORY_LIMIT),
+)
+
+
+log = logging.getLogger("rpr_cusps.service")
+
+_DURATIONS = (*(f"{bound:g}" for bound in BOUNDS), "+Inf")
+_LOST = {"horses": "horse", "workers": "worker"}
+
+
+class QueueCollector(Collector):
+    """Reads the queue when it is asked."""
+
+    def __init__(self, queue: JobQueue) -> None:
+        self.queue = queue
+
+    def describe(self) -> Iterable[Metric]:
+        """Nothing, so that registering does not read Redis."""
+        return ()
+
+    def collect(self) -> Iterator[Metric]:
+        """Read the queue now. Without Redis, yield only the version and `rpr_cusps_up`, which is 0."""
+        yield _gauge_of(INFO, {(__version__, str(rpr_solver.SOLVER_VERSION)): 1})
+        try:
+            load = read_load(self.queue.redis, self.queue.settings)
+        except RedisError as error:
+            log.warning("metrics without a queue: %s", error)
+            yield _gauge_of(UP, {(): 0})
+            return
+        yield _gauge_of(UP, {(): 1})
+        yield from _of_load(load)
+        yield from _of_ends(load.ends)
+
+
+def _of_load(load: Load) -> Iterator[Metric]:
+    yield _gauge_of(QUEUE_DEPTH, {(lane.name,): lane.depth for lane in load.lanes})
+    yield _gauge_of(QUEUE_AGE, {(lane.name,): lane.age for lane in load.lanes})
+    yield _gauge_of(WORKERS, {(): load.workers})
+    yield _gauge_of(BEAT_AGE, {(): load.oldest_beat})
+    yield _gauge_of(ACTIVE, {(): load.active_jobs})
+    yield _gauge_of(SUSPECTED, {(): load.suspected_chunks})
+    yield _counter_of(WEBHOOKS, {(state,): count for state, count in load.deliveries.items()})
+    yield _gauge_of(MEMORY, {(): load.memory})
+    yield _gauge_of(MEMORY_LIMIT, {(): load.memory_limit})
+
+
+def _of_ends(ends: Ends) -> Iterator[Metric]:
+    yield _counter_of(JOBS_ENDED, ends.by_status)
+    yield _counter_of(FAILURES, ends.failures)
+    yield _counter_of(LOST, {(name,): ends.lost[key] for key, name in _LOST.items()})
+    yield _counter_of(OVERRUNS, ends.overruns)
+    yield _histogram_of(WAIT, ends.waits)
+    yield _histogram_of(RUN, ends.runs)
+
+
+def _gauge_of(family: Family, values: Mapping[tuple[str, ...], float]) -> Metric:
+    metric = GaugeMetricFamily(family.name, family.meaning, labels=family.labels)
+    for labels, value in values.items():
+        metric.add_metric(labels, value)
+    return metric
+
+
+def _counter_of(family: Family, values: Mapping[tuple[str, ...], int]) -> Metric:
+    metric = CounterMetricFamily(family.name, family.meaning, labels=family.labels)
+    for labels, value in values.items():
+        metric.add_metric(labels, value)
+    return metric
+
+
+def _histogram_of(family: Family, values: Mapping[str, Durations]) -> Metric:
+    metric = HistogramMetricFamily(family.name, family.meaning, labels=family.labels)
+    for kind, durations in values.items():
+        buckets = list(zip(_DURATIONS, accumulate(durations.counts), strict=True))
+        metric.add_metric([kind], buckets, durations.seconds)
+    return metric
+
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 _BUCKETS = (0.001, 0.002, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30)
@@ -31,12 +183,12 @@ class Metrics:
     def __init__(self, queue: JobQueue) -> None:
         disable_created_metrics()  # type: ignore[no-untyped-call]
         self.registry = CollectorRegistry()
-        self.requests = Counter(*_words(families.REQUESTS), registry=self.registry)
-        self.seconds = Histogram(*_words(families.SECONDS), buckets=_BUCKETS, registry=self.registry)
-        self.in_flight = Gauge(*_words(families.IN_FLIGHT), registry=self.registry)
-        self.followers = Gauge(*_words(families.FOLLOWERS), registry=self.registry)
-        self.tables = Counter(*_words(families.TABLES), registry=self.registry)
-        self.answers = Counter(*_words(families.ANSWERS), registry=self.registry)
+        self.requests = Counter(*_words(REQUESTS), registry=self.registry)
+        self.seconds = Histogram(*_words(SECONDS), buckets=_BUCKETS, registry=self.registry)
+        self.in_flight = Gauge(*_words(IN_FLIGHT), registry=self.registry)
+        self.followers = Gauge(*_words(FOLLOWERS), registry=self.registry)
+        self.tables = Counter(*_words(TABLES), registry=self.registry)
+        self.answers = Counter(*_words(ANSWERS), registry=self.registry)
         self.registry.register(QueueCollector(queue))
 
     def count_answer(self, kind: str, answer: str) -> None:

@@ -11,8 +11,19 @@ from typing import Any
 from pydantic import BaseModel
 
 import rpr_solver
-from service.api.negotiation import CSV, JSON, JSON_FORM, NDJSON, SVG, Form, Forms
-from service.api.table_forms import csv_pieces, ndjson_bytes, ndjson_pieces, ndjson_size
+from service.api.answers.forms import (
+    CSV,
+    JSON,
+    JSON_FORM,
+    NDJSON,
+    SVG,
+    Form,
+    Forms,
+    csv_pieces,
+    ndjson_bytes,
+    ndjson_pieces,
+    ndjson_size,
+)
 from service.schemas.aspects import RangeAspects, RangeAspectsRequest
 from service.schemas.census import Census, CensusRequest
 from service.schemas.checks import CheckReport, CheckRequest

@@ -12,8 +12,7 @@ from dataclasses import asdict
 from datetime import UTC, datetime
 
 from rpr_solver.errors import InputError
-from service.api.access.key_store import KeyStore
-from service.api.access.keys import SCOPES, is_name, make_key
+from service.api.access.keys import SCOPES, KeyStore, is_name, make_key
 from service.cli.options import whole
 from service.cli.source import add_source, opened
 from worker.settings import WorkerSettings

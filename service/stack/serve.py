@@ -17,7 +17,7 @@ from typing import Any
 from pydantic import ValidationError
 from redis.exceptions import RedisError
 
-from service.api.access.key_store import KeyStore
+from service.api.access.keys import KeyStore
 from service.api.settings import KeysPolicy, Settings
 from service.stack.embedded_valkey import EmbeddedValkey, ValkeyChild
 from service.stack.errors import BadAddressError, StackError

@@ -14,9 +14,8 @@ import httpx
 import pytest
 
 from rpr_solver import EXAMPLES
-from service.api.access.key_store import KeyStore
-from service.api.access.keys import make_key
-from service.api.explorer_page import FIRST_SLICES
+from service.api.access.keys import KeyStore, make_key
+from service.api.routes.pages import FIRST_SLICES
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import completed, environment

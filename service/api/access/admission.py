@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from service.api.access.caller import Caller
-from service.api.access.rules import check_scope
+from service.api.access.caller import Caller, check_scope
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.limits import LimitError, Limits
 from worker.answers.cost import seconds

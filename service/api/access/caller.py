@@ -1,16 +1,76 @@
-"""The caller of a request, as the routes and the log see it."""
+"""The caller of a request, the names of the service it may use, and the scope that each call needs."""
 
 from __future__ import annotations
 
-from collections.abc import MutableMapping
+import ipaddress
+import re
+from collections.abc import Collection, Iterable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from service.api.access.hosts import is_loopback
+from fastapi.routing import iter_route_contexts
+from starlette.routing import BaseRoute
+
 from service.api.access.keys import Scope, allows
-from service.api.access_log import KEY_NAME
+from service.api.http.middleware import KEY_NAME
+from service.api.operations import OPERATIONS, QUERIES
 from service.api.prefix import PEER
+from service.api.problems import ProblemError, ProblemType
 from worker.jobs.subscriptions import Subscriber
+
+_HOST = re.compile(r"(\[[^\]]*\]|[^:]*)(:\d*)?")
+
+
+def host_of(header: str) -> str | None:
+    """Returns the host of a Host header in lower case, or None if it is malformed.
+
+    >>> host_of("Queue.Example:8000"), host_of("[::1]:80"), host_of("a:b")
+    ('queue.example', '[::1]', None)
+    """
+    match = _HOST.fullmatch(header.strip())
+    return None if match is None else match[1].lower().removesuffix(".")
+
+
+def is_known(header: str, names: Collection[str]) -> bool:
+    """Whether a Host header names this service: by address, as localhost, or by one of its names.
+
+    In `names`, `*` stands for every name, and `*.example.com` for the names below example.com.
+
+    >>> [is_known(host, ["queue.example"]) for host in ("10.1.2.3:80", "queue.example", "evil.example")]
+    [True, True, False]
+    """
+    if "*" in names:
+        return True
+    host = host_of(header)
+    if not host:
+        return False
+    if host == "localhost" or host.endswith(".localhost") or _is_address(host):
+        return True
+    return any(
+        host.endswith(name[1:]) and host != name[1:] if name.startswith("*.") else host == name
+        for name in map(str.lower, names)
+    )
+
+
+def is_loopback(address: str) -> bool:
+    """Whether a network address is one of this computer alone.
+
+    >>> is_loopback("127.0.0.1"), is_loopback("::1"), is_loopback("192.0.2.1"), is_loopback("unknown")
+    (True, True, False, False)
+    """
+    try:
+        return ipaddress.ip_address(address.partition("%")[0]).is_loopback
+    except ValueError:
+        return False
+
+
+def _is_address(host: str) -> bool:
+    try:
+        ipaddress.ip_address(host[1:-1] if host.startswith("[") else host)
+    except ValueError:
+        return False
+    return True
+
 
 _IN_SCOPE = "rpr_cusps.caller"
 _OF_PROXIES = {b"forwarded", b"via", b"x-forwarded-for", b"x-real-ip"}
@@ -71,3 +131,60 @@ def set_caller(scope: MutableMapping[str, Any], caller: Caller) -> None:
     scope[_IN_SCOPE] = caller
     if caller.name is not None:
         scope[KEY_NAME] = caller.name
+
+
+CHALLENGE = 'Bearer realm="rpr-cusps"'
+
+_CALLS: tuple[tuple[Scope | None, Iterable[str]], ...] = (
+    (None, ("GET /", "GET /docs", "GET /openapi.json", "GET /openapi.yaml")),
+    (None, ("GET /schemas/geometry.json", "GET /static/{path}")),
+    (None, ("GET /problems", "GET /problems/{slug}", "GET /healthz", "GET /readyz")),
+    ("read", ("GET /version", "GET /v1/limits")),
+    ("read", ("GET /v1/jobs", "GET /v1/jobs/{job_id}", "GET /v1/batches", "GET /v1/batches/{batch_id}")),
+    ("read", ("GET /v1/jobs/{job_id}/result", "GET /v1/batches/{batch_id}/results")),
+    ("read", ("GET /v1/jobs/{job_id}/events", "GET /v1/batches/{batch_id}/events")),
+    ("read", ("GET /v1/jobs/{job_id}/deliveries", "GET /v1/batches/{batch_id}/deliveries")),
+    ("submit", (f"POST {operation.path}" for operation in OPERATIONS)),
+    ("submit", (f"GET {operation.path}" for operation in QUERIES)),
+    ("submit", ("POST /v1/batches", "DELETE /v1/batches/{batch_id}", "DELETE /v1/jobs/{job_id}")),
+    ("admin", ("GET /metrics",)),
+)
+
+NEEDED: Mapping[str, Scope | None] = {call: scope for scope, calls in _CALLS for call in calls}
+"""Call → the scope that it needs; None: anyone may call."""
+
+
+class Rules:
+    """The scopes of all routes of an application, found by the patterns by which it finds the routes.
+
+    Raises:
+        LookupError: a route has no scope; the service does not start with one that nobody thought of.
+    """
+
+    def __init__(self, routes: Sequence[BaseRoute]) -> None:
+        self._rules: list[tuple[str, re.Pattern[str], Scope | None]] = []
+        for route in iter_route_contexts(routes):
+            for method in sorted(route.methods or {"GET"}):
+                call = f"{method} {route.path_format}"
+                if call not in NEEDED:
+                    raise LookupError(f"{call} has no scope; give it one in {__name__}")
+                self._rules.append((method, route.path_regex, NEEDED[call]))
+
+    def scope_needed(self, method: str, path: str) -> Scope | None:
+        """Returns the scope that a call needs: `read` where nothing is, so that nobody can look around."""
+        fitting = (scope for known, pattern, scope in self._rules if known == method and pattern.match(path))
+        return next(fitting, "read")
+
+
+def check_scope(caller: Caller, needed: Scope) -> None:
+    """Refuse a caller whose key does not allow so much.
+
+    Raises:
+        ProblemError: 403, it names the scope that is needed.
+    """
+    if not allows(caller.scope, needed):
+        raise ProblemError(
+            ProblemType.FORBIDDEN,
+            f"This call needs a key with scope {needed}; the key {caller.name} has scope {caller.scope}.",
+            headers={"WWW-Authenticate": f'{CHALLENGE}, error="insufficient_scope", scope="{needed}"'},
+        )

@@ -10,9 +10,8 @@ import anyio
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
-from service.api.access.key_store import KeyStore
-from service.api.access.keys import ApiKey, id_of
-from service.api.redis_access import RedisAccess
+from service.api.access.keys import ApiKey, KeyStore, id_of
+from service.api.threads import RedisAccess
 
 _LONGEST_AGE = 2.0
 """Seconds after which a revoked key opens nothing any more, in any process."""

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from starlette.requests import Request
 from starlette.responses import Response
 
-from service.api.answers.forms import Choice
-from service.api.answers.large_answers import LARGE, LargeAnswer, at_hand, in_turn, slices_of
+from service.api.answers.forms import CSV, SVG, Choice, Document, Form, is_known, media_type_of, negotiate
 from service.api.context import Context
-from service.api.negotiation import CSV, SVG, Document, Form, is_known, media_type_of, negotiate
+from service.api.http.transport import LARGE, LargeAnswer, at_hand, in_turn, slices_of
 from service.api.problems import ProblemError
 from service.schemas.limits import LimitError, Limits
 from worker.answers.kinds import Answer

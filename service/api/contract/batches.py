@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from service.api.batch_view import batch_json
+from service.api.answers.forms import CSV, JSON, NDJSON
 from service.api.batches.idempotency import KEY_PATTERN
 from service.api.batches.items import COLUMNS
 from service.api.contract.operations import (
+    PREFERENCE_APPLIED,
     RETRY_AFTER,
     UNAVAILABLE,
     Docs,
@@ -16,8 +17,7 @@ from service.api.contract.operations import (
     problems,
     ref,
 )
-from service.api.header_docs import PREFERENCE_APPLIED
-from service.api.negotiation import CSV, JSON, NDJSON
+from service.api.jobs.views import batch_json
 from service.api.operations import EXAMPLE_TABLE
 from service.api.problems import ProblemType
 from service.schemas.forms import compact

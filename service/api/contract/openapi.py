@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fastapi import FastAPI
@@ -12,11 +12,11 @@ from fastapi.routing import APIRoute, iter_route_contexts
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from service.api.access.docs import describe_access
-from service.api.float_docs import in_floats
-from service.api.header_docs import describe_headers
+from service.api.access.caller import NEEDED
+from service.api.answers.forms import IN_FLOATS, JSON, NO_NUMBERS
+from service.api.contract.operations import describe_headers, problems, ref
 from service.api.operations import OPERATIONS
-from service.api.webhook_docs import WEBHOOKS
+from service.api.problems import ProblemType
 from service.schemas.batches import Batch, BatchRequest, BatchResult
 from service.schemas.job_list import JobList
 from service.schemas.jobs import Job, StreamEvent
@@ -24,6 +24,122 @@ from service.schemas.numbers import EXACT_NUMBER, POSITIVE_NUMBER
 from service.schemas.operations import Health, LimitsDocument, Readiness, Version
 from service.schemas.problems import ProblemDocument
 from service.schemas.webhooks import BatchEvent, Deliveries, JobEvent
+
+_WEBHOOK_HEADERS = {
+    "webhook-id": "The same at every attempt: whoever has seen it has the event already.",
+    "webhook-timestamp": "When the attempt was made, in seconds since 1970.",
+    "webhook-signature": "`v1,` and the HMAC-SHA256 of `id.timestamp.body` in base64; one for each secret, "
+    "separated by spaces.",
+}
+_WEBHOOK_PARAMETERS = [
+    {"name": name, "in": "header", "required": True, "description": text, "schema": {"type": "string"}}
+    for name, text in _WEBHOOK_HEADERS.items()
+]
+
+
+def _event(what: str, model: str) -> dict[str, Any]:
+    return {
+        "post": {
+            "operationId": f"{what}_ended",
+            "summary": f"The end of a {what}",
+            "description": f"Sent to every `callback_url` of a {what} when it has succeeded, failed or was "
+            "canceled, signed after the Standard Webhooks specification.",
+            "tags": ["webhooks"],
+            "security": [],
+            "parameters": _WEBHOOK_PARAMETERS,
+            "requestBody": {"required": True, "content": {JSON: {"schema": ref(model)}}},
+            "responses": {
+                "2XX": {"description": "Received."},
+                "410": {"description": "No more attempts, please."},
+                "default": {"description": "Sent again later; `Retry-After` is honoured."},
+            },
+        }
+    }
+
+
+WEBHOOKS: dict[str, Any] = {
+    "job-ended": _event("job", "JobEvent"),
+    "batch-ended": _event("batch", "BatchEvent"),
+}
+
+
+_SCHEMAS_AT = "#/components/schemas/"
+_NO_NUMBER = ("enum", "const", "pattern", "format")
+"""What says of a text that it is none."""
+
+
+def in_floats(schemas: Mapping[str, Any], documents: Sequence[str]) -> dict[str, Any]:
+    """Returns the schemas of these documents with numbers, and of their parts that have any."""
+    found: dict[str, Any] = {}
+
+    def named(name: str) -> str:
+        """Returns the name of the schema with numbers, or the same one if there are none in it."""
+        if name not in schemas:
+            return name  # one of those that take numbers anyway
+        other = name + IN_FLOATS
+        if other not in found:
+            found[other] = {}  # a schema that leads to itself has, for all we know, numbers
+            changed = of(schemas[name])
+            if changed == schemas[name] and name not in documents:
+                del found[other]
+                return name
+            found[other] = {**changed, "title": other}
+        return other
+
+    def of(schema: Any) -> Any:
+        if not isinstance(schema, dict):
+            return schema
+        changed = dict(schema)
+        if isinstance(reference := schema.get("$ref"), str):
+            changed["$ref"] = _SCHEMAS_AT + named(reference.removeprefix(_SCHEMAS_AT))
+        if schema.get("type") == "string" and not any(key in schema for key in _NO_NUMBER):
+            changed["type"] = ["number", "string"]
+        for key in ("items", "additionalProperties"):
+            if key in schema:
+                changed[key] = of(schema[key])
+        for key in ("anyOf", "oneOf", "allOf", "prefixItems"):
+            if key in schema:
+                changed[key] = [of(part) for part in schema[key]]
+        if "properties" in schema:
+            changed["properties"] = {
+                name: part if name in NO_NUMBERS else of(part) for name, part in schema["properties"].items()
+            }
+        return changed
+
+    for name in documents:
+        named(name)
+    return found
+
+
+_SCHEME = {
+    "type": "http",
+    "scheme": "bearer",
+    "bearerFormat": "rpr_ID_SECRET",
+    "description": "An API key, made by `rpr-cusps keys create`. A service on a loopback address asks for "
+    "one once a key was made.",
+}
+
+
+def describe_access(contract: dict[str, Any]) -> None:
+    """Add to every operation the key that it needs, and the answers of the guard.
+
+    That a key may be sent is said once for all: generators of clients take an operation that says so itself
+    for one that needs a key.
+    """
+    contract.setdefault("components", {})["securitySchemes"] = {"key": _SCHEME}
+    contract["security"] = [{}, {"key": []}]
+    for path, operations in contract["paths"].items():
+        for method, operation in operations.items():
+            needed = NEEDED[f"{method.upper()} {path}"]
+            kinds = [ProblemType.UNKNOWN_HOST]
+            if needed is not None:
+                kinds += [ProblemType.UNAUTHORIZED, ProblemType.FORBIDDEN, ProblemType.TOO_MANY_REQUESTS]
+                operation["description"] += f"\n\nOn a service that asks for keys: scope `{needed}`."
+            else:
+                operation["security"] = []
+            answers: dict[str, Any] = {str(status): answer for status, answer in problems(*kinds).items()}
+            operation["responses"] = dict(sorted({**answers, **operation["responses"]}.items()))
+
 
 DESCRIPTION = """\
 Certified cusp points in the joint space of planar 3-RPR parallel manipulators.

@@ -1,4 +1,4 @@
-"""The envelope of every request: id, HEAD, security headers, metrics, log, and answers to unexpected errors.
+"""The envelope of every request: id, HEAD, security headers, compression, metrics, log, unexpected errors.
 
 It is plain ASGI, since each layer slows down cached answers, which take a few milliseconds.
 """
@@ -10,20 +10,100 @@ import re
 import secrets
 import time
 from contextlib import AbstractContextManager, nullcontext
+from typing import Literal
+from urllib.parse import quote
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import ClientDisconnect
 from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.access_log import AccessLog
-from service.api.answers.large_answers import IS_HEAD
+from service.api.answers.forms import media_range
+from service.api.http.transport import IS_HEAD
 from service.api.metrics import Metrics
 from service.api.prefix import forwarded_prefix, prefixed, without_prefix
 from service.api.problems import ProblemError, ProblemType
 from service.api.settings import Settings
 from worker import tracing
 from worker.logs import about
+
+KEY_NAME = "rpr_cusps.key"
+"""Where the ASGI scope has the name of the API key."""
+
+_LONGEST_PATH = 200
+
+_requests = logging.getLogger("rpr_cusps.access")
+
+
+class AccessLog:
+    """Logs the requests that are wanted, whatever the level of other lines."""
+
+    def __init__(self, wanted: Literal["all", "errors", "off"]) -> None:
+        self._least_status = {"all": 0, "errors": 400, "off": 1000}[wanted]
+        _requests.setLevel(logging.INFO)
+
+    def note(self, scope: Scope, method: str, status: int, size: int, seconds: float) -> None:
+        """Log one request; `size`: bytes of the body that were sent."""
+        if status < self._least_status:
+            return
+        fields = {
+            "key": scope.get(KEY_NAME, "-"),
+            "method": method,
+            "path": quote(str(scope.get("path", "")), safe="/:,-_.~")[:_LONGEST_PATH],
+            "status": status,
+            "bytes": size,
+            "duration_ms": round(1000 * seconds, 2),
+        }
+        text = "%(key)s %(method)s %(path)s %(status)d %(bytes)d B %(duration_ms).2f ms"
+        _requests.info(text, fields, extra={"fields": fields})
+
+
+_SUFFIX = '-gzip"'
+
+
+class Compression(GZipMiddleware):
+    """Starlette's compression with correct ETags.
+
+    Another encoding is another representation, so its strong validator must differ (RFC 9110, 8.8.1):
+    compressed responses have an ETag with a suffix, which is removed again from `If-None-Match`.
+    """
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer one request."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        headers = MutableHeaders(scope=scope)
+        is_accepted = accepts_gzip(headers)
+        headers["Accept-Encoding"] = "gzip" if is_accepted else "identity"
+        known = ",".join(headers.getlist("If-None-Match"))
+        if _SUFFIX in known:
+            headers["If-None-Match"] = known.replace(_SUFFIX, '"')
+
+        async def send_on(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                answer = MutableHeaders(scope=message)
+                tag = answer.get("ETag", "")
+                packed = tag[:-1] + _SUFFIX
+                if message["status"] == 304:
+                    answer.add_vary_header("Accept-Encoding")
+                    is_packed = packed in known and (is_accepted or tag not in known)
+                else:
+                    is_packed = answer.get("Content-Encoding") == "gzip"
+                if tag and is_packed:
+                    answer["ETag"] = packed
+            await send(message)
+
+        await super().__call__(scope, receive, send_on)
+
+
+def accepts_gzip(headers: Headers) -> bool:
+    """Whether the client accepts gzip."""
+    ranges = map(media_range, ",".join(headers.getlist("Accept-Encoding")).split(","))
+    qualities = dict(ranges)
+    return qualities.get("gzip", qualities.get("*", 0.0)) > 0
+
 
 log = logging.getLogger("rpr_cusps.service")
 

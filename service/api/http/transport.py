@@ -1,15 +1,21 @@
-"""The socket of a client: what is written together is sent together, and whoever still sends is not cut off.
-
-A client that is still sending its body has not read an answer yet, such as 413. If its connection were closed
-at once, its system would drop that answer for a reset of the connection. So the service closes its own half,
-and reads on until the client closes too (RFC 9112, 9.6), or its time or bytes are over.
-"""
+"""The way to a client: its socket, and large answers that are sent in pieces."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
-from typing import Any
+import logging
+from collections.abc import AsyncGenerator, Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+import anyio
+from redis.exceptions import RedisError
+from starlette.responses import StreamingResponse
+from starlette.types import Receive, Scope, Send
+
+from service.api.problems import ProblemError, ProblemType
+from service.api.threads import RedisAccess
+from worker.answers.stored_tables import BATCH_BYTES, ResultLostError
 
 CLIENT_ENDED = "rpr_cusps.client_ended"
 """In the scope of a request whose client has ended its half of the connection; it may be gone altogether."""
@@ -91,3 +97,131 @@ class ClientTransport(asyncio.Transport):
         self._held.clear()
         if data and not self._inner.is_closing():
             self._inner.write(data)
+
+
+log = logging.getLogger("rpr_cusps.service")
+
+T = TypeVar("T")
+
+LARGE = BATCH_BYTES
+"""Bytes of an answer that is sent in pieces."""
+
+IS_HEAD = "rpr_cusps.head"
+"""Set in the scope of a request whose method is HEAD."""
+
+_PIECE = 64 << 10
+
+
+class Places:
+    """The long answers of one sort that are being sent.
+
+    Args:
+        what: what they are, for the message.
+        count: how many there may be.
+        retry_seconds: `Retry-After` of what is refused.
+        size: how many bytes they may hold together.
+    """
+
+    def __init__(self, what: str, count: int, retry_seconds: int, size: int = 0) -> None:
+        self._what = what
+        self._count = count
+        self._size = size
+        self._retry_seconds = retry_seconds
+        self._held: list[int] = []
+
+    @contextmanager
+    def one(self, held: int) -> Iterator[None]:
+        """Count an answer that holds so many bytes, as long as the block.
+
+        Raises:
+            ProblemError: 503, there are enough.
+        """
+        if len(self._held) >= self._count or (self._held and sum(self._held) + held > self._size):
+            raise ProblemError(
+                ProblemType.BUSY,
+                f"{len(self._held)} {self._what} are being sent at the moment; try again.",
+                headers={"Retry-After": str(self._retry_seconds)},
+            )
+        self._held.append(held)
+        try:
+            yield
+        finally:
+            self._held.remove(held)
+
+
+class LongAnswer(StreamingResponse):
+    """An answer that takes one of the places as long as it is sent.
+
+    Args:
+        pieces: the body.
+        headers: the header fields.
+        media_type: of the body.
+        places: those for answers of its sort.
+        held: the bytes that it holds meanwhile.
+    """
+
+    def __init__(
+        self,
+        pieces: AsyncGenerator[bytes],
+        headers: Mapping[str, str],
+        media_type: str,
+        places: Places,
+        held: int = 0,
+    ) -> None:
+        super().__init__(pieces, headers=headers, media_type=media_type)
+        self._pieces = pieces
+        self._places = places
+        self._held = held
+        self._is_head = False
+        self._path = ""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send the answer, or the problem that there are too many."""
+        self._is_head, self._path = IS_HEAD in scope, scope["path"]
+        try:
+            with self._places.one(0 if self._is_head else self._held):
+                await super().__call__(scope, receive, send)
+        except ProblemError as error:
+            await error.response(self._path)(scope, receive, send)
+        finally:
+            with anyio.CancelScope(shield=True):
+                await self._pieces.aclose()  # else it would hold what it has until it is collected
+
+
+class LargeAnswer(LongAnswer):
+    """A large result.
+
+    If a piece is lost on the way, the connection is closed before the end, so that no client takes a part
+    for the whole.
+    """
+
+    async def stream_response(self, send: Send) -> None:
+        """Send the pieces as they come; only the first one if nobody reads them."""
+        await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
+        try:
+            async for piece in self.body_iterator:
+                await send({"type": "http.response.body", "body": piece, "more_body": True})
+                if self._is_head:
+                    break
+        except (ResultLostError, RedisError) as error:
+            log.warning("the answer of %s is cut off: %s", self._path, error)
+            return  # without its end, for which the server closes the connection
+        await send({"type": "http.response.body", "body": b"", "more_body": False})
+
+
+def slices_of(body: bytes) -> Iterator[bytes]:
+    """Yields a body in pieces."""
+    return (body[first : first + _PIECE] for first in range(0, len(body), _PIECE))
+
+
+async def in_turn(first: bytes, others: Iterator[bytes], access: RedisAccess) -> AsyncGenerator[bytes]:
+    """Yields the first piece, then the others, each of which is made in a thread when it is wanted."""
+    yield first
+    while (piece := await access(next, others, None)) is not None:
+        yield piece
+
+
+async def at_hand(pieces: Iterator[bytes]) -> AsyncGenerator[bytes]:
+    """Yields pieces that need no work."""
+    for piece in pieces:
+        yield piece

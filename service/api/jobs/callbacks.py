@@ -5,9 +5,8 @@ from __future__ import annotations
 from urllib.parse import urlsplit
 
 from rpr_solver.errors import InputError
-from service.api.batch_view import batch_json
 from service.api.context import Context
-from service.api.jobs.views import job_json
+from service.api.jobs.views import batch_json, job_json
 from service.api.prefix import prefixed
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.webhooks.deliverer import Shown, event_type

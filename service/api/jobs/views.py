@@ -1,4 +1,4 @@
-"""A job as the contract shows it."""
+"""Jobs and batches as the contract shows them."""
 
 from __future__ import annotations
 
@@ -81,3 +81,28 @@ def retry_after(view: JobView, settings: Settings) -> dict[str, str]:
     """Returns the header that says when to ask again for a job: sooner if it runs than if it waits."""
     seconds = 0 if view.place is None else min(ceil(view.place.seconds), settings.longest_poll_seconds)
     return {"Retry-After": str(max(settings.poll_seconds, seconds))}
+
+
+def batch_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = None) -> dict[str, object]:
+    """Returns the state of a batch; for the client that submits it, with the way to withdraw it."""
+    own = here(f"/v1/batches/{view.id}")
+    left = view.total - view.done
+    cancel = {} if who is None else {"cancel": cancel_link(own, who)}
+    return {
+        "id": view.id,
+        "status": view.status,
+        "total": view.total,
+        "done": view.done,
+        "succeeded": view.done - view.failed,
+        "failed": view.failed + (left if view.status == "failed" else 0),
+        "canceled": left if view.status == "canceled" else 0,
+        "created_at": view.created_at,
+        "started_at": view.started_at,
+        "finished_at": view.finished_at,
+        "expires_at": expires_at(view, settings),
+        "error": view.error,
+        "position": None if view.place is None else view.place.position,
+        "estimate_s": view.estimate_s,
+        "overruns": view.overruns,
+        "links": {"self": own, "results": f"{own}/results", "events": f"{own}/events", **cancel},
+    }

@@ -7,22 +7,26 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Request, Response
 
-from service.api.answers.forms import FORMATS, one_of
-from service.api.answers.large_answers import IS_HEAD, LARGE, LargeAnswer
-from service.api.batch_view import batch_json
+from service.api.answers.answer import parse_prefer
+from service.api.answers.forms import FORMATS, JSON, NDJSON, json_bytes, negotiate, one_of
 from service.api.batches.intake import accept_batch
 from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep
 from service.api.contract import batches as doc
-from service.api.ending import deliveries, end
-from service.api.following import follow
-from service.api.job_list import LIST_RESPONSES, Before, MostItems, StatusWanted, list_response
-from service.api.jobs.views import retry_after
-from service.api.negotiation import JSON, NDJSON, negotiate
-from service.api.prefer import parse_prefer
+from service.api.http.transport import IS_HEAD, LARGE, LargeAnswer
+from service.api.jobs.views import batch_json, retry_after
 from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
-from service.api.table_forms import json_bytes
+from service.api.routes.shared import (
+    LIST_RESPONSES,
+    Before,
+    MostItems,
+    StatusWanted,
+    deliveries,
+    end,
+    follow,
+    list_response,
+)
 from worker.answers.batches import KIND
 from worker.jobs.subscriptions import Subscriber
 from worker.jobs.views import JobView

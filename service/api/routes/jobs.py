@@ -7,19 +7,24 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Request, Response
 
-from service.api.answers.forms import choice_of
+from service.api.answers.forms import JSON, choice_of, json_bytes, negotiate
 from service.api.answers.responses import answer_response
 from service.api.context import Context, ContextDep
 from service.api.contract import operations as doc
-from service.api.ending import deliveries, end
-from service.api.following import follow
-from service.api.job_list import LIST_RESPONSES, Before, MostItems, StatusWanted, list_response
 from service.api.jobs.views import job_json, retry_after
-from service.api.negotiation import JSON, negotiate
 from service.api.operations import forms_of
 from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
-from service.api.table_forms import json_bytes
+from service.api.routes.shared import (
+    LIST_RESPONSES,
+    Before,
+    MostItems,
+    StatusWanted,
+    deliveries,
+    end,
+    follow,
+    list_response,
+)
 from worker.answers.kinds import Answer, is_batch, kind_of_job
 from worker.jobs.views import JobView
 

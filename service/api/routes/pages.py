@@ -1,23 +1,89 @@
-"""HTML pages: the explorer, the interactive documentation, and the types of problems."""
+"""HTML pages and their files: the explorer, the interactive documentation, and the types of problems."""
 
 from __future__ import annotations
 
 import html
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
 from functools import cache
 from string import Template
 
 from fastapi import APIRouter, Request, Response
+from starlette.staticfiles import StaticFiles
+from starlette.types import Scope
 
+from rpr_solver import EXAMPLES
 from service import __version__
-from service.api.explorer_page import EXPLORER_POLICY, explorer_markup
-from service.api.negotiation import JSON
+from service.api.answers.forms import JSON, json_bytes
 from service.api.operations import WEB
 from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
-from service.api.table_forms import json_bytes
-from service.schemas.questions import schema_of_geometry
+from service.schemas.questions import Geometry, schema_of_geometry
+
+
+class Assets(StaticFiles):
+    """Files that a browser asks for again each time, so that modules of two versions never meet in a page."""
+
+    def file_response(
+        self,
+        full_path: str | os.PathLike[str],
+        stat_result: os.stat_result,
+        scope: Scope,
+        status_code: int = 200,
+    ) -> Response:
+        """Answer with a file, or 304 if the browser has it."""
+        response = super().file_response(full_path, stat_result, scope, status_code)
+        response.headers["Cache-Control"] = "no-cache"
+        return response
+
+
+EXPLORER_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+"""Nothing inline, nothing from elsewhere."""
+
+FIRST_SLICES = {
+    "innocenti": "27",
+    "zein-flat": "35",
+    "twelve-cusps": "8.28",
+    "fourteen-cusps": "5.96",
+    "sixteen-cusps": "14.46845",
+    "eighteen-cusps": "15.6431",
+}
+"""The slice of each example that is shown first."""
+
+
+@cache
+def explorer_markup() -> Mapping[str, str]:
+    """Returns the parts of the page by name, as HTML."""
+    return {"examples": "".join(_examples()), "fields": "".join(_fields()), "preloads": "".join(_preloads())}
+
+
+def _examples() -> Iterator[str]:
+    for name, manipulator in EXAMPLES.items():
+        text = html.escape(",".join(manipulator.to_json().values()))
+        yield f'<option value="{text}" data-l1="{FIRST_SLICES[name]}">{html.escape(name)}</option>\n'
+
+
+def _fields() -> Iterator[str]:
+    for name, field in Geometry.model_fields.items():
+        if name == "orientation":
+            continue
+        meaning = html.escape((field.description or "").rstrip(".").split(",")[0].split(";")[0])
+        yield (
+            f'<div><label for="{name}">{name}<small>{meaning}</small>\n'
+            f'<input id="{name}" class="exact" inputmode="decimal" autocomplete="off" spellcheck="false" '
+            f'aria-describedby="{name}-error"></label>\n<p class="error" id="{name}-error"></p></div>\n'
+        )
+
+
+def _preloads() -> Iterator[str]:
+    modules = sorted(path.name for path in (WEB / "explorer").glob("*.js"))
+    for address in ("jsxgraph/jsxgraphcore.mjs", *(f"explorer/{name}" for name in modules)):
+        yield f'<link rel="modulepreload" href="static/{address}">\n'
+
 
 router = APIRouter(include_in_schema=False)
 

@@ -14,8 +14,8 @@ import anyio
 import httpx
 import pytest
 
+from service.api.answers.request_body import json_of
 from service.api.app import create_app
-from service.api.body import json_of
 from service.api.problems import MEDIA_TYPE, ProblemType
 from service.api.settings import Settings
 from service.schemas.limits import LimitError, Limits

@@ -8,7 +8,7 @@ import httpx
 import pytest
 from starlette.datastructures import Headers
 
-from service.api.compression import accepts_gzip
+from service.api.http.middleware import accepts_gzip
 
 BUNDLE = "/static/swagger-ui/swagger-ui-bundle.js"
 

@@ -10,8 +10,8 @@ import httpx
 import pytest
 
 from rpr_solver import EXAMPLES
-from service.api.explorer_page import FIRST_SLICES
 from service.api.operations import WEB
+from service.api.routes.pages import FIRST_SLICES
 
 ROOT = Path(__file__).parents[3]
 MODULES = sorted(path.name for path in (WEB / "explorer").glob("*.js"))

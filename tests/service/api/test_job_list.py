@@ -9,8 +9,7 @@ import httpx
 import pytest
 from redis import Redis
 
-from service.api.access.key_store import KeyStore
-from service.api.access.keys import Scope, make_key
+from service.api.access.keys import KeyStore, Scope, make_key
 from service.api.settings import Settings
 from service.client import AsyncServiceClient, ServiceClient
 from service.stack.embedded_valkey import EmbeddedValkey

@@ -9,7 +9,7 @@ import httpx
 import pytest
 from redis import Redis
 
-from service.api.metric_families import OF_INSTALLATION, OF_PROCESS
+from service.api.metrics import OF_INSTALLATION, OF_PROCESS
 from service.api.settings import Settings
 from service.cli.environment import names
 from service.stack.embedded_valkey import EmbeddedValkey

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from service.api.negotiation import CSV, JSON, NDJSON, negotiate
+from service.api.answers.forms import CSV, JSON, NDJSON, negotiate
 from service.api.problems import ProblemError
 
 OFFERED = (JSON, CSV, NDJSON)

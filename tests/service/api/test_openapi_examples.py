@@ -11,9 +11,9 @@ import httpx
 import jsonschema_rs
 import pytest
 
+from service.api.answers.forms import JSON, NDJSON
 from service.api.app import create_app
 from service.api.contract.batches import POST_BODY
-from service.api.negotiation import JSON, NDJSON
 from service.api.operations import OPERATIONS
 from tests.support.contract import parts
 from tests.support.processes import until

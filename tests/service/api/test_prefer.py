@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from service.api.prefer import Preferences, parse_prefer
+from service.api.answers.answer import Preferences, parse_prefer
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, InputError, exact_str
-from service.api.batch_items import read_item
+from service.api.batches.items import read_item
 from service.api.operations import OPERATIONS
 from service.schemas.aspects import RangeAspectsRequest
 from service.schemas.census import CensusRequest

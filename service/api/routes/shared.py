@@ -1,25 +1,28 @@
-"""The lists of jobs and of batches as the contract shows them."""
+"""What the routes of jobs and of batches share: the lists, the events, the end, and the log of webhooks."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from typing import Annotated, get_args
 from urllib.parse import urlencode
 
 from fastapi import Query, Request, Response
 
-from service.api.access.caller import caller_of, oversees
-from service.api.access.key_store import KeyStore
+from service.api.access.caller import caller_of, oversees, subscriber_of
+from service.api.access.keys import KeyStore
+from service.api.answers.forms import JSON, json_bytes
 from service.api.context import Context
 from service.api.contract.operations import Docs, json_response, problems
-from service.api.negotiation import JSON
+from service.api.http.transport import FOLLOWS, IS_HEAD, LongAnswer
+from service.api.jobs.callbacks import deliveries_json
+from service.api.jobs.tail import EVENT_ID
 from service.api.prefix import here
-from service.api.problems import ProblemType
-from service.api.table_forms import json_bytes
+from service.api.problems import ProblemError, ProblemType
 from service.schemas.job_list import ListedStatus
 from worker.answers.kinds import kind_of_job
 from worker.jobs.listing import Listed, Page, What
-from worker.jobs.views import ACTIVE, Status
+from worker.jobs.views import ACTIVE, JobView, Status
 
 StatusWanted = Annotated[
     ListedStatus | None,
@@ -95,3 +98,65 @@ def _item(item: Listed, names: dict[str, str]) -> dict[str, object]:
         "overruns": view.overruns,
         "key": names.get(item.maker or ""),
     }
+
+
+async def follow(request: Request, context: Context, view: JobView, with_known: bool = False) -> Response:
+    """Returns the stream of events, from after `Last-Event-ID` if it is sent; or 204 if none follows.
+
+    With `with_known`, a stream from the beginning also has the slices that were known before the job.
+
+    Raises:
+        ProblemError: 400, the id is malformed.
+    """
+    last = request.headers.get("last-event-id", "0").strip() or "0"
+    if not re.fullmatch(EVENT_ID, last, re.ASCII):
+        raise ProblemError(
+            ProblemType.INVALID_HEADER,
+            f"Last-Event-ID {last[:60]!r} is not an event id of this stream.",
+            errors=[("Last-Event-ID", "send the id of the last event received, or omit it")],
+        )
+    if view.is_terminal and last != "0" and not await context.events.after(view, last):
+        return Response(status_code=204)
+    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    if request.scope.get(IS_HEAD):
+        return Response(headers=headers, media_type="text/event-stream")
+    request.scope[FOLLOWS] = True
+    stream = context.events.follow(view, last, with_known and last == "0")
+    return LongAnswer(stream, headers, "text/event-stream", context.followers)
+
+
+Find = Callable[[Context, str], JobView]
+"""Returns the job or batch of an id, or raises 404."""
+
+
+async def end(
+    request: Request, context: Context, find: Find, job_id: str, subscription: str, force: bool
+) -> JobView:
+    """Withdraw the caller from a job or batch, or with `force` cancel it for all; returns its state.
+
+    Raises:
+        ProblemError: 404, or 403 if the caller may not cancel it for all.
+    """
+    caller = caller_of(request.scope)
+    if force and not oversees(request.scope):
+        raise ProblemError(
+            ProblemType.FORBIDDEN,
+            "Only a key with scope admin, or on a service without keys a call from its own computer, can end "
+            "what others have asked for (force).",
+        )
+
+    def act() -> JobView:
+        find(context, job_id)
+        queue = context.queue.of(job_id)
+        ended = queue.cancel(job_id) if force else queue.withdraw(job_id, subscriber_of(caller, subscription))
+        return ended or find(context, job_id)
+
+    return await context.redis(act)
+
+
+async def deliveries(context: Context, find: Find, job_id: str) -> Response:
+    """Returns the log of the deliveries to every `callback_url` of a job or batch."""
+    body = json_bytes(
+        deliveries_json(await context.redis(lambda: context.callbacks.of_job(find(context, job_id).id)))
+    )
+    return Response(body, headers={"Cache-Control": "no-store"}, media_type=JSON)
