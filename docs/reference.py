@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import difflib
-import importlib
 import inspect
 import re
 import sys
@@ -23,7 +22,7 @@ from service.api.app import create_app
 from service.api.metrics import OF_INSTALLATION, OF_PROCESS
 from service.api.problems import ProblemType
 from service.api.settings import Settings
-from service.cli.main import COMMANDS
+from service.cli.main import COMMANDS, command_of
 from service.client import ClientSettings
 from service.schemas.limits import Limits
 from service.stack.supervisor import SupervisorSettings
@@ -116,7 +115,7 @@ def commands() -> list[tuple[str, argparse.ArgumentParser]]:
     """Returns the commands of `rpr-cusps` and their parsers."""
     parsers = {name: argparse.ArgumentParser() for name in COMMANDS}
     for name, parser in parsers.items():
-        importlib.import_module(f"service.cli.{name}").configure(parser)
+        command_of(name).configure(parser)
     return [pair for name, parser in parsers.items() for pair in with_actions(name, parser)]
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import yaml
 
-from service.cli.environment import unknown_settings
+from service.cli.options import unknown_settings
 
 DOCKER = Path(__file__).parents[1] / "docker"
 

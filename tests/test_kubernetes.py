@@ -12,7 +12,7 @@ import yaml
 from redis import Redis
 
 from rpr_solver import SOLVER_VERSION
-from service.cli.environment import unknown_settings
+from service.cli.options import unknown_settings
 from worker.jobs.chunks import ChunkQueue
 from worker.settings import WorkerSettings
 

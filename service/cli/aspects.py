@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from service.cli import arguments, remote
+from service.cli.help import Command
 from service.cli.pages import Page, Section, about, counted, rows_of, write_document
 from service.schemas.aspects import RangeAspectsRequest
 from worker.answers import aspects
@@ -54,3 +55,6 @@ def _page(document: Mapping[str, Any]) -> Page:
     ]
     title = f"L{leg} from {ends['from']}{below}: {counted(len(found), 'aspect')}"
     return Page(about(document), [Section(title, rows_of(rows))], document["digits"])
+
+
+COMMANDS = {"aspects": Command(DESCRIPTION, EXAMPLES, configure, run)}

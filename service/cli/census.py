@@ -9,6 +9,8 @@ from typing import Any
 
 import rpr_solver
 from service.cli import arguments, remote
+from service.cli.help import Command
+from service.cli.output import progress_bar
 from service.cli.pages import (
     Page,
     Section,
@@ -19,7 +21,6 @@ from service.cli.pages import (
     rows_of,
     write_document,
 )
-from service.cli.progress import progress_bar
 from service.schemas.census import CensusRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -94,3 +95,6 @@ def _page(document: Mapping[str, Any]) -> Page:
         keys = [leg, "cusps", *(key for key in events[0] if key not in (leg, "cusps"))]
         sections.append(Section("Transitions", rows_of(events, keys)))
     return Page(about(document), sections, document["digits"])
+
+
+COMMANDS = {"census": Command(DESCRIPTION, EXAMPLES, configure, run)}

@@ -10,8 +10,9 @@ from typing import Any
 
 import rpr_solver
 from service.cli import arguments, remote
+from service.cli.help import Command
+from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, counted, degenerate_notes, rows_of, write_document
-from service.cli.progress import progress_bar
 from service.schemas.curves import CuspCurvesRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
@@ -95,3 +96,6 @@ def _page(document: Mapping[str, Any], has_points: bool) -> Page:
     if has_points and points:
         sections.append(Section("Points", rows_of(points)))
     return Page(about(document), sections, document["digits"])
+
+
+COMMANDS = {"curves": Command(DESCRIPTION, EXAMPLES, configure, run)}

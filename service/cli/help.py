@@ -1,13 +1,15 @@
-"""Help that fits the terminal, and errors in one line that say where to read more."""
+"""Help that fits the terminal, errors in one line that say where to read more, and completion by a shell."""
 
 from __future__ import annotations
 
 import argparse
 import difflib
+import os
 import re
 import sys
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from service.cli import output
@@ -16,6 +18,34 @@ BAD_INPUT = 2
 
 _NEGATIVE = re.compile(r"-\.?\d.*")
 """What begins with a minus sign and is a value, not an option."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command: its help, its options, and what it does.
+
+    Attributes:
+        description: what it does, above its options.
+        examples: below them, or None.
+        configure: adds the options to its parser.
+        run: runs it and returns the exit status.
+    """
+
+    description: str | None
+    examples: str | None
+    configure: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace], int]
+
+
+def whole(what: str, high: int, low: int = 0) -> Callable[[str], int]:
+    """Returns the conversion of an option that is a whole number."""
+
+    def parse(text: str) -> int:
+        if not (text.isascii() and text.isdigit() and len(text) < 10 and low <= int(text) <= high):
+            raise argparse.ArgumentTypeError(f"{text[:40]!r} is not {what} from {low} to {high}")
+        return int(text)
+
+    return parse
 
 
 class Formatter(argparse.RawDescriptionHelpFormatter):
@@ -98,3 +128,47 @@ class Parser(argparse.ArgumentParser):
             self.error(f"there is no place for {' '.join(words)!r}")
         near = difflib.get_close_matches(options[0].lstrip("-"), known, n=1)
         self.error(f"unknown option {options[0]}" + (f"; did you mean --{near[0]}?" if near else ""))
+
+
+_COMPLETION = (
+    """Print what makes a shell complete the commands, options and files of rpr-cusps at the Tab key."""
+)
+_COMPLETION_EXAMPLES = """\
+examples:
+  eval "$(rpr-cusps completion bash)"              in ~/.bashrc
+  eval "$(rpr-cusps completion zsh)"               in ~/.zshrc, after compinit
+  rpr-cusps completion fish > ~/.config/fish/completions/rpr-cusps.fish
+"""
+
+SHELLS = ("bash", "zsh", "fish")
+_ASKED = "_ARGCOMPLETE"
+
+
+def _configure_completion(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `completion`."""
+    parser.add_argument("shell", metavar="SHELL", choices=SHELLS, help="bash, zsh or fish")
+
+
+def _run_completion(args: argparse.Namespace) -> int:
+    """Run `completion`; returns the exit status."""
+    from argcomplete.shell_integration import shellcode  # few need it, and a start is to be quick
+
+    output.write(shellcode(["rpr-cusps"], shell=args.shell))
+    return 0
+
+
+def typed() -> Sequence[str] | None:
+    """The words that are to be completed, if a shell asks for that."""
+    return os.environ.get("COMP_LINE", "").split()[1:] if _ASKED in os.environ else None
+
+
+def complete(parser: argparse.ArgumentParser) -> None:
+    """Answer a shell, and exit."""
+    import argcomplete
+
+    argcomplete.autocomplete(parser)
+
+
+COMMANDS = {
+    "completion": Command(_COMPLETION, _COMPLETION_EXAMPLES, _configure_completion, _run_completion),
+}

@@ -1,5 +1,4 @@
-"""List the jobs and batches of a service: those of the key RPR_CUSPS_API_KEY. All with a key of scope admin
-and, without keys, on the computer of the service itself."""
+"""Jobs and batches of a running service: their state, list, results and end."""
 
 from __future__ import annotations
 
@@ -9,12 +8,70 @@ from collections.abc import Iterator
 from heapq import merge
 from itertools import islice
 
+from rpr_solver.errors import InputError
 from service.cli import output, remote
-from service.cli.options import whole
+from service.cli.help import Command, whole
+from service.cli.output import progress_bar
+from service.cli.submit import FORMS, print_results
+from service.schemas.batches import is_batch
 from service.schemas.job_list import ListedJob, ListedStatus
 
-DESCRIPTION = __doc__
-EXAMPLES = """\
+_STATUS = """\
+Print the state of a job or a batch of a service: queued, running, succeeded, failed or canceled, and its
+progress."""
+_STATUS_EXAMPLES = """\
+examples:
+  rpr-cusps status ct-0f3a… --url http://127.0.0.1:8000
+  rpr-cusps status ba-5d41…                      a batch: its items by state
+"""
+
+
+def _configure_status(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `status`."""
+    remote.add_job(parser)
+
+
+def _run_status(args: argparse.Namespace) -> int:
+    """Run `status`; returns the exit status."""
+    with remote.client_of(args.url) as client:
+        print_job(client.job(args.job))
+    return 0
+
+
+def print_job(job: dict[str, object]) -> None:
+    """Print the state of a job as JSON."""
+    output.write(json.dumps(job, indent=2) + "\n")
+
+
+_CANCEL = """\
+Withdraw from a job or a batch of a service and print its state. A job is canceled unless others wait for
+it too; what is done of a batch can still be fetched."""
+_CANCEL_EXAMPLES = """\
+examples:
+  rpr-cusps cancel ct-0f3a… --url http://127.0.0.1:8000
+  rpr-cusps cancel ba-5d41…
+  rpr-cusps cancel ct-0f3a… --force              whoever else waits for it
+"""
+
+
+def _configure_cancel(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `cancel`."""
+    remote.add_job(parser)
+    text = "end it for all: with a key of scope admin, or on the computer of a service without keys"
+    parser.add_argument("--force", action="store_true", help=text)
+
+
+def _run_cancel(args: argparse.Namespace) -> int:
+    """Run `cancel`; returns the exit status."""
+    with remote.client_of(args.url) as client:
+        print_job(client.cancel(args.job, force=args.force))
+    return 0
+
+
+_JOBS = """\
+List the jobs and batches of a service: those of the key RPR_CUSPS_API_KEY. All with a key of scope admin
+and, without keys, on the computer of the service itself."""
+_JOBS_EXAMPLES = """\
 examples:
   rpr-cusps jobs                                 what is queued or running, the newest first
   rpr-cusps jobs --all --limit 20                also what has ended
@@ -27,8 +84,8 @@ _COLUMNS = ("id", "kind", "status", "created_at", "estimate_s", "runs_s", "overr
 _TITLES = ("ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "OVERRUNS", "KEY")
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
+def _configure_jobs(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `jobs`."""
     parser.add_argument("--all", action="store_true", help="also those that have ended")
     parser.add_argument(
         "--limit",
@@ -41,8 +98,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     remote.add_service(parser)
 
 
-def run(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status."""
+def _run_jobs(args: argparse.Namespace) -> int:
+    """Run `jobs`; returns the exit status."""
     status: ListedStatus | None = None if args.all else "active"
     with remote.client_of(args.url) as client:
         both = merge(
@@ -67,3 +124,71 @@ def _cell(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.1f} s"
     return "-" if value is None else str(value)
+
+
+_FETCH = """\
+Wait for a job or a batch of a service and print its result."""
+_FETCH_EXAMPLES = """\
+examples:
+  rpr-cusps fetch ct-0f3a… --url http://127.0.0.1:8000
+  rpr-cusps fetch ct-0f3a… --format csv > cusps.csv
+  rpr-cusps fetch ba-5d41… --no-wait             what is done of a batch
+
+Ctrl-C leaves the job or the batch as it is.
+"""
+
+_TYPES = {"json": "application/json", "csv": "text/csv", "ndjson": "application/x-ndjson"}
+
+
+def _configure_fetch(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `fetch`."""
+    remote.add_job(parser)
+    text = (
+        "csv: not of checks and poses; ndjson: of cusp tables and batches (default: json; of a batch ndjson)"
+    )
+    parser.add_argument("--format", choices=tuple(_TYPES), help=text)
+    parser.add_argument(
+        "--no-wait",
+        action="store_true",
+        help="of a batch: print the answers that there are, in the order asked",
+    )
+    parser.add_argument(
+        "--after",
+        type=whole("a number of an item", 10**9 - 1),
+        metavar="N",
+        help="of a batch: only the items after number N, which count from 0",
+    )
+
+
+def _run_fetch(args: argparse.Namespace) -> int:
+    """Run `fetch`; returns the exit status."""
+    if is_batch(args.job):
+        return _fetch_batch(args)
+    for option, given in (("--no-wait", args.no_wait), ("--after", args.after is not None)):
+        if given:
+            raise InputError.of(option, f"is for batches, whose ids begin with ba-; {args.job!r} is a job")
+    form = args.format or "json"
+    with remote.client_of(args.url) as client, progress_bar(1, "steps") as progress:
+        content = client.result(args.job, _TYPES[form], progress).decode()
+    if form == "json":
+        content = json.dumps(json.loads(content), indent=2, ensure_ascii=False) + "\n"
+    output.write(content)
+    return 0
+
+
+def _fetch_batch(args: argparse.Namespace) -> int:
+    form = args.format or FORMS[0]
+    if form not in FORMS:
+        raise InputError.of("--format", f"json is one document; of a batch, give {' or '.join(FORMS)}")
+    after = -1 if args.after is None else args.after
+    with remote.client_of(args.url) as client, progress_bar(1, "items", is_streamed=True) as progress:
+        results = client.results(args.job, progress, wait=not args.no_wait, after=after)
+        return print_results("fetch", results, form)
+
+
+COMMANDS = {
+    "status": Command(_STATUS, _STATUS_EXAMPLES, _configure_status, _run_status),
+    "jobs": Command(_JOBS, _JOBS_EXAMPLES, _configure_jobs, _run_jobs),
+    "fetch": Command(_FETCH, _FETCH_EXAMPLES, _configure_fetch, _run_fetch),
+    "cancel": Command(_CANCEL, _CANCEL_EXAMPLES, _configure_cancel, _run_cancel),
+}

@@ -13,8 +13,8 @@ from datetime import UTC, datetime
 
 from rpr_solver.errors import InputError
 from service.api.access.keys import SCOPES, KeyStore, is_name, make_key
-from service.cli.options import whole
-from service.cli.source import add_source, opened
+from service.cli.help import Command, whole
+from service.cli.options import add_source, opened
 from worker.settings import WorkerSettings
 
 DESCRIPTION = __doc__
@@ -128,3 +128,6 @@ def _date(moment: float | None) -> str | None:
     if moment is None:
         return None
     return datetime.fromtimestamp(moment, UTC).isoformat(timespec="seconds").replace("+00:00", "Z")
+
+
+COMMANDS = {"keys": Command(DESCRIPTION, EXAMPLES, configure, run)}

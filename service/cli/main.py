@@ -15,8 +15,8 @@ from typing import Any
 
 from rpr_solver.errors import FieldProblem, InputError, SolverError
 from service import __version__
-from service.cli import completion, output
-from service.cli.help import BAD_INPUT, Parser
+from service.cli import output
+from service.cli.help import BAD_INPUT, Command, Parser, complete, typed
 from service.errors import JobInterrupted, ServiceError
 
 NO_ANSWER, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 1, 3, 130, 141
@@ -45,7 +45,21 @@ COMMANDS = {
     "demo": "run the whole service on one example",
     "completion": "print what makes a shell complete commands and options",
 }
-"""Command → summary; each command is a module of this package."""
+"""Command → summary."""
+
+_MODULES = {
+    **{
+        "check": "check.command",
+        "verify": "documents",
+        "export": "documents",
+        "worker": "serve",
+        "demo": "serve",
+    },
+    **dict.fromkeys(("status", "fetch", "cancel"), "jobs"),
+    "completion": "help",
+}
+"""Command → its module in this package, if that has another name; it lists its commands as `COMMANDS`."""
+
 
 _SERVERS = ("serve", "worker")
 """Commands that need no stdout."""
@@ -71,7 +85,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         name = f"rpr-cusps {args.command}"
         if args.command not in _SERVERS:
             output.stdout()  # a closed one is noticed before the work, not after it
-        status: int = command.run(args)
+        status = command.run(args)
         output.flush()
         return status
     except InputError as error:
@@ -107,42 +121,43 @@ def _as_option(argv: Sequence[str]) -> Sequence[str]:
     return [*argv[1:], "--help"] if argv and argv[0] == "help" else argv
 
 
-def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Any, Parser]:
-    """Returns the arguments, the module and the parser of the command; to start quickly, no other module is
-    imported."""
+def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Command, Parser]:
+    """Returns the arguments, the command and its parser; to start quickly, no other module is imported."""
     parser = Parser("rpr-cusps", description=_DESCRIPTION, epilog=_EXAMPLES)
     parser.add_argument("--version", action="version", version=f"rpr-cusps {__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    asked = completion.typed()
+    asked = typed()
     words = argv if asked is None else asked
     chosen = next((word for word in words if not word.startswith("-")), None)
-    module: Any = None
+    command: Any = None
     own = parser
     for name, summary in COMMANDS.items():
-        options: dict[str, Any] = {}
-        if name == chosen:
-            module = _loaded(f"service.cli.{name}")
-            options = {"description": module.DESCRIPTION, "epilog": module.EXAMPLES}
-        command = commands.add_parser(name, help=summary, **options)
-        if name == chosen:
-            module.configure(command)
-            own = command
+        if name != chosen:
+            commands.add_parser(name, help=summary)
+            continue
+        command = command_of(name)
+        own = commands.add_parser(
+            name, help=summary, description=command.description, epilog=command.examples
+        )
+        command.configure(own)
     if asked is not None:
-        completion.complete(parser)
+        complete(parser)
     if not argv:
         parser.print_help()
         parser.exit(BAD_INPUT)
     args, unknown = parser.parse_known_args(argv)
     if unknown:
         own.refuse_unknown(unknown)
-    return args, module, own
+    return args, command, own
 
 
-def _loaded(name: str) -> Any:
-    """Returns a module; garbage is not sought in what it loads, which would take a twentieth of a start."""
+def command_of(name: str) -> Command:
+    """Returns a command, from its module; garbage is not sought in what that loads, which would take a
+    twentieth of a start."""
     gc.disable()
     try:
-        return importlib.import_module(name)
+        command: Command = importlib.import_module(f"service.cli.{_MODULES.get(name, name)}").COMMANDS[name]
+        return command
     finally:
         gc.enable()
 

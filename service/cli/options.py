@@ -1,24 +1,26 @@
-"""Options of the commands that run or manage a service; they need nothing of the solver."""
+"""Options and environment of the commands that run or manage a service; they need nothing of the solver."""
 
 from __future__ import annotations
 
 import argparse
+import difflib
+import logging
 import os
-from collections.abc import Callable
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
-from worker.connection import has_password
+from pydantic import BaseModel
+from redis import Redis
+from redis.exceptions import RedisError
 
-
-def whole(what: str, high: int, low: int = 0) -> Callable[[str], int]:
-    """Returns the conversion of an option that is a whole number."""
-
-    def parse(text: str) -> int:
-        if not (text.isascii() and text.isdigit() and len(text) < 10 and low <= int(text) <= high):
-            raise argparse.ArgumentTypeError(f"{text[:40]!r} is not {what} from {low} to {high}")
-        return int(text)
-
-    return parse
+from service.errors import ServiceError
+from service.stack.embedded_valkey import attached
+from service.stack.errors import StackError
+from worker.connection import UnreachableError, check, connect, has_password
+from worker.logs import told
 
 
 def add_redis_url(parser: argparse.ArgumentParser, text: str) -> None:
@@ -57,3 +59,74 @@ def _redis_url(text: str) -> str:
             "the address must begin with redis://, rediss:// or unix://, for example redis://127.0.0.1:6379/0"
         )
     return text
+
+
+PREFIX = "RPR_CUSPS_"
+
+
+def models() -> tuple[type[BaseModel], ...]:
+    """Returns the models that read settings from the environment."""
+    from service.api.settings import Settings  # imported here to keep the start of commands quick
+    from service.client import ClientSettings
+    from service.schemas.limits import Limits
+    from service.stack.supervisor import SupervisorSettings
+    from service.webhooks.settings import WebhookSettings
+    from worker.settings import ConnectionSettings, WorkerSettings
+
+    ours = (Limits, Settings, WebhookSettings, SupervisorSettings, ClientSettings)
+    return *ours, WorkerSettings, ConnectionSettings
+
+
+def names() -> set[str]:
+    """Returns the names of all settings."""
+    return {PREFIX + name.upper() for model in models() for name in model.model_fields}
+
+
+def unknown_settings(environment: Mapping[str, str]) -> Iterator[str]:
+    """Yields a sentence for each variable that has the prefix of settings and is none."""
+    set_here = sorted(name for name in environment if name.upper().startswith(PREFIX))
+    known = names() if set_here else set()
+    for name in set_here:
+        if name.upper() not in known:
+            yield f"{name} is not a setting and has no effect{_hint(name.upper(), known)}"
+
+
+def warn_of_unknown_settings(command: str) -> None:
+    """Say those sentences on stderr, at the start of a process."""
+    for sentence in unknown_settings(os.environ):
+        print(told(f"rpr-cusps {command}", sentence, logging.WARNING), file=sys.stderr)
+
+
+def _hint(name: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.75)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
+def add_source(parser: argparse.ArgumentParser) -> None:
+    """Add `--redis-url` and `--data-dir`."""
+    add_redis_url(parser, "the Redis or Valkey server of the service (default: an embedded one)")
+    parser.add_argument(
+        "--data-dir",
+        type=Path,
+        metavar="DIR",
+        help="data directory of the embedded Valkey (default: the user's data directory)",
+    )
+
+
+@contextmanager
+def opened(args: argparse.Namespace) -> Iterator[Redis]:
+    """A client of the server that is asked for; of a data directory, whether or not its service is running.
+
+    Raises:
+        ServiceError: it cannot be reached, or fails meanwhile.
+    """
+    try:
+        if args.redis_url is None:
+            with attached(args.data_dir) as url, connect(url) as redis:
+                yield redis
+        else:
+            check(args.redis_url)
+            with connect(args.redis_url) as redis:
+                yield redis
+    except (StackError, UnreachableError, RedisError) as error:
+        raise ServiceError(str(error)) from error

@@ -12,6 +12,7 @@ import rpr_solver
 from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, letter
 from rpr_solver.paths.timing import TIMINGS
 from service.cli import arguments, remote
+from service.cli.help import Command
 from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document
 from service.schemas.document import named
 from service.schemas.lengths import LEGS, split_ends
@@ -154,3 +155,6 @@ def _advice(document: Mapping[str, Any]) -> list[str]:
     if span is not None:
         lines.append(f"With L{leg} between {span['from']} and {span['to']} there is one (--between).")
     return lines
+
+
+COMMANDS = {"paths": Command(DESCRIPTION, EXAMPLES, configure, run)}

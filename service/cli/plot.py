@@ -13,7 +13,8 @@ from rpr_solver.errors import InputError
 from rpr_solver.notebook.figure import suffix_of
 from rpr_solver.notebook.scene import THEMES
 from service.cli import arguments, output, remote
-from service.cli.progress import progress_bar
+from service.cli.help import Command
+from service.cli.output import progress_bar
 from service.schemas.document import named
 from service.schemas.lengths import LEGS
 from service.schemas.plots import PlotRequest
@@ -132,3 +133,6 @@ def _figure(question: PlotRequest, progress: rpr_solver.Progress) -> Figure:
         return rpr_solver.poses(m, content["l1"], content["l2"], content["l3"], digits=digits).to_json()
 
     return pictures.figure_of(content, pictures.Sources(census, curves, slices, path, poses))
+
+
+COMMANDS = {"plot": Command(DESCRIPTION, EXAMPLES, configure, run)}

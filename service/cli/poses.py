@@ -9,6 +9,7 @@ from typing import Any
 
 import rpr_solver
 from service.cli import arguments, remote
+from service.cli.help import Command
 from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document
 from service.schemas.lengths import LEGS
 from service.schemas.numbers import FIXED_LEGS
@@ -56,3 +57,6 @@ def _page(table: Mapping[str, Any]) -> Page:
         title += f", {table['count_with_multiplicity']} with multiplicity"
     notes = [f"α = {curve['alpha_deg']}: {curve['description']}" for curve in table["curves"]]
     return Page(about(table), [Section(title, rows_of(table["poses"], _KEYS), notes)], table["digits"])
+
+
+COMMANDS = {"poses": Command(DESCRIPTION, EXAMPLES, configure, run)}

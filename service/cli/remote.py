@@ -13,7 +13,7 @@ from rpr_solver import Progress
 from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError
 from service.cli.arguments import source
-from service.cli.progress import progress_bar
+from service.cli.output import progress_bar
 from service.errors import ServiceError
 from service.schemas.document import named, part
 from service.schemas.numbers import DeadlineSeconds

@@ -1,21 +1,35 @@
-"""Run the whole service: the HTTP API, worker processes and, unless a Redis URL is given, an embedded Valkey.
-Ctrl-C stops everything; queued jobs are resumed at the next start."""
+"""The whole service, one of its workers, and a demonstration."""
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import os
+import re
 import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+from rpr_solver.errors import InputError
 from service.api.prefix import read_prefix
-from service.cli.environment import warn_of_unknown_settings
-from service.cli.options import add_redis_url, whole
+from service.cli.help import Command, whole
+from service.cli.options import add_redis_url, warn_of_unknown_settings
+from service.errors import ServiceError
 from service.stack.serve import ServeSettings, serve
-from worker.logs import log_uncaught
-from worker.process.os_limits import die_with_parent
+from worker.jobs.lanes import DUTIES
+from worker.logs import log_uncaught, told
+from worker.process.child import python_program
+from worker.process.os_limits import die_with_parent, end_process
+from worker.process.start import WorkerError, run_worker
 
-DESCRIPTION = __doc__
-EXAMPLES = """\
+_SERVE = """\
+Run the whole service: the HTTP API, worker processes and, unless a Redis URL is given, an embedded Valkey.
+Ctrl-C stops everything; queued jobs are resumed at the next start."""
+_SERVE_EXAMPLES = """\
 examples:
   rpr-cusps serve
   rpr-cusps serve --port 8080 --workers 8 --data-dir /var/lib/rpr-cusps
@@ -27,8 +41,8 @@ RPR_CUSPS_DEADLINE (maximum run time of a chunk of a job, in seconds) and more.
 """
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
+def _configure_serve(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `serve`."""
     parser.add_argument(
         "--host",
         default="127.0.0.1",
@@ -71,8 +85,8 @@ def _prefix(text: str) -> str:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
-def run(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status."""
+def _run_serve(args: argparse.Namespace) -> int:
+    """Run `serve`; returns the exit status."""
     log_uncaught("rpr-cusps serve")
     warn_of_unknown_settings("serve")
     if args.parent_pid is not None:
@@ -88,3 +102,120 @@ def run(args: argparse.Namespace) -> int:
             root_path=args.root_path,
         )
     )
+
+
+_WORKER = """\
+Run one worker that takes jobs from a Redis or Valkey server, on this machine or another."""
+
+_WORKER_FAILED = 1
+
+
+def _configure_worker(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `worker`."""
+    add_redis_url(parser, "the Redis or Valkey server with the queue")
+    parser.add_argument(
+        "--duty",
+        choices=DUTIES,
+        default="all",
+        help="light: only chunks of about a second, so that short questions never wait for long ones; at "
+        "least one worker must do all (default: all)",
+    )
+
+
+def _run_worker(args: argparse.Namespace) -> int:
+    """Run `worker`; returns the exit status."""
+    if args.redis_url is None:
+        hint = "give the address of the queue, for example redis://127.0.0.1:6379/0"
+        raise InputError.of("--redis-url", f"is missing; {hint}")
+    log_uncaught("rpr-cusps worker")
+    warn_of_unknown_settings("worker")
+    try:
+        return run_worker(args.redis_url, duty=args.duty)
+    except WorkerError as error:
+        print(told("rpr-cusps worker", str(error)), file=sys.stderr)
+        return _WORKER_FAILED
+
+
+_DEMO = """\
+Start the whole service on a free port, post the article's first manipulator at L1 = 14.98, print the cusp
+table that a worker computes, and stop everything."""
+
+EXAMPLE, L1 = "innocenti", "14.98"
+
+_STOP_PATIENCE = 15.0
+
+
+def _configure_demo(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `demo`."""
+    parser.add_argument("--keep", action="store_true", help="keep the service running until Ctrl-C")
+
+
+def _run_demo(args: argparse.Namespace) -> int:
+    """Run `demo`; returns the exit status.
+
+    Raises:
+        ServiceError: the service did not start or answer.
+    """
+    from rpr_solver import EXAMPLES  # a service needs none of these itself
+    from service.cli.output import progress_bar
+    from service.cli.pages import write_table
+    from service.cli.solve import report
+    from service.client import ServiceClient, cusp_table
+
+    with (
+        tempfile.TemporaryDirectory(prefix="rpr-cusps-") as directory,
+        _service(Path(directory)) as (process, url),
+    ):
+        _say(f"The service runs at {url}; posting the manipulator {EXAMPLE!r} at L1 = {L1}.")
+        with ServiceClient(url, with_key=False) as client, progress_bar(1) as progress:
+            asked = cusp_table(EXAMPLES[EXAMPLE], L1)
+            table = client.ask(asked, progress).document
+        write_table(table, "table")
+        sys.stdout.flush()
+        if args.keep:
+            _say(f"Still serving: {url}/ (documentation at {url}/docs); Ctrl-C stops it.")
+            with contextlib.suppress(KeyboardInterrupt):
+                process.wait()
+        status = report(table)
+    _say("Everything is stopped.")
+    return status
+
+
+@contextmanager
+def _service(data_dir: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """Run `rpr-cusps serve` on a free port with its data in `data_dir`; gives the process and its address."""
+    environment = {key: value for key, value in os.environ.items() if key != "RPR_CUSPS_REDIS_URL"}
+    environment |= {"RPR_CUSPS_ACCESS_LOG": "off", "RPR_CUSPS_REQUIRE_KEYS": "never"}
+    process = subprocess.Popen(
+        python_program(
+            "service.cli.main",
+            *("serve", "--port", "0", "--data-dir", str(data_dir), "--parent-pid", str(os.getpid())),
+        ),
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # Ctrl-C on a terminal reaches this process alone, which stops the other
+    )
+    try:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        match = re.search(r"https?://\S+", line)
+        if match is None:
+            raise ServiceError(f"the service did not start: {line.strip() or 'it printed nothing'}")
+        yield process, match[0]
+    finally:
+        end_process(process, _STOP_PATIENCE)
+        if process.stdout is not None:
+            process.stdout.close()
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+COMMANDS = {
+    "serve": Command(_SERVE, _SERVE_EXAMPLES, _configure_serve, _run_serve),
+    "worker": Command(_WORKER, None, _configure_worker, _run_worker),
+    "demo": Command(_DEMO, None, _configure_demo, _run_demo),
+}

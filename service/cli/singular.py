@@ -9,6 +9,7 @@ from typing import Any
 
 import rpr_solver
 from service.cli import arguments, remote
+from service.cli.help import Command
 from service.cli.pages import Page, Section, about, counted, rows_of, write_document
 from service.schemas.lengths import LEGS
 from service.schemas.singular import SingularCurvesRequest
@@ -94,3 +95,6 @@ def _page(document: Mapping[str, Any]) -> Page:
         ],
         document["digits"],
     )
+
+
+COMMANDS = {"singular": Command(DESCRIPTION, EXAMPLES, configure, run)}

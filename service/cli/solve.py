@@ -12,8 +12,9 @@ import rpr_solver
 from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError
 from service.cli import arguments, output, remote
+from service.cli.help import Command
+from service.cli.output import progress_bar
 from service.cli.pages import failures, write_table
-from service.cli.progress import progress_bar
 from service.schemas.forms import csv_header, csv_lines, ndjson_line
 from service.schemas.tables import ARTICLE, METHODS, CuspTableRequest
 
@@ -159,3 +160,6 @@ def report(table: dict[str, Any]) -> int:
     if not failed:
         return 0
     return 2 if any(error["type"] == "input-error" for _, error in failed) else 1
+
+
+COMMANDS = {"solve": Command(DESCRIPTION, EXAMPLES, configure, run)}

@@ -12,7 +12,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 from rpr_solver.errors import InputError
-from service.cli.source import add_source, opened
+from service.cli.help import Command
+from service.cli.options import add_source, opened
 from service.stack.transfer import export_store, import_store
 from worker.jobs.inventory import Inventory, Pruned, Stock
 from worker.settings import WorkerSettings
@@ -139,3 +140,6 @@ def _age(seconds: float | None) -> str:
         return "–"
     unit = next((name for name in "dhm" if seconds >= _SECONDS[name]), "s")
     return f"{seconds / _SECONDS[unit]:.1f} {unit}"
+
+
+COMMANDS = {"store": Command(DESCRIPTION, EXAMPLES, configure, run)}

@@ -11,7 +11,7 @@ from redis import Redis
 
 from service.api.metrics import OF_INSTALLATION, OF_PROCESS
 from service.api.settings import Settings
-from service.cli.environment import names
+from service.cli.options import names
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_document, a_request
 from tests.support.processes import PATIENCE, until

@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import exact_str
-from service.cli.check_files import github_annotations, junit_xml, sarif
-from service.cli.check_reports import Outcome, apart, document, page, summary
+from service.cli.check.files import github_annotations, junit_xml, sarif
+from service.cli.check.reports import Outcome, apart, document, page, summary
 
 REQUIREMENT: dict[str, Any] = {
     "fixed_leg": 2,

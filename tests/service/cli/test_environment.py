@@ -8,7 +8,7 @@ import pytest
 from pydantic_settings import BaseSettings
 
 from docs import reference
-from service.cli.environment import models, unknown_settings
+from service.cli.options import models, unknown_settings
 from service.schemas.limits import Limits
 from tests.support.processes import completed, environment
 

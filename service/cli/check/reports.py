@@ -12,7 +12,7 @@ from rpr_solver import EXAMPLES
 from rpr_solver.notebook import degenerate_words
 from rpr_solver.transitions.requirement import REFUSED
 from service.cli.arguments import STANDARD_INPUT
-from service.cli.check_sources import Found, Geometry, listed
+from service.cli.check.sources import Found, Geometry, listed
 from service.cli.pages import Page, Section, counted, counted_range
 
 _DIGITS = 6

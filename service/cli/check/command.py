@@ -21,12 +21,11 @@ from rpr_solver import CHECK_DIGITS
 from rpr_solver.errors import InputError
 from rpr_solver.transitions.requirement import ALLOWED, REFUSED
 from service.cli import arguments, output, remote
-from service.cli.check_files import github_annotations, junit_xml, sarif
-from service.cli.check_remote import check_by_service
-from service.cli.check_reports import Outcome, document, page, summary
-from service.cli.check_run import Demand, check_all
-from service.cli.check_sources import Found, find
-from service.cli.expectation import Expectation
+from service.cli.check.files import github_annotations, junit_xml, sarif
+from service.cli.check.reports import Outcome, document, page, summary
+from service.cli.check.runs import Demand, Expectation, check_all, check_by_service
+from service.cli.check.sources import Found, find
+from service.cli.help import Command
 from service.cli.pages import write_document
 from service.schemas.checks import RequirementDocument
 from service.schemas.document import named, part, read
@@ -211,3 +210,6 @@ def _print(outcomes: Sequence[Outcome], demand: Demand, found: Found, args: argp
                 output.say(line)
             else:
                 output.write(line + "\n")
+
+
+COMMANDS = {"check": Command(DESCRIPTION, EXAMPLES, configure, run)}

@@ -12,7 +12,7 @@ from urllib.parse import quote
 from xml.etree import ElementTree
 
 from service import __version__
-from service.cli.check_reports import Outcome
+from service.cli.check.reports import Outcome
 
 SUITE = "rpr-cusps check"
 SARIF_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"

@@ -1,0 +1,1 @@
+"""Checks of requirements, and their reports."""

@@ -1,0 +1,263 @@
+"""Checks of many geometries: in this process, in several, or by a running service."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import time
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import anyio
+
+import rpr_solver
+from rpr_solver import Manipulator, Requirement, exact_str
+from rpr_solver.contract import document_head
+from rpr_solver.errors import InputError, SolverError
+from rpr_solver.transitions.requirement import ALLOWED, REFUSED
+from service.cli.check.reports import Outcome
+from service.cli.check.sources import Geometry
+from service.cli.output import progress_bar
+from service.errors import ServiceError
+
+if TYPE_CHECKING:
+    from service.client import AsyncServiceClient
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """So many cusps in each of these slices.
+
+    Attributes:
+        fixed_leg: the leg whose length is fixed.
+        lengths: its lengths.
+        count: the number of cusps.
+        degenerate: "refused" if the slices may have no degenerate points, else "allowed".
+    """
+
+    fixed_leg: int
+    lengths: tuple[Fraction, ...]
+    count: int
+    degenerate: str = ALLOWED
+
+    def to_json(self) -> dict[str, Any]:
+        """Returns the expectation as the document of a check has it."""
+        lengths = list(map(exact_str, self.lengths))
+        slices = {"fixed_leg": self.fixed_leg, f"l{self.fixed_leg}": lengths}
+        return {**slices, "expect_cusps": self.count, "degenerate": self.degenerate}
+
+    def check(
+        self, manipulator: Manipulator, digits: int, progress: rpr_solver.Progress | None = None
+    ) -> dict[str, Any]:
+        """Returns the report on a manipulator.
+
+        Raises:
+            SolverError: a slice could not be decided.
+        """
+        eliminant = rpr_solver.eliminate(manipulator, self.fixed_leg)
+        tables = []
+        for done, length in enumerate(self.lengths):
+            if progress is not None:
+                progress(done, len(self.lengths))
+            tables.append(rpr_solver.solve_slice(eliminant, length, digits).to_json())
+        return self.report(document_head(manipulator, digits, self.fixed_leg), tables)
+
+    def report(self, head: dict[str, Any], tables: list[dict[str, Any]]) -> dict[str, Any]:
+        """Returns the report on the slices of a cusp table."""
+        leg = f"l{self.fixed_leg}"
+        slices = [{leg: table[leg], "count": table["count"]} for table in tables]
+        wrong = [
+            {leg: table[leg], "count": table["count"], "example": {leg: table[leg], "cusps": table["cusps"]}}
+            for table in tables
+            if table["count"] != self.count
+        ]
+        counts = [table["count"] for table in tables]
+        degenerate = [part for table in tables for part in _degenerate(table, table[leg])]
+        return {
+            **head,
+            "requirement": self.to_json(),
+            "passed": not wrong and not (degenerate and self.degenerate == REFUSED),
+            "max_cusps_found": max(counts),
+            "min_cusps_found": min(counts),
+            "slices": slices,
+            "violations": wrong,
+            "degenerate": degenerate,
+        }
+
+
+def _degenerate(table: Mapping[str, Any], length: str) -> Iterator[dict[str, Any]]:
+    """Yields the curves of degenerate poses of a slice, and the numbers of its other degenerate points."""
+    ends, points = {"from": length, "to": length}, table["degenerate_points"]
+    curves = [point for point in points if "equation" in point]
+    yield from ({"kind": curve["kind"], **ends, "equation": curve["equation"]} for curve in curves)
+    kinds = Counter(point["kind"] for point in points if "equation" not in point)
+    yield from ({"kind": kind, **ends, "count": count} for kind, count in sorted(kinds.items()))
+
+
+Demand = Requirement | Expectation
+"""What is checked."""
+
+
+def check_all(geometries: Sequence[Geometry], demand: Demand, digits: int, jobs: int) -> list[Outcome]:
+    """Returns the outcomes in the order of the geometries; those that cannot be read are among them."""
+    outcomes = unreadable(geometries)
+    sound = {i: g.manipulator for i, g in enumerate(geometries) if g.manipulator is not None}
+    single = len(geometries) == 1
+    checks: Iterator[tuple[int, Outcome]]
+    with progress_bar(1 if single else len(geometries), "steps" if single else "geometries") as progress:
+        if min(jobs, len(sound)) <= 1:
+            inside = progress if single else None
+            checks = ((i, _run(geometries[i], m, demand, digits, inside)) for i, m in sound.items())
+        else:
+            checks = _in_processes(geometries, sound, demand, digits, jobs)
+        for i, outcome in checks:
+            outcomes[i] = outcome
+            if not single:
+                progress(len(outcomes), len(geometries))
+    return [outcomes[i] for i in range(len(geometries))]
+
+
+def unreadable(geometries: Sequence[Geometry]) -> dict[int, Outcome]:
+    """Returns the outcomes of geometries that cannot be read, by their position."""
+    return {
+        i: Outcome.of(g, error={"type": "input-error", "detail": g.fault})
+        for i, g in enumerate(geometries)
+        if g.manipulator is None
+    }
+
+
+def _run(
+    geometry: Geometry,
+    manipulator: Manipulator,
+    demand: Demand,
+    digits: int,
+    progress: rpr_solver.Progress | None = None,
+) -> Outcome:
+    begin = time.monotonic()
+    report = error = None
+    try:
+        if isinstance(demand, Expectation):
+            report = demand.check(manipulator, digits, progress)
+        else:
+            report = rpr_solver.check(manipulator, demand, digits=digits, progress=progress).to_json()
+    except (InputError, SolverError) as failure:
+        kind = "input-error" if isinstance(failure, InputError) else "solver-error"
+        error = {"type": kind, "detail": str(failure)}
+    return Outcome.of(geometry, report, error, time.monotonic() - begin)
+
+
+def _in_processes(
+    geometries: Sequence[Geometry],
+    manipulators: Mapping[int, Manipulator],
+    demand: Demand,
+    digits: int,
+    jobs: int,
+) -> Iterator[tuple[int, Outcome]]:
+    """Yields the outcomes in the order of completion."""
+    executor = ProcessPoolExecutor(min(jobs, len(manipulators)), multiprocessing.get_context("spawn"))
+    futures: dict[Future[Outcome], int] = {}
+    try:
+        # Only this process handles Ctrl-C and ends the others, which inherit the blocked signal. Blocking
+        # also keeps it from arriving while a process is half started.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            for i, manipulator in manipulators.items():
+                futures[executor.submit(_run, geometries[i], manipulator, demand, digits)] = i
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for future in as_completed(futures):
+            i = futures[future]
+            try:
+                yield i, future.result()
+            except BrokenProcessPool:
+                detail = "a process ended unexpectedly; fewer --jobs leave more memory for each"
+                error = {"type": "process-lost", "detail": detail}
+                yield i, Outcome.of(geometries[i], error=error)
+    except BaseException:
+        for child in multiprocessing.active_children():
+            child.kill()
+        raise
+    finally:
+        executor.shutdown(cancel_futures=True)  # waits: a pool left to the exit may write to a closed pipe
+
+
+_AT_ONCE = 8
+_OF_ONE_QUESTION = (409, 422, 500, 504)
+"""Statuses of a response that say nothing about the other geometries."""
+_BAD = ("invalid-request", "limit-exceeded", "job-input-error")
+
+
+def check_by_service(
+    url: str, geometries: Sequence[Geometry], demand: Demand, digits: int, deadline: float | None
+) -> list[Outcome]:
+    """Returns the outcomes in the order of the geometries.
+
+    Raises:
+        ServiceError: the service refused, failed, or cannot be reached.
+    """
+    return anyio.run(_check_all, url, geometries, demand, digits, deadline)
+
+
+async def _check_all(
+    url: str, geometries: Sequence[Geometry], demand: Demand, digits: int, deadline: float | None
+) -> list[Outcome]:
+    from service.client import AsyncServiceClient
+
+    outcomes = unreadable(geometries)
+    fatal: list[ServiceError] = []
+    limiter = anyio.CapacityLimiter(_AT_ONCE)
+    try:
+        client = AsyncServiceClient(url)
+    except ServiceError as error:
+        raise InputError.of("--url", str(error)) from None
+
+    async def check(i: int) -> None:
+        async with limiter:
+            try:
+                report, error = await _report(client, geometries[i], demand, digits, deadline), None
+            except ServiceError as failure:
+                if failure.status not in _OF_ONE_QUESTION:
+                    fatal.append(failure)
+                    group.cancel_scope.cancel()
+                    return
+                report, error = None, {"type": _kind(failure), "detail": str(failure)}
+        outcomes[i] = Outcome.of(geometries[i], report, error)
+        progress(len(outcomes), len(geometries))
+
+    with progress_bar(len(geometries), "geometries") as progress:
+        async with client, anyio.create_task_group() as group:
+            for i, geometry in enumerate(geometries):
+                if geometry.manipulator is not None:
+                    group.start_soon(check, i)
+    if fatal:
+        raise fatal[0]
+    return [outcomes[i] for i in range(len(geometries))]
+
+
+def _kind(failure: ServiceError) -> str:
+    return "input-error" if failure.problem in _BAD else failure.problem.removeprefix("job-") or "no-answer"
+
+
+async def _report(
+    client: AsyncServiceClient, geometry: Geometry, demand: Demand, digits: int, deadline: float | None
+) -> dict[str, Any]:
+    from service.client import check, cusp_table
+
+    manipulator = geometry.manipulator
+    assert manipulator is not None
+    if not isinstance(demand, Expectation):
+        return (await client.ask(check(manipulator, demand, digits=digits, deadline=deadline))).document
+    leg = demand.fixed_leg
+    asked = cusp_table(manipulator, demand.lengths, fixed_leg=leg, digits=digits, deadline=deadline)
+    table = (await client.ask(asked)).document
+    for part in table["slices"]:
+        if "error" in part:
+            error = part["error"]
+            raise ServiceError(error["detail"], status=422, problem=error["type"])
+    slices = table.pop("slices")
+    return demand.report(table, slices)
