@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import floor, isqrt
+from math import atan2, cos, floor, isqrt, radians
 from typing import Any
 
 from rpr_solver.errors import InputError
@@ -105,6 +105,11 @@ class Problem:
         """The decimal digits with which a script should work."""
         return max(120, 3 * self.digits + 30)
 
+    @property
+    def size(self) -> int:
+        """More than the sum of the coordinates of both legs."""
+        return int(sum(abs(Fraction(x)) for leg in self.legs for x in (leg.ax, leg.ay, leg.x))) + 1
+
 
 def problem_of(document: Mapping[str, Any]) -> Problem:
     """The problem whose answer is a cusp table or a census.
@@ -154,7 +159,6 @@ def _legs(m: Manipulator, fixed_leg: int, p: Fraction) -> tuple[Leg, Leg]:
 
 def _turn(angles: Sequence[str]) -> tuple[str, str]:
     """The first turn to which none of the angles is opposite."""
-    from math import atan2, cos, radians
 
     def apart(turn: tuple[str, str]) -> bool:
         at = atan2(float(Fraction(turn[1])), float(Fraction(turn[0])))

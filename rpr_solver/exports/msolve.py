@@ -15,7 +15,7 @@ _S, _E, _H, _C, _D, _U, _V = _RING.gens()
 _CIRCLES = (_S**2 + _C**2 - 1, _E**2 + _D**2 - 1)
 
 
-def script(problem: Problem) -> str:
+def equations(problem: Problem) -> str:
     """The input of ``msolve -f``.
 
     Raises:
@@ -27,8 +27,8 @@ def script(problem: Problem) -> str:
         words = f"{what}, but msolve solves one system of equations; give a cusp table of one slice"
         raise InputError.of("document", words)
     names = ("c", "s", "d", "e", *(() if problem.height else ("h",)), "u", "v")
-    equations = ",\n".join(map(_text, _system(problem)))
-    return f"{','.join(names)}\n0\n{equations}\n"
+    polynomials = ",\n".join(map(_text, _system(problem)))
+    return f"{','.join(names)}\n0\n{polynomials}\n"
 
 
 def _system(problem: Problem) -> list[fmpq_mpoly]:
