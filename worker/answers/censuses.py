@@ -1,21 +1,17 @@
-"""Censuses: the whole census is computed and kept, and its parts are cut from it."""
+"""Censuses: the whole census is computed and kept, and its parts are cut from it. Checks of requirements."""
 
 from __future__ import annotations
 
-from fractions import Fraction
-from typing import Any
+from functools import partial
 
 import rpr_solver
-from rpr_solver.contract import SHORT, Progress
-from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, content_range
-from worker.answers.store import ResultStore
-
-KIND = Kind("census", "ce-")
-
-Document = dict[str, Any]
+from rpr_solver import Requirement
+from rpr_solver.contract import FULL, SHORT, Progress
+from worker.answers.cost import all_events
+from worker.answers.requests import ALL_LENGTHS, Document, JobRequest, Kind, Store, content_range
 
 
-def derive(request: JobRequest, store: ResultStore) -> Document | None:
+def derive(request: JobRequest, store: Store) -> Document | None:
     """Returns a census that follows from a known whole one with as many digits or more, else None."""
     start, stop = content_range(request.content)
     for digits in store.census_digits(_family(request)):
@@ -26,30 +22,30 @@ def derive(request: JobRequest, store: ResultStore) -> Document | None:
     return None
 
 
-def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
+def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
     """Compute a census; the whole one is kept for other ranges.
 
     Raises:
         SolverError: a transition could not be decided.
     """
-    start, stop = content_range(request.content)
+    if not store.keeps:
+        return solved(request, store, progress)
     whole = store.document(
-        _whole(request, request.digits), lambda: solved(request, Fraction(0), None, progress)
+        _whole(request, request.digits), lambda: solved(_whole(request, request.digits), store, progress)
     )
     store.note_census(_family(request), request.digits)
-    part = rpr_solver.restrict_census(whole, start, stop)
+    part = rpr_solver.restrict_census(whole, *content_range(request.content))
     # None: the decimals do not separate an end of the range from a transition that is very near or equal
-    return solved(request, start, stop, progress) if part is None else part
+    return solved(request, store, progress) if part is None else part
 
 
-def solved(
-    request: JobRequest, start: Fraction, stop: Fraction | None, progress: Progress, certificate: str = SHORT
-) -> Document:
+def solved(request: JobRequest, _store: Store, progress: Progress, certificate: str = SHORT) -> Document:
     """The census of a range, computed anew.
 
     Raises:
         SolverError: a transition could not be decided.
     """
+    start, stop = content_range(request.content)
     return rpr_solver.census(
         request.manipulator,
         fixed_leg=request.fixed_leg,
@@ -61,10 +57,33 @@ def solved(
     ).to_json()
 
 
+def check(request: JobRequest, _store: Store, progress: Progress) -> Document:
+    """Prove or refute a requirement.
+
+    Raises:
+        SolverError: it could not be decided.
+    """
+    requirement = Requirement.from_json(request.content["requirement"], max_digits=1 << 20)
+    return rpr_solver.check(
+        request.manipulator, requirement, digits=request.digits, progress=progress
+    ).to_json()
+
+
 def _whole(request: JobRequest, digits: int) -> JobRequest:
-    return JobRequest(KIND, {**request.content, "digits": digits, "range": ALL_LENGTHS})
+    return JobRequest(CENSUS, {**request.content, "digits": digits, "range": ALL_LENGTHS})
 
 
 def _family(request: JobRequest) -> JobRequest:
     """Returns a request that stands for the census of a manipulator and a leg at any number of digits."""
-    return JobRequest(KIND, {"geometry": request.geometry, "fixed_leg": request.fixed_leg})
+    return JobRequest(CENSUS, {"geometry": request.geometry, "fixed_leg": request.fixed_leg})
+
+
+CENSUS = Kind("census", "ce-", compute, all_events, derive=derive)
+CERTIFIED_CENSUS = Kind(
+    "certified-census",
+    "cn-",
+    partial(solved, certificate=FULL),
+    all_events,
+    implied=("certificate", FULL),
+)
+CHECK = Kind("check", "ch-", check, all_events)

@@ -1,35 +1,31 @@
 """What an answer costs, estimated from the sizes of its numbers before anything is computed.
 
-The estimates are seconds of one core. They grow with each size (`sizes.py`), and take as long as it takes to
-read the question once. `python -m benchmarks.cost` searches for the questions that take longest for their
+Sizes are taken from the texts of a question alone. Every number counts, in whatever member it stands, so that
+a new kind of question has sizes too; a kind may correct them (`Kind.measure`). The estimates are seconds of
+one core. They grow with each size, and take as long as it takes to read the question once. Here are those of
+what several kinds need. `python -m benchmarks.cost` searches for the questions that take longest for their
 estimate; docs/worker.md has the outcome.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
+from itertools import permutations
+from math import gcd, isqrt, lcm
+from typing import Any
 
-from worker.answers import (
-    article,
-    aspects,
-    censuses,
-    certified,
-    checks,
-    curves,
-    paths,
-    plots,
-    poses,
-    singular,
-    tables,
-    verifications,
-)
-from worker.answers.requests import JobRequest, Kind
-from worker.answers.sizes import Sizes, sizes
+INTERVALS = 20
+"""Between two transitions, of a typical manipulator."""
+
+_SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+_FIRST = tuple("-0123456789")  # characters of a number
+_BITS = 3.33  # of a decimal digit
+_APART = ("geometry", "certificate", "polynomial")
+"""Members whose numbers are the manipulator's, or are compared with what is computed from others."""
 
 _BALLS_SPREAD = 1000  # bits; beyond, the balls of a slice with few digits do not decide it
-_KNOWN = 0.001  # seconds, to find that an answer is known
-_SUBDIVISION = 0.5  # seconds, of a slice within joint limits
 _FLOATS_TELL = 44  # bits; shapes nearer to a special one than that take long proofs, which may not end
 _NOT_TOLD = 90.0  # seconds
 
@@ -46,135 +42,180 @@ class Cost:
         return self.once + self.each * parts
 
 
-def cost(request: JobRequest) -> Cost:
-    """Returns the estimated cost of a request of which nothing is known."""
-    return _COSTS[request.kind](sizes(request))
+@dataclass(frozen=True)
+class Sizes:
+    """The sizes that decide the cost.
 
-
-def seconds_after(request: JobRequest, seen: set[str]) -> float:
-    """Returns the estimated seconds of a question after others, of which `seen` has what is computed once.
-
-    Adds what this one computes.
+    Attributes:
+        geometry: bits of the sides of the manipulator, once all are integers without a common factor: a mean
+            in which the longest counts half as much again.
+        lengths: bits of the longest numerator or denominator of all other numbers in the question.
+        spread: bits of the quotient of the longest and the shortest of the sides and the leg lengths.
+        digits: significant digits of the answer.
+        count: the slices of a table, the lengths at which curves are sampled, or the samples of a path; else
+            1.
+        censuses: how many censuses the answer may need beside its own computation.
+        limited: how many slices are subdivided within joint limits.
+        nearness: bits by which the triangles are nearly flat, isosceles, right, congruent or similar, but not
+            quite.
+        is_slice: whether a picture shows one slice or joint vector, rather than all lengths.
+        is_special: whether a triangle is flat, or the two are congruent or similar, so that slices are solved
+            one by one.
+        fineness: by how much finer than a whole picture curves are drawn, as a root.
+        objects: how many objects stand in the lists of a document: cusps, poses, events, points, tubes.
     """
-    whole = cost(request)
-    parts = len(request.parts) if request.kind.by_slices else 1
-    if request.content_hash in seen:
-        return _KNOWN * parts
-    once = whole.once
-    if once:
-        shared = f"{request.geometry_hash} {request.fixed_leg}"
-        once = 0.0 if shared in seen else once
-        seen.add(shared)
-    seen.add(request.content_hash)
-    return once + whole.each * parts
+
+    geometry: int
+    lengths: int
+    spread: int
+    digits: int
+    count: int
+    censuses: int = 0
+    limited: int = 0
+    nearness: int = 0
+    objects: int = 0
+    is_slice: bool = True
+    is_special: bool = False
+    fineness: int = 0
 
 
-def seconds(kind: Kind, size: Sizes) -> float:
-    """Returns the estimated seconds for a whole request of these sizes."""
-    return _COSTS[kind](size).of(size.count if kind.by_slices else 1)
+def sizes_of(content: Mapping[str, Any]) -> Sizes:
+    """Returns the sizes of a question in canonical form."""
+    sides = [Fraction(content["geometry"][name]) for name in _SIDES]
+    unit = lcm(*(side.denominator for side in sides))
+    whole = [side.numerator * (unit // side.denominator) for side in sides]
+    common = gcd(*whole)
+    whole = [x // common for x in whole]
+    bits = [abs(x).bit_length() for x in whole if x]
+    texts = list(_texts(content))
+    numbers = [_size(text) for text in texts if text is not None]
+    scales = [x.numerator.bit_length() - x.denominator.bit_length() for x in sides if x]
+    scales += [scale for _, scale in numbers if scale is not None]
+    nearness, is_special = _shape(whole)
+    return Sizes(
+        geometry=(max(bits) + 2 * sum(bits) // len(sides)) // 3,
+        lengths=max((size for size, _ in numbers), default=1),
+        spread=max(scales) - min(scales),
+        digits=int(content["digits"]),
+        count=_count(content),
+        nearness=nearness,
+        is_special=is_special,
+        fineness=_fineness(content.get("tolerance")),
+        objects=texts.count(None),
+    )
 
 
-def _elimination(size: Sizes) -> float:
+def exact_bits(document: Mapping[str, Any], longest: int, digits: int) -> int:
+    """Bits of the longest number of a document at which equations are derived: those of its slices and legs.
+
+    A quarter of those that its digits do not explain, elsewhere.
+    """
+    slices = document.get("slices")
+    exact = [document, *(slices if isinstance(slices, list) else ())]
+    texts = (text for part in exact if isinstance(part, Mapping) for text in part.values())
+    sizes = (_size(text)[0] for text in texts if isinstance(text, str) and text[:1] in _FIRST)
+    return max(1, (longest - int(_BITS * (digits + 10))) // 4, *sizes)
+
+
+def elimination(size: Sizes) -> float:
     """In balls at so many lengths, whose precision grows with the coefficients."""
     return 0.02 + 0.003 * size.geometry + 4e-6 * size.geometry**2
 
 
-def _slice(size: Sizes) -> float:
+def one_slice(size: Sizes) -> float:
     """In balls; lengths of very different sizes need a higher precision, and at last number fields."""
     numbers = 1e-5 * size.geometry + 5e-6 * size.lengths + 4e-6 * size.spread**2
     balls = 0.002 + numbers + 2e-6 * size.digits + 8e-10 * size.digits**2
     balls += 0.0015 * max(0, size.nearness - 20) + 0.02 * size.is_special  # one by one
-    return balls + (_exact_slice(size) if size.spread > _BALLS_SPREAD else 0.0)
+    return balls + (0.1 + 5e-6 * size.geometry**2 if size.spread > _BALLS_SPREAD else 0.0)
 
 
-def _exact_slice(size: Sizes) -> float:
-    return 0.1 + 5e-6 * size.geometry**2
-
-
-def _article(size: Sizes) -> float:
-    bits = size.geometry + size.lengths
-    return (0.1 + 0.8 * size.is_special + 0.015 * bits + 0.0006 * bits**2) * size.count
-
-
-def _events(size: Sizes) -> float:
+def all_events(size: Sizes) -> float:
     """All transitions of a manipulator, and aspects between, which take long for nearly special shapes."""
     usual = 0.35 + 0.009 * size.geometry + 2.5e-5 * size.geometry**2 + 2e-4 * size.digits
-    return usual + _nearness(size)
+    return usual + proofs_near_special(size)
 
 
-def _nearness(size: Sizes) -> float:
+def proofs_near_special(size: Sizes) -> float:
+    """What a nearly special shape adds to the search of transitions."""
     return 0.003 * size.nearness**2 if size.nearness < _FLOATS_TELL else _NOT_TOLD
 
 
-def _poses(size: Sizes) -> float:
-    return 0.005 + 1e-5 * (size.geometry + size.lengths + size.digits) + 1e-7 * size.spread**2
+def _fineness(tolerance: object) -> int:
+    return (
+        isqrt(int(1 / Fraction(tolerance))) if isinstance(tolerance, str) and Fraction(tolerance) > 0 else 0
+    )
 
 
-def _plot(size: Sizes) -> float:
-    """A slice that is traced, or all transitions, and perhaps curves sampled between them."""
-    if size.count > 1:
-        return 0.2 + _curves(size)
-    drawing = 0.15 + _elimination(size) + 2 * _slice(size)
-    return drawing if size.is_slice else 0.2 + _events(size)
+def _count(content: Mapping[str, Any]) -> int:
+    if isinstance(content.get("l1"), list):
+        return len(content["l1"])
+    return max(1, len(content.get("lengths", ())) + INTERVALS * (content.get("samples") or 0))
 
 
-def _curves(size: Sizes) -> float:
-    """All transitions, curves between them, and those of each length."""
-    return 1.4 + _events(size) + _narrow(size) + (0.035 + _slice(size)) * size.count
+def _texts(value: Any, *, is_listed: bool = False) -> Iterator[str | None]:
+    """All texts in a value that may be numbers, and None for each object in a list."""
+    if isinstance(value, str):
+        if value[:1] in _FIRST:
+            yield value
+    elif isinstance(value, Mapping):
+        if is_listed:
+            yield None
+        for name, item in value.items():
+            if name not in _APART:
+                yield from _texts(item)
+    elif isinstance(value, list | tuple):
+        for item in value:
+            yield from _texts(item, is_listed=True)
 
 
-def _narrow(size: Sizes) -> float:
-    """To follow cusps between the transitions of a nearly special shape, which are close to each other."""
-    return min(20.0, 0.04 * size.nearness**2)
+def _size(text: str) -> tuple[int, int | None]:
+    """The bits of a number's numerator or denominator, and those of its value, None if it is 0."""
+    above, slash, below = text.lstrip("-").partition("/")
+    if slash:
+        return int(_BITS * max(len(above), len(below))), int(_BITS * (len(above) - len(below)))
+    mantissa, _, power = above.partition("e")
+    whole, _, part = mantissa.partition(".")
+    whole, digits = whole.lstrip("0"), part.lstrip("0")
+    try:
+        exponent = int(power[:10] or 0)
+    except ValueError:
+        exponent = 0
+    scale = exponent + (len(whole) or len(digits) - len(part))
+    size = int(_BITS * max(len(whole) + len(part), abs(scale)))
+    return size, int(_BITS * scale) if whole or digits else None
 
 
-def _certified_curves(size: Sizes) -> float:
-    """Tubes along the curves, which take two to three times as long as these."""
-    shape = _nearness(size) + _narrow(size)
-    return 3.5 * (_curves(size) - shape) + shape
+def _shape(sides: list[int]) -> tuple[int, bool]:
+    """Bits by which the triangles nearly are flat, equilateral, congruent or similar; whether they are.
+
+    Congruent are also triangles whose corners have other names. The bits are those of the quotient of what
+    then vanishes and its terms; half of them, if they nearly are isosceles or right. A shape that they have
+    is none that they nearly have.
+    """
+    a2x, a3x, a3y, d1, d2, d3 = sides
+    base = (a2x**2, (a2x - a3x) ** 2 + a3y**2, a3x**2 + a3y**2)
+    platform = (d1**2, d2**2, d3**2)
+    a, b, c = platform
+    area = 4 * a * c - (a + c - b) ** 2  # 16 times its square
+    most = max(_bits_lost(a3y, max(map(abs, sides[:3]))), _bits_lost(area, max(platform) ** 2))
+    for a, b, c in (base, platform):
+        size = max(a, b, c)
+        equal = sorted(_bits_lost(x, size) for x in (a - b, b - c, c - a))
+        right = max(_bits_lost(x, size) for x in (a + b - c, b + c - a, c + a - b))
+        most = max(most, equal[1], equal[2] // 2, right // 2)
+    pairs = list(zip(base, platform, strict=True))
+    turned = pairs[1:] + pairs[:1]
+    alike = [(x * w - y * z, max(x * w, y * z)) for (x, z), (y, w) in zip(pairs, turned, strict=True)]
+    for forms in ([(x - y, max(x, y)) for x, y in pairs], alike):
+        lost = [_bits_lost(x, size) for x, size in forms if x]
+        most = max(most, *(bits // 2 for bits in lost), min(lost, default=0))
+    for sides_in_turn in permutations(platform):  # congruent, but for the names of the corners
+        lost = [_bits_lost(x - y, max(x, y)) for x, y in zip(base, sides_in_turn, strict=True) if x != y]
+        most = max(most, min(lost, default=0))
+    return most, not a3y or not area or not any(x for x, _ in alike)
 
 
-def _verification(size: Sizes) -> float:
-    """Each slice is eliminated by itself; each cusp or pose is proved; digits and long numbers make intervals
-    wide."""
-    bits = size.geometry + size.lengths
-    numbers = 0.012 * size.geometry + 1e-4 * size.geometry**2 + 2e-3 * size.lengths + 8e-6 * size.lengths**2
-    slices = 0.2 + numbers + 2e-4 * size.digits + 2e-8 * size.digits**2
-    objects = 0.012 + 2e-5 * (bits + size.digits) + 3e-6 * size.objects
-    return 0.3 + slices * size.count + objects * size.objects
-
-
-def _path(size: Sizes) -> float:
-    """The slice, the search of the path, and its samples."""
-    sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits) + 1.5e-8 * size.digits**2
-    search = 0.05 + 0.015 * size.nearness + size.limited * _SUBDIVISION
-    return search + _elimination(size) + _slice(size) + sample * size.count + size.censuses * _events(size)
-
-
-def _aspects(size: Sizes) -> float:
-    """The ends of the range, and the transitions of singular curves, which nearly special shapes hide."""
-    return _singular(size) + 0.2 * max(0, size.nearness - 60)
-
-
-def _singular(size: Sizes) -> float:
-    """The slice, the sweep, a sextic for each region, and the drawing."""
-    drawing = 0.08 + 8e-4 * size.fineness
-    return drawing + _elimination(size) + 2 * _slice(size) + 1e-3 * (size.geometry + size.lengths)
-
-
-_COSTS: Mapping[Kind, Callable[[Sizes], Cost]] = {
-    tables.KIND: lambda size: Cost(_elimination(size), _slice(size)),
-    article.KIND: lambda size: Cost(0.0, _article(size)),
-    poses.KIND: lambda size: Cost(0.0, _poses(size)),
-    censuses.KIND: lambda size: Cost(0.0, _events(size)),
-    checks.KIND: lambda size: Cost(0.0, _events(size)),
-    paths.KIND: lambda size: Cost(0.0, _path(size)),
-    singular.KIND: lambda size: Cost(0.0, _singular(size)),
-    aspects.KIND: lambda size: Cost(0.0, _aspects(size)),
-    certified.KIND: lambda size: Cost(0.0, _elimination(size) + 2 * _slice(size) * size.count),
-    certified.CENSUS: lambda size: Cost(0.0, _events(size)),
-    verifications.KIND: lambda size: Cost(0.0, _verification(size)),
-    plots.KIND: lambda size: Cost(0.0, _plot(size)),
-    curves.KIND: lambda size: Cost(0.0, _curves(size)),
-    certified.CURVES: lambda size: Cost(0.0, _certified_curves(size)),
-}
+def _bits_lost(x: int, size: int) -> int:
+    """The bits by which a form is smaller than its terms; none if it vanishes."""
+    return max(0, size.bit_length() - abs(x).bit_length()) if x else 0

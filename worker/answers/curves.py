@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
 
 import rpr_solver
-from rpr_solver.contract import Progress
-from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind, content_range
-from worker.answers.store import ResultStore
-
-KIND = Kind("cusp-curves", "cc-")
-
-Document = dict[str, Any]
+from rpr_solver.contract import FULL, Progress
+from worker.answers.cost import Sizes, all_events, one_slice, proofs_near_special
+from worker.answers.requests import ALL_LENGTHS, Document, JobRequest, Kind, Store, content_range
 
 
-def derive(request: JobRequest, store: ResultStore) -> Document | None:
+def derive(request: JobRequest, store: Store) -> Document | None:
     """Returns a part of known curves without further points, else None."""
     content = request.content
     if content["lengths"] or content["samples"] is not None:
@@ -28,7 +23,7 @@ def derive(request: JobRequest, store: ResultStore) -> Document | None:
     )
 
 
-def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
+def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
     """Compute curves; the whole ones are kept for other ranges and samples.
 
     Raises:
@@ -37,7 +32,16 @@ def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Docu
     return part(request, store, progress).to_json()
 
 
-def part(request: JobRequest, store: ResultStore, progress: Progress) -> rpr_solver.CuspCurves:
+def certified(request: JobRequest, store: Store, progress: Progress) -> Document:
+    """Compute curves with a full certificate; the whole ones are kept without.
+
+    Raises:
+        SolverError: a transition could not be decided, or a cusp not followed.
+    """
+    return part(request, store, progress).to_json(certificate=FULL, progress=progress)
+
+
+def part(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.CuspCurves:
     """Compute the same, not as a document."""
     content = request.content
     steps = 0
@@ -63,4 +67,24 @@ def part(request: JobRequest, store: ResultStore, progress: Progress) -> rpr_sol
 
 def _whole(request: JobRequest) -> JobRequest:
     content = {**request.content, "range": ALL_LENGTHS, "lengths": [], "samples": None}
-    return JobRequest(KIND, content)
+    return JobRequest(CUSP_CURVES, content)
+
+
+def cost(size: Sizes) -> float:
+    """All transitions, curves between them, and those of each length."""
+    return 1.4 + all_events(size) + _narrow(size) + (0.035 + one_slice(size)) * size.count
+
+
+def _narrow(size: Sizes) -> float:
+    """To follow cusps between the transitions of a nearly special shape, which are close to each other."""
+    return min(20.0, 0.04 * size.nearness**2)
+
+
+def _certified_cost(size: Sizes) -> float:
+    """Tubes along the curves, which take two to three times as long as these."""
+    shape = proofs_near_special(size) + _narrow(size)
+    return 3.5 * (cost(size) - shape) + shape
+
+
+CUSP_CURVES = Kind("cusp-curves", "cc-", compute, cost, derive=derive)
+CERTIFIED_CURVES = Kind("certified-curves", "cv-", certified, _certified_cost, implied=("certificate", FULL))

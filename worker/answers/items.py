@@ -1,25 +1,48 @@
-"""The items of a batch: what is asked in each, and the computation of its answer."""
+"""Batches: many questions in one job. What is asked in each item, and the computation of its answer."""
 
 from __future__ import annotations
 
 import json
+import secrets
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import rpr_solver
-from worker.answers.kinds import (
-    KEPT_WHOLE,
-    as_kept,
-    compute,
-    known_document,
-    missing_parts,
-    request_from_json,
-)
-from worker.answers.requests import JobRequest
-from worker.answers.single_flight import single_flight
-from worker.answers.store import ResultStore, SliceJson, dump
-from worker.answers.tables import Group, SliceSolver, eliminant_of, look_up
+from worker.answers.kinds import BATCH, KEPT_WHOLE, as_kept, missing_parts, request_from_json
+from worker.answers.requests import JobRequest, SliceJson, Store
+from worker.answers.store import ResultStore, answer, dump
+from worker.answers.tables import Group, look_up, solved
+
+_KNOWN_SECONDS = 0.001  # to find that an answer is known
+
+
+def new_batch() -> str:
+    """Returns the token that distinguishes a batch from all others."""
+    return secrets.token_hex(16)
+
+
+def batch_request(token: str, count: int = 0) -> JobRequest:
+    """Returns the request for the job of a batch; a batch is one submission, whatever its items are."""
+    return JobRequest(BATCH, {"batch": token, "count": count})
+
+
+def seconds_after(request: JobRequest, seen: set[str]) -> float:
+    """Returns the estimated seconds of a question after others, of which `seen` has what is computed once.
+
+    Adds what this one computes.
+    """
+    whole = request.kind.cost_of(request.sizes)
+    parts = len(request.parts) if request.kind.by_slices else 1
+    if request.content_hash in seen:
+        return _KNOWN_SECONDS * parts
+    once = whole.once
+    if once:
+        shared = f"{request.geometry_hash} {request.fixed_leg}"
+        once = 0.0 if shared in seen else once
+        seen.add(shared)
+    seen.add(request.content_hash)
+    return once + whole.each * parts
 
 
 @dataclass(frozen=True)
@@ -108,36 +131,19 @@ class ItemSolver:
         if request.kind.by_slices:
             return Outcome(slices=self._solve_slices(request))
         if missing_parts(request, self.store):
-            self._answer_once(request)
+            answer(request, self.store)
         return Outcome()
-
-    def _answer_once(self, request: JobRequest) -> None:
-        """Compute a document, or wait for the worker that does so for a job or another batch."""
-
-        def make() -> dict[str, Any]:
-            document = compute(request, self.store, lambda _done, _total: None)
-            self.store.put_document(request, document)
-            return document
-
-        document = single_flight(
-            lambda: known_document(request, self.store), lambda: self.store.answer_lock(request), make
-        )
-        if not self.store.renew_document(request):  # it follows from another, which may expire before
-            self.store.put_document(request, document)
 
     def _solve_slices(self, request: JobRequest) -> dict[str, Any]:
         absent, errors = look_up(request, self.store)
-        if not absent:
-            return errors
-        solve = SliceSolver(self._eliminant_of(request), request, absent)
 
         def keep(values: Sequence[tuple[str, SliceJson]]) -> bool:
             self.store.put_slices(request, dict(values))
             return True
 
         group = Group(keep)
-        for l1 in absent:
-            value = solve(l1)
+        slices = solved(request, Store(), absent, eliminant=lambda: self._eliminant_of(request))
+        for l1, value in zip(absent, slices, strict=True):
             if "error" in value:
                 errors[l1] = value
             group.add((l1, value))
@@ -147,5 +153,5 @@ class ItemSolver:
     def _eliminant_of(self, request: JobRequest) -> rpr_solver.Eliminant:
         of = request.geometry_hash, request.fixed_leg
         if self._eliminant is None or self._eliminant[0] != of:
-            self._eliminant = of, eliminant_of(request, self.store)
+            self._eliminant = of, self.store.eliminant(request)
         return self._eliminant[1]

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import DEFAULT_SAMPLES, Progress
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.model.lengths import read_limits
-from worker.answers.requests import JobRequest, Kind
-from worker.answers.store import ResultStore
-from worker.answers.tables import eliminant_of
-
-KIND = Kind("path", "pa-")
+from worker.answers.cost import Sizes, all_events, elimination, one_slice
+from worker.answers.requests import Content, Document, JobRequest, Kind, Store
 
 _NAMES = {"start": "from", "stop": "to"}
 
@@ -26,35 +24,21 @@ USUAL: Mapping[str, Any] = {
 """What a loop is of which nothing more is said."""
 
 
-def compute(request: JobRequest, store: ResultStore, _progress: Progress) -> dict[str, Any]:
+def compute(request: JobRequest, store: Store, _progress: Progress) -> Document:
     """Compute a path; the eliminant is kept.
 
     Raises:
         InputError: the slice has no such cusp, or the joint vector no such pose.
         SolverError: the path could not be decided.
     """
-    return document(request.manipulator, request.content, lambda: eliminant_of(request, store))
-
-
-def document(
-    manipulator: rpr_solver.Manipulator,
-    content: Mapping[str, Any],
-    eliminant: Callable[[], rpr_solver.Eliminant],
-) -> dict[str, Any]:
-    """Returns the document that answers a question in canonical form.
-
-    Raises:
-        InputError: naming the member of the question at fault.
-        SolverError: the path could not be decided.
-    """
     from rpr_solver.paths.loops import loop_in_slice, slice_for_loops  # by those who compute
     from rpr_solver.paths.path import SamplingPlan
 
-    digits, others = content["digits"], content["others"]
+    content, digits, others = request.content, request.digits, request.content["others"]
     sampling = {name: content[name] for name in ("samples", "timing", "duration")}
     limits = {leg: (ends["min"], ends["max"]) for leg, ends in (content.get("limits") or {}).items()}
     if "cusp" in content:
-        own = eliminant()
+        own = store.eliminant(request)
         table = slice_for_loops(own, content["length"])
         plan = SamplingPlan.of(**sampling)
         path = loop_in_slice(own, table, content["cusp"], plan, digits, read_limits(limits, "limits"))
@@ -62,7 +46,7 @@ def document(
     ends = content["between"]
     try:
         answer = rpr_solver.joint_path(
-            manipulator,
+            request.manipulator,
             content["l1"],
             content["l2"],
             content["l3"],
@@ -70,7 +54,7 @@ def document(
             content["to"],
             between=ends and (ends["from"], ends["to"]),
             limits=limits,
-            fixed_leg=content["fixed_leg"],
+            fixed_leg=request.fixed_leg,
             digits=digits,
             **sampling,
         )
@@ -79,3 +63,29 @@ def document(
             [FieldProblem(_NAMES.get(p.field, p.field), p.message) for p in error.problems]
         ) from None
     return (answer.with_others() if others and isinstance(answer, rpr_solver.Path) else answer).to_json()
+
+
+_RANGE_OF_SLICES = 6  # as many slices does the subdivision of a range take
+_SUBDIVISION = 0.5  # seconds, of a slice within joint limits
+
+
+def _measure(content: Content, size: Sizes) -> Sizes:
+    of_poses, is_limited = "from" in content, content.get("limits") is not None
+    return replace(
+        size,
+        count=max(1, content.get("samples") or 0),
+        censuses=int(of_poses and not is_limited),
+        limited=(_RANGE_OF_SLICES if content["between"] else 1) if of_poses and is_limited else 0,
+    )
+
+
+def _cost(size: Sizes) -> float:
+    """The slice, the search of the path, and its samples."""
+    sample = 2e-4 + 1e-6 * (size.geometry + size.lengths + size.digits) + 1.5e-8 * size.digits**2
+    search = 0.05 + 0.015 * size.nearness + size.limited * _SUBDIVISION
+    return (
+        search + elimination(size) + one_slice(size) + sample * size.count + size.censuses * all_events(size)
+    )
+
+
+PATH = Kind("path", "pa-", compute, _cost, measure=_measure)

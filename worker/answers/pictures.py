@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.contract import number_of
@@ -19,40 +18,26 @@ from rpr_solver.notebook.figure import Figure
 Document = dict[str, Any]
 
 
-@dataclass(frozen=True)
-class Sources:
-    """Where the documents come from that pictures show.
-
-    Attributes:
-        census: of a range of lengths.
-        curves: of a range of lengths, sampled.
-        slices: the singular curves of the slice.
-        path: the loop round the cusp.
-        poses: of the leg lengths.
-    """
-
-    census: Callable[[], Document]
-    curves: Callable[[], Document]
-    slices: Callable[[], Document]
-    path: Callable[[], Document]
-    poses: Callable[[], Document]
+Source = Callable[[str], Document]
+"""Gives the documents that a picture shows: the `census` or the `curves` of a range of lengths, the singular
+curves of the `slice`, the `path` round the cusp, the `poses` of the leg lengths."""
 
 
-def figure_of(content: Mapping[str, Any], sources: Sources) -> Figure:
+def figure_of(content: Mapping[str, Any], shown: Source) -> Figure:
     """Draws what a request's content asks for.
 
     Raises:
         InputError: there is no such cusp or pose, or the lengths are too large to be drawn.
         SolverError: a document could not be computed.
     """
-    figure = DRAWN[content["plot"]](content, sources)
+    figure = DRAWN[content["plot"]](content, shown)
     return Figure(figure.scene, content["theme"])
 
 
-def _mechanism(content: Mapping[str, Any], sources: Sources) -> Figure:
+def _mechanism(content: Mapping[str, Any], shown: Source) -> Figure:
     if "l1" in content:
-        return poses_figure(sources.poses(), content["pose"])
-    document, number = sources.slices(), content["cusp"]
+        return poses_figure(shown("poses"), content["pose"])
+    document, number = shown("slice"), content["cusp"]
     vertices = (
         vertex
         for component in document["components"]
@@ -66,12 +51,12 @@ def _mechanism(content: Mapping[str, Any], sources: Sources) -> Figure:
     return point_figure(content["geometry"], leg, length, cusps[number], title)
 
 
-DRAWN: Mapping[str, Callable[[Mapping[str, Any], Sources], Figure]] = {
-    "slice": lambda _, sources: joint_figure(sources.slices()),
-    "torus": lambda _, sources: torus_figure(sources.slices()),
-    "census": lambda _, sources: census_figure(sources.census()),
-    "locus": lambda _, sources: locus_figure(sources.curves()),
-    "loop": lambda _, sources: loop_figure(sources.path(), sources.slices()),
+DRAWN: Mapping[str, Callable[[Mapping[str, Any], Source], Figure]] = {
+    "slice": lambda _, shown: joint_figure(shown("slice")),
+    "torus": lambda _, shown: torus_figure(shown("slice")),
+    "census": lambda _, shown: census_figure(shown("census")),
+    "locus": lambda _, shown: locus_figure(shown("curves")),
+    "loop": lambda _, shown: loop_figure(shown("path"), shown("slice")),
     "mechanism": _mechanism,
 }
 """What can be drawn, by name."""

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import replace
 
 import rpr_solver
 from rpr_solver.contract import DEFAULT_TOLERANCE, MIN_DIGITS, Progress, document_head
 from rpr_solver.exact.rationals import exact_str
-from worker.answers import censuses, curves, paths, poses, singular
-from worker.answers.requests import JobRequest, Kind
-from worker.answers.single_flight import single_flight
-from worker.answers.store import ResultStore
-
-KIND = Kind("plot", "pl-")
+from worker.answers.censuses import CENSUS
+from worker.answers.cost import INTERVALS, Sizes, all_events, elimination, one_slice
+from worker.answers.curves import CUSP_CURVES
+from worker.answers.curves import cost as cost_of_curves
+from worker.answers.documents import POSES, SINGULAR_CURVES
+from worker.answers.paths import PATH, USUAL
+from worker.answers.requests import Content, Document, JobRequest, Kind, Store
+from worker.answers.store import answer
 
 PLOTS = ("slice", "torus", "census", "locus", "loop", "mechanism")
 """What can be drawn."""
-
-Document = dict[str, Any]
-Compute = Callable[[JobRequest, ResultStore, Progress], Document]
 
 DIGITS = MIN_DIGITS
 """The significant digits of the numbers from which pictures are drawn."""
@@ -28,51 +27,66 @@ TOLERANCE = exact_str(DEFAULT_TOLERANCE)
 SAMPLES = 14
 """The points of each cusp curve in every interval between transitions."""
 
+_SHOWN: Mapping[str, tuple[Kind, tuple[str, ...], Content]] = {
+    "census": (CENSUS, ("fixed_leg", "range"), {}),
+    "curves": (CUSP_CURVES, ("fixed_leg", "range"), {"lengths": [], "samples": SAMPLES}),
+    "slice": (SINGULAR_CURVES, ("fixed_leg", "length"), {"tolerance": TOLERANCE}),
+    "path": (PATH, ("fixed_leg", "length", "cusp"), USUAL),
+    "poses": (POSES, ("l1", "l2", "l3"), {}),
+}
+"""What a picture shows: the kind of the document, and the members of its question: those that are the
+picture's, and others."""
 
-def compute(request: JobRequest, store: ResultStore, progress: Progress) -> Document:
+
+def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
     """Draw a picture; the documents that it shows are kept for other questions.
 
     Raises:
         InputError: the slice has no such cusp, the legs have no such pose, or the lengths are too large.
         SolverError: what the picture shows could not be computed.
     """
-    from worker.answers.pictures import Sources, figure_of  # by those who draw: a service starts sooner
-
-    content = request.content
-    of_slice = {"fixed_leg": request.fixed_leg, "length": content.get("length")}
-    of_range = {"fixed_leg": request.fixed_leg, "range": content.get("range")}
-
-    def kept(kind: Kind, compute: Compute, **members: object) -> Document:
-        """A document that is known, or that is computed and kept."""
-        own = JobRequest(kind, {"geometry": content["geometry"], "digits": DIGITS, **members})
-
-        def make() -> Document:
-            document = compute(own, store, progress)
-            store.put_document(own, document)
-            return document
-
-        # not the document's own lock, which the computation of a whole census or of whole curves takes
-        return single_flight(lambda: store.get_document(own), lambda: store.answer_lock(own), make)
-
-    sources = Sources(
-        census=lambda: kept(censuses.KIND, censuses.compute, **of_range),
-        curves=lambda: kept(curves.KIND, curves.compute, **of_range, lengths=[], samples=SAMPLES),
-        slices=lambda: kept(singular.KIND, singular.compute, **of_slice, tolerance=TOLERANCE),
-        path=lambda: kept(paths.KIND, paths.compute, **of_slice, cusp=content["cusp"], **paths.USUAL),
-        poses=lambda: kept(poses.KIND, poses.compute, **{leg: content[leg] for leg in ("l1", "l2", "l3")}),
-    )
-    return plot_json(request, figure_of(content, sources))
-
-
-def plot_json(request: JobRequest, figure: rpr_solver.Figure) -> Document:
-    """The document of a picture."""
+    drawn = figure(request, store, progress)
     return {
         **document_head(request, DIGITS, request.fixed_leg),
         "plot": request.content["plot"],
         "theme": request.content["theme"],
-        "title": figure.scene.title,
-        "description": figure.scene.description,
-        "width": figure.scene.width,
-        "height": figure.scene.height,
-        "svg": figure.svg(),
+        "title": drawn.scene.title,
+        "description": drawn.scene.description,
+        "width": drawn.scene.width,
+        "height": drawn.scene.height,
+        "svg": drawn.svg(),
     }
+
+
+def figure(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.Figure:
+    """Draw the same, to be had in any form of a picture."""
+    from worker.answers.pictures import figure_of  # by those who draw: a service starts sooner
+
+    content = request.content
+
+    def shown(name: str) -> Document:
+        """A document that is known, or that is computed and kept."""
+        kind, own, others = _SHOWN[name]
+        asked = {
+            "geometry": content["geometry"],
+            "digits": DIGITS,
+            **{member: content[member] for member in own},
+        }
+        return answer(JobRequest(kind, {**asked, **others}), store, progress)
+
+    return figure_of(content, shown)
+
+
+def _measure(content: Content, size: Sizes) -> Sizes:
+    count = INTERVALS * SAMPLES if content["plot"] == "locus" else 1
+    return replace(size, count=count, is_slice=content["plot"] not in ("census", "locus"))
+
+
+def _cost(size: Sizes) -> float:
+    """A slice that is traced, or all transitions, and perhaps curves sampled between them."""
+    if size.count > 1:
+        return 0.2 + cost_of_curves(size)
+    return 0.15 + elimination(size) + 2 * one_slice(size) if size.is_slice else 0.2 + all_events(size)
+
+
+PLOT = Kind("plot", "pl-", compute, _cost, measure=_measure)

@@ -1,38 +1,139 @@
-"""A request for a document in canonical form, and the ids derived from it."""
+"""A request for a document in canonical form, the ids derived from it, and the kinds of documents."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+import rpr_solver
 from rpr_solver import SOLVER_VERSION, Manipulator
+from rpr_solver.contract import Progress
 from rpr_solver.model.manipulator import hash_of_canonical
+from worker.answers.cost import Cost, Sizes, sizes_of
+
+Content = Mapping[str, Any]
+Document = dict[str, Any]
+SliceJson = dict[str, Any]
 
 _HASH = "content_hash"
 
 
+class Store:
+    """A store that keeps nothing, so that every answer is computed; `ResultStore` is the one in Redis.
+
+    Attributes:
+        keeps: whether it is worth while to compute more than is asked for.
+    """
+
+    keeps = False
+
+    def get_document(self, request: JobRequest) -> Document | None:
+        """Returns a document that was computed in one piece, or None if it is not known."""
+        del request
+        return None
+
+    def put_document(self, request: JobRequest, document: Document) -> None:
+        """Keep a document, the first of several."""
+
+    def document(self, request: JobRequest, compute: Callable[[], Document]) -> Document:
+        """Returns a document from the store, or computes and keeps it; only one worker at a time does so."""
+        del request
+        return compute()
+
+    def answer_lock(self, request: JobRequest) -> AbstractContextManager[bool]:
+        """Try to lock the answer to a question; gives False if another worker holds the lock."""
+        del request
+        return nullcontext(enter_result=True)
+
+    def eliminant(self, request: JobRequest) -> rpr_solver.Eliminant:
+        """Returns the manipulator's eliminant from the store, or computes it, in one worker at a time."""
+        return rpr_solver.eliminate(request.manipulator, request.fixed_leg)
+
+    def note_census(self, family: JobRequest, digits: int) -> None:
+        """Note that a census of this family is known with this number of digits."""
+
+    def census_digits(self, family: JobRequest) -> list[int]:
+        """Returns the numbers of digits of the kept censuses of this family, ascending."""
+        del family
+        return []
+
+    def get_slices(self, request: JobRequest, l1: Sequence[str] | None = None) -> dict[str, SliceJson]:
+        """Returns the known slices of a request (or those of `l1`), by L1."""
+        del request, l1
+        return {}
+
+
+def _nothing(_request: JobRequest, _store: Store) -> Document | None:
+    return None
+
+
+def _as_measured(_content: Content, sizes: Sizes) -> Sizes:
+    return sizes
+
+
+def _none(_sizes: Sizes) -> float:
+    return 0.0
+
+
 @dataclass(frozen=True)
 class Kind:
-    """A kind of document, and the naming and counting of its jobs.
+    """A kind of document: how it is computed, what that costs, and how its jobs are named and counted.
 
     Attributes:
         name: the name in jobs and their records.
         prefix: the prefix of job ids.
+        compute: computes the document in one piece, and may keep others.
+        cost: the estimated seconds of one core for each part.
+        once: those that a job needs once for all its parts.
+        derive: cuts the document from others that are kept, or returns None.
+        measure: corrects the sizes of a question, see `worker.answers.cost`.
         unit: the unit of its jobs' progress.
+        slices: yields the slices of the document as they are solved, if it is a table.
+        implied: members of the question that an item of this kind need not give; they distinguish it from
+            other kinds that answer the same question.
         by_slices: whether each slice is computed, kept and counted separately.
         by_items: whether a job consists of questions of its own, as a batch does.
     """
 
     name: str
     prefix: str
+    compute: Callable[[JobRequest, Store, Progress], Document]
+    cost: Callable[[Sizes], float]
+    once: Callable[[Sizes], float] = _none
+    derive: Callable[[JobRequest, Store], Document | None] = _nothing
+    measure: Callable[[Content, Sizes], Sizes] = _as_measured
     unit: str = "steps"
+    slices: Callable[[JobRequest, Store], Iterator[SliceJson]] | None = None
+    implied: tuple[str, str] | None = None
     by_slices: bool = False
     by_items: bool = False
+
+    @property
+    def is_derived(self) -> bool:
+        """Whether its documents can be put together from others that are kept, slices included."""
+        return self.by_slices or self.by_items or self.derive is not _nothing
+
+    def parts(self, content: Content) -> Sequence[str]:
+        """Returns what is computed and counted separately: the slices, the positions of the items, or only
+        the whole document."""
+        if self.by_items:
+            return [str(index) for index in range(content["count"])]
+        parts: Sequence[str] = content["l1"] if self.by_slices else (self.name,)
+        return parts
+
+    def cost_of(self, size: Sizes) -> Cost:
+        """Returns the estimated cost of a question of these sizes."""
+        return Cost(self.once(size), self.cost(size))
+
+    def seconds(self, size: Sizes) -> float:
+        """Returns the estimated seconds for a whole question of these sizes."""
+        return self.cost_of(size).of(size.count if self.by_slices else 1)
 
 
 @dataclass(frozen=True)
@@ -45,7 +146,7 @@ class JobRequest:
     """
 
     kind: Kind
-    content: Mapping[str, Any]
+    content: Content
     version: str = SOLVER_VERSION
 
     @property
@@ -80,12 +181,13 @@ class JobRequest:
 
     @property
     def parts(self) -> Sequence[str]:
-        """The parts that are computed and counted separately: the slices, the positions of the items, or only
-        the whole document."""
-        if self.kind.by_items:
-            return [str(index) for index in range(self.content["count"])]
-        parts: Sequence[str] = self.content["l1"] if self.kind.by_slices else (self.kind.name,)
-        return parts
+        """The parts that are computed and counted separately."""
+        return self.kind.parts(self.content)
+
+    @cached_property
+    def sizes(self) -> Sizes:
+        """The sizes that decide what the answer costs, taken once from the question."""
+        return self.kind.measure(self.content, sizes_of(self.content))
 
     def of_slices(self, l1: Sequence[str]) -> JobRequest:
         """Returns the question for other slices of the same table."""
@@ -129,7 +231,7 @@ ALL_LENGTHS: Mapping[str, str | None] = {"from": "0", "to": None}
 """The unbounded range in a request's content."""
 
 
-def content_range(content: Mapping[str, Any]) -> tuple[Fraction, Fraction | None]:
+def content_range(content: Content) -> tuple[Fraction, Fraction | None]:
     """Returns the range in a request's content."""
     start, stop = content["range"]["from"], content["range"]["to"]
     return Fraction(start), None if stop is None else Fraction(stop)

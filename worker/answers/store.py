@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import json
 import secrets
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import rpr_solver
-from worker.answers.keys import ResultKeys
-from worker.answers.packed import HEAD_BYTES, Measured, measured_by, pack, unpack
-from worker.answers.requests import JobRequest
-from worker.answers.single_flight import single_flight
+from rpr_solver import SOLVER_VERSION
+from rpr_solver.contract import Progress, silent
+from worker.answers.layout import HEAD_BYTES, Measured, ResultKeys, measured_by, pack, unpack
+from worker.answers.requests import Document, JobRequest, SliceJson, Store
 
 if TYPE_CHECKING:  # the command line needs no server, and these imports take half of its time
     from redis import Redis
 
     from worker.settings import WorkerSettings
 
-SliceJson = dict[str, Any]
+T = TypeVar("T")
 
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.05
 _MEASURED_AT_ONCE = 512
 _HEADS = f"""
 local heads = {{}}
@@ -78,8 +80,10 @@ if redis.call('GET', lock) == ARGV[1] then redis.call('DEL', lock) end
 """
 
 
-class ResultStore:
+class ResultStore(Store):
     """Slices, eliminants and documents. All state is in Redis; an instance is cheap and may be shared."""
+
+    keeps = True
 
     def __init__(self, redis: Redis, settings: WorkerSettings, holder: str = "") -> None:
         """The store; `holder` is the chunk in whose name locks are taken."""
@@ -186,19 +190,29 @@ class ResultStore:
         key = self.keys.eliminant(request.geometry_hash, request.fixed_leg)
         self.redis.set(key, dump(eliminant.to_json()), ex=self.settings.eliminant_ttl)
 
-    def get_document(self, request: JobRequest) -> dict[str, Any] | None:
+    def eliminant(self, request: JobRequest) -> rpr_solver.Eliminant:
+        """Returns the manipulator's eliminant from the store, or computes it, in one worker at a time."""
+
+        def make() -> rpr_solver.Eliminant:
+            eliminant = super(ResultStore, self).eliminant(request)
+            self.put_eliminant(request, eliminant)
+            return eliminant
+
+        return single_flight(lambda: self.get_eliminant(request), lambda: self.eliminant_lock(request), make)
+
+    def get_document(self, request: JobRequest) -> Document | None:
         """Returns a document that was computed in one piece, or None if it is not known."""
         raw = self.redis.get(self.keys.document(request.content_hash))
-        return None if raw is None else cast("dict[str, Any]", json.loads(cast(bytes, raw)))
+        return None if raw is None else cast(Document, json.loads(cast(bytes, raw)))
 
     def get_text(self, request: JobRequest) -> bytes | None:
         """Returns the JSON of the same, as it is kept."""
         return cast("bytes | None", self.redis.get(self.keys.document(request.content_hash)))
 
-    def document(self, request: JobRequest, compute: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    def document(self, request: JobRequest, compute: Callable[[], Document]) -> Document:
         """Returns a document from the store, or computes and keeps it; only one worker at a time does so."""
 
-        def make() -> dict[str, Any]:
+        def make() -> Document:
             document = compute()
             self.put_document(request, document)
             return document
@@ -206,7 +220,7 @@ class ResultStore:
         lock = self.keys.document_lock(request.content_hash)
         return single_flight(lambda: self.get_document(request), lambda: self._lock(lock), make)
 
-    def put_document(self, request: JobRequest, document: Mapping[str, Any]) -> None:
+    def put_document(self, request: JobRequest, document: Document) -> None:
         """Keep a document, the first of several."""
         key = self.keys.document(request.content_hash)
         self.redis.set(key, dump(document), ex=self.settings.result_ttl, nx=True)
@@ -276,3 +290,79 @@ def told(slices: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str | int | by
 
 def _parse(l1: Sequence[str], values: Sequence[bytes | None]) -> dict[str, SliceJson]:
     return {x: json.loads(unpack(value)) for x, value in zip(l1, values, strict=True) if value is not None}
+
+
+def known_document(request: JobRequest, store: Store) -> Document | None:
+    """Returns a document in one piece if it is in the store or follows from stored documents, else None."""
+    if request.version != SOLVER_VERSION:  # another version may cut documents in another way
+        return store.get_document(request)
+    return store.get_document(request) or request.kind.derive(request, store)
+
+
+def answer(
+    request: JobRequest,
+    store: Store,
+    progress: Progress = silent,
+    keep: Callable[[JobRequest, Document], None] | None = None,
+    *,
+    is_unknown: bool = False,
+) -> Document:
+    """Returns a document in one piece: the known one, or it is computed, in one worker at a time.
+
+    `keep` keeps it, by default in the store. `is_unknown`: it was not known a moment ago.
+
+    Raises:
+        InputError: the question has no answer.
+        SolverError: it could not be decided.
+    """
+
+    def kept(document: Document) -> Document:
+        (keep or store.put_document)(request, document)
+        return document
+
+    def known() -> Document | None:
+        document = known_document(request, store)
+        return None if document is None else kept(document)
+
+    return single_flight(
+        known,
+        lambda: store.answer_lock(request),
+        lambda: kept(compute(request, store, progress)),
+        is_unknown=is_unknown,
+    )
+
+
+def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
+    """Compute a document in one piece.
+
+    Raises:
+        InputError: the request has no answer.
+        SolverError: it could not be decided.
+    """
+    return request.kind.compute(request, store, progress)
+
+
+def single_flight(
+    known: Callable[[], T | None],
+    lock: Callable[[], AbstractContextManager[bool]],
+    make: Callable[[], T],
+    *,
+    is_unknown: bool = False,
+) -> T:
+    """Returns the known result, or makes it, or waits for the worker that holds the lock.
+
+    `make` must keep its result, so that `known` returns it afterwards. `is_unknown`: there was none a moment
+    ago, so that it is not looked for before the lock is held.
+    """
+    pause = _FIRST_PAUSE
+    while True:
+        result = None if is_unknown else known()
+        if result is not None:
+            return result
+        is_unknown = False
+        with lock() as held:
+            if held:
+                result = known()  # made between the look and the lock?
+                return make() if result is None else result
+        time.sleep(pause)
+        pause = min(2 * pause, _LONGEST_PAUSE)

@@ -11,7 +11,7 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import document_head
-from worker.answers.packed import Measured, measured
+from worker.answers.layout import Measured, measured
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore, dump
 

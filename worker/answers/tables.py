@@ -1,24 +1,26 @@
-"""Cusp tables: each slice is computed, kept and counted separately."""
+"""Cusp tables, whose slices are computed, kept and counted separately; by the article's algorithm and with
+full certificates, in one piece."""
 
 from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from fractions import Fraction
 from typing import Generic, TypeVar
 
 import rpr_solver
-from worker.answers.requests import JobRequest, Kind
-from worker.answers.single_flight import single_flight
-from worker.answers.store import ResultStore, SliceJson
+from rpr_solver.contract import FULL, SHORT, Progress, document_head
+from worker.answers.cost import Sizes, elimination, one_slice
+from worker.answers.requests import Document, JobRequest, Kind, SliceJson, Store
+from worker.answers.store import ResultStore
 from worker.answers.stored_tables import in_groups
 
 T = TypeVar("T")
+Solve = Callable[[str], SliceJson]
 
 log = logging.getLogger("rpr_cusps.worker")
-
-KIND = Kind("cusp-table", "ct-", unit="slices", by_slices=True)
 
 GROUP_SECONDS = 0.04
 """Seconds of work on slices that are kept together; so much, at most, is repeated if a work horse dies."""
@@ -28,13 +30,89 @@ GROUP_SLICES = 64
 INTERNAL = "An unexpected error; the worker's log has the details."
 
 
-def missing(request: JobRequest, store: ResultStore) -> Sequence[str]:
-    """Returns the slices that are not known, and renews the lifetime of the known ones."""
-    return look_up(request, store)[0]
+def solved(
+    request: JobRequest,
+    store: Store,
+    parts: Sequence[str] | None = None,
+    *,
+    eliminant: Callable[[], rpr_solver.Eliminant] | None = None,
+    during: Callable[[str], AbstractContextManager[object]] = nullcontext,
+) -> Iterator[SliceJson]:
+    """Yields slices of a table in turn, the known ones and those that are solved; in the place of an answer
+    there may be an error, which leaves the other slices unaffected.
+
+    Args:
+        request: the table.
+        store: where slices are looked up.
+        parts: the lengths; all of them if missing.
+        eliminant: gives that of the manipulator, once it is needed.
+        during: what is entered while a slice is solved.
+    """
+    solve: Solve | None = None
+    parts = request.content["l1"] if parts is None else parts
+    for some in in_groups(parts):
+        known = store.get_slices(request, some) if request.kind.by_slices else {}
+        for l1 in some:
+            if l1 in known:
+                yield known[l1]
+                continue
+            if solve is None:
+                solve = slice_solver(request, parts, eliminant or (lambda: store.eliminant(request)))
+            with during(l1):
+                value = solve(l1)
+            yield value
+
+
+def slice_solver(
+    request: JobRequest, parts: Sequence[str], eliminant: Callable[[], rpr_solver.Eliminant]
+) -> Solve:
+    """Returns what solves slices of one table; together those of `parts` cost less than one by one."""
+    if request.kind is ARTICLE_TABLE:
+        return lambda l1: _by_article(request, [l1])["slices"][0]  # type: ignore[no-any-return]
+    from rpr_solver.slices.answers import SliceAnswers  # a start is to be quick
+
+    certificate = FULL if request.kind is CERTIFIED_TABLE else SHORT
+    answers = SliceAnswers(eliminant(), map(Fraction, parts), request.digits, certificate)
+
+    def solve(l1: str) -> SliceJson:
+        try:
+            return answers(Fraction(l1))
+        except Exception as error:
+            if isinstance(error, MemoryError) or not request.kind.by_slices:
+                raise
+            log.exception("slice l1=%s of %s failed", l1, request.geometry_hash)
+            return rpr_solver.slice_error_json(Fraction(l1), request.fixed_leg, "internal-error", INTERNAL)
+
+    return solve
+
+
+def head(request: JobRequest) -> Document:
+    """Returns the members of a table beside its slices."""
+    if request.kind is ARTICLE_TABLE:
+        return _by_article(request, [])
+    return document_head(request, request.digits, request.fixed_leg)
+
+
+def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
+    """Compute a table in one piece."""
+    count = len(request.content["l1"])
+    progress(0, count)
+    slices = []
+    for value in solved(request, store):
+        slices.append(value)
+        progress(len(slices), count)
+    return {**head(request), "slices": slices}
+
+
+def _by_article(request: JobRequest, l1: Sequence[str]) -> Document:
+    from rpr_solver.article.audit import article_document  # by those who compute: a service starts sooner
+
+    return article_document(request.manipulator, [Fraction(x) for x in l1], request.digits)
 
 
 def look_up(request: JobRequest, store: ResultStore) -> tuple[list[str], dict[str, SliceJson]]:
-    """Returns the same, and the known errors of single slices by L1."""
+    """Returns the slices that are not known, and the known errors of single slices by L1; renews the lifetime
+    of the known ones."""
     absent: list[str] = []
     errors: dict[str, SliceJson] = {}
     for group in in_groups(request.parts):
@@ -43,43 +121,6 @@ def look_up(request: JobRequest, store: ResultStore) -> tuple[list[str], dict[st
         absent += [x for x in group if x not in slices]
         errors |= {x: value for x, value in slices.items() if "error" in value}
     return absent, errors
-
-
-def eliminant_of(request: JobRequest, store: ResultStore) -> rpr_solver.Eliminant:
-    """Returns the manipulator's eliminant from the store, or computes it, in one worker at a time."""
-
-    def make() -> rpr_solver.Eliminant:
-        eliminant = rpr_solver.eliminate(request.manipulator, request.fixed_leg)
-        store.put_eliminant(request, eliminant)
-        return eliminant
-
-    return single_flight(lambda: store.get_eliminant(request), lambda: store.eliminant_lock(request), make)
-
-
-class SliceSolver:
-    """Solves slices of one table, one after the other.
-
-    Args:
-        eliminant: of its manipulator.
-        request: the table.
-        parts: the slices that will be asked for; together they cost less than one by one.
-    """
-
-    def __init__(self, eliminant: rpr_solver.Eliminant, request: JobRequest, parts: Iterable[str]) -> None:
-        from rpr_solver.slices.answers import SliceAnswers  # a start is to be quick
-
-        self._request = request
-        self._answers = SliceAnswers(eliminant, map(Fraction, parts), request.digits)
-
-    def __call__(self, l1: str) -> SliceJson:
-        """Solve a slice. An error is reported in the slice's own entry; other slices are unaffected."""
-        try:
-            return self._answers(Fraction(l1))
-        except MemoryError:
-            raise
-        except Exception:
-            log.exception("slice l1=%s of %s failed", l1, self._request.geometry_hash)
-            return error(self._request, l1, "internal-error", INTERNAL)
 
 
 class Group(Generic[T]):
@@ -111,6 +152,20 @@ class Group(Generic[T]):
         return is_wanted
 
 
-def error(request: JobRequest, l1: str, kind: str, detail: str) -> SliceJson:
-    """A slice that has no answer."""
-    return rpr_solver.slice_error_json(Fraction(l1), request.fixed_leg, kind, detail)
+def _audit_of_each(size: Sizes) -> float:
+    bits = size.geometry + size.lengths
+    return (0.1 + 0.8 * size.is_special + 0.015 * bits + 0.0006 * bits**2) * size.count
+
+
+CUSP_TABLE = Kind("cusp-table", "ct-", compute, one_slice, once=elimination, unit="slices", by_slices=True)
+ARTICLE_TABLE = Kind(
+    "article-table", "at-", compute, _audit_of_each, unit="slices", implied=("method", "article")
+)
+CERTIFIED_TABLE = Kind(
+    "certified-table",
+    "cf-",
+    compute,
+    lambda size: elimination(size) + 2 * one_slice(size) * size.count,
+    unit="slices",
+    implied=("certificate", FULL),
+)

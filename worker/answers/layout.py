@@ -1,10 +1,22 @@
-"""The names of the Redis keys of results."""
+"""How results stand in Redis: the names of their keys, and slices as compressed JSON behind a head.
+
+The head identifies the JSON of a slice, so that a table is looked up by the heads of its slices alone.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import zlib
 from dataclasses import dataclass
+from struct import Struct
 
 from rpr_solver import SOLVER_VERSION
+
+HEAD_BYTES = 21
+
+_HEAD = Struct(">?I16s")
+_ERROR = b'"error":{'
+_LEVEL = 1  # half the bytes in a twentieth of the time of a slice; a higher level saves two per cent more
 
 UNNAMED = "4"
 """The version of the solver that had no version in the names of its jobs and documents, and keeps them."""
@@ -23,7 +35,7 @@ class ResultKeys:
     version: str = SOLVER_VERSION
 
     def slice(self, geometry_hash: str, fixed_leg: int, digits: int, l1: str) -> str:
-        """A slice's result; its content never changes. `z`: it is compressed, see `packed`."""
+        """A slice's result; its content never changes. `z`: it is compressed, see `pack`."""
         return f"{self._content('slice', geometry_hash, fixed_leg)}:{digits}:z:{l1}"
 
     def digits(self, geometry_hash: str, fixed_leg: int) -> str:
@@ -67,3 +79,37 @@ class ResultKeys:
 
     def _by_hash(self, kind: str, name: str) -> str:
         return f"{self.prefix}:{kind_of(kind, self.version)}:{name}"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What identifies the JSON of a slice without reading it."""
+
+    size: int
+    digest: str
+    is_error: bool
+
+
+def measured(text: bytes) -> Measured:
+    """Returns what identifies JSON at hand."""
+    return Measured(len(text), _digest(text).hex(), _ERROR in text)
+
+
+def pack(text: bytes) -> bytes:
+    """Returns the JSON of a slice, or of the error in its place, as it is stored."""
+    return _HEAD.pack(_ERROR in text, len(text), _digest(text)) + zlib.compress(text, _LEVEL)
+
+
+def measured_by(head: bytes) -> Measured:
+    """Returns what the head of a stored slice says."""
+    is_error, size, digest = _HEAD.unpack(head)
+    return Measured(size, digest.hex(), is_error)
+
+
+def unpack(stored: bytes) -> bytes:
+    """Returns the JSON of a stored slice."""
+    return zlib.decompress(stored[HEAD_BYTES:])
+
+
+def _digest(text: bytes) -> bytes:
+    return hashlib.blake2b(text, digest_size=16).digest()

@@ -1,0 +1,111 @@
+"""Poses, singular curves, aspects and verifications: documents that one call of the library gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import rpr_solver
+from rpr_solver.contract import Progress, document_head
+from worker.answers.cost import Sizes, elimination, exact_bits, one_slice
+from worker.answers.requests import Content, Document, JobRequest, Kind, Store
+
+
+def poses(request: JobRequest, _store: Store, _progress: Progress) -> Document:
+    """Compute all poses of one joint vector, which takes milliseconds."""
+    lengths = (request.content[leg] for leg in ("l1", "l2", "l3"))
+    return rpr_solver.poses(request.manipulator, *lengths, digits=request.digits).to_json()
+
+
+def singular_curves(request: JobRequest, store: Store, _progress: Progress) -> Document:
+    """Compute the singular curves of a slice, with its regions and aspects; the eliminant is kept.
+
+    Raises:
+        SolverError: the slice could not be decided, or has a curve that is not supported.
+    """
+    length, tolerance = request.content["length"], request.content["tolerance"]
+    return rpr_solver.trace_slice(
+        store.eliminant(request), length, tolerance=tolerance, digits=request.digits
+    ).to_json()
+
+
+def aspects(request: JobRequest, _store: Store, _progress: Progress) -> Document:
+    """Compute the aspects while the length of one leg varies within a range, a fraction of a second.
+
+    Raises:
+        SolverError: the ends of the range could not be compared.
+    """
+    leg, ends = request.fixed_leg, request.content["range"]
+    found = rpr_solver.range_aspects(request.manipulator, ends["from"], ends["to"], fixed_leg=leg)
+    return {
+        **document_head(request, request.digits, leg),
+        "range": dict(ends),
+        "aspects": [aspect.to_json() for aspect in found],
+    }
+
+
+def verification(request: JobRequest, _store: Store, progress: Progress) -> Document:
+    """Verify a document by independent means; nothing that is kept is used.
+
+    Raises:
+        InputError: it is no document that can be verified.
+    """
+    document, effort = request.content["document"], request.content.get("effort", 1)
+    verified = rpr_solver.verify_document(document, effort=effort, progress=progress)
+    return {**request.identity_json(), **verified.to_json()}
+
+
+def parts_to_verify(document: Mapping[str, Any]) -> int:
+    """Returns how many slices a verification solves anew: those listed, or one in each interval.
+
+    Ten tubes of a full certificate cost as much as one.
+    """
+    lists = [document.get(name) for name in ("slices", "intervals", "violations", "curves")]
+    slices = sum(len(part) for part in lists if isinstance(part, list)) or 1
+    return slices + _tubes(document) // 10
+
+
+def _tubes(document: Mapping[str, Any]) -> int:
+    match document.get("certificate"):
+        case {"full": {"chains": [*chains]}}:
+            lists = [chain.get("tubes") for chain in chains if isinstance(chain, Mapping)]
+            return sum(len(tubes) for tubes in lists if isinstance(tubes, list))
+    return 0
+
+
+def _to_verify(content: Content, size: Sizes) -> Sizes:
+    document = content["document"]
+    lengths = exact_bits(document, size.lengths, size.digits)
+    return replace(size, lengths=lengths, count=parts_to_verify(document))
+
+
+def _verification_cost(size: Sizes) -> float:
+    """Each slice is eliminated by itself; each cusp or pose is proved; digits and long numbers make intervals
+    wide."""
+    bits = size.geometry + size.lengths
+    numbers = 0.012 * size.geometry + 1e-4 * size.geometry**2 + 2e-3 * size.lengths + 8e-6 * size.lengths**2
+    slices = 0.2 + numbers + 2e-4 * size.digits + 2e-8 * size.digits**2
+    objects = 0.012 + 2e-5 * (bits + size.digits) + 3e-6 * size.objects
+    return 0.3 + slices * size.count + objects * size.objects
+
+
+def _poses_cost(size: Sizes) -> float:
+    return 0.005 + 1e-5 * (size.geometry + size.lengths + size.digits) + 1e-7 * size.spread**2
+
+
+def _singular_cost(size: Sizes) -> float:
+    """The slice, the sweep, a sextic for each region, and the drawing."""
+    drawing = 0.08 + 8e-4 * size.fineness
+    return drawing + elimination(size) + 2 * one_slice(size) + 1e-3 * (size.geometry + size.lengths)
+
+
+def _aspects_cost(size: Sizes) -> float:
+    """The ends of the range, and the transitions of singular curves, which nearly special shapes hide."""
+    return _singular_cost(size) + 0.2 * max(0, size.nearness - 60)
+
+
+POSES = Kind("poses", "po-", poses, _poses_cost)
+SINGULAR_CURVES = Kind("singular-curves", "sc-", singular_curves, _singular_cost)
+ASPECTS = Kind("aspects", "as-", aspects, _aspects_cost)
+VERIFICATION = Kind("verification", "ve-", verification, _verification_cost, measure=_to_verify)
