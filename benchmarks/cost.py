@@ -40,11 +40,9 @@ from rpr_solver.errors import InputError, SolverError
 from service.api.batches.items import read_item
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
-from worker.answers.cost import seconds
 from worker.answers.items import ItemSolver
 from worker.answers.kinds import known_answer
 from worker.answers.requests import JobRequest
-from worker.answers.sizes import sizes
 from worker.answers.store import ResultStore
 from worker.answers.stored_tables import StoredTable
 from worker.connection import connect
@@ -161,7 +159,7 @@ class Search:
         request = read(kind, body)
         if request is None:
             return None
-        estimate = seconds(request.kind, sizes(request))
+        estimate = request.kind.seconds(request.sizes)
         if estimate > self.cap / 2:
             return None
         return self.measure(kind, body, request, estimate)
@@ -242,7 +240,7 @@ def main() -> None:
                 if request is None:
                     print(f" refused: {text[:200]}")
                     continue
-                estimate = seconds(request.kind, sizes(request))
+                estimate = request.kind.seconds(request.sizes)
                 finding = search.measure(item["kind"], item["request"], request, estimate, is_alone=True)
                 print(line(finding), flush=True)
             return

@@ -22,9 +22,9 @@ from pathlib import Path
 import rpr_solver
 from benchmarks.stack import serving
 from service.stack.embedded_valkey import EmbeddedValkey
-from worker.answers import tables
 from worker.answers.requests import JobRequest
 from worker.answers.store import packed
+from worker.answers.tables import CUSP_TABLE
 from worker.connection import connect
 from worker.jobs.queue import JobQueue
 
@@ -45,7 +45,7 @@ def known_table(queue: JobQueue, slices: int, digits: int) -> str:
     """Put a table into the store; returns the id of its job."""
     l1 = [str(10 + i) for i in range(slices)]
     content = {"geometry": MANIPULATOR.to_json(), "fixed_leg": 1, "digits": digits, "l1": l1}
-    request = JobRequest(tables.KIND, content)
+    request = JobRequest(CUSP_TABLE, content)
     one = rpr_solver.slice_json(rpr_solver.eliminate(MANIPULATOR), Fraction("14.98"), digits)
     for x, key in zip(l1, queue.store.slice_keys(request, l1), strict=True):
         queue.redis.set(key, packed({**one, "l1": x}))
@@ -56,7 +56,7 @@ def running_job(queue: JobQueue, slices: int, digits: int) -> tuple[str, Callabl
     """Begin a job; returns its id, and what does it."""
     l1 = [str(10_000 + i) for i in range(slices)]
     content = {"geometry": MANIPULATOR.to_json(), "fixed_leg": 1, "digits": digits, "l1": l1}
-    request = JobRequest(tables.KIND, content)
+    request = JobRequest(CUSP_TABLE, content)
     plan = queue.plan(request, slices)
     created = queue.records.create(request, request.parts, "", plan)
     assert created is not None

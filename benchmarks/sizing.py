@@ -13,8 +13,9 @@ from pathlib import Path
 
 from rpr_solver import EXAMPLES
 from service.stack.embedded_valkey import EmbeddedValkey
-from worker.answers import censuses, tables
+from worker.answers.censuses import CENSUS
 from worker.answers.requests import ALL_LENGTHS, JobRequest
+from worker.answers.tables import CUSP_TABLE
 from worker.connection import connect
 from worker.jobs.inventory import Inventory
 from worker.jobs.queue import JobQueue
@@ -34,13 +35,13 @@ def manipulator(number: int) -> dict[str, str]:
 def table(number: int, *l1: str) -> JobRequest:
     """Returns a request for slices of such a manipulator."""
     content = {"geometry": manipulator(number), "fixed_leg": 1, "digits": DIGITS, "l1": list(l1)}
-    return JobRequest(tables.KIND, content)
+    return JobRequest(CUSP_TABLE, content)
 
 
 def census(number: int) -> JobRequest:
     """Returns a request for the census of such a manipulator."""
     content = {"geometry": manipulator(number), "fixed_leg": 1, "digits": DIGITS, "range": ALL_LENGTHS}
-    return JobRequest(censuses.KIND, content)
+    return JobRequest(CENSUS, content)
 
 
 def seconds(queue: JobQueue, *requests: JobRequest) -> float:

@@ -22,7 +22,7 @@ from redis.exceptions import RedisError
 
 import rpr_solver
 from service import __version__
-from worker.answers import tables
+from worker.answers.tables import CUSP_TABLE
 from worker.jobs.ends import BOUNDS, Durations, Ends
 from worker.jobs.load import Load, read_load
 from worker.jobs.queue import JobQueue
@@ -193,7 +193,7 @@ class Metrics:
 
     def count_answer(self, kind: str, answer: str) -> None:
         """Count a question by the way of its answer: `cached` or `job`."""
-        if kind == tables.KIND.name:
+        if kind == CUSP_TABLE.name:
             self.tables.labels(answer).inc()
         self.answers.labels(kind, answer).inc()
 

@@ -11,7 +11,6 @@ from service.cli import arguments, remote
 from service.cli.help import Command
 from service.cli.pages import Page, Section, about, counted, rows_of, write_document
 from service.schemas.aspects import RangeAspectsRequest
-from worker.answers import aspects
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
@@ -35,9 +34,7 @@ def run(args: argparse.Namespace) -> int:
     leg, ends, option = arguments.leg_and_range(args)
     members = {"fixed_leg": leg, "range": ends, **remote.deadline_of(args)}
     question = arguments.ask(RangeAspectsRequest, args, members, arguments.source({"range": option}))
-    found = remote.here_or_there(
-        args.url, question, lambda: aspects.document(question.geometry, question.content())
-    )
+    found = remote.answer_of(args.url, question)
     write_document(found, _page(found), args.format)
     return 0
 

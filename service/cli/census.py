@@ -10,7 +10,6 @@ from typing import Any
 import rpr_solver
 from service.cli import arguments, remote
 from service.cli.help import Command
-from service.cli.output import progress_bar
 from service.cli.pages import (
     Page,
     Section,
@@ -53,26 +52,9 @@ def run(args: argparse.Namespace) -> int:
         **remote.deadline_of(args),
     }
     question = arguments.ask(CensusRequest, args, members, origin)
-    with progress_bar(1, "steps") as progress:
-        if args.url is None:
-            document = _census(question, progress)
-        else:
-            document = remote.document_of(args.url, question, progress)
+    document = remote.answer_of(args.url, question, "steps")
     write_document(document, _page(document), args.format, csv=rpr_solver.census_csv)
     return 0
-
-
-def _census(question: CensusRequest, progress: rpr_solver.Progress) -> dict[str, Any]:
-    start, stop = question.range.ends
-    return rpr_solver.census(
-        question.geometry,
-        fixed_leg=question.fixed_leg,
-        digits=question.digits,
-        start=start,
-        stop=stop,
-        certificate=question.certificate,
-        progress=progress,
-    ).to_json()
 
 
 def _page(document: Mapping[str, Any]) -> Page:

@@ -11,7 +11,6 @@ from typing import Any
 import rpr_solver
 from service.cli import arguments, remote
 from service.cli.help import Command
-from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, about, counted, degenerate_notes, rows_of, write_document
 from service.schemas.curves import CuspCurvesRequest
 
@@ -43,23 +42,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
-    with progress_bar(1, "steps") as progress:
-        if args.url is None:
-            document = _curves(question, progress)
-        else:
-            document = remote.document_of(args.url, question, progress)
+    document = remote.answer_of(args.url, question, "steps")
     has_points = bool(question.slices or question.samples)
     write_document(document, _page(document, has_points), args.format, csv=rpr_solver.curves_csv)
     return 0
-
-
-def _curves(question: CuspCurvesRequest, progress: rpr_solver.Progress) -> dict[str, Any]:
-    whole = rpr_solver.cusp_curves(
-        question.geometry, fixed_leg=question.fixed_leg, digits=question.digits, progress=progress
-    )
-    lengths, samples = question.slices, question.samples
-    part = whole.part(*question.range.ends, lengths=lengths, samples=samples, progress=progress)
-    return part.to_json(certificate=question.certificate, progress=progress)
 
 
 def _question(args: argparse.Namespace) -> CuspCurvesRequest:

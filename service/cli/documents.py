@@ -13,7 +13,6 @@ from rpr_solver.errors import InputError
 from rpr_solver.exports.export import SYSTEMS
 from service.cli import arguments, output, remote
 from service.cli.help import Command
-from service.cli.output import progress_bar
 from service.cli.pages import Page, Section, write_document
 from service.schemas.document import read, renamed
 from service.schemas.exact_json import JsonError, parse_json, plain
@@ -74,15 +73,7 @@ def _run_verify(args: argparse.Namespace) -> int:
     """Run `verify`; returns the exit status."""
     members = {"document": read_document(args.document), "effort": args.effort, **remote.deadline_of(args)}
     question = read(VerificationRequest, members, arguments.source())
-
-    def here() -> dict[str, Any]:
-        with progress_bar(1, "parts") as progress:
-            verification = rpr_solver.verify_document(
-                question.document, effort=question.effort, progress=progress
-            )
-        return {**question.geometry.identity_json(), **verification.to_json()}
-
-    answer = remote.here_or_there(args.url, question, here)
+    answer = remote.answer_of(args.url, question, "parts")
     write_document(answer, _page(answer), args.format)
     return STATUS[answer["outcome"]]
 

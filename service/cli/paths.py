@@ -17,7 +17,6 @@ from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, 
 from service.schemas.document import named
 from service.schemas.lengths import LEGS, split_ends
 from service.schemas.paths import PathRequest
-from worker.answers import paths
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
@@ -59,14 +58,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
-    document = remote.here_or_there(args.url, question, lambda: _path(question))
+    document = remote.answer_of(args.url, question)
     write_document(document, _page(document), args.format, csv=rpr_solver.path_csv)
     return 0
-
-
-def _path(question: PathRequest) -> dict[str, Any]:
-    m, leg = question.geometry, question.fixed_leg
-    return paths.document(m, question.content(), lambda: rpr_solver.eliminate(m, leg))
 
 
 def _question(args: argparse.Namespace) -> PathRequest:

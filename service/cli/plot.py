@@ -5,20 +5,17 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
 
-import rpr_solver
-from rpr_solver import Figure
 from rpr_solver.errors import InputError
 from rpr_solver.notebook.figure import suffix_of
 from rpr_solver.notebook.scene import THEMES
 from service.cli import arguments, output, remote
-from service.cli.help import Command
 from service.cli.output import progress_bar
 from service.schemas.document import named
 from service.schemas.lengths import LEGS
 from service.schemas.plots import PlotRequest
-from worker.answers import pictures, plots
+from worker.answers.plots import PLOTS, figure
+from worker.answers.requests import Store
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
@@ -36,7 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--kind",
         dest="plot",
-        choices=plots.PLOTS,
+        choices=PLOTS,
         default="slice",
         help="what is drawn: a slice in the plane of the free legs (default), the same on the torus of the "
         "angles, the census, the curves of cusps in joint space, a loop in motion, or the mechanism",
@@ -62,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
     question = _question(args)
     with progress_bar(1, "steps") as progress:
         if args.url is None:
-            content = _figure(question, progress).encoded(suffix)
+            content = figure(question.job_request(), Store(), progress).encoded(suffix)
         else:
             content = remote.document_of(args.url, question, progress)["svg"].encode()
     if args.output is None:
@@ -107,32 +104,3 @@ def _question(args: argparse.Namespace) -> PlotRequest:
     }
     names = {"range": option, **{name: f"--{name}" for name in (*LEGS, "cusp", "pose")}}
     return arguments.ask(PlotRequest, args, members, arguments.source(names))
-
-
-def _figure(question: PlotRequest, progress: rpr_solver.Progress) -> Figure:
-    content = question.content()
-    m, leg, digits = question.geometry, content["fixed_leg"], plots.DIGITS
-
-    def census() -> dict[str, Any]:
-        start, stop = question.range.ends
-        return rpr_solver.census(
-            m, fixed_leg=leg, digits=digits, start=start, stop=stop, progress=progress
-        ).to_json()
-
-    def curves() -> dict[str, Any]:
-        whole = rpr_solver.cusp_curves(m, fixed_leg=leg, digits=digits, progress=progress)
-        return whole.part(*question.range.ends, samples=plots.SAMPLES, progress=progress).to_json()
-
-    def slices() -> dict[str, Any]:
-        return rpr_solver.singular_curves(m, content["length"], fixed_leg=leg, digits=digits).to_json()
-
-    def path() -> dict[str, Any]:
-        return rpr_solver.cusp_loop(m, content["length"], content["cusp"], fixed_leg=leg).to_json()
-
-    def poses() -> dict[str, Any]:
-        return rpr_solver.poses(m, content["l1"], content["l2"], content["l3"], digits=digits).to_json()
-
-    return pictures.figure_of(content, pictures.Sources(census, curves, slices, path, poses))
-
-
-COMMANDS = {"plot": Command(DESCRIPTION, EXAMPLES, configure, run)}

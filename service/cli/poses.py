@@ -7,7 +7,6 @@ import argparse
 from collections.abc import Mapping
 from typing import Any
 
-import rpr_solver
 from service.cli import arguments, remote
 from service.cli.help import Command
 from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document
@@ -41,14 +40,9 @@ def run(args: argparse.Namespace) -> int:
     lengths = {name: getattr(args, name) for name in names}
     members = {**lengths, **remote.deadline_of(args)}
     question = arguments.ask(PosesRequest, args, members, arguments.source(names))
-    table = remote.here_or_there(args.url, question, lambda: _table(question))
+    table = remote.answer_of(args.url, question)
     write_document(table, _page(table), args.format)
     return 0
-
-
-def _table(question: PosesRequest) -> dict[str, Any]:
-    legs = question.l1, question.l2, question.l3
-    return rpr_solver.poses(question.geometry, *legs, digits=question.digits).to_json()
 
 
 def _page(table: Mapping[str, Any]) -> Page:

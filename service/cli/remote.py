@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,8 @@ from service.schemas.document import named, part
 from service.schemas.numbers import DeadlineSeconds
 from service.schemas.questions import Question
 from service.schemas.tables import CuspTableRequest
+from worker.answers.requests import Store
+from worker.answers.store import answer
 
 if TYPE_CHECKING:  # httpx is slow to load
     from service.client import ServiceClient
@@ -96,17 +98,21 @@ def document_of(url: str, question: Question, progress: Progress) -> dict[str, A
         return client.ask(Asked.of(question), progress).document
 
 
-def here_or_there(
-    url: str | None, question: Question, compute: Callable[[], dict[str, Any]]
-) -> dict[str, Any]:
+def answer_of(url: str | None, question: Question, steps: str | None = None) -> dict[str, Any]:
     """Returns the answer, which is computed here, or by the service at `--url`.
 
+    `steps`: what the progress counts of an answer that is computed here, if that may take long.
+
     Raises:
+        InputError: the question has no answer.
+        SolverError: it could not be decided.
         ServiceError: the service refused, failed, or cannot be reached.
     """
-    if url is None:
-        return compute()
-    with progress_bar(1, "steps") as progress:
+    if url is None and steps is None:
+        return answer(question.job_request(), Store())
+    with progress_bar(1, "steps" if url is not None else steps or "steps") as progress:
+        if url is None:
+            return answer(question.job_request(), Store(), progress)
         return document_of(url, question, progress)
 
 

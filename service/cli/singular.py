@@ -37,19 +37,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
-    document = remote.here_or_there(args.url, question, lambda: _curves(question))
+    document = remote.answer_of(args.url, question)
     write_document(document, _page(document), args.format, csv=rpr_solver.singular_csv)
     return 0
-
-
-def _curves(question: SingularCurvesRequest) -> dict[str, Any]:
-    return rpr_solver.singular_curves(
-        question.geometry,
-        question.length,
-        fixed_leg=question.fixed_leg,
-        tolerance=question.tolerance,
-        digits=question.digits,
-    ).to_json()
 
 
 def _question(args: argparse.Namespace) -> SingularCurvesRequest:

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, closing
-from fractions import Fraction
 from typing import Any
 
 import rpr_solver
-from rpr_solver.contract import document_head
 from rpr_solver.errors import InputError
 from service.cli import arguments, output, remote
 from service.cli.help import Command
 from service.cli.output import progress_bar
 from service.cli.pages import failures, write_table
 from service.schemas.forms import csv_header, csv_lines, ndjson_line
-from service.schemas.tables import ARTICLE, METHODS, CuspTableRequest
+from service.schemas.tables import METHODS, CuspTableRequest
+from worker.answers import tables
+from worker.answers.requests import Store
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\
@@ -65,7 +65,8 @@ def run(args: argparse.Namespace) -> int:
     with ExitStack() as stack:
         progress = stack.enter_context(progress_bar(count, is_streamed=args.format in STREAMED))
         if args.url is None:
-            head, slices = _solve(question, progress)
+            request = question.job_request()
+            head, slices = tables.head(request), _counted(tables.solved(request, Store()), count, progress)
         elif args.format in STREAMED:
             client = stack.enter_context(remote.client_of(args.url))
             head, coming = remote.slices_of(client, question, progress)
@@ -79,38 +80,14 @@ def run(args: argparse.Namespace) -> int:
     return report(table)
 
 
-def _solve(
-    question: CuspTableRequest, progress: rpr_solver.Progress
-) -> tuple[dict[str, Any], Iterable[dict[str, Any]]]:
-    """Returns the head of the table, and its slices as they are solved."""
-    slices = list(dict.fromkeys(question.slices))
-    manipulator, leg, digits = question.geometry, question.fixed_leg, question.digits
-    by_article = question.method == ARTICLE
-
-    def solver() -> Callable[[Fraction], dict[str, Any]]:
-        if by_article:
-            return lambda x: _by_article(manipulator, [x], digits)["slices"][0]
-        from rpr_solver.slices.answers import SliceAnswers  # a start is to be quick
-
-        return SliceAnswers(rpr_solver.eliminate(manipulator, leg), slices, digits, question.certificate)
-
-    def solved() -> Iterator[dict[str, Any]]:
-        solve = solver()
-        for done, length in enumerate(slices):
-            progress(done, len(slices))
-            yield solve(length)
-        progress(len(slices), len(slices))
-
-    head = _by_article(manipulator, [], digits) if by_article else document_head(manipulator, digits, leg)
-    return head, solved()
-
-
-def _by_article(
-    manipulator: rpr_solver.Manipulator, slices: Sequence[Fraction], digits: int
-) -> dict[str, Any]:
-    from rpr_solver.article.audit import article_document  # few ask for it, and a start is to be quick
-
-    return article_document(manipulator, slices, digits)
+def _counted(
+    slices: Iterable[dict[str, Any]], count: int, progress: rpr_solver.Progress
+) -> Iterator[dict[str, Any]]:
+    """Yields slices as they are solved."""
+    progress(0, count)
+    for done, part in enumerate(slices, 1):
+        yield part
+        progress(done, count)
 
 
 def _printed(

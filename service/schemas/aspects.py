@@ -13,7 +13,7 @@ from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, digits_field
 from service.schemas.points import ClosedRange, DocumentHead
 from service.schemas.questions import Examples, Question
-from worker.answers import aspects
+from worker.answers.documents import ASPECTS
 from worker.answers.requests import Kind
 
 
@@ -21,7 +21,7 @@ class RangeAspectsRequest(Question):
     """A manipulator, and the range within which the length of one leg may vary."""
 
     expected: ClassVar[str] = "send an object with geometry"
-    kinds: ClassVar[Sequence[Kind]] = (aspects.KIND,)
+    kinds: ClassVar[Sequence[Kind]] = (ASPECTS,)
     examples: ClassVar[Examples] = {
         "range": ("Leg 1 between 27 and 30", {"range": {"from": 27, "to": 30}}),
         "whole": ("Any length of leg 1", {}),

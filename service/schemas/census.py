@@ -22,7 +22,7 @@ from service.schemas.points import (
     optional,
 )
 from service.schemas.questions import Examples, Question
-from worker.answers import censuses, certified
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
 from worker.answers.requests import Kind
 
 
@@ -30,7 +30,7 @@ class CensusRequest(Question):
     """A manipulator, the fixed leg, and the range of its lengths."""
 
     expected: ClassVar[str] = "send an object with geometry"
-    kinds: ClassVar[Sequence[Kind]] = (censuses.KIND, certified.CENSUS)
+    kinds: ClassVar[Sequence[Kind]] = (CENSUS, CERTIFIED_CENSUS)
     examples: ClassVar[Examples] = {
         "whole": ("The article's first manipulator, all lengths", {"digits": 30}),
         "range": (
@@ -57,7 +57,7 @@ class CensusRequest(Question):
     @property
     def kind(self) -> Kind:
         """The kind of the document; one with a full certificate is kept by itself."""
-        return certified.CENSUS if self.certificate == FULL else censuses.KIND
+        return CERTIFIED_CENSUS if self.certificate == FULL else CENSUS
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""

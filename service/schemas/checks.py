@@ -15,7 +15,7 @@ from service.schemas.model import Model
 from service.schemas.numbers import Count, Digits, FixedLeg, digits_field
 from service.schemas.points import DEGENERATE, Cusp, Degeneracy, FixedLength, GeometryText, Interval
 from service.schemas.questions import Examples, Question
-from worker.answers import checks
+from worker.answers.censuses import CHECK
 from worker.answers.requests import Kind
 
 # As a condition, since generators of clients drop the members beside an `anyOf`.
@@ -66,7 +66,7 @@ class CheckRequest(Question):
     """A manipulator and the requirement to check."""
 
     expected: ClassVar[str] = "send an object with geometry and requirement"
-    kinds: ClassVar[Sequence[Kind]] = (checks.KIND,)
+    kinds: ClassVar[Sequence[Kind]] = (CHECK,)
     examples: ClassVar[Examples] = {
         "at_most": (
             "At most eight cusps for L1 between 28 and 31",

@@ -31,7 +31,7 @@ from service.schemas.points import (
     optional,
 )
 from service.schemas.questions import Examples, Question
-from worker.answers import certified, curves
+from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.requests import Kind
 
 
@@ -43,7 +43,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     """
 
     expected: ClassVar[str] = "send an object with geometry"
-    kinds: ClassVar[Sequence[Kind]] = (curves.KIND, certified.CURVES)
+    kinds: ClassVar[Sequence[Kind]] = (CUSP_CURVES, CERTIFIED_CURVES)
     needs_slices: ClassVar[bool] = False
     examples: ClassVar[Examples] = {
         "scan": (
@@ -98,7 +98,7 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     @property
     def kind(self) -> Kind:
         """The kind of the document; one with a full certificate is kept by itself."""
-        return certified.CURVES if self.certificate == FULL else curves.KIND
+        return CERTIFIED_CURVES if self.certificate == FULL else CUSP_CURVES
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""

@@ -37,7 +37,7 @@ from service.schemas.numbers import (
 )
 from service.schemas.points import ClosedRange, Decimal, DocumentHead, optional
 from service.schemas.questions import Examples
-from worker.answers import paths
+from worker.answers.paths import PATH, USUAL
 from worker.answers.requests import Kind
 
 _LAST = letter(MOST_CUSPS)
@@ -116,7 +116,7 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     model_config = ConfigDict(json_schema_extra=_LOOP_OR_POSES)
 
     expected: ClassVar[str] = "send an object with geometry and l1"
-    kinds: ClassVar[Sequence[Kind]] = (paths.KIND,)
+    kinds: ClassVar[Sequence[Kind]] = (PATH,)
     needs_slices: ClassVar[bool] = True
     hint_of_slices: ClassVar[str] = "give a number"
     examples: ClassVar[Examples] = {
@@ -156,19 +156,19 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     )
     cusp: CuspNumber = cusp_field()
     samples: Annotated[int, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = Field(
-        default=paths.USUAL["samples"], description="The number of samples, the ends included."
+        default=USUAL["samples"], description="The number of samples, the ends included."
     )
     timing: Literal["cosine", "trapezoid", "constant"] = Field(
-        default=paths.USUAL["timing"],
+        default=USUAL["timing"],
         description="The law of time over the arc length in joint space: the speed rises and falls as half a "
         "sine wave, or rises for a third of the time, stays, and falls for a third, or is constant.",
     )
     others: Annotated[bool, PlainValidator(_yes_or_no, json_schema_input_type=bool)] = Field(
-        default=paths.USUAL["others"],
+        default=USUAL["others"],
         description="Whether the other poses of the joint vector are followed too, as far as they live.",
     )
     duration: Annotated[Fraction, PlainValidator(_duration, json_schema_input_type=Length)] = Field(
-        default=Fraction(paths.USUAL["duration"]), description="The time of the last sample; > 0."
+        default=Fraction(USUAL["duration"]), description="The time of the last sample; > 0."
     )
     digits: Digits = digits_field(PATH_DIGITS)
 

@@ -15,7 +15,7 @@ from service.schemas.numbers import FixedLeg, Length, PoseNumber, fixed_leg_fiel
 from service.schemas.paths import CuspNumber, cusp_field
 from service.schemas.points import DocumentHead
 from service.schemas.questions import Examples
-from worker.answers import plots
+from worker.answers.plots import DIGITS, PLOT
 from worker.answers.requests import Kind
 
 _ONE_SLICE = ("slice", "torus", "loop")
@@ -54,7 +54,7 @@ class PlotRequest(OneSlice):
     model_config = ConfigDict(json_schema_extra=_SCHEMA)
 
     expected: ClassVar[str] = "send an object with geometry, and l1 for a slice"
-    kinds: ClassVar[Sequence[Kind]] = (plots.KIND,)
+    kinds: ClassVar[Sequence[Kind]] = (PLOT,)
     examples: ClassVar[Examples] = {
         "slice": ("The article's figure 4", {"l1": 27}),
         "census": ("The number of cusps against L1", {"plot": "census"}),
@@ -120,7 +120,7 @@ class PlotRequest(OneSlice):
             "plot": self.plot,
             "theme": self.theme,
             "fixed_leg": 1 if self._has_legs else self.fixed_leg,
-            "digits": plots.DIGITS,
+            "digits": DIGITS,
         }
         if self.plot in _ALL_SLICES:
             return {**head, "range": self.model_dump(include={"range"})["range"]}

@@ -11,7 +11,7 @@ from service.schemas.model import Model
 from service.schemas.numbers import Digits, Length, digits_field
 from service.schemas.points import Decimal, GeometryText, optional
 from service.schemas.questions import Examples, Question
-from worker.answers import poses
+from worker.answers.documents import POSES
 from worker.answers.requests import Kind
 
 
@@ -19,7 +19,7 @@ class PosesRequest(Question):
     """A manipulator and the lengths of its legs."""
 
     expected: ClassVar[str] = "send an object with geometry, l1, l2 and l3"
-    kinds: ClassVar[Sequence[Kind]] = (poses.KIND,)
+    kinds: ClassVar[Sequence[Kind]] = (POSES,)
     examples: ClassVar[Examples] = {
         "legs": (
             "The article's first manipulator with three given legs",

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 from rpr_solver.errors import FieldProblem
 from service.schemas.limits import LimitError, Limits
-from worker.answers import plots, verifications
-from worker.answers.cost import seconds
+from worker.answers.cost import Sizes
+from worker.answers.documents import VERIFICATION
+from worker.answers.plots import PLOT
 from worker.answers.requests import JobRequest
-from worker.answers.sizes import Sizes, sizes
 
 _SHORT = 40
 """Bits of numbers that are not worth shortening."""
@@ -21,13 +21,13 @@ def check_price(request: JobRequest, limits: Limits) -> None:
     Raises:
         LimitError: naming what to reduce: whatever suffices alone, or else what saves most.
     """
-    size = sizes(request)
-    price = seconds(request.kind, size)
+    size = request.sizes
+    price = request.kind.seconds(size)
     limit = limits.max_cost_seconds
     if price <= limit:
         return
     ways = _ways(request, size)
-    prices = {field: seconds(request.kind, smaller) for field, (smaller, _) in ways.items()}
+    prices = {field: request.kind.seconds(smaller) for field, (smaller, _) in ways.items()}
     enough = [field for field in ways if prices[field] <= limit] or [min(prices, key=prices.__getitem__)]
     cost = f"would take about {_rounded(price)} s of one core; the limit max_cost_seconds is {limit}"
     problems = [FieldProblem(field, f"{cost}; {ways[field][1]}") for field in enough]
@@ -46,11 +46,11 @@ def _ways(request: JobRequest, size: Sizes) -> dict[str, tuple[Sizes, str]]:
         "geometry": (plain, f"shorten its numbers: {long}{shape}"),
         "digits": (replace(size, digits=15), f"ask for fewer than {size.digits} digits"),
     }
-    if request.kind is verifications.KIND:
+    if request.kind is VERIFICATION:
         part = replace(size, count=1, objects=0, lengths=min(size.lengths, _SHORT))
         has = f"its numbers have up to {_digits(size.lengths)} digits, and {size.objects} objects are listed"
         ways["document"] = (part, f"verify a part of it: {has}")
-    elif size.count > 1 and request.kind is not plots.KIND:
+    elif size.count > 1 and request.kind is not PLOT:
         listed = isinstance(content.get("l1"), list) or content.get("lengths")
         leg = f"l{content.get('fixed_leg', 1)}" if listed else "samples"
         ways[leg] = (replace(size, count=1), f"ask for fewer than {size.count}")

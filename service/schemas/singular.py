@@ -17,7 +17,7 @@ from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, Length, digits_field, exact_number, fixed_leg_field
 from service.schemas.points import DocumentHead, FixedLength, Point, optional
 from service.schemas.questions import Examples
-from worker.answers import singular
+from worker.answers.documents import SINGULAR_CURVES
 from worker.answers.requests import Kind
 
 
@@ -39,7 +39,7 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     model_config = ConfigDict(json_schema_extra=NEEDED)
 
     expected: ClassVar[str] = "send an object with geometry and l1"
-    kinds: ClassVar[Sequence[Kind]] = (singular.KIND,)
+    kinds: ClassVar[Sequence[Kind]] = (SINGULAR_CURVES,)
     needs_slices: ClassVar[bool] = True
     hint_of_slices: ClassVar[str] = "give a number"
     examples: ClassVar[Examples] = {

@@ -18,8 +18,8 @@ from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
 from service.schemas.points import Cusp, DocumentHead, FixedLength, Point, optional
 from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
-from worker.answers import article, certified, tables
 from worker.answers.requests import Kind
+from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
 
 ARTICLE = "article"
 METHODS = ("fast", ARTICLE)
@@ -38,7 +38,7 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     model_config = ConfigDict(json_schema_extra=NEEDED)
 
     expected: ClassVar[str] = "send an object with geometry and l1"
-    kinds: ClassVar[Sequence[Kind]] = (tables.KIND, article.KIND, certified.KIND)
+    kinds: ClassVar[Sequence[Kind]] = (CUSP_TABLE, ARTICLE_TABLE, CERTIFIED_TABLE)
     needs_slices: ClassVar[bool] = True
     examples: ClassVar[Examples] = {
         "slice": ("The article's first manipulator, one slice", {"l1": 14.98}),
@@ -114,8 +114,8 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
     def kind(self) -> Kind:
         """The kind of the document; the article's algorithm and full certificates have one each."""
         if self.method == ARTICLE:
-            return article.KIND
-        return certified.KIND if self.certificate == FULL else tables.KIND
+            return ARTICLE_TABLE
+        return CERTIFIED_TABLE if self.certificate == FULL else CUSP_TABLE
 
     def _asked(self) -> dict[str, Any]:
         content = self.content()

@@ -16,7 +16,7 @@ from service.schemas.exact_json import json_kind, plain
 from service.schemas.numbers import whole_from
 from service.schemas.points import GeometryText, optional
 from service.schemas.questions import Examples, GeometryField, Question
-from worker.answers import verifications
+from worker.answers.documents import VERIFICATION
 from worker.answers.requests import Kind
 
 _EXAMPLE: dict[str, Any] = {
@@ -55,7 +55,7 @@ class VerificationRequest(Question):
     """A document to verify, as this service or the command line gave it."""
 
     expected: ClassVar[str] = "send an object with document"
-    kinds: ClassVar[Sequence[Kind]] = (verifications.KIND,)
+    kinds: ClassVar[Sequence[Kind]] = (VERIFICATION,)
     examples: ClassVar[Examples] = {"table": ("A table without cusps", {"document": _EXAMPLE})}
     names_geometry: ClassVar[bool] = False
 

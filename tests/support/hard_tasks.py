@@ -12,7 +12,8 @@ from typing import Any
 import flint
 
 import rpr_solver
-from worker.answers import items
+from worker.answers import store, tables
+from worker.answers.store import ResultStore
 from worker.process import tasks
 
 # A proof that this is a prime takes minutes, in one C call that holds the interpreter's lock.
@@ -60,7 +61,7 @@ def broken(**chunk: Any) -> None:
     def fail(*_: Any) -> None:
         raise ZeroDivisionError
 
-    tasks.eliminant_of = tasks.compute = fail  # type: ignore[assignment]
+    ResultStore.eliminant = store.compute = fail  # type: ignore[method-assign]
     tasks.run_chunk(**chunk)
 
 
@@ -130,8 +131,11 @@ def _run(act: Callable[..., object], chunk: dict[str, Any], only_slice: str = ""
         act(*([progress] if inspect.signature(act).parameters else []))
         return {"pid": os.getpid()}
 
-    for module in (tasks, items):
-        module.SliceSolver = lambda *_: solve  # type: ignore[attr-defined]
-        module.compute = compute  # type: ignore[attr-defined]
-        module.eliminant_of = lambda *_: None  # type: ignore[attr-defined]
+    def solver(_request: object, _parts: object, eliminant: Callable[[], object]) -> Any:
+        eliminant()
+        return solve
+
+    tables.slice_solver = solver
+    store.compute = compute
+    ResultStore.eliminant = lambda *_: None  # type: ignore[assignment, method-assign, return-value]
     tasks.run_chunk(**chunk)

@@ -7,11 +7,12 @@ from typing import Any
 
 from rpr_solver import EXAMPLES
 from tests.support.processes import until
-from worker.answers import curves, poses, tables
-from worker.answers.batches import new_batch
-from worker.answers.items import Item
+from worker.answers.curves import CUSP_CURVES
+from worker.answers.documents import POSES
+from worker.answers.items import Item, new_batch
 from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.answers.stored_tables import StoredTable
+from worker.answers.tables import CUSP_TABLE
 from worker.jobs.batches import Batches, StoredItem
 from worker.jobs.queue import JobQueue
 from worker.jobs.views import JobView
@@ -20,7 +21,7 @@ from worker.jobs.views import JobView
 def a_request(*l1: str, digits: int = 30, fixed_leg: int = 1) -> JobRequest:
     geometry = EXAMPLES["innocenti"].to_json()
     content = {"geometry": geometry, "fixed_leg": fixed_leg, "digits": digits, "l1": list(l1)}
-    return JobRequest(tables.KIND, content)
+    return JobRequest(CUSP_TABLE, content)
 
 
 def a_document() -> JobRequest:
@@ -29,12 +30,12 @@ def a_document() -> JobRequest:
 
 def a_pose_table(l1: str) -> JobRequest:
     content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": l1, "l2": "15", "l3": "30"}
-    return JobRequest(poses.KIND, {**content, "digits": 20})
+    return JobRequest(POSES, {**content, "digits": 20})
 
 
 def a_heavy_document(digits: int = 30) -> JobRequest:
     content = {"geometry": EXAMPLES["innocenti"].to_json(), "fixed_leg": 1, "digits": digits}
-    return JobRequest(curves.KIND, {**content, "range": ALL_LENGTHS, "lengths": [], "samples": None})
+    return JobRequest(CUSP_CURVES, {**content, "range": ALL_LENGTHS, "lengths": [], "samples": None})
 
 
 def table_of(queue: JobQueue, job_id: str) -> dict[str, Any]:

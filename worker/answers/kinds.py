@@ -91,6 +91,15 @@ def missing_parts(request: JobRequest, store: ResultStore) -> Sequence[str]:
     return () if store.renew_document(request) else request.parts
 
 
+def kind_named(name: str) -> Kind:
+    """Returns a kind of jobs, of documents or of batches.
+
+    Raises:
+        KeyError: there is none of this name.
+    """
+    return {kind.name: kind for kind in (*KINDS, BATCH)}[name]
+
+
 def kind_of_job(job_id: str) -> Kind | None:
     """Returns what a job computes, a kind of document or a batch, or None if the id is not a job's."""
     return next((kind for kind in (*KINDS, BATCH) if job_id.startswith(kind.prefix)), None)
@@ -105,7 +114,6 @@ def request_from_json(text: str | bytes, version: str = SOLVER_VERSION) -> JobRe
     """The inverse of :meth:`JobRequest.to_json`; it also reads the records of tables of version 0.1.0."""
     record = json.loads(text)
     if "kind" in record:
-        kinds = {kind.name: kind for kind in (*KINDS, BATCH)}
-        return JobRequest(kinds[record["kind"]], record["content"], version)
+        return JobRequest(kind_named(record["kind"]), record["content"], version)
     content = {key: record[key] for key in ("geometry", "fixed_leg", "digits", "l1")}
     return JobRequest(CUSP_TABLE, content, version)

@@ -303,7 +303,7 @@ def answer(
     request: JobRequest,
     store: Store,
     progress: Progress = silent,
-    keep: Callable[[JobRequest, Document], None] | None = None,
+    keep: Callable[[JobRequest, Document], object] | None = None,
     *,
     is_unknown: bool = False,
 ) -> Document:

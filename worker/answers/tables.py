@@ -68,7 +68,7 @@ def slice_solver(
 ) -> Solve:
     """Returns what solves slices of one table; together those of `parts` cost less than one by one."""
     if request.kind is ARTICLE_TABLE:
-        return lambda l1: _by_article(request, [l1])["slices"][0]  # type: ignore[no-any-return]
+        return lambda l1: _by_article(request, [l1])["slices"][0]
     from rpr_solver.slices.answers import SliceAnswers  # a start is to be quick
 
     certificate = FULL if request.kind is CERTIFIED_TABLE else SHORT
@@ -81,7 +81,7 @@ def slice_solver(
             if isinstance(error, MemoryError) or not request.kind.by_slices:
                 raise
             log.exception("slice l1=%s of %s failed", l1, request.geometry_hash)
-            return rpr_solver.slice_error_json(Fraction(l1), request.fixed_leg, "internal-error", INTERNAL)
+            return slice_error(request, l1, "internal-error", INTERNAL)
 
     return solve
 
@@ -108,6 +108,11 @@ def _by_article(request: JobRequest, l1: Sequence[str]) -> Document:
     from rpr_solver.article.audit import article_document  # by those who compute: a service starts sooner
 
     return article_document(request.manipulator, [Fraction(x) for x in l1], request.digits)
+
+
+def slice_error(request: JobRequest, l1: str, kind: str, detail: str) -> SliceJson:
+    """A slice that has no answer."""
+    return rpr_solver.slice_error_json(Fraction(l1), request.fixed_leg, kind, detail)
 
 
 def look_up(request: JobRequest, store: ResultStore) -> tuple[list[str], dict[str, SliceJson]]:

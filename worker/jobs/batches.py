@@ -14,8 +14,7 @@ from typing import Literal, cast
 
 from redis import Redis
 
-from worker.answers.batches import batch_request
-from worker.answers.items import Item, Outcome, item_from_json, outcome_from_json
+from worker.answers.items import Item, Outcome, batch_request, item_from_json, outcome_from_json
 from worker.jobs import scripts
 from worker.jobs.attempts import Chunk, ChunkRef
 from worker.jobs.chunks import ChunkQueue

@@ -16,7 +16,7 @@ from typing import cast
 
 from redis import Redis
 
-from worker.answers.keys import UNNAMED
+from worker.answers.layout import UNNAMED
 from worker.jobs import scripts
 from worker.jobs.keys import Keys
 from worker.settings import WorkerSettings

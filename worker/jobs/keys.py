@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from rpr_solver import SOLVER_VERSION
-from worker.answers.keys import kind_of
+from worker.answers.layout import kind_of
 from worker.settings import WorkerSettings
 
 

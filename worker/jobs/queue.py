@@ -14,7 +14,6 @@ from typing import cast
 from redis import Redis
 from redis.exceptions import RedisError
 
-from worker.answers.cost import cost
 from worker.answers.kinds import Answer, as_kept, known_answer, missing_parts, request_from_json
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
@@ -119,7 +118,7 @@ class JobQueue:
 
     def plan(self, request: JobRequest, parts: int) -> Plan:
         """Returns the lane and the chunks of a job that computes so many parts of a request."""
-        whole = cost(request)
+        whole = request.kind.cost_of(request.sizes)
         is_long = request.kind.by_slices and whole.once > self.settings.chunk_seconds
         if is_long and self.store.has_eliminant(request):
             whole = replace(whole, once=0.0)

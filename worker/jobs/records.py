@@ -14,13 +14,12 @@ from redis.commands.core import Script
 from rq.job import Job
 
 from worker import tracing
-from worker.answers import tables
-from worker.answers.keys import ResultKeys
 from worker.answers.kinds import as_kept, kind_of_job, request_from_json
-from worker.answers.packed import unpack
+from worker.answers.layout import ResultKeys, unpack
 from worker.answers.requests import JobRequest
 from worker.answers.store import dump, told
 from worker.answers.stored_tables import in_groups
+from worker.answers.tables import slice_error
 from worker.jobs import scripts
 from worker.jobs.announcements import VIEW_FIELDS
 from worker.jobs.attempts import Chunk, ChunkEntry, ChunkRef, Estimate, Lost, chunk_of, entry_of
@@ -222,7 +221,7 @@ class JobRecords:
         if current is None or current[0].state != "solving":
             return False
         entry, chunk = current
-        error = tables.error(chunk.request, chunk.parts[entry.offset], kind, detail)
+        error = slice_error(chunk.request, chunk.parts[entry.offset], kind, detail)
         self.put_slices(ref, chunk, entry.offset, [error])
         return True
 

@@ -6,7 +6,7 @@ from typing import cast
 
 from redis import Redis
 
-from worker.answers.keys import UNNAMED, ResultKeys
+from worker.answers.layout import UNNAMED, ResultKeys
 from worker.jobs.keys import Keys
 from worker.settings import WorkerSettings
 

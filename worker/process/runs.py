@@ -17,8 +17,8 @@ from typing import Any
 
 from redis.exceptions import RedisError
 
-from worker.answers import tables
 from worker.answers.kinds import is_batch, kind_of_job
+from worker.answers.tables import CUSP_TABLE
 from worker.jobs.attempts import ChunkRef, Estimate
 from worker.jobs.chunks import ChunkQueue
 from worker.jobs.interruption import fail, give_up, place, run_again
@@ -158,7 +158,7 @@ class Runs:
             self._alarm.set()
         self.running.append(Run(ref, horse, time.monotonic(), before, processor_seconds(horse.pid)))
         horse.run(Task(ref.rq_id, function, arguments))
-        self._has_had_tables = self._has_had_tables or kind_of_job(ref.job_id) is tables.KIND
+        self._has_had_tables = self._has_had_tables or kind_of_job(ref.job_id) is CUSP_TABLE
 
     def next_look(self, next_beat: float) -> float:
         """Returns when to attend to the chunks again, unless something happens before."""

@@ -8,21 +8,18 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from redis import Redis
 from redis.exceptions import RedisError
 
+from rpr_solver import Eliminant
 from rpr_solver.contract import Progress
 from rpr_solver.errors import InputError, SolverError
 from worker import tracing
 from worker.answers.items import ItemSolver, Outcome
-from worker.answers.kinds import compute, known_document
-from worker.answers.requests import JobRequest
-from worker.answers.single_flight import single_flight
-from worker.answers.store import ResultStore, SliceJson
-from worker.answers.stored_tables import in_groups
-from worker.answers.tables import INTERNAL, Group, SliceSolver, eliminant_of
+from worker.answers.requests import Document, JobRequest, SliceJson
+from worker.answers.store import ResultStore, answer
+from worker.answers.tables import INTERNAL, Group, solved
 from worker.jobs.attempts import Chunk, ChunkRef
 from worker.jobs.batches import Batches, ItemsLostError
 from worker.jobs.chunks import ChunkQueue
@@ -155,24 +152,23 @@ def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: Resul
 
 def _slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> Iterator[SliceJson]:
     """Yields the slices of a chunk that are not done, each solved unless it is known."""
-    solve: SliceSolver | None = None
     left = chunk.parts[chunk.offset :]
-    for some in in_groups(left):
-        known = store.get_slices(chunk.request, some)
-        for l1 in some:
-            if l1 in known:
-                yield known[l1]
-                continue
-            if solve is None:
-                with tracing.span("elimination"):
-                    eliminant = eliminant_of(chunk.request, store)
-                if not records.begin_slices(ref, one_by_one=chunk.has_losses):
-                    raise AttemptOver
-                _expected.add(len(left))
-                solve = SliceSolver(eliminant, chunk.request, left)
-            with tracing.span("slice", attributes={"l1": l1}):
-                value = solve(l1)
-            yield value
+
+    def eliminant() -> Eliminant:
+        with tracing.span("elimination"):
+            eliminant = store.eliminant(chunk.request)
+        if not records.begin_slices(ref, one_by_one=chunk.has_losses):
+            raise AttemptOver
+        _expected.add(len(left))
+        return eliminant
+
+    return solved(
+        chunk.request,
+        store,
+        left,
+        eliminant=eliminant,
+        during=lambda l1: tracing.span("slice", attributes={"l1": l1}),
+    )
 
 
 def _answer_items(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> bool:
@@ -216,22 +212,11 @@ def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: R
         if not records.put_progress(ref, done, total):
             raise AttemptOver
 
-    def kept(document: dict[str, Any]) -> dict[str, Any]:
+    def keep(request: JobRequest, document: Document) -> None:
         records.put_document(ref, request, document)
-        return document
 
-    def known() -> dict[str, Any] | None:
-        document = known_document(request, store)
-        return None if document is None else kept(document)
-
-    progress = Throttle(tell)
     with tracing.span(request.kind.name):  # or it waits for the worker that does so for a batch
-        single_flight(
-            known,
-            lambda: store.answer_lock(request),
-            lambda: kept(compute(request, store, progress)),
-            is_unknown=True,  # when the job was made
-        )
+        answer(request, store, Throttle(tell), keep, is_unknown=True)  # it was, when the job was made
     return True
 
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 from service.api.access.caller import Caller, check_scope
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.limits import LimitError, Limits
-from worker.answers.cost import seconds
 from worker.answers.requests import JobRequest
-from worker.answers.sizes import sizes
 from worker.jobs.quotas import Quota, QuotaError, Quotas
 
 _RETRY_S = 5
@@ -21,7 +19,7 @@ def admit(caller: Caller | None, request: JobRequest, quotas: Quotas, limits: Li
         LimitError: it is more than is ever kept.
     """
     if caller is not None and caller.is_limited:
-        work = seconds(request.kind, sizes(request))
+        work = request.kind.seconds(request.sizes)
         admit_work(caller, request.job_id, work, len(request.to_json()), quotas, limits)
 
 

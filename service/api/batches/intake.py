@@ -22,8 +22,7 @@ from service.api.context import Context
 from service.api.jobs.callbacks import allowed_url, call_back
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.limits import LimitError, Limits
-from worker.answers.batches import batch_request, new_batch
-from worker.answers.cost import seconds_after
+from worker.answers.items import batch_request, new_batch, seconds_after
 from worker.jobs.batches import INTAKE_TTL, Batches, ItemsLostError
 from worker.jobs.kept import Bytes
 from worker.jobs.quotas import Quotas

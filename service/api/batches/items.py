@@ -7,7 +7,6 @@ import difflib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rpr_solver.contract import FULL
 from rpr_solver.errors import InputError
 from service.api.answers.request_body import json_of
 from service.api.batches.bodies import Lines
@@ -20,9 +19,12 @@ from service.schemas.lengths import LEGS
 from service.schemas.limits import Limits
 from service.schemas.price import check_price
 from service.schemas.questions import Question
-from worker.answers import article, certified, checks, curves, tables
+from worker.answers.censuses import CHECK
+from worker.answers.curves import CUSP_CURVES
 from worker.answers.items import Item
+from worker.answers.kinds import kind_named
 from worker.answers.requests import JobRequest
+from worker.answers.tables import ARTICLE_TABLE, CUSP_TABLE
 
 GEOMETRY = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
 ENDS = ("from", "to", "step")
@@ -41,8 +43,8 @@ _SEPARATORS = (",", ";", "\t")
 _WORDS = ("id", "kind", "orientation", "method", "plot", "theme", "cusp", "degenerate")
 """Columns whose cells are no numbers."""
 
-_BY_SLICES = (tables.KIND.name, article.KIND.name)
-_WITH_LENGTHS = (*_BY_SLICES, curves.KIND.name)
+_BY_SLICES = (CUSP_TABLE.name, ARTICLE_TABLE.name)
+_WITH_LENGTHS = (*_BY_SLICES, CUSP_CURVES.name)
 
 
 class Rows:
@@ -107,7 +109,7 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
     {'from': '1', 'to': '3', 'step': '1'}
     """
     cells = dict(row)
-    kind = cells.pop("kind", tables.KIND.name)
+    kind = cells.pop("kind", CUSP_TABLE.name)
     name = {"id": cells.pop("id")} if "id" in cells else {}
     request: dict[str, Any] = {"geometry": {x: cells.pop(x) for x in GEOMETRY if x in cells}}
     for leg in LEGS:
@@ -118,7 +120,7 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
             lengths = cells.pop(leg)
             request[leg] = lengths.split(";") if kind in _WITH_LENGTHS else lengths
     request |= {x: JsonNumber(cells.pop(x)) for x in _NUMBERS if x in cells}
-    if kind == checks.KIND.name:
+    if kind == CHECK.name:
         parts = ("fixed_leg", "range")
         requirement = {x: request.pop(x) for x in parts if x in request}
         requirement |= {x: cells.pop(x) for x in _REQUIREMENT if x in cells}
@@ -150,7 +152,6 @@ def _invalid(detail: str) -> ProblemError:
 _QUESTIONS: Mapping[str, type[Question]] = {
     kind.name: operation.question for operation in OPERATIONS for kind in operation.question.kinds
 }
-_CERTIFIED = tuple(kind.name for kind in certified.KINDS)
 
 
 def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> Item:
@@ -179,16 +180,14 @@ def _job_request(item: BatchItem, limits: Limits) -> JobRequest:
         raise InputError.of("request.deadline_s", "is not for items; leave it out")
     if sent.pop("callback_url", None) is not None:
         raise InputError.of("request.callback_url", "is not for items; give it with the batch")
-    if item.kind == article.KIND.name:
-        sent.setdefault("method", "article")
-    if item.kind in _CERTIFIED:
-        sent.setdefault("certificate", FULL)
+    implied = kind_named(item.kind).implied
+    if implied is not None:
+        sent.setdefault(*implied)
     try:
         question = _QUESTIONS[item.kind]
         request = part(question.model_validate, sent, Source(limits)).job_request()
-        if item.kind not in (request.kind.name, question.kinds[0].name):
-            field = "certificate" if item.kind in _CERTIFIED else "method"
-            raise InputError.of(field, f"does not fit an item of the kind {item.kind}")
+        if implied is not None and item.kind != request.kind.name:
+            raise InputError.of(implied[0], f"does not fit an item of the kind {item.kind}")
         check_price(request, limits)
     except InputError as error:
         raise at(error, "request") from None

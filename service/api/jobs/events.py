@@ -22,9 +22,9 @@ from service.api.jobs.views import batch_json, job_json, state_then
 from service.api.prefix import here
 from service.api.settings import Settings
 from service.api.threads import RedisAccess, Refusals
-from worker.answers import tables
 from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.store import dump
+from worker.answers.tables import CUSP_TABLE
 from worker.connection import password
 from worker.jobs.queue import JobQueue
 from worker.jobs.views import JobView
@@ -134,7 +134,7 @@ class JobEvents:
         It ends early if Redis fails; a client that reconnects resumes it.
         """
         try:
-            if with_known and kind_of_job(view.id) is tables.KIND:
+            if with_known and kind_of_job(view.id) is CUSP_TABLE:
                 async for part in self._known_before(view):
                     yield part
             async with aclosing(self._follow(view, last_id)) as parts:

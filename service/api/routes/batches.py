@@ -27,7 +27,7 @@ from service.api.routes.shared import (
     follow,
     list_response,
 )
-from worker.answers.batches import KIND
+from worker.answers.kinds import BATCH
 from worker.jobs.subscriptions import Subscriber
 from worker.jobs.views import JobView
 
@@ -78,7 +78,7 @@ async def post_batch(request: Request, context: ContextDep, callback_url: Callba
     """
     negotiate(request.headers.getlist("accept"), (JSON,))
     view, who = await accept_batch(request, context, callback_url or None)
-    context.metrics.count_answer(KIND.name, "job")
+    context.metrics.count_answer(BATCH.name, "job")
     return _response(context, await context.redis(context.queue.placed, view), who)
 
 

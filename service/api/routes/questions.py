@@ -22,7 +22,7 @@ from service.schemas.lengths import LEGS
 from service.schemas.limits import MAX_DIGITS, MIN_DIGITS
 from service.schemas.numbers import FIXED_LEGS, NUMBER_PATTERN, POSITIVE_PATTERN, list_pattern
 from service.schemas.tables import METHODS
-from worker.answers import plots
+from worker.answers.plots import PLOTS
 
 
 class PlainRoute(APIRoute):
@@ -93,7 +93,7 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
         "Significant digits of every number in the answer.",
         {"type": "integer", "minimum": MIN_DIGITS, "maximum": MAX_DIGITS},
     ),
-    "plot": ("What is drawn; a slice if missing.", {"type": "string", "enum": list(plots.PLOTS)}),
+    "plot": ("What is drawn; a slice if missing.", {"type": "string", "enum": list(PLOTS)}),
     "theme": ("`auto`, as the reader's setting, if missing.", {"type": "string", "enum": list(THEMES)}),
     "cusp": (
         "Of a loop, or of the mechanism: the number or the letter of a cusp.",

@@ -11,10 +11,9 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, Manipulator
-from worker.answers import censuses
-from worker.answers.kinds import compute, known_document
+from worker.answers.censuses import CENSUS
 from worker.answers.requests import JobRequest
-from worker.answers.store import ResultStore
+from worker.answers.store import ResultStore, compute, known_document
 from worker.settings import WorkerSettings
 
 MANIPULATOR = EXAMPLES["zein-flat"]
@@ -59,7 +58,7 @@ def request(
     fixed_leg: int = 1,
 ) -> JobRequest:
     content = {"geometry": manipulator.to_json(), "fixed_leg": fixed_leg, "digits": digits}
-    return JobRequest(censuses.KIND, {**content, "range": {"from": start, "to": stop}})
+    return JobRequest(CENSUS, {**content, "range": {"from": start, "to": stop}})
 
 
 def get(request_: JobRequest, store: ResultStore) -> dict[str, Any]:

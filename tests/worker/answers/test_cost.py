@@ -7,24 +7,16 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, Requirement
-from worker.answers import (
-    article,
-    aspects,
-    censuses,
-    certified,
-    checks,
-    curves,
-    paths,
-    plots,
-    poses,
-    singular,
-    tables,
-    verifications,
-)
-from worker.answers.cost import cost, seconds, seconds_after
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
+from worker.answers.cost import Cost, Sizes
+from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
+from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
+from worker.answers.items import seconds_after
 from worker.answers.kinds import KINDS
+from worker.answers.paths import PATH
+from worker.answers.plots import PLOT
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
-from worker.answers.sizes import Sizes, sizes
+from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
 
 INNOCENTI = EXAMPLES["innocenti"].to_json()
 EXTREME = {"a2x": "1" + "0" * 200, "a3x": "0", "a3y": "1", "d1": "1", "d2": f"0.{'0' * 99}1", "d3": "1"}
@@ -36,36 +28,40 @@ def request(kind: Kind, content: Mapping[str, Any], geometry: Mapping[str, str] 
     return JobRequest(kind, {"geometry": geometry, "fixed_leg": 1, "digits": 30, **content})
 
 
+def cost(request: JobRequest) -> Cost:
+    return request.kind.cost_of(request.sizes)
+
+
 def estimate(kind: Kind, content: Mapping[str, Any], geometry: Mapping[str, str] = INNOCENTI) -> float:
-    return seconds(kind, sizes(request(kind, content, geometry)))
+    return kind.seconds(request(kind, content, geometry).sizes)
 
 
 WHOLE = {"range": ALL_LENGTHS}
 CONTENTS: dict[Kind, Mapping[str, Any]] = {
-    tables.KIND: {"l1": ["14.98"]},
-    article.KIND: {"l1": ["14.98"]},
-    poses.KIND: {"l1": "14.98", "l2": "15", "l3": "30"},
-    censuses.KIND: WHOLE,
-    checks.KIND: {"requirement": Requirement(1, 20, 25, 8, limits={2: (5, 20)}).to_json()},
-    curves.KIND: {**WHOLE, "lengths": [], "samples": None},
-    paths.KIND: {"length": "27", "cusp": 1, "samples": 101},
-    singular.KIND: {"length": "27", "tolerance": "0.001"},
-    aspects.KIND: {"range": {"from": "27", "to": "30"}},
-    plots.KIND: {"plot": "loop", "theme": "auto", "length": "27", "cusp": 1},
-    certified.KIND: {"l1": ["14.98"]},
-    certified.CENSUS: WHOLE,
-    certified.CURVES: {"range": {"from": "0", "to": None}, "lengths": [], "samples": None},
-    verifications.KIND: {"document": {"slices": []}},
+    CUSP_TABLE: {"l1": ["14.98"]},
+    ARTICLE_TABLE: {"l1": ["14.98"]},
+    POSES: {"l1": "14.98", "l2": "15", "l3": "30"},
+    CENSUS: WHOLE,
+    CHECK: {"requirement": Requirement(1, 20, 25, 8, limits={2: (5, 20)}).to_json()},
+    CUSP_CURVES: {**WHOLE, "lengths": [], "samples": None},
+    PATH: {"length": "27", "cusp": 1, "samples": 101},
+    SINGULAR_CURVES: {"length": "27", "tolerance": "0.001"},
+    ASPECTS: {"range": {"from": "27", "to": "30"}},
+    PLOT: {"plot": "loop", "theme": "auto", "length": "27", "cusp": 1},
+    CERTIFIED_TABLE: {"l1": ["14.98"]},
+    CERTIFIED_CENSUS: WHOLE,
+    CERTIFIED_CURVES: {"range": {"from": "0", "to": None}, "lengths": [], "samples": None},
+    VERIFICATION: {"document": {"slices": []}},
 }
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 def test_each_kind_has_a_cost_that_grows_with_each_size(kind: Kind) -> None:
-    size = sizes(request(kind, CONTENTS[kind]))
-    usual = seconds(kind, size)
+    size = request(kind, CONTENTS[kind]).sizes
+    usual = kind.seconds(size)
     assert 0.001 < usual < 10
     for field in fields(Sizes):
-        prices = [seconds(kind, replace(size, **{field.name: n})) for n in (1, 10, 100, 1000, 10_000)]
+        prices = [kind.seconds(replace(size, **{field.name: n})) for n in (1, 10, 100, 1000, 10_000)]
         assert prices == sorted(prices), field.name
 
 
@@ -73,15 +69,15 @@ def test_each_kind_has_a_cost_that_grows_with_each_size(kind: Kind) -> None:
     ("kind", "content", "geometry", "low", "high"),
     [
         # measured by benchmarks/cost.py; within a factor of three
-        (tables.KIND, {"l1": ["14.98"], "digits": 15}, INNOCENTI, 0.02, 0.16),
-        (tables.KIND, {"l1": [str(n) for n in range(1, 2001)], "digits": 15}, INNOCENTI, 1, 9),
-        (tables.KIND, {"l1": [str(n) for n in range(1, 2001)], "digits": 1000}, INNOCENTI, 4, 30),
-        (tables.KIND, {"l1": ["14.98"], "digits": 10_000}, INNOCENTI, 0.05, 0.4),
-        (tables.KIND, {"l1": ["1"], "digits": 15}, EXTREME, 1.2, 11),
-        (tables.KIND, {"l1": [TINY], "digits": 15}, EXTREME, 1.5, 14),
-        (censuses.KIND, WHOLE, INNOCENTI, 0.15, 1.4),
-        (censuses.KIND, WHOLE, LONG, 10, 1e5),
-        (curves.KIND, CONTENTS[curves.KIND], LONG, 10, 1e5),
+        (CUSP_TABLE, {"l1": ["14.98"], "digits": 15}, INNOCENTI, 0.02, 0.16),
+        (CUSP_TABLE, {"l1": [str(n) for n in range(1, 2001)], "digits": 15}, INNOCENTI, 1, 9),
+        (CUSP_TABLE, {"l1": [str(n) for n in range(1, 2001)], "digits": 1000}, INNOCENTI, 4, 30),
+        (CUSP_TABLE, {"l1": ["14.98"], "digits": 10_000}, INNOCENTI, 0.05, 0.4),
+        (CUSP_TABLE, {"l1": ["1"], "digits": 15}, EXTREME, 1.2, 11),
+        (CUSP_TABLE, {"l1": [TINY], "digits": 15}, EXTREME, 1.5, 14),
+        (CENSUS, WHOLE, INNOCENTI, 0.15, 1.4),
+        (CENSUS, WHOLE, LONG, 10, 1e5),
+        (CUSP_CURVES, CONTENTS[CUSP_CURVES], LONG, 10, 1e5),
     ],
 )
 def test_estimates(
@@ -120,13 +116,13 @@ def of_one_slice(l1: str, cusps: int = 0) -> dict[str, Any]:
     ids=lambda value: str(value)[-30:] if isinstance(value, dict) else "",
 )
 def test_all_of_a_document_to_verify_is_priced(document: dict[str, Any], least: float, most: float) -> None:
-    assert least < estimate(verifications.KIND, {"document": document, "digits": 15}) < most
+    assert least < estimate(VERIFICATION, {"document": document, "digits": 15}) < most
 
 
 def test_the_digits_of_a_document_are_no_long_numbers() -> None:
     long = dict.fromkeys(CUSP, "12." + "3" * 298)
     document = {**TABLE, "digits": 300, "slices": [{"l1": "14.98", "cusps": [long] * 6}]}
-    assert estimate(verifications.KIND, {"document": document, "digits": 300}) < 2
+    assert estimate(VERIFICATION, {"document": document, "digits": 300}) < 2
 
 
 NEARLY_FLAT = {
@@ -162,7 +158,7 @@ ROUND = {"a2x": "10", "a3x": "4", "a3y": "3", "d1": "5", "d2": "6", "d3": "8", "
     ],
 )
 def test_nearly_special_shapes_are_priced(geometry: dict[str, str], least: float) -> None:
-    for kind in (censuses.KIND, checks.KIND, curves.KIND, certified.CENSUS):
+    for kind in (CENSUS, CHECK, CUSP_CURVES, CERTIFIED_CENSUS):
         assert estimate(kind, CONTENTS[kind], geometry) > least
 
 
@@ -170,16 +166,16 @@ def test_nearly_special_shapes_are_priced(geometry: dict[str, str], least: float
     "geometry", [HERON, PERMUTED, ROUND, {**ROUND, "a3y": "0"}, {**HERON, "d3": "13.1"}, INNOCENTI]
 )
 def test_special_shapes_are_not_dear(geometry: dict[str, str]) -> None:
-    assert estimate(censuses.KIND, WHOLE, geometry) < 1
+    assert estimate(CENSUS, WHOLE, geometry) < 1
 
 
 @pytest.mark.parametrize(
     ("kind", "content", "least"),
     [
         # with what they were found to take, in seconds
-        (curves.KIND, {**WHOLE, "lengths": [], "samples": 14}, 5),  # 13.9
-        (plots.KIND, {"plot": "locus", "theme": "auto", "range": ALL_LENGTHS}, 5),  # 19.1
-        (article.KIND, {"l1": ["14.98", "27", f"14.98{'1' * 250}"]}, 5),  # > 16
+        (CUSP_CURVES, {**WHOLE, "lengths": [], "samples": 14}, 5),  # 13.9
+        (PLOT, {"plot": "locus", "theme": "auto", "range": ALL_LENGTHS}, 5),  # 19.1
+        (ARTICLE_TABLE, {"l1": ["14.98", "27", f"14.98{'1' * 250}"]}, 5),  # > 16
     ],
 )
 def test_points_and_long_lengths_are_priced(kind: Kind, content: Mapping[str, Any], least: float) -> None:
@@ -190,15 +186,15 @@ def test_points_and_long_lengths_are_priced(kind: Kind, content: Mapping[str, An
     ("kind", "content", "geometry", "least"),
     [
         # with what they were found to take, in seconds
-        (tables.KIND, {"l1": [str(k) for k in range(1, 201)]}, HERON, 2),  # 4.8
-        (tables.KIND, {"l1": [str(k) for k in range(1, 201)]}, {**ROUND, "a3y": "0"}, 2),  # 4.2
-        (tables.KIND, {"l1": [str(k) for k in range(1, 502)]}, {**HERON, "d3": f"13.{'0' * 19}1"}, 8),  # 26
-        (singular.KIND, {"length": "14.98", "tolerance": "0.000001"}, INNOCENTI, 0.5),  # 0.9
-        (paths.KIND, {"length": "27", "cusp": 2, "samples": 101, "digits": 1000}, INNOCENTI, 1),  # 2.6
-        (curves.KIND, CONTENTS[curves.KIND], NEARLY_CONGRUENT, 4),  # > 20
-        (certified.CURVES, CONTENTS[curves.KIND], NEARLY_CONGRUENT, 6),  # > 20
-        (article.KIND, {"l1": ["14.98"]}, {**ROUND, "a3y": "0", "d3": "11"}, 1),  # 1.8
-        (aspects.KIND, WHOLE, {**ROUND, "d1": "10", "d2": "5", "d3": f"5.{'0' * 39}1"}, 5),  # > 20
+        (CUSP_TABLE, {"l1": [str(k) for k in range(1, 201)]}, HERON, 2),  # 4.8
+        (CUSP_TABLE, {"l1": [str(k) for k in range(1, 201)]}, {**ROUND, "a3y": "0"}, 2),  # 4.2
+        (CUSP_TABLE, {"l1": [str(k) for k in range(1, 502)]}, {**HERON, "d3": f"13.{'0' * 19}1"}, 8),  # 26
+        (SINGULAR_CURVES, {"length": "14.98", "tolerance": "0.000001"}, INNOCENTI, 0.5),  # 0.9
+        (PATH, {"length": "27", "cusp": 2, "samples": 101, "digits": 1000}, INNOCENTI, 1),  # 2.6
+        (CUSP_CURVES, CONTENTS[CUSP_CURVES], NEARLY_CONGRUENT, 4),  # > 20
+        (CERTIFIED_CURVES, CONTENTS[CUSP_CURVES], NEARLY_CONGRUENT, 6),  # > 20
+        (ARTICLE_TABLE, {"l1": ["14.98"]}, {**ROUND, "a3y": "0", "d3": "11"}, 1),  # 1.8
+        (ASPECTS, WHOLE, {**ROUND, "d1": "10", "d2": "5", "d3": f"5.{'0' * 39}1"}, 5),  # > 20
     ],
 )
 def test_found_by_the_search(
@@ -208,27 +204,25 @@ def test_found_by_the_search(
 
 
 def test_only_slices_have_a_part_in_common() -> None:
-    table = cost(request(tables.KIND, {"l1": ["1", "2"]}))
+    table = cost(request(CUSP_TABLE, {"l1": ["1", "2"]}))
     assert table.once > table.each > 0
     assert table.of(2) == table.once + 2 * table.each
-    assert cost(request(censuses.KIND, WHOLE)).once == 0
+    assert cost(request(CENSUS, WHOLE)).once == 0
 
 
 def test_the_unit_of_length_does_not_matter() -> None:
     in_km = {name: f"{x}000" if "." not in x else x.replace(".", "") + "0" for name, x in INNOCENTI.items()}
     in_km = {**in_km, "orientation": "ccw"}
-    assert (
-        sizes(request(censuses.KIND, WHOLE, in_km)).geometry == sizes(request(censuses.KIND, WHOLE)).geometry
-    )
+    assert request(CENSUS, WHOLE, in_km).sizes.geometry == request(CENSUS, WHOLE).sizes.geometry
 
 
 def test_what_is_computed_once_costs_once() -> None:
     seen: set[str] = set()
-    table = request(tables.KIND, {"l1": ["1", "2"]})
+    table = request(CUSP_TABLE, {"l1": ["1", "2"]})
     whole = cost(table)
     assert seconds_after(table, seen) == whole.of(2)
-    assert seconds_after(request(tables.KIND, {"l1": ["3"]}), seen) == pytest.approx(whole.each, rel=0.1)
+    assert seconds_after(request(CUSP_TABLE, {"l1": ["3"]}), seen) == pytest.approx(whole.each, rel=0.1)
     assert seconds_after(table, seen) < whole.of(2) / 10
-    assert seconds_after(request(tables.KIND, {"l1": ["3"], "fixed_leg": 2}), seen) > whole.once
-    census = request(censuses.KIND, WHOLE)
+    assert seconds_after(request(CUSP_TABLE, {"l1": ["3"], "fixed_leg": 2}), seen) > whole.once
+    census = request(CENSUS, WHOLE)
     assert seconds_after(census, seen) == cost(census).each > 100 * seconds_after(census, seen)

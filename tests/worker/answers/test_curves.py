@@ -11,11 +11,10 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, CuspCurves
-from worker.answers import certified, curves
-from worker.answers.kinds import compute, known_document
+from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
+from worker.answers.documents import parts_to_verify
 from worker.answers.requests import JobRequest
-from worker.answers.sizes import parts_to_verify
-from worker.answers.store import ResultStore
+from worker.answers.store import ResultStore, compute, known_document
 from worker.settings import WorkerSettings
 
 MANIPULATOR = EXAMPLES["zein-flat"]
@@ -45,7 +44,7 @@ def request(
 ) -> JobRequest:
     content = {"geometry": MANIPULATOR.to_json(), "fixed_leg": 1, "digits": DIGITS, "samples": samples}
     ends = {"from": start, "to": stop}
-    return JobRequest(curves.KIND, {**content, "range": ends, "lengths": list(lengths)})
+    return JobRequest(CUSP_CURVES, {**content, "range": ends, "lengths": list(lengths)})
 
 
 def get(request_: JobRequest, store: ResultStore) -> dict[str, Any]:
@@ -63,7 +62,7 @@ def test_everything_starts_from_the_whole(calls: list[int], store: ResultStore) 
     assert part["range"] == {"from": "30", "to": None}
     assert known_document(request(), store) == CuspCurves.from_json(get(request(), store)).to_json()
     short = request("10", "11", start="10", stop="11")
-    full = get(JobRequest(certified.CURVES, short.content), store)
+    full = get(JobRequest(CERTIFIED_CURVES, short.content), store)
     assert get(short, store) == {name: x for name, x in full.items() if name != "certificate"}
     [chain, *_] = full["certificate"]["full"]["chains"]
     assert chain["from"] == {"curve": "C1", "l1": "10"}

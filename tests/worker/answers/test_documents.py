@@ -7,8 +7,10 @@ from redis import Redis
 
 from rpr_solver import EXAMPLES, SolverError, poses
 from tests.support.jobs import a_request
-from worker.answers import censuses, curves, verifications
-from worker.answers import poses as poses_kind
+from worker.answers import store
+from worker.answers.censuses import CENSUS
+from worker.answers.curves import CUSP_CURVES
+from worker.answers.documents import POSES, VERIFICATION
 from worker.answers.kinds import as_kept, request_from_json
 from worker.answers.requests import JobRequest
 from worker.jobs.attempts import ChunkRef
@@ -21,7 +23,7 @@ from worker.settings import WorkerSettings
 @pytest.fixture
 def request_() -> JobRequest:
     content = {"geometry": EXAMPLES["innocenti"].to_json(), "l1": "14.98", "l2": "15", "l3": "30"}
-    return JobRequest(poses_kind.KIND, {**content, "digits": 20})
+    return JobRequest(POSES, {**content, "digits": 20})
 
 
 @pytest.fixture(autouse=True)
@@ -58,7 +60,7 @@ def test_an_ended_job_keeps_the_hash_of_a_long_question(queue: JobQueue, redis: 
     """Its state, its answer, and the same question again do not need more."""
     head = {"geometry": EXAMPLES["innocenti"].to_json(), "digits": 20}
     document = {**head, "slices": [], "padding": "x" * 100_000}
-    request = JobRequest(verifications.KIND, {**head, "document": document})
+    request = JobRequest(VERIFICATION, {**head, "document": document})
     if end == "is known":
         queue.store.put_document(request, {"answer": 42})
     view, key = queue.submit(request), queue.records.keys.job(request.job_id).record
@@ -93,10 +95,10 @@ def test_what_is_needed_for_an_answer_is_kept() -> None:
     """A table is put together from its slices, a census may be cut from a longer one."""
     table = a_request(*(f"{n}.{'1' * 100}" for n in range(100)))
     assert as_kept(table) is table
-    for kind in (censuses.KIND, curves.KIND):
+    for kind in (CENSUS, CUSP_CURVES):
         request = JobRequest(kind, {"range": "9" * 5000})
         assert as_kept(request) is request
-    short, long = (JobRequest(poses_kind.KIND, {"l1": "9" * count}) for count in (100, 5000))
+    short, long = (JobRequest(POSES, {"l1": "9" * count}) for count in (100, 5000))
     assert as_kept(short) is short
     cut = request_from_json(as_kept(long).to_json())
     assert (cut.content_hash, cut.job_id) == (long.content_hash, long.job_id)
@@ -163,7 +165,7 @@ def test_an_error_fails_the_job(
         raise error
 
     view = queue.submit(request_)
-    monkeypatch.setattr(tasks, "compute", fail)
+    monkeypatch.setattr(store, "compute", fail)
     run(open_chunk(queue))
     failed = queue.get(view.id)
     assert failed is not None

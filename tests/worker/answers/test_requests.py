@@ -10,41 +10,33 @@ import pytest
 
 import rpr_solver
 from rpr_solver import EXAMPLES
-from worker.answers import (
-    article,
-    aspects,
-    censuses,
-    certified,
-    checks,
-    curves,
-    paths,
-    plots,
-    poses,
-    singular,
-    tables,
-    verifications,
-)
-from worker.answers.kinds import COMPUTATIONS, KINDS, kind_of_job, request_from_json
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
+from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
+from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
+from worker.answers.kinds import KINDS, kind_of_job, request_from_json
+from worker.answers.paths import PATH
+from worker.answers.plots import PLOT
 from worker.answers.requests import JobRequest
+from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
 
 GEOMETRY = EXAMPLES["innocenti"].to_json()
 
 OF_VERSION_2 = {
     "ct-94612320235d97a2778f4b3771589f397e15f69f": JobRequest(
-        tables.KIND, {"geometry": GEOMETRY, "fixed_leg": 2, "digits": 30, "l1": ["14.98", "27", "1/3"]}
+        CUSP_TABLE, {"geometry": GEOMETRY, "fixed_leg": 2, "digits": 30, "l1": ["14.98", "27", "1/3"]}
     ),
     "at-d63b043f56092d4104453e145f40955e082a8e16": JobRequest(
-        article.KIND, {"geometry": GEOMETRY, "l1": ["14.98", "27"], "digits": 30}
+        ARTICLE_TABLE, {"geometry": GEOMETRY, "l1": ["14.98", "27"], "digits": 30}
     ),
     "po-bfbaa4adbf4641df505db06aebea24f98bb242e5": JobRequest(
-        poses.KIND, {"geometry": GEOMETRY, "l1": "14.98", "l2": "15", "l3": "30.5", "digits": 20}
+        POSES, {"geometry": GEOMETRY, "l1": "14.98", "l2": "15", "l3": "30.5", "digits": 20}
     ),
     "ce-1679db5350ac2f86d75f9a981219198589feaf3d": JobRequest(
-        censuses.KIND,
+        CENSUS,
         {"geometry": GEOMETRY, "fixed_leg": 3, "digits": 30, "range": {"from": "28", "to": "31"}},
     ),
     "ch-e76414571dc59287436735be81e3ca2026362507": JobRequest(
-        checks.KIND,
+        CHECK,
         {
             "geometry": GEOMETRY,
             "requirement": {
@@ -58,7 +50,7 @@ OF_VERSION_2 = {
         },
     ),
     "cc-071c3b28117cc36ca08634ef2a4021e9ce90dbfa": JobRequest(
-        curves.KIND,
+        CUSP_CURVES,
         {
             "geometry": GEOMETRY,
             "fixed_leg": 1,
@@ -69,7 +61,7 @@ OF_VERSION_2 = {
         },
     ),
     "pa-237c1220106db83b7372c68186d763b37342730f": JobRequest(
-        paths.KIND,
+        PATH,
         {
             "geometry": GEOMETRY,
             "fixed_leg": 1,
@@ -83,15 +75,15 @@ OF_VERSION_2 = {
         },
     ),
     "sc-40cd71f380ef9daf3dde9e521c5d369bf81c06ee": JobRequest(
-        singular.KIND,
+        SINGULAR_CURVES,
         {"geometry": GEOMETRY, "fixed_leg": 1, "length": "27", "tolerance": "0.001", "digits": 15},
     ),
     "as-ad47bad0a7c329912824c6f91b4aa55cd0ed3c2a": JobRequest(
-        aspects.KIND,
+        ASPECTS,
         {"geometry": GEOMETRY, "fixed_leg": 1, "range": {"from": "27", "to": None}, "digits": 15},
     ),
     "pl-57a43c56985e0f1eda50dd035565f48f5493e5e2": JobRequest(
-        plots.KIND,
+        PLOT,
         {
             "geometry": GEOMETRY,
             "plot": "slice",
@@ -102,14 +94,14 @@ OF_VERSION_2 = {
         },
     ),
     "cf-6924f9c1ad41e6ef48ee366a9f16c77c2f6037ad": JobRequest(
-        certified.KIND, {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 30, "l1": ["14.98", "27"]}
+        CERTIFIED_TABLE, {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 30, "l1": ["14.98", "27"]}
     ),
     "cn-70f7a031ccca93e89e52fb386d8bea41949d3728": JobRequest(
-        certified.CENSUS,
+        CERTIFIED_CENSUS,
         {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 30, "range": {"from": "0", "to": None}},
     ),
     "cv-f4437710016f123869b73b96f1bcd0ac75d8287c": JobRequest(
-        certified.CURVES,
+        CERTIFIED_CURVES,
         {
             "geometry": GEOMETRY,
             "fixed_leg": 1,
@@ -120,7 +112,7 @@ OF_VERSION_2 = {
         },
     ),
     "ve-8f9ded9c446b06058ff1c37bc730ad24253c23d8": JobRequest(
-        verifications.KIND,
+        VERIFICATION,
         {
             "geometry": GEOMETRY,
             "document": {"geometry": GEOMETRY, "digits": 15, "slices": []},
@@ -143,7 +135,6 @@ def test_the_id_of_a_job_never_changes(job_id: str) -> None:
 def test_each_kind_is_pinned_and_can_be_answered() -> None:
     assert {request.kind for request in OF_VERSION_2.values()} == set(KINDS)
     assert len({kind.prefix for kind in KINDS}) == len({kind.name for kind in KINDS}) == len(KINDS)
-    assert {kind for kind in KINDS if not kind.by_slices} == set(COMPUTATIONS)
     assert kind_of_job("xx-1") is None
 
 
@@ -162,7 +153,7 @@ def test_records_of_tables_of_version_0_1_0_can_be_read() -> None:
 def test_a_geometry_is_hashed_without_reading_its_numbers() -> None:
     for manipulator in EXAMPLES.values():
         turned = dict(reversed(manipulator.to_json().items()))
-        request = JobRequest(poses.KIND, {"geometry": turned})
+        request = JobRequest(POSES, {"geometry": turned})
         assert request.geometry_hash == manipulator.geometry_hash
         assert request.manipulator == manipulator
 
@@ -179,7 +170,7 @@ def test_a_geometry_is_hashed_without_reading_its_numbers() -> None:
 )
 def test_every_member_changes_the_id(change: dict[str, Any]) -> None:
     content = {"geometry": GEOMETRY, "fixed_leg": 1, "digits": 90, "l1": ["1", "2"]}
-    assert JobRequest(tables.KIND, content | change).job_id != JobRequest(tables.KIND, content).job_id
+    assert JobRequest(CUSP_TABLE, content | change).job_id != JobRequest(CUSP_TABLE, content).job_id
 
 
 def test_another_version_of_the_solver_has_other_ids() -> None:

@@ -8,9 +8,9 @@ import pytest
 
 from rpr_solver import EXAMPLES
 from tests.support.jobs import a_document, a_request
-from worker.answers import censuses, poses
-from worker.answers.batches import batch_request, new_batch
-from worker.answers.items import Item, ItemSolver, Outcome
+from worker.answers.censuses import CENSUS
+from worker.answers.documents import POSES
+from worker.answers.items import Item, ItemSolver, Outcome, batch_request, new_batch
 from worker.answers.requests import ALL_LENGTHS, JobRequest
 from worker.jobs.attempts import ChunkEntry, ChunkRef
 from worker.jobs.batches import Batches, ItemsLostError, StoredItem
@@ -217,7 +217,7 @@ def test_a_whole_census_is_computed_and_its_parts_are_kept(queue: JobQueue) -> N
     whole = {"geometry": geometry, "fixed_leg": 1, "digits": 15, "range": ALL_LENGTHS}
     part = {**whole, "range": {"from": "20", "to": "30"}}
     for content in (whole, part):
-        request = JobRequest(censuses.KIND, content)
+        request = JobRequest(CENSUS, content)
         assert ItemSolver(queue.store).answer(request) == Outcome()
         assert queue.store.get_document(request) is not None
     assert queue.redis.keys("cusps:*lock*") == []
@@ -225,7 +225,7 @@ def test_a_whole_census_is_computed_and_its_parts_are_kept(queue: JobQueue) -> N
 
 @pytest.mark.parametrize("is_canceled", [False, True])
 def test_long_questions_go_with_the_end(queue: JobQueue, batches: Batches, is_canceled: bool) -> None:
-    long = [JobRequest(poses.KIND, {"l1": f"{n}{'9' * 100_000}"}) for n in range(3)]
+    long = [JobRequest(POSES, {"l1": f"{n}{'9' * 100_000}"}) for n in range(3)]
     items = [*questions("1"), BAD, *(Item(f"long {n}", request) for n, request in enumerate(long))]
     view = begin(batches, items)
     keys = batches.keys.questions(view.id), batches.keys.items(view.id)
@@ -253,7 +253,7 @@ def test_long_questions_go_with_the_end(queue: JobQueue, batches: Batches, is_ca
 
 
 def test_a_batch_that_lost_its_long_questions(queue: JobQueue, batches: Batches) -> None:
-    view = begin(batches, [Item("long", JobRequest(poses.KIND, {"l1": "9" * 5000}))])
+    view = begin(batches, [Item("long", JobRequest(POSES, {"l1": "9" * 5000}))])
     queue.redis.delete(batches.keys.questions(view.id))
     [entry] = entries(queue)
     chunk = queue.records.start(entry.ref)
@@ -264,7 +264,7 @@ def test_a_batch_that_lost_its_long_questions(queue: JobQueue, batches: Batches)
 
 def test_what_is_dropped_before_it_begins(queue: JobQueue, batches: Batches) -> None:
     token = new_batch()
-    batches.push(token, [Item("long", JobRequest(poses.KIND, {"l1": "9" * 5000})).to_texts()])
+    batches.push(token, [Item("long", JobRequest(POSES, {"l1": "9" * 5000})).to_texts()])
     names = queue.redis.keys("cusps:job:*")
     assert len(names) == 2
     assert all(queue.redis.ttl(name) > 0 for name in names)

@@ -10,7 +10,7 @@ from redis import Redis
 
 from tests.support.jobs import a_request
 from tests.support.processes import until
-from worker.answers import verifications
+from worker.answers.documents import VERIFICATION
 from worker.answers.requests import JobRequest
 from worker.jobs import quotas
 from worker.jobs.inventory import Inventory
@@ -81,9 +81,7 @@ def test_no_quota(queue: JobQueue) -> None:
 def long(n: int, size: int = 10_000) -> JobRequest:
     """A question of which the record keeps the hash alone."""
     head = {"geometry": a_request("1").geometry, "digits": 20}
-    return JobRequest(
-        verifications.KIND, {**head, "document": {**head, "padding": f"x{n:03}".ljust(size, "x")}}
-    )
+    return JobRequest(VERIFICATION, {**head, "document": {**head, "padding": f"x{n:03}".ljust(size, "x")}})
 
 
 def submit(queue: JobQueue, request: JobRequest, quota: Quota, who: Subscriber = ME) -> str:

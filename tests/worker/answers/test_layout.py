@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from worker.answers.packed import HEAD_BYTES, measured, measured_by, pack, unpack
+from worker.answers.layout import HEAD_BYTES, measured, measured_by, pack, unpack
 
 SLICE = b'{"l1":"14.98","count":1,"cusps":[{"alpha_deg":"12.5"}]}'
 ERROR = b'{"l1":"2","error":{"type":"solver-error","detail":"undecided"}}'
