@@ -20,7 +20,7 @@ from flint import acb, arb, ctx
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.slice_map import Leg, SliceMap
-from rpr_solver.paths.path_limits import PathLimits
+from rpr_solver.paths.proofs import PathLimits
 
 Box = tuple[int, int, int, int]
 """The level, and the numbers of the box along α, θ and L; a level higher, the box is half as wide."""

@@ -4,11 +4,24 @@ A loop is one Bézier parabola in (α, θ). Its size shrinks until balls prove t
 that its image turns once round the image of the cusp, and not round those of the other cusps of the slice but
 its twins, which have the same image. The first alone would not do: two poses near a cusp can also be joined
 beside it.
+
+The local algebra at a cusp tells where its three poses lie, and on which side of the singular curve.
+
+Let v be the unit tangent of J = 0 in (α, θ), which spans the kernel of DF there, n = ∇J/|∇J|, U = DF·n, and
+
+    β = ⟨D²F(v, v)/2, U⟩ / |U|²,        κ = (J_vv / (2|∇J|) − β) / 3.
+
+At the pose c + x n + y v, J is |∇J| (x + (β + 3κ) y²), and the image is X = x + β y² along U and
+Y = y (X + κ y²) along another direction, all to leading order. So the poses over (X, Y) = (−κ s², 0) are
+y = ±s, where J has the sign of κ, and y = 0, where it has the other. The parabola
+x(y) = b s² − (β + κ + b) y², where b has the sign of κ, leads from y = s to y = −s. On it J / |∇J| runs from
+2κ s² over b s² to 2κ s², and its image goes once round that of the cusp.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
@@ -17,14 +30,7 @@ from types import MappingProxyType
 
 from flint import acb, arb, ctx
 
-from rpr_solver.contract import (
-    DEFAULT_SAMPLES,
-    PATH_DIGITS,
-    check_digits,
-    check_leg,
-    check_type,
-    number_of,
-)
+from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, check_digits, check_leg, check_type, number_of
 from rpr_solver.errors import InputError, Unproved
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
@@ -32,18 +38,71 @@ from rpr_solver.model.joint_points import JointPoint, free_legs
 from rpr_solver.model.lengths import Bounds, ExactLimits, read_limits, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.arcs import Arc, expanded
-from rpr_solver.paths.cusp_frame import CuspFrame
-from rpr_solver.paths.isolated import Image, IsolatedPose, local_map
-from rpr_solver.paths.path import Path, SamplingPlan
-from rpr_solver.paths.path_limits import PathLimits, outside
-from rpr_solver.paths.proofs import ProvedRoute, prove
-from rpr_solver.paths.proved import PROOF_BITS, path_of
-from rpr_solver.paths.route import ControlPoint, Route
+from rpr_solver.paths.isolated import Angles, Image, IsolatedPose, local_map
+from rpr_solver.paths.path import Path, path_of
+from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, outside, prove
+from rpr_solver.paths.route import Arc, ControlPoint, Route, expanded
+from rpr_solver.paths.samples import SamplingPlan
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.kept import kept_eliminant
 from rpr_solver.slices.slice_table import SliceTable
+
+
+@dataclass(frozen=True)
+class CuspFrame:
+    """A cusp with its local algebra: approximate, for starting points of what is then proved."""
+
+    cusp: Angles
+    normal: Angles
+    tangent: Angles
+    beta: arb
+    kappa: arb
+
+    @classmethod
+    def at(cls, slice_map: SliceMap, length: arb, cusp: Angles) -> CuspFrame:
+        """The frame of a cusp (radians) of the slice of a scaled length."""
+        cusp = cusp[0].mid(), cusp[1].mid()
+        local = local_map(slice_map, length, cusp, 3)
+        j = local.singularity()
+        slope = j.alpha.value, j.theta.value
+        steepness = (slope[0] ** 2 + slope[1] ** 2).sqrt()
+        n = slope[0] / steepness, slope[1] / steepness
+        v = -n[1], n[0]
+        image = [leg.alpha.value * n[0] + leg.theta.value * n[1] for leg in (local.f, local.g)]
+
+        def bend(jet_alpha_alpha: arb, jet_alpha_theta: arb, jet_theta_theta: arb) -> arb:
+            return (
+                jet_alpha_alpha * v[0] ** 2 + 2 * jet_alpha_theta * v[0] * v[1] + jet_theta_theta * v[1] ** 2
+            ) / 2
+
+        bends = [
+            bend(w.alpha.alpha.value, w.alpha.theta.value, w.theta.theta.value) for w in (local.f, local.g, j)
+        ]
+        beta = (bends[0] * image[0] + bends[1] * image[1]) / (image[0] ** 2 + image[1] ** 2)
+        kappa = (bends[2] / steepness - beta) / 3
+        numbers = [w.mid() for w in (*n, *v, beta, kappa)]
+        return cls(cusp, (numbers[0], numbers[1]), (numbers[2], numbers[3]), numbers[4], numbers[5])
+
+    @property
+    def sign(self) -> int:
+        """The sign of J along a loop."""
+        return 1 if self.kappa > 0 else -1
+
+    def outer(self, s: arb) -> Angles:
+        """The pose y = s, s of either sign, over the point of the cusp's axis."""
+        return self._place(-(self.kappa + self.beta) * s * s, s)
+
+    def middle(self, s: arb, width: arb) -> Angles:
+        """The middle control point of the Bézier parabola from y = s to y = −s, for b = ``width`` · κ."""
+        # a Bézier parabola passes half-way between the middle of its ends and its control point
+        x = (2 * width * self.kappa + self.kappa + self.beta) * s * s
+        return self._place(x, arb(0))
+
+    def _place(self, x: arb, y: arb) -> Angles:
+        n, v = self.normal, self.tangent
+        return (self.cusp[0] + x * n[0] + y * v[0]).mid(), (self.cusp[1] + x * n[1] + y * v[1]).mid()
+
 
 CUSP_DIGITS = 60
 """The digits of the cusps from which loops are searched."""

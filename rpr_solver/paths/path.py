@@ -27,26 +27,25 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, TypedDict
 
+from flint import ctx
+
 from rpr_solver.contract import (
     DEFAULT_SAMPLES,
-    LEAST_SAMPLES,
-    MOST_SAMPLES,
-    check_integer,
     document_head,
     letter,
 )
-from rpr_solver.errors import InputError, shown
-from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
+from rpr_solver.exact.decimals import round_down
+from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.kinematics.pose_table import poses
+from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
-from rpr_solver.paths.ends import PathPose
-from rpr_solver.paths.others import OtherPose, other_poses
+from rpr_solver.paths.others import OtherPose, PathPose, numbered, other_poses
+from rpr_solver.paths.proofs import PROOF_BITS, PathProof
 from rpr_solver.paths.route import Route
-from rpr_solver.paths.samples import PathSample, sampled
-from rpr_solver.paths.timing import TIMINGS
+from rpr_solver.paths.samples import PathSample, SamplingPlan
 from rpr_solver.singular.singular_curves import SingularCurves
 
 
@@ -145,7 +144,9 @@ class Path:
             SolverError: the digits of a sample could not be proved.
         """
         plan = SamplingPlan.of(samples, timing, duration)
-        return replace(self, **plan.members(self.route, (self.start, self.stop), self.digits))
+        angles = self.start.angles, self.stop.angles
+        found = plan.sampled(self.route, angles, self.digits)
+        return replace(self, samples=found, timing=plan.timing, duration=plan.duration)
 
     def reversed(self) -> Path:
         """The same path run backwards, with as many samples at the times that the law gives."""
@@ -221,34 +222,6 @@ class Path:
         return html_table(repr(self)[1:-1], [sample.to_json(self.fixed_leg) for sample in self.samples])
 
 
-@dataclass(frozen=True)
-class SamplingPlan:
-    """How a path is sampled."""
-
-    count: int
-    timing: str
-    duration: Fraction
-
-    @classmethod
-    def of(cls, samples: int, timing: str, duration: Exact) -> SamplingPlan:
-        """The plan, checked.
-
-        Raises:
-            InputError: naming ``samples``, ``timing`` or ``duration``.
-        """
-        expected = f"{LEAST_SAMPLES} to {MOST_SAMPLES}"
-        count = check_integer(samples, "samples", expected, LEAST_SAMPLES, MOST_SAMPLES)
-        if timing not in TIMINGS:
-            raise InputError.of("timing", f"{shown(timing)} is unknown; give {', '.join(TIMINGS)}")
-        return cls(count, timing, parse_positive(duration, "duration", "a duration must be > 0"))
-
-    def members(self, route: Route, ends: tuple[PathPose, PathPose], digits: int) -> Mapping[str, Any]:
-        """The members of a :class:`Path` that depend on the plan."""
-        first, last = ((end.alpha_deg, end.theta_deg) for end in ends)
-        samples = sampled(route, (first, last), digits, self.count, self.timing, self.duration)
-        return {"samples": samples, "timing": self.timing, "duration": self.duration}
-
-
 def span_json(ends: tuple[Fraction, Fraction] | None) -> dict[str, str] | None:
     """A closed range of lengths, exact."""
     return ends and {"from": exact_str(ends[0]), "to": exact_str(ends[1])}
@@ -257,3 +230,61 @@ def span_json(ends: tuple[Fraction, Fraction] | None) -> dict[str, str] | None:
 def document_lengths(lengths: tuple[Fraction, Fraction, Fraction]) -> dict[str, str]:
     """The leg lengths by name, exact."""
     return {f"l{leg}": exact_str(length) for leg, length in enumerate(lengths, 1)}
+
+
+_BOUND_DIGITS = 6
+
+
+def path_of(
+    manipulator: Manipulator,
+    route: Route,
+    proof: PathProof,
+    plan: SamplingPlan,
+    digits: int,
+    round_cusp: tuple[int, int, tuple[int, ...]] | None = None,
+    *,
+    between: tuple[Fraction, Fraction] | None = None,
+    limits: Mapping[int, Bounds] | None = None,
+) -> Path:
+    """The path in decimals; ``round_cusp`` has the number of the cusp, the winding of a loop, and the twins.
+
+    ``between`` and ``limits`` are what it was to keep.
+
+    Raises:
+        SolverError: digits could not be proved.
+    """
+    slice_map = route.slice_map
+    leg = slice_map.fixed_leg
+    fixed, first, second = (length / slice_map.scale for length in route.start.legs)
+    by_leg = dict(zip((leg, *free_legs(leg)), (fixed, first, second), strict=True))
+    lengths = by_leg[1], by_leg[2], by_leg[3]
+    table = poses(manipulator, *lengths, digits=digits)
+    start, stop = (numbered(pose, table, leg) for pose in (route.start, route.stop))
+    cusp, winding, twins = round_cusp or (None, None, ())
+    with ctx.workprec(PROOF_BITS):
+        least = round_down((proof.least / slice_map.scale_ball()).lower(), _BOUND_DIGITS)
+    certificate: PathCertificate = {
+        "arcs": route.to_json(),
+        "pieces": proof.pieces,
+        "least_determinant": least,
+        "working_bits": PROOF_BITS,
+    }
+    return Path(
+        manipulator=manipulator,
+        fixed_leg=leg,
+        digits=digits,
+        lengths=lengths,
+        cusp=cusp,
+        sign=proof.sign,
+        winding=winding,
+        twins=twins,
+        start=start,
+        stop=stop,
+        route=route,
+        certificate=certificate,
+        between=between,
+        limits=dict(limits or {}),
+        samples=plan.sampled(route, (start.angles, stop.angles), digits),
+        timing=plan.timing,
+        duration=plan.duration,
+    )

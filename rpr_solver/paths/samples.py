@@ -1,27 +1,132 @@
-"""Samples of a path: points of the proved path in decimals, with their times."""
+"""Samples of a path: points of the proved path in decimals, with their times and their clearance.
+
+Times choose which points of a path become samples; floats are enough for that, since every point of the path
+is proved. The clearance is a proved lower bound of the distance to all singular poses of the slice: in a
+direction of unit length, J changes at first by |∇J| at most, and its second derivative is at most M anywhere.
+So J ≠ 0 within the positive root ρ of |J| − |∇J| ρ − M ρ²/2. M follows from the amplitudes of the sinusoids
+of which J consists.
+"""
 
 from __future__ import annotations
 
 import cmath
-from collections.abc import Sequence
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, isqrt
+from itertools import accumulate, pairwise
+from math import ceil, cos, dist, isqrt, pi
 
 from flint import arb, ctx
 
-from rpr_solver.errors import Unproved
+from rpr_solver.contract import LEAST_SAMPLES, MOST_SAMPLES, check_integer
+from rpr_solver.errors import InputError, Unproved, shown
 from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, round_down
-from rpr_solver.exact.rationals import exact_str
+from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
 from rpr_solver.exact.real_roots import ball_of, fraction_of
+from rpr_solver.model.jets import Jet
 from rpr_solver.model.joint_points import free_legs
-from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.notebook import shortened
-from rpr_solver.paths.arcs import Arc, Point
-from rpr_solver.paths.clearance import clearance_of
 from rpr_solver.paths.isolated import IsolatedPose, local_map
-from rpr_solver.paths.route import Route
-from rpr_solver.paths.timing import TIMINGS, Joint, places
+from rpr_solver.paths.route import Arc, Point, Route
+
+Joint = Callable[[int, float], tuple[float, float, float]]
+"""The leg lengths at a parameter of an arc, of which the number is given."""
+
+_CHORDS = 96
+_RAMP = 1 / 3
+
+
+def cosine(time: float) -> float:
+    """The distance covered after a share of the time: speed rises and falls as half a sine wave.
+
+    >>> [round(cosine(time), 3) for time in (0.0, 0.1, 0.5, 1.0)]
+    [0.0, 0.024, 0.5, 1.0]
+    """
+    return (1 - cos(pi * time)) / 2
+
+
+def trapezoid(time: float) -> float:
+    """As :func:`cosine`, with constant acceleration for a third of the time, then constant speed, then
+    constant deceleration.
+
+    >>> trapezoid(0.0), trapezoid(0.5), trapezoid(1.0)
+    (0.0, 0.5, 1.0)
+    """
+    if time > 0.5:
+        return 1 - trapezoid(1 - time)
+    speed = 1 / (1 - _RAMP)
+    return speed * (time**2 / (2 * _RAMP) if time < _RAMP else time - _RAMP / 2)
+
+
+def constant(time: float) -> float:
+    """As :func:`cosine`, with constant speed.
+
+    >>> constant(0.25)
+    0.25
+    """
+    return time
+
+
+TIMINGS: Mapping[str, Callable[[float], float]] = {
+    "cosine": cosine,
+    "trapezoid": trapezoid,
+    "constant": constant,
+}
+"""The laws of time by name."""
+
+
+def places(joint: Joint, arcs: int, shares: Sequence[float]) -> list[tuple[int, float]]:
+    """The arcs and their parameters at which these shares of the whole arc length are covered."""
+    nodes = [(arc, k / _CHORDS) for arc in range(arcs) for k in range(_CHORDS + 1)]
+    points = [joint(*node) for node in nodes]
+    lengths = [dist(p, q) for p, q in pairwise(points)]
+    covered = [0.0, *accumulate(lengths)]
+
+    def place(share: float) -> tuple[int, float]:
+        goal = share * covered[-1]
+        k = min(max(bisect_right(covered, goal) - 1, 0), len(nodes) - 2)
+        (arc, tau), (next_arc, next_tau) = nodes[k], nodes[k + 1]
+        if arc != next_arc:
+            return next_arc, next_tau
+        part = (goal - covered[k]) / lengths[k] if lengths[k] else 0.0
+        return arc, tau + min(max(part, 0.0), 1.0) * (next_tau - tau)
+
+    return [place(share) for share in shares]
+
+
+def clearance_of(slice_map: SliceMap, length: arb, j: Jet[arb]) -> arb:
+    """A ball whose lower end bounds the distance, in radians, to the nearest singular pose of the slice.
+
+    ``j`` is the jet of J at the pose, ``length`` the fixed length, scaled.
+    """
+    value = abs(j.value)
+    slope = (j.alpha.value**2 + j.theta.value**2).sqrt()
+    return 2 * value / (slope + (slope**2 + 2 * bend_bound(slice_map, length) * value).sqrt())
+
+
+def bend_bound(slice_map: SliceMap, length: arb) -> arb:
+    """An upper bound of the second directional derivatives of J anywhere in the slice.
+
+    f_α is a sum of sinusoids in α − θ and in α, f_θ of sinusoids in α − θ and in θ. In a direction of unit
+    length the derivative of the first kind is at most √2 times the amplitude, that of the others at most 1.
+    """
+    (f_alpha, f_theta), (g_alpha, g_theta) = (_slopes(leg, length) for leg in (slice_map.f, slice_map.g))
+
+    def product(p: list[arb], q: list[arb]) -> arb:
+        return p[0] * q[2] + 2 * p[1] * q[1] + p[2] * q[0]
+
+    return product(f_alpha, g_theta) + product(f_theta, g_alpha)
+
+
+def _slopes(leg: Leg, length: arb) -> tuple[list[arb], list[arb]]:
+    """Bounds of f_α and f_θ (of half the square) and of their first and second directional derivatives."""
+    platform, base = arb(leg.platform2).sqrt(), arb(leg.base2).sqrt()
+    root = arb(2).sqrt()
+    both = [length * platform * root**k for k in range(3)]
+    return [x + platform * base for x in both], [x + length * base for x in both]
+
 
 _BOUND_DIGITS = 6
 _TRIES = 4
@@ -74,34 +179,50 @@ class PathSample:
         }
 
 
-def sampled(
-    route: Route,
-    angles: tuple[tuple[str, str], tuple[str, str]],
-    digits: int,
-    count: int,
-    timing: str,
-    duration: Fraction,
-) -> tuple[PathSample, ...]:
-    """``count`` samples of a path at equal intervals of time, its ends included.
+@dataclass(frozen=True)
+class SamplingPlan:
+    """How a path is sampled."""
 
-    ``angles`` are α and θ at the ends, as text.
+    count: int
+    timing: str
+    duration: Fraction
 
-    Raises:
-        Unproved: the digits of a sample could not be proved.
-    """
-    law = TIMINGS[timing]
-    rough = route.at(64)
-    where = places(_joint(route.slice_map, rough), len(rough), [law(k / (count - 1)) for k in range(count)])
-    points = _Points.of(route, digits)
-    samples = []
-    for k, (arc, tau) in enumerate(where):
-        time = duration * Fraction(k, count - 1)
-        if 0 < k < count - 1:
-            samples.append(points.between(arc, tau, time))
-        else:
-            pose = route.start if k == 0 else route.stop
-            samples.append(points.end(pose, angles[0 if k == 0 else 1], time))
-    return tuple(samples)
+    @classmethod
+    def of(cls, samples: int, timing: str, duration: Exact) -> SamplingPlan:
+        """The plan, checked.
+
+        Raises:
+            InputError: naming ``samples``, ``timing`` or ``duration``.
+        """
+        expected = f"{LEAST_SAMPLES} to {MOST_SAMPLES}"
+        count = check_integer(samples, "samples", expected, LEAST_SAMPLES, MOST_SAMPLES)
+        if timing not in TIMINGS:
+            raise InputError.of("timing", f"{shown(timing)} is unknown; give {', '.join(TIMINGS)}")
+        return cls(count, timing, parse_positive(duration, "duration", "a duration must be > 0"))
+
+    def sampled(
+        self, route: Route, angles: tuple[tuple[str, str], tuple[str, str]], digits: int
+    ) -> tuple[PathSample, ...]:
+        """The samples of a path at equal intervals of time, its ends included.
+
+        ``angles`` are α and θ at the ends, as text.
+
+        Raises:
+            Unproved: the digits of a sample could not be proved.
+        """
+        law, last = TIMINGS[self.timing], self.count - 1
+        rough = route.at(64)
+        shares = [law(k / last) for k in range(self.count)]
+        points = _Points.of(route, digits)
+        samples = []
+        for k, (arc, tau) in enumerate(places(_joint(route.slice_map, rough), len(rough), shares)):
+            time = self.duration * Fraction(k, last)
+            if 0 < k < last:
+                samples.append(points.between(arc, tau, time))
+            else:
+                pose = route.start if k == 0 else route.stop
+                samples.append(points.end(pose, angles[0 if k == 0 else 1], time))
+        return tuple(samples)
 
 
 @dataclass(frozen=True)

@@ -1,30 +1,250 @@
-"""Paths from pose to pose that keep joint limits.
+"""Paths from pose to pose that keep joint limits, or the proof that there is none.
 
 First the route without limits is tried. If it exceeds them, a subdivision looks for another one, or proves
-that there is none.
+that there is none. Boxes (:mod:`rpr_solver.paths.boxes`) are cut until each is proved to be allowed
+everywhere or nowhere, but only where it matters: on the ways between both poses that cross the fewest
+undecided boxes. If a way crosses none, its boxes hold a path. If no way is left, even through boxes that stay
+undecided, there is no path: a path meets boxes that share faces, for a point on an edge lies in all the
+closed boxes round it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
+from math import tau
 
 from flint import ctx
 
 from rpr_solver.errors import Unproved
+from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.lengths import Bounds
-from rpr_solver.paths.arcs import Arc, Point
-from rpr_solver.paths.boxes import Boxes, Place
+from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, Place, Verdict
 from rpr_solver.paths.isolated import IsolatedPose, Legs
-from rpr_solver.paths.joint_paths import straightened
-from rpr_solver.paths.no_path import Resolution
-from rpr_solver.paths.path_limits import PathLimits
-from rpr_solver.paths.proofs import ProvedRoute, prove
-from rpr_solver.paths.proved import PROOF_BITS
-from rpr_solver.paths.straightened import Corner
-from rpr_solver.paths.subdivision import Outcome, search
+from rpr_solver.paths.joint_paths import Corner, straightened
+from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove
+from rpr_solver.paths.route import Arc, Point
+
+_LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
+"""By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
+_MOST_BOXES = 40_000
+_DEEPEST = 40
+_SLACK = 1
+"""How many boxes more than the fewest a way may cross, so that fewer searches are needed."""
+
+Spot = tuple[float, float, Fraction]
+"""α and θ in radians, not confined to a turn, and the scaled length."""
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """The size of a box of poses.
+
+    Attributes:
+        angle_deg: its width in α and in the fixed leg's angle.
+        length: its width in the length of the fixed leg; None if that is held.
+
+    >>> Resolution(Fraction(45, 64)).to_json()
+    {'angle_deg': '0.703125', 'length': None}
+    """
+
+    angle_deg: Fraction
+    length: Fraction | None = None
+
+    def to_json(self) -> dict[str, str | None]:
+        """The document's object."""
+        return {"angle_deg": exact_str(self.angle_deg), "length": exact_or_none(self.length)}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a subdivision proved.
+
+    Attributes:
+        way: spots of a polyline from one pose to the other, in allowed boxes; None if none was found.
+        is_separated: whether it is proved that there is no path.
+        level: of the narrowest boxes that were used: 360°/2^level wide.
+        boxes: the number of boxes that were examined.
+    """
+
+    way: list[Spot] | None
+    is_separated: bool
+    level: int
+    boxes: int
+
+
+def search(boxes: Boxes, start: Place, stop: Place) -> Outcome:
+    """Looks for a way between two allowed poses.
+
+    Raises:
+        Unproved: a pose is too near to the edge of what is allowed.
+    """
+    with ctx.workprec(BITS):
+        return _Search(boxes).outcome(start, stop)
+
+
+class _Search:
+    """The boxes that have been cut, and the verdicts about the others."""
+
+    def __init__(self, boxes: Boxes) -> None:
+        self.boxes = boxes
+        self.verdicts: dict[Box, Verdict | None] = {box: boxes.verdict(box) for box in boxes.first()}
+        self.near: dict[Box, list[Box]] = {}
+
+    def outcome(self, start: Place, stop: Place) -> Outcome:
+        first, last = self.settled(start), self.settled(stop)
+        done = FIRST_LEVEL
+        for level in _LEVELS[len(self.boxes.axes)]:
+            while len(self.verdicts) < _MOST_BOXES:
+                from_start = self.distances(first, level)
+                if last not in from_start:
+                    if last not in self.distances(first, None):
+                        return Outcome(None, True, self.narrowest(), len(self.verdicts))
+                    break
+                if from_start[last] == 0:
+                    way = self.way(start, self.chain(from_start, last), stop)
+                    return Outcome(way, False, self.narrowest(), len(self.verdicts))
+                from_stop = self.distances(last, level)
+                most = from_start[last] + 1 + _SLACK
+                for box, steps in from_start.items():
+                    crossed = steps + from_stop.get(box, most)
+                    if crossed <= most and self.verdicts[box] is Verdict.UNDECIDED:
+                        self.cut(box)
+            else:
+                break
+            done = level
+        return Outcome(None, False, done, len(self.verdicts))
+
+    def narrowest(self) -> int:
+        return max(box[0] for box, verdict in self.verdicts.items() if verdict is not None)
+
+    def cut(self, box: Box) -> None:
+        for other in self.beside(box):
+            self.near.pop(other, None)
+        self.near.pop(box, None)
+        self.verdicts[box] = None
+        for part in self.boxes.parts(box):
+            self.verdicts[part] = self.boxes.verdict(part)
+
+    def settled(self, place: Place) -> Box:
+        """An allowed box round a pose, cut out if need be."""
+        for level in range(FIRST_LEVEL, _DEEPEST):
+            box = self.boxes.holding(place, level)
+            if box is None:
+                break
+            verdict = self.verdicts.get(box)
+            if verdict is Verdict.IN:
+                return box
+            if verdict is Verdict.UNDECIDED:
+                self.cut(box)
+        raise Unproved("a pose is too near to a singularity or to a limit")
+
+    def distances(self, start: Box, deepest: int | None) -> dict[Box, int]:
+        """How many undecided boxes, of a lower level than this, must be entered to reach each box."""
+        found = {start: 0}
+        queue = deque([start])
+        done: set[Box] = set()
+        while queue:
+            box = queue.popleft()
+            if box in done:
+                continue
+            done.add(box)
+            steps = found[box]
+            for other in self.beside(box):
+                verdict = self.verdicts[other]
+                if verdict is Verdict.OUT or other in done:
+                    continue
+                if verdict is Verdict.IN:
+                    if steps < found.get(other, steps + 1):
+                        found[other] = steps
+                        queue.appendleft(other)
+                elif (deepest is None or other[0] < deepest) and steps + 1 < found.get(other, steps + 2):
+                    found[other] = steps + 1
+                    queue.append(other)
+        return found
+
+    def chain(self, distances: dict[Box, int], last: Box) -> list[Box]:
+        """Few allowed boxes, each beside the next, from the first one to the last."""
+        before: dict[Box, Box | None] = {last: None}
+        queue = deque([last])
+        while queue:
+            box = queue.popleft()
+            for other in self.beside(box):
+                if other not in before and distances.get(other) == 0:
+                    before[other] = box
+                    queue.append(other)
+        chain = [next(iter(distances))]
+        while (following := before[chain[-1]]) is not None:
+            chain.append(following)
+        return chain
+
+    def beside(self, box: Box) -> list[Box]:
+        """The boxes, not cut any further, that share a part of a face with one."""
+        if box not in self.near:
+            self.near[box] = [
+                other
+                for axis in self.boxes.axes
+                for step in (-1, 1)
+                if (same := self.boxes.beside(box, axis, step)) is not None
+                for other in self._uncut(same, axis, step)
+            ]
+        return self.near[box]
+
+    def _uncut(self, box: Box, axis: int, step: int) -> Iterator[Box]:
+        """The boxes into which one is cut, at the face by which it is entered, or the one that holds it."""
+        while box not in self.verdicts:
+            box = self.boxes.whole(box)
+        if self.verdicts[box] is not None:
+            yield box
+            return
+        parts = self.boxes.parts(box)
+        places = [part[axis + 1] for part in parts]
+        side = min(places) if step > 0 else max(places)
+        for part in parts:
+            if part[axis + 1] == side:
+                yield from self._uncut(part, axis, step)
+
+    def way(self, start: Place, chain: Sequence[Box], stop: Place) -> list[Spot]:
+        """A polyline through the faces between boxes; its first spot is the start, no turns added."""
+        at = _turns(start)
+        corner = _near(self.boxes.middle(chain[0]), at)
+        spots = [at]
+        for box, following in pairwise(chain):
+            other = _near(self.boxes.middle(following), corner)
+            spots.append(_face(corner, other, self.boxes.sizes(box), self.boxes.sizes(following)))
+            corner = other
+        spots.append(_near(_turns(stop), corner))
+        return [(tau * float(alpha), tau * float(theta), length) for alpha, theta, length in spots]
+
+
+_Point = tuple[Fraction, Fraction, Fraction]
+"""α and θ in turns, and the scaled length."""
+
+
+def _turns(place: Place) -> _Point:
+    """About where a place is."""
+    alpha, theta = (Fraction(float(angle) / tau) for angle in place[:2])
+    return alpha, theta, place[2]
+
+
+def _near(point: _Point, other: _Point) -> _Point:
+    """A point, its angles changed by whole turns to be near another."""
+    alpha, theta = (x + round(y - x) for x, y in zip(point[:2], other[:2], strict=True))
+    return alpha, theta, point[2]
+
+
+def _face(first: _Point, second: _Point, sizes: _Point, other_sizes: _Point) -> _Point:
+    """The middle of what two boxes have in common, given by their middles and sizes."""
+    middles = []
+    for a, b, size, other in zip(first, second, sizes, other_sizes, strict=True):
+        low, high = max(a - size / 2, b - other / 2), min(a + size / 2, b + other / 2)
+        middles.append((low + high) / 2)
+    return middles[0], middles[1], middles[2]
+
 
 _INWARDS = [Fraction(1, 10**k) for k in range(2, 9)]
 

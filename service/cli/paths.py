@@ -10,7 +10,7 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, letter
-from rpr_solver.paths.timing import TIMINGS
+from rpr_solver.paths.samples import TIMINGS
 from service.cli import arguments, remote
 from service.cli.help import Command
 from service.cli.pages import Page, Section, about, all_legs, counted, rows_of, write_document

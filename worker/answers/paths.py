@@ -32,7 +32,7 @@ def compute(request: JobRequest, store: Store, _progress: Progress) -> Document:
         SolverError: the path could not be decided.
     """
     from rpr_solver.paths.loops import loop_in_slice, slice_for_loops  # by those who compute
-    from rpr_solver.paths.path import SamplingPlan
+    from rpr_solver.paths.samples import SamplingPlan
 
     content, digits, others = request.content, request.digits, request.content["others"]
     sampling = {name: content[name] for name in ("samples", "timing", "duration")}

@@ -11,7 +11,7 @@ from flint import arb, ctx
 from rpr_solver import EXAMPLES
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, Verdict
-from rpr_solver.paths.path_limits import PathLimits
+from rpr_solver.paths.proofs import PathLimits
 from tests.support.motions import Mover
 
 FIRST = EXAMPLES["fourteen-cusps"]

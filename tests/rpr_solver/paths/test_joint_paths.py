@@ -1,20 +1,36 @@
-"""Routes in a slice and in a range against a search on a dense grid."""
+"""Routes in a slice and in a range against a search on a dense grid.
+
+Short smooth routes from polylines.
+"""
+
+from __future__ import annotations
 
 import cmath
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
-from math import pi
+from math import pi, radians
 from random import Random
 
 import pytest
 from flint import arb, ctx
 
-from rpr_solver import EXAMPLES, InputError, Manipulator, NoPath, Path, SolverError, joint_path, poses
+from rpr_solver import (
+    EXAMPLES,
+    InputError,
+    Manipulator,
+    NoPath,
+    Path,
+    SolverError,
+    cusp_loop,
+    joint_path,
+    poses,
+)
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.isolated import local_map
-from rpr_solver.paths.joint_paths import sign_at
+from rpr_solver.paths.joint_paths import Corner, Straightener, sign_at
+from rpr_solver.paths.proofs import PathLimits
 from tests.support.motions import Mover, angles_of, apart, legs_of
 
 GRID = 400
@@ -150,3 +166,38 @@ def test_the_sign_is_that_of_j() -> None:
             length = 5 * slice_map.scale
             value = local_map(slice_map, arb(length.numerator) / length.denominator, angles, 1).singularity()
             assert sign_at(slice_map, length, angles) == (1 if value.value > 0 else -1)
+
+
+LOOP = cusp_loop(EXAMPLES["innocenti"], 27, "C", samples=2)
+START, STOP = LOOP.route.start, LOOP.route.stop
+
+
+def corners() -> list[Corner]:
+    """From the start over places beside the middle to the stop."""
+    [(_, middle, _)] = LOOP.route.arcs
+    assert middle is not None
+    inner = radians(middle.alpha_deg), radians(middle.theta_deg)
+    ends = [(float(pose.angles[0]), float(pose.angles[1])) for pose in (START, STOP)]
+    beside = [((x + inner[0]) / 2, (y + inner[1]) / 2) for x, y in ends]
+    return [(x, y, Fraction(27)) for x, y in (ends[0], *beside, ends[1])]
+
+
+def test_a_route_is_proved_along_a_polyline() -> None:
+    found = Straightener(LOOP.route.slice_map, LOOP.sign).route(START, STOP, corners())
+    assert found is not None
+    route, proof = found
+    assert proof.sign == LOOP.sign
+    assert len(route.arcs) <= 3
+    assert (route.start, route.stop) == (START, STOP)
+
+
+def test_no_route_has_the_other_sign() -> None:
+    assert Straightener(LOOP.route.slice_map, -LOOP.sign).route(START, STOP, corners()) is None
+
+
+def test_a_route_beyond_a_limit_is_refused() -> None:
+    legs = START.legs
+    for bounds, is_free in (({2: (None, Fraction(1))}, False), ({2: (Fraction(1), None)}, True)):
+        limits = PathLimits.of(LOOP.route.slice_map, bounds, legs)
+        found = Straightener(LOOP.route.slice_map, LOOP.sign, limits).route(START, STOP, corners())
+        assert (found is not None) is is_free

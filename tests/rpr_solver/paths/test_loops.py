@@ -1,9 +1,16 @@
-"""Loops round cusps, against a float model of the manipulator that knows nothing of their proofs."""
+"""Loops round cusps, against a float model of the manipulator that knows nothing of their proofs.
 
+The local algebra: the outer poses over nearly one joint vector, and J of the signs that it tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
 from fractions import Fraction
 from random import Random
 
 import pytest
+from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,8 +27,10 @@ from rpr_solver import (
     poses,
     solve_slice,
 )
-from rpr_solver.paths.loops import CUSP_DIGITS, loop_in_slice
-from rpr_solver.paths.path import SamplingPlan
+from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.paths.isolated import Angles, local_map
+from rpr_solver.paths.loops import CUSP_DIGITS, CuspFrame, loop_in_slice
+from rpr_solver.paths.samples import SamplingPlan
 from tests.support.families import family
 from tests.support.motions import Mover, angles_of, apart, arrives, turns
 from tests.support.shared import eliminant_of
@@ -208,3 +217,33 @@ def test_a_degenerate_point_does_not_count_as_a_cusp() -> None:
     table = slice_of(family("similar"), "10")[1]
     assert table.count == 0
     assert {point["kind"] for point in table.degenerate_points} <= {str(kind) for kind in PoseKind}
+
+
+def gap(image: Callable[[Angles], Angles], frame: CuspFrame, s: float) -> float:
+    """How far apart the images of the outer poses are, over their distance from the cusp's."""
+    one, other, cusp = map(image, (frame.outer(arb(s)), frame.outer(arb(-s)), frame.cusp))
+    apart, away = (((one[0] - x[0]) ** 2 + (one[1] - x[1]) ** 2).sqrt() for x in (other, cusp))
+    return float(apart / away)
+
+
+@pytest.mark.parametrize(("name", "length"), [("innocenti", "27"), ("fourteen-cusps", "5.96")])
+def test_the_outer_poses_meet_and_the_inner_one_lies_across_the_curve(name: str, length: str) -> None:
+    eliminant = eliminant_of(EXAMPLES[name])
+    slice_map, table = eliminant.slice_map, solve_slice(eliminant, length, 40)
+    s = 1e-6
+    with ctx.workprec(160):
+        scaled = ball_of(table.length * slice_map.scale)
+
+        def image(angles: Angles) -> Angles:
+            f, g = local_map(slice_map, scaled, angles, 0).squared_lengths()
+            return f, g
+
+        for cusp in table.cusps:
+            alpha, theta = (arb(text) * arb.pi() / 180 for text in cusp.coordinates[:2])
+            frame = CuspFrame.at(slice_map, scaled, (alpha, theta))
+            # without β they would stay as far apart as they are from the cusp's
+            assert gap(image, frame, s / 10) < gap(image, frame, s) / 5 < 1e-3
+            back = frame.kappa * arb(s) ** 2
+            inner = alpha - back * frame.normal[0], theta - back * frame.normal[1]
+            for angles, sign in ((frame.outer(arb(s)), 1), (frame.outer(arb(-s)), 1), (inner, -1)):
+                assert local_map(slice_map, scaled, angles, 2).singularity().value * frame.sign * sign > 0

@@ -1,4 +1,9 @@
-"""A path as a document, as rows, backwards and with other samples."""
+"""A path as a document, as rows, backwards and with other samples.
+
+From a route and its proof to a path.
+"""
+
+from __future__ import annotations
 
 import json
 from fractions import Fraction
@@ -7,6 +12,9 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, cusp_loop
 from rpr_solver.contract import letter, number_of
+from rpr_solver.paths.path import path_of
+from rpr_solver.paths.proofs import PROOF_BITS, prove
+from rpr_solver.paths.samples import SamplingPlan
 
 LOOP = cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=5)
 
@@ -54,3 +62,18 @@ def test_a_bad_number_of_samples_is_named(samples: int) -> None:
 
 def test_letters_and_numbers_name_the_same_cusps() -> None:
     assert [number_of(letter(k)) for k in range(1, 25)] == list(range(1, 25))
+
+
+FOURTH = cusp_loop(EXAMPLES["innocenti"], 27, 4, samples=2)
+
+
+def test_a_route_and_its_proof_make_the_path() -> None:
+    route = FOURTH.route
+    proof = prove(route.slice_map, route.at(PROOF_BITS), FOURTH.sign)
+    assert proof is not None
+    plan = SamplingPlan.of(2, "cosine", 1)
+    path = path_of(FOURTH.manipulator, route, proof, plan, 15)
+    assert (path.cusp, path.winding) == (None, None)
+    assert (path.start, path.stop, path.lengths) == (FOURTH.start, FOURTH.stop, FOURTH.lengths)
+    again = path_of(FOURTH.manipulator, route, proof, plan, 15, (4, 1, ()))
+    assert again.samples == FOURTH.samples

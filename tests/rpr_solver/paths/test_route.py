@@ -1,4 +1,9 @@
-"""Routes backwards and in documents."""
+"""Routes backwards and in documents.
+
+Expansions along arcs against the manipulator's own legs, in floats.
+"""
+
+from __future__ import annotations
 
 from fractions import Fraction
 
@@ -6,7 +11,9 @@ import pytest
 from flint import arb
 
 from rpr_solver import EXAMPLES, cusp_loop
-from rpr_solver.paths.route import ControlPoint, Route
+from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.paths.route import Arc, ControlPoint, Point, Route, bounded, expanded
+from tests.support.motions import Mover
 
 LOOP = cusp_loop(EXAMPLES["innocenti"], 27, 3, samples=2)
 
@@ -39,3 +46,51 @@ def test_the_document_names_the_ends_and_has_exact_points_between() -> None:
     assert first[-1] == second[0]
     assert isinstance(first[1], dict)
     assert Fraction(first[1]["l1"]) == 27
+
+
+FIRST = EXAMPLES["innocenti"]
+Three = tuple[float, float, float]
+CURVED: list[Three] = [(0.2, -1.1, 14.0), (1.5, 0.3, 15.0), (0.7, 2.0, 17.5)]
+
+
+def arc_of(slice_map: SliceMap, points: list[Three]) -> Arc:
+    scale = float(slice_map.scale)
+    scaled: list[Point] = [(arb(a), arb(t), arb(x * scale)) for a, t, x in points]
+    return Arc.over(scaled)
+
+
+@pytest.mark.parametrize("points", [CURVED, CURVED[:2]])
+def test_an_arc_runs_from_its_first_to_its_last_control_point(
+    points: list[Three],
+) -> None:
+    arc = arc_of(SliceMap.of(FIRST), points)
+    scale = float(SliceMap.of(FIRST).scale)
+    for tau, expected in ((0, points[0]), (1, points[-1])):
+        alpha, theta, length = (float(x) for x in arc.at(arb(tau)))
+        assert (alpha, theta, length / scale) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("leg", [1, 2, 3])
+@pytest.mark.parametrize("tau", [0.0, 0.3, 1.0])
+def test_an_expansion_begins_with_the_legs_and_their_determinant(leg: int, tau: float) -> None:
+    slice_map, mover = SliceMap.of(FIRST, leg), Mover.of(FIRST, leg)
+    scale, arc = float(slice_map.scale), arc_of(slice_map, CURVED)
+    alpha, theta, length = (float(x) for x in arc.at(arb(tau)))
+    at = expanded(slice_map, arc, arb(tau), 0)
+    legs = [(2 * float(x)) ** 0.5 / scale for x in (at.first[0], at.second[0])]
+    assert legs == pytest.approx(mover.free(alpha, theta, length / scale))
+    determinant = float(at.singularity[0]) / (legs[0] * legs[1] * scale**3)
+    assert determinant == pytest.approx(mover.determinant(alpha, theta, length / scale), rel=1e-6)
+
+
+def test_a_bound_holds_on_the_whole_piece() -> None:
+    slice_map = SliceMap.of(FIRST)
+    arc = arc_of(slice_map, CURVED)
+    centre, radius = Fraction(3, 8), Fraction(1, 8)
+    middle, r = arb(float(centre)), arb(float(radius))
+    near, wide = expanded(slice_map, arc, middle, 1), expanded(slice_map, arc, arb(middle, r), 2)
+    for k in range(-10, 11):
+        at = expanded(slice_map, arc, middle + r * k / 10, 0)
+        for name in ("first", "second", "singularity"):
+            values = (getattr(form, name) for form in (near, wide))
+            assert bounded(*values, r).contains(getattr(at, name)[0])
