@@ -3,7 +3,7 @@
     python benchmarks/solver.py
 
 In a chunk means 501 slices by `solve_slices`; alone means each by the polynomials of its slice, the way of
-the referee in `slices/lone_slice.py`, in turns with the chunk. A row holds the slices with so many cusps.
+the reference in `slices/reference.py`, in turns with the chunk. A row holds the slices with so many cusps.
 
 The naive route uses FLINT directly: one multivariate resultant in t, u, h and L1, reduced and divided; for a
 slice, the same resultant at its L1, its factors, and `roots(tol)` of the factor of degree 24.
@@ -23,8 +23,8 @@ from flint import acb_poly, arb, ctx, fmpz_mpoly
 from rpr_solver import EXAMPLES, Eliminant, cusp_table, eliminate, solve_slice
 from rpr_solver.exact.biform import OMEGA, L, U
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.chunk import BLOCK, SliceChunk
-from rpr_solver.slices.lone_slice import LoneSlice
+from rpr_solver.slices.fast.scan import BLOCK, SliceChunk
+from rpr_solver.slices.reference import LoneSlice
 
 REPEATS = 7
 MANIPULATOR = EXAMPLES["innocenti"]

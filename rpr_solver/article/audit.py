@@ -54,9 +54,8 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row
 from rpr_solver.slices.answers import slices_json, table_json
-from rpr_solver.slices.by_balls import SlicePoses, point_of_balls
-from rpr_solver.slices.certificate import RootCertificate
-from rpr_solver.slices.slice_table import SliceTable
+from rpr_solver.slices.reference import SlicePoses, point_of_balls
+from rpr_solver.slices.slice_table import RootCertificate, SliceTable
 
 METHOD = "article"
 _Q = "Q"

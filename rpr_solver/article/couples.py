@@ -19,7 +19,7 @@ from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import LocalMap
 from rpr_solver.model.joint_points import ClassifiedPoint, point_of_pose
 from rpr_solver.model.slice_map import Leg
-from rpr_solver.slices.by_balls import CuspBalls
+from rpr_solver.slices.reference import CuspBalls
 
 KEPT, DEGENERATE, REJECTED = "kept", "degenerate", "rejected"
 _TRIPLE = "three direct kinematic solutions coincide"

@@ -44,8 +44,7 @@ from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, outside
 from rpr_solver.paths.route import Arc, ControlPoint, Route, expanded
 from rpr_solver.paths.samples import SamplingPlan
 from rpr_solver.slices.cusp_table import solve_slice
-from rpr_solver.slices.eliminant import Eliminant
-from rpr_solver.slices.kept import kept_eliminant
+from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.slice_table import SliceTable
 
 

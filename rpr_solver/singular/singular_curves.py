@@ -48,8 +48,7 @@ from rpr_solver.singular.strands import Chain, components
 from rpr_solver.singular.sweep import Sweep, sweep
 from rpr_solver.singular.vertices import NotPlacedError, Vertex
 from rpr_solver.slices.cusp_table import solve_slice
-from rpr_solver.slices.eliminant import Eliminant
-from rpr_solver.slices.kept import kept_eliminant
+from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.slice_table import SliceTable
 
 

@@ -24,11 +24,10 @@ from rpr_solver.contract import (
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.rationals import Exact, exact_str, one_or_more, parse_all, parse_exact
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.slices.chunk import SliceChunk
 from rpr_solver.slices.cusp_table import solve_slice
-from rpr_solver.slices.eliminant import Eliminant
-from rpr_solver.slices.full_certificate import full_certificate
-from rpr_solver.slices.kept import kept_eliminant
+from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
+from rpr_solver.slices.fast.scan import SliceChunk
+from rpr_solver.slices.slice_table import full_certificate
 
 Solve = Callable[[Fraction], dict[str, Any]]
 """The contract's slice object for a length of the fixed leg, in the user's unit."""

@@ -9,9 +9,8 @@ from rpr_solver.errors import SolverError
 from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.lengths import slice_length, slice_lengths
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.slices.chunk import SliceChunk
-from rpr_solver.slices.eliminant import Eliminant
-from rpr_solver.slices.kept import kept_eliminant
+from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
+from rpr_solver.slices.fast.scan import SliceChunk
 from rpr_solver.slices.slice_table import SliceTable
 
 

@@ -1,11 +1,13 @@
-"""Curves on which both J and E vanish in a slice, as for congruent triangles.
+"""Curves on which both J and E vanish in a slice, as for congruent triangles, and the special poses on them.
 
 A whole curve of poses is then degenerate, and the eliminant vanishes identically. J and E are divided by the
-curves, on which there are no cusps (mathematics.md#shared-curves); the quotients have an eliminant.
-"""
+curves, on which there are no cusps (mathematics.md#shared-curves); the quotients have an eliminant. All poses
+of such a curve are degenerate, and most of them are alike. Named beside the curve are those where other parts
+of the singular curve cross it, or both legs are stationary."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import gcd
@@ -14,12 +16,15 @@ from flint import fmpz_mpoly
 
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.biform import RING, BiForm, T, U, leading_coefficient, without_common_factors
+from rpr_solver.exact.elimination import resultant
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.exact.torus_forms import rational_form, value
+from rpr_solver.exact.torus_forms import divides, rational_form, value
 from rpr_solver.model.classify import tan_half
+from rpr_solver.model.exact_pose import ExactPose, common_poses
 from rpr_solver.model.jets import Pose
-from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.model.slice_map import SliceMap, half_angles, slopes
 
 
 @dataclass(frozen=True)
@@ -120,3 +125,43 @@ def _real_curves(common: fmpz_mpoly) -> list[Curve]:
     """The irreducible curves of a common factor, without t² + 1 and u² + 1, which have no real points."""
     imaginary = (T**2 + 1, U**2 + 1)
     return [Curve(factor) for factor, _ in common.factor()[1] if factor not in imaginary]
+
+
+def special_poses(forms: SliceForms) -> list[ExactPose]:
+    """The poses with ∇J = 0 on simple curves that were divided out of a slice, and those with ∇f = ∇g = 0."""
+    found: list[ExactPose] = []
+    for curve in forms.shared:
+        own, rest = curve.form, forms.slice_map.singular.sliced(forms.length)
+        simple = not divides(own * own, rest) if not own.a.is_one() else rest.zeros_at_infinity == 1
+        for other in _others(forms, curve):
+            for pose in () if divides(own, other) else _common(own, other, forms):
+                if _stands_out(pose, simple) and not any(pose.is_at(x) for x in found):
+                    found.append(pose)
+    return found
+
+
+def _stands_out(pose: ExactPose, simple: bool) -> bool:
+    local = pose.local
+    j = local.singularity()
+    legs = (leg for moving in (local.f, local.g) for leg in (moving.alpha, moving.theta))
+    slopes = (j.alpha, j.theta) if simple else legs
+    return all(slope.value.is_zero for slope in slopes)
+
+
+def _others(forms: SliceForms, curve: Curve) -> Iterator[BiForm]:
+    """Forms of which one vanishes where ∇J = 0 on the curve: other factors of J, gradients of the legs."""
+    yield forms.singular
+    yield from (other.form for other in forms.shared if other is not curve)
+    for leg in (forms.slice_map.f, forms.slice_map.g):
+        for slope in slopes(leg):
+            yield half_angles(slope, (1, 1), leg.radicand).sliced(forms.length)
+
+
+def _common(first: BiForm, second: BiForm, forms: SliceForms) -> Iterator[ExactPose]:
+    eliminant = resultant(first, second)
+    roots: list[ExactRoot | None] = list(exact_roots(norm_factors(eliminant.polynomial)))
+    if eliminant.zeros_at_infinity:
+        roots.append(None)
+    for root in roots:
+        for pose in common_poses(first, second, root, forms.length) or ():
+            yield ExactPose.of(forms.slice_map, pose)

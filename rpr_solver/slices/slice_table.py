@@ -1,18 +1,130 @@
-"""The table of a slice."""
+"""The table of a slice, and its certificates: the short one, and the full one for an independent checker.
+
+    {"polynomial": {"variable": "u = tan(theta1/2)", "degree": 24, "coefficients": ["…", …],
+                    "omega": "sqrt(…)", "omega_coefficients": ["…", …]},
+     "squarefree": {"prime": "…", "omega": "…"},
+     "real_roots": [{"lower": "p/q", "upper": "p/q", "multiplicity": 1}, …],
+     "boxes": [{"alpha_deg": {"centre": "…", "radius": "…"}, …}, …]}
+
+The polynomial is Q of the slice, exact. ``squarefree`` has a prime and a square root of ω² modulo it: the
+image of Q there has degree 24 and no multiple root. It is null where Q has multiple roots, one at infinity,
+or is 0. ``real_roots`` has an isolating interval for each finite real root, ascending, and there are no
+others, as any count by signs shows.
+``boxes`` has for each cusp a box of angles and lengths that holds this one solution of J = E = 0."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypedDict
 
+from flint import arb, ctx
+
+from rpr_solver.exact.certified import Certified
 from rpr_solver.exact.decimals import sorted_by_balls
+from rpr_solver.exact.factors import FactorShape, shapes_json
+from rpr_solver.exact.quadratic import Form
 from rpr_solver.exact.rationals import exact_str
+from rpr_solver.exact.real_roots import RealRoot, fraction_of
 from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint
+from rpr_solver.model.joint_points import ClassifiedPoint, JointPoint, coordinate_names, free_legs
 from rpr_solver.notebook import Row, counted, html_table, shortened, text_table, with_floats
-from rpr_solver.slices.certificate import RootCertificate, SliceCertificate
+from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
+
+
+class Factor(FactorShape):
+    """A factor of the eliminant: its degree in u = tan(θ/2), its multiplicity and its origin."""
+
+    origin: str
+
+
+class RootCertificate(TypedDict):
+    """The part of a :class:`SliceCertificate` on the eliminant and its roots."""
+
+    eliminant_degree: int
+    real_roots: int
+    factors: list[Factor]
+    method: str
+
+
+class SliceCertificate(RootCertificate):
+    """The proof of a slice's table.
+
+    ``eliminant_degree`` and ``real_roots`` refer to the factors of origin ``"cusps"``. ``method`` is
+    ``"balls"`` if all of their roots are simple, else ``"exact"``; for the article's algorithm it is
+    ``"article"``. ``working_bits`` is the least precision of balls, of those tried, that
+    decides every pose and digit. ``proofs`` has an object for each cusp: the
+    balls ``rank_1``, ``grad_J`` and ``v_grad_E`` (for scaled lengths), which exclude zero, or the
+    ``field_degree`` of the number field in which these conditions were decided.
+    """
+
+    working_bits: int
+    proofs: list[dict[str, str]]
+
+
+def root_certificate(
+    leg: int, cusp_factors: list[tuple[int, int]], real_roots: int, method: str, *, shared: bool = False
+) -> RootCertificate:
+    """The certificate of an eliminant whose part Q has factors of these degrees and multiplicities.
+
+    Args:
+        leg: the fixed leg.
+        cusp_factors: degree and multiplicity of each factor of Q.
+        real_roots: the number of its real roots.
+        method: how the slice was decided.
+        shared: whether J and E share curves in the slice.
+    """
+    return {
+        "eliminant_degree": sum(degree * multiplicity for degree, multiplicity in cusp_factors),
+        "real_roots": real_roots,
+        "factors": _factor_table(leg, cusp_factors, shared=shared),
+        "method": method,
+    }
+
+
+def _factor_table(leg: int, cusp_factors: list[tuple[int, int]], *, shared: bool) -> list[Factor]:
+    """The factors of Res_t(J, E), a form of degree 48 in u, with their origins."""
+    cusps: list[Factor] = [{**shape, "origin": "cusps"} for shape in shapes_json(cusp_factors)]
+    if shared:
+        return cusps
+    closed, _ = free_legs(leg)
+    return [
+        {"degree": 2, "multiplicity": 1, "origin": f"L{closed}=0"},
+        {"degree": 2, "multiplicity": 2, "origin": f"leg {leg} along A{min(leg, closed)}A{max(leg, closed)}"},
+        {"degree": 2, "multiplicity": 9, "origin": "circular"},
+        *cusps,
+    ]
+
+
+_BITS = 96
+
+
+def full_certificate(
+    eliminant: Eliminant, length: Fraction, cusps: Iterable[Mapping[str, str]]
+) -> dict[str, Any]:
+    """The member ``full`` of a solved slice, from its printed cusps; ``length`` is in the user's unit."""
+    leg = eliminant.slice_map.fixed_leg
+    q = Certified.of(Form(eliminant.at(length * eliminant.slice_map.scale), DEGREE_U))
+    intervals = sorted((*_ends(root), multiplicity) for root, multiplicity in q.roots)
+    return {
+        **q.to_json(f"u = tan(theta{leg}/2)", intervals),
+        "boxes": [{name: _box(cusp[name]) for name in coordinate_names(leg)} for cusp in cusps],
+    }
+
+
+def _ends(root: RealRoot) -> tuple[Fraction, Fraction]:
+    ball = root.refined(_BITS)
+    with ctx.workprec(2 * _BITS):
+        return fraction_of(arb(ball.lower())), fraction_of(arb(ball.upper()))
+
+
+def _box(text: str) -> dict[str, str]:
+    """A printed number as a centre, with half a unit of its last digit as the radius."""
+    mantissa, _, exponent = text.partition("e")
+    places = int(exponent or 0) - len(mantissa.partition(".")[2])
+    radius = "0" if text == "0" else f"5e{places - 1}"
+    return {"centre": text, "radius": radius}
 
 
 @dataclass(frozen=True)

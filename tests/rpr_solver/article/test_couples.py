@@ -31,7 +31,7 @@ from rpr_solver.model.half_tangent import HalfTangent, pose_of
 from rpr_solver.model.jets import LocalMap
 from rpr_solver.model.joint_points import ClassifiedPoint
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.by_balls import SlicePoses
+from rpr_solver.slices.reference import SlicePoses
 from tests.support import constructed
 from tests.support.constructed import TRIANGLE, WEST, Constructed, Pose, direction
 from tests.support.strategies import examples

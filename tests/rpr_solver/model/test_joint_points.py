@@ -24,7 +24,7 @@ from rpr_solver.model.joint_points import (
     point_of_pose,
 )
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.by_balls import CuspBalls, point_of_balls
+from rpr_solver.slices.reference import CuspBalls, point_of_balls
 
 PROOF = {"rank_1": arb(2), "grad_J": arb(-3, 1), "v_grad_E": arb("123456.789")}
 RATIONALS = Field.rationals()

@@ -1,26 +1,38 @@
-"""Special slices: at transitions and beside them, degenerate families, extremes, bad input."""
+"""Cusp tables: checked input, the reference vectors, and slices as objects of a document."""
+
+from __future__ import annotations
 
 import csv
 import io
 from collections import Counter
 from dataclasses import replace
-from decimal import Decimal
+from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
+from functools import cache
 
+import mpmath as mp
 import pytest
 
 from rpr_solver import (
     EXAMPLES,
+    Eliminant,
     InputError,
     Manipulator,
     SliceTable,
+    Unproved,
     cusp_table,
     eliminate,
+    parse_exact,
     slice_error_json,
+    slice_json,
     solve_slice,
     table_csv,
+    table_document,
     table_json,
 )
+from rpr_solver.slices.answers import slices_json
+from tests.support.article import coalescence, pose, singularity
+from tests.support.reference import CASES
 
 INNOCENTI = EXAMPLES["innocenti"]
 
@@ -173,3 +185,65 @@ def test_csv_has_a_line_for_every_cusp_and_every_empty_slice() -> None:
     assert [r["l1"] for r in rows] == ["0.1"] + ["14.98"] * 6 + ["3"]
     assert rows[1]["l2"] == tables[1].cusps[0].l2
     assert rows[-1]["error"] == "too, hard"
+
+
+def test_a_slice_is_its_table_or_its_error() -> None:
+    eliminant = eliminate(INNOCENTI, 2)
+    assert slice_json(eliminant, Fraction(9), 15) == solve_slice(eliminant, Fraction(9), 15).to_json()
+    bad = slice_json(eliminant, Fraction(-9, 2), 15)
+    assert bad.keys() == {"l2", "error"}
+    assert bad["l2"] == "-4.5"
+    assert bad["error"]["type"] == "input-error"  # type: ignore[index]
+
+
+def test_one_bad_slice_does_not_spoil_the_others() -> None:
+    steps: list[tuple[int, int]] = []
+    lengths = [Fraction(9), Fraction(0), Fraction(20)]
+    document = table_document(
+        INNOCENTI, lengths, fixed_leg=3, digits=15, progress=lambda *step: steps.append(step)
+    )
+    eliminant = eliminate(INNOCENTI, 3)
+    slices = [slice_json(eliminant, length, 15) for length in lengths]
+    assert ["error" in item for item in slices] == [False, True, False]
+    assert document == table_json(INNOCENTI, 3, 15, slices)
+    assert list(document) == ["geometry", "geometry_hash", "fixed_leg", "digits", "solver_version", "slices"]
+    assert steps == [(0, 3), (1, 3), (2, 3), (3, 3)]
+
+
+def test_what_is_unproved_is_a_solver_error_in_its_place() -> None:
+    def refuse(length: Fraction) -> SliceTable:
+        raise Unproved(f"nothing is known of {length}")
+
+    [item] = slices_json(refuse, [Fraction(1, 3)], 1, lambda *_: None)
+    error = {"type": "solver-error", "detail": "nothing is known of 1/3"}
+    assert item == {"l1": "1/3", "error": error}
+
+
+SLICES = {
+    f"{case['name']}-{item['l1']}": (case["geometry"], item) for case in CASES for item in case["slices"]
+}
+
+
+@cache
+def eliminant_of(geometry: tuple[tuple[str, str], ...]) -> Eliminant:
+    return eliminate(Manipulator.from_json(dict(geometry)))
+
+
+@pytest.mark.parametrize(("geometry", "expected"), SLICES.values(), ids=SLICES)
+def test_reference_slice(geometry: dict[str, str], expected: dict[str, object]) -> None:
+    eliminant = eliminant_of(tuple(geometry.items()))
+    slice_json = solve_slice(eliminant, parse_exact(str(expected["l1"]), "l1"), 90).to_json()
+    assert slice_json["count"] == expected["count"]
+    nearest = Context(prec=90, rounding=ROUND_HALF_EVEN)
+    for cusp, truth in zip(slice_json["cusps"], expected["cusps"], strict=True):  # type: ignore[call-overload]
+        assert cusp.keys() == truth.keys()
+        for key, text in cusp.items():
+            assert Decimal(text) == nearest.create_decimal(truth[key]), key
+            assert len(text.lstrip("-0.").replace(".", "")) == 90
+    with mp.workdps(100):
+        for cusp in slice_json["cusps"]:  # type: ignore[attr-defined]
+            at = pose(eliminant.manipulator, str(expected["l1"]), cusp["alpha_deg"], cusp["theta1_deg"])
+            assert abs(singularity(eliminant.manipulator, at)) < mp.mpf(10) ** -80
+            assert abs(coalescence(eliminant.manipulator, at)) < mp.mpf(10) ** -80
+            for length, text in zip(at.lengths[1:], (cusp["l2"], cusp["l3"]), strict=True):
+                assert abs(length - mp.mpf(text)) < mp.mpf(10) ** -85 * length

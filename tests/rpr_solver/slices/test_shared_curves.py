@@ -1,4 +1,6 @@
-"""Curves that J and E share in a slice: those of congruent triangles, and curves that are put in."""
+"""Curves of degenerate poses that J and E share, and the special poses on them."""
+
+from __future__ import annotations
 
 from fractions import Fraction
 from math import gcd, prod
@@ -8,7 +10,7 @@ from flint import fmpz, fmpz_mat, fmpz_mpoly, fmpz_poly, nmod_poly
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, Manipulator, SolverError
+from rpr_solver import EXAMPLES, Manipulator, SolverError, solve_slice
 from rpr_solver.exact.biform import OMEGA, BiForm, L, Rows, T, U
 from rpr_solver.exact.modular import primes, sylvester
 from rpr_solver.exact.number_field import Algebraic, Field
@@ -16,9 +18,8 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.model.classify import cos_sin
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.shared_curves import Curve, SliceForms
-from rpr_solver.slices.shared_curves import without_shared_curves as divided
-from tests.support.families import family
+from rpr_solver.slices.shared_curves import Curve, SliceForms, special_poses, without_shared_curves
+from tests.support.families import CONGRUENT_FLAT, family
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples, lengths
 
@@ -44,8 +45,8 @@ def with_factors(
     return slice_map
 
 
-def without_shared_curves(slice_map: SliceMap, length: Fraction) -> tuple[SliceForms, QuadraticPoly]:
-    return divided(SliceForms.of(slice_map, length))
+def sliced_without(slice_map: SliceMap, length: Fraction) -> tuple[SliceForms, QuadraticPoly]:
+    return without_shared_curves(SliceForms.of(slice_map, length))
 
 
 def formal_resultant(forms: SliceForms, u: int) -> int:
@@ -63,7 +64,7 @@ def primitive(rows: Rows) -> list[QuadraticPoly]:
 
 def assert_plain(forms: SliceForms, q: QuadraticPoly) -> None:
     """What is left when the factors are gone."""
-    plain, expected = without_shared_curves(SliceMap.of(EXAMPLES["zein-flat"]), LENGTH)
+    plain, expected = sliced_without(SliceMap.of(EXAMPLES["zein-flat"]), LENGTH)
     assert primitive(forms.singular.rows) == primitive(plain.singular.rows)
     assert primitive(forms.coalescence.rows) == primitive(plain.coalescence.rows)
     assert q in (expected, expected * -1)
@@ -79,7 +80,7 @@ def test_where_nothing_is_shared_the_eliminant_has_all_its_factors(length: Fract
     for m in (EXAMPLES["zein-flat"], Manipulator(*map(Fraction, (7, 3, 5, 4, 5, 6)))):
         eliminant = eliminant_of(m)
         slice_map, scaled = eliminant.slice_map, length * eliminant.slice_map.scale
-        forms, whole = without_shared_curves(slice_map, scaled)
+        forms, whole = sliced_without(slice_map, scaled)
         assert forms == SliceForms.of(slice_map, scaled)
         known = slice_map.f.collinear() ** 2 * fmpz_poly([1, 0, 1]) ** 9 * slice_map.f.closed(scaled)
         expected = (eliminant.at(scaled) * (known / known.content())).primitive()
@@ -111,20 +112,20 @@ def test_a_slice_s_forms_are_those_of_the_map() -> None:
     ],
 )
 def test_a_shared_curve_is_divided_out(factor: fmpz_mpoly, equation: str) -> None:
-    forms, q = without_shared_curves(with_factors(factor), LENGTH)
+    forms, q = sliced_without(with_factors(factor), LENGTH)
     assert [curve.equation(1) for curve in forms.shared] == [equation]
     assert_plain(forms, q)
 
 
 def test_several_curves_and_powers_are_divided_out_and_each_is_said_once() -> None:
     """t² in J and in E, and two other curves; what is imaginary is divided out and no curve of poses."""
-    forms, q = without_shared_curves(with_factors(T, T, U - 2, T * U + 1, T**2 + 1, U**2 + 1), LENGTH)
+    forms, q = sliced_without(with_factors(T, T, U - 2, T * U + 1, T**2 + 1, U**2 + 1), LENGTH)
     assert sorted(str(curve.polynomial) for curve in forms.shared) == ["t", "t*u + 1", "u - 2"]
     assert_plain(forms, q)
 
 
 def test_a_power_that_only_j_holds_is_no_isolated_zero() -> None:
-    forms, q = without_shared_curves(with_factors(T, only_j=T), LENGTH)
+    forms, q = sliced_without(with_factors(T, only_j=T), LENGTH)
     assert [curve.equation(1) for curve in forms.shared] == ["alpha = 0 deg"]
     assert_plain(forms, q)
 
@@ -132,7 +133,7 @@ def test_a_power_that_only_j_holds_is_no_isolated_zero() -> None:
 @pytest.mark.parametrize("infinite", [(1, 1), (2, 2), (3, 1)])
 def test_a_half_turn_of_the_platform_is_a_curve_too(infinite: tuple[int, int]) -> None:
     """J loses every power of it, as of other curves."""
-    forms, q = without_shared_curves(with_factors(infinite=infinite), LENGTH)
+    forms, q = sliced_without(with_factors(infinite=infinite), LENGTH)
     assert [curve.equation(1) for curve in forms.shared] == ["alpha = 180 deg"]
     assert_plain(forms, q)
 
@@ -140,7 +141,7 @@ def test_a_half_turn_of_the_platform_is_a_curve_too(infinite: tuple[int, int]) -
 @pytest.mark.parametrize("infinite", [(1, 0), (0, 1), (0, 2)])
 def test_zeros_at_infinity_of_one_form_alone_count(infinite: tuple[int, int]) -> None:
     """The eliminant keeps the formal degrees in t."""
-    forms, q = without_shared_curves(with_factors(infinite=infinite), LENGTH)
+    forms, q = sliced_without(with_factors(infinite=infinite), LENGTH)
     assert forms.shared == ()
     values = [(formal_resultant(forms, u), int(q.a(fmpz(u)))) for u in (2, 3, -5, 7)]
     ratio = Fraction(values[0][0], values[0][1])
@@ -151,14 +152,12 @@ def test_zeros_at_infinity_of_one_form_alone_count(infinite: tuple[int, int]) ->
 def test_a_curve_that_is_not_rational_is_refused() -> None:
     slice_map = with_factors(T * U - OMEGA, name="innocenti")
     with pytest.raises(SolverError, match="not rational"):
-        without_shared_curves(slice_map, LENGTH)
+        sliced_without(slice_map, LENGTH)
 
 
 def test_a_curve_at_one_length_alone_is_found_there() -> None:
     slice_map = with_factors(T * L - 5 + U * (L - 5))
-    there, beside = (
-        without_shared_curves(slice_map, length)[0].shared for length in (Fraction(5), Fraction(6))
-    )
+    there, beside = (sliced_without(slice_map, length)[0].shared for length in (Fraction(5), Fraction(6)))
     assert [curve.equation(1) for curve in there] == ["t - 1 = 0 with t = tan(alpha/2), u = tan(theta1/2)"]
     assert [str(curve.polynomial) for curve in beside] == ["6*t + u - 5"]
 
@@ -173,7 +172,7 @@ def test_congruent_triangles_move_in_parallel(sign: int, equation: str, leg: int
     m = Manipulator(*map(Fraction, (30 * sign, 0, 40 * sign, 30, 50, 40)))
     slice_map = SliceMap.of(m, leg)
     assert SliceForms.of(slice_map, LENGTH).shared == ()
-    forms, q = without_shared_curves(slice_map, LENGTH * slice_map.scale)
+    forms, q = sliced_without(slice_map, LENGTH * slice_map.scale)
     assert [curve.equation(leg) for curve in forms.shared] == [equation]
     assert not q.is_zero
     assert forms.singular.degree_t < 4
@@ -181,7 +180,7 @@ def test_congruent_triangles_move_in_parallel(sign: int, equation: str, leg: int
 
 def test_similar_triangles_share_no_curve() -> None:
     slice_map = SliceMap.of(family("similar"))
-    assert without_shared_curves(slice_map, LENGTH)[0].shared == ()
+    assert sliced_without(slice_map, LENGTH)[0].shared == ()
 
 
 # which poses lie on a curve
@@ -218,3 +217,27 @@ def test_a_half_turn_lies_on_its_own_curve_and_where_the_highest_power_of_t_vani
 def test_where_the_fixed_leg_has_turned_by_a_half_the_highest_power_of_u_counts() -> None:
     assert Curve(T * U - U + 5).holds(at(Fraction(1), None))
     assert not Curve(T * U - U + 5).holds(at(Fraction(2), None))
+
+
+@pytest.mark.parametrize("fixed_leg", [1, 2, 3])
+@pytest.mark.parametrize("length", [Fraction(5), Fraction(213, 10)])
+def test_both_legs_are_stationary_at_two_poses_of_a_flat_curve(fixed_leg: int, length: Fraction) -> None:
+    """All legs along the base, and of one length: translations along the base change nothing."""
+    table = solve_slice(eliminant_of(CONGRUENT_FLAT, fixed_leg), length, 15)
+    angle = f"theta{fixed_leg}_deg"
+    on_curve = {
+        point[angle]: point["kind"]
+        for point in table.degenerate_points
+        if point.get("alpha_deg") == "180.000000000000"
+    }
+    assert on_curve == {"0": "higher", "180.000000000000": "higher"}
+    assert table.degenerate_points[0]["equation"] == "alpha = 180 deg"
+
+
+def test_a_curve_without_special_poses() -> None:
+    slice_map = SliceMap.of(family("congruent"))
+    whole = SliceForms.of(slice_map, Fraction(5))
+    assert special_poses(whole) == []
+    forms, _ = without_shared_curves(whole)
+    assert forms.shared
+    assert special_poses(forms) == []

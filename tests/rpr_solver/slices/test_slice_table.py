@@ -1,16 +1,32 @@
-"""The answer to a slice: its document, its rows for a data frame, and what a notebook shows."""
+"""Tables of slices, and what their short and full certificates prove."""
+
+from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import pytest
+import sympy as sp
 from flint import arb
 
-from rpr_solver import JointPoint, PoseKind
+from rpr_solver import (
+    EXAMPLES,
+    InputError,
+    JointPoint,
+    Manipulator,
+    PoseKind,
+    article_table,
+    eliminate,
+    solve_slice,
+    table_document,
+)
 from rpr_solver.model.joint_points import ClassifiedPoint
-from rpr_solver.slices.certificate import RootCertificate, SliceCertificate
-from rpr_solver.slices.slice_table import SliceTable
+from rpr_solver.slices.slice_table import RootCertificate, SliceCertificate, SliceTable, full_certificate
+from tests.support.families import family
+from tests.support.shapes import misfits
+from tests.support.shared import eliminant_of
 
 ROOTS: RootCertificate = {"eliminant_degree": 24, "real_roots": 2, "factors": [], "method": "balls"}
 CERTIFICATE: SliceCertificate = {**ROOTS, "working_bits": 300, "proofs": []}
@@ -130,3 +146,131 @@ def test_a_notebook_shows_the_counts_and_a_line_for_each_row() -> None:
     assert html.count("<tr>") == 1 + len(TABLE.rows())
     assert html.index("<td>cusp</td>") < html.index("<td>curve</td>") < html.index("<td>swallowtail</td>")
     assert "<table>" not in EMPTY._repr_html_()
+
+
+SLICES = {
+    "balls": (EXAMPLES["zein-flat"], 1, 10),
+    "leg 2": (EXAMPLES["zein-flat"], 2, 10),
+    "no cusp": (EXAMPLES["zein-flat"], 1, "0.1"),
+    "number fields": (family("right angles"), 2, 1),
+    "a flat manipulator": (family("both flat"), 1, 3),
+    "a swallowtail": (Manipulator(2, -4, 4, 1, 4, 3, orientation="cw"), 1, 1),
+    "a shared curve": (family("congruent"), 1, 5),
+}
+NAMES = {"rank_1", "grad_J", "v_grad_E"}
+
+
+@cache
+def table(name: str, digits: int = 15) -> dict[str, Any]:
+    manipulator, leg, length = SLICES[name]
+    return solve_slice(eliminant_of(manipulator, leg), length, digits).to_json()
+
+
+@pytest.mark.parametrize("name", SLICES)
+def test_a_certificate_has_what_is_declared_and_nothing_else(name: str) -> None:
+    assert list(misfits(table(name)["certificate"], SliceCertificate)) == []
+
+
+def test_that_of_the_article_has_so_too() -> None:
+    certificate = article_table(EXAMPLES["zein-flat"], 10, digits=15).to_json()["certificate"]
+    assert list(misfits(certificate, SliceCertificate)) == []
+    assert certificate["method"] == "article"
+
+
+@pytest.mark.parametrize("name", SLICES)
+def test_the_factors_are_those_of_a_form_of_degree_48(name: str) -> None:
+    certificate = table(name)["certificate"]
+    parts = {True: 0, False: 0}
+    for factor in certificate["factors"]:
+        parts[factor["origin"] == "cusps"] += factor["degree"] * factor["multiplicity"]
+    assert parts[True] == certificate["eliminant_degree"]
+    if name == "a shared curve":
+        assert parts[False] == 0
+    else:
+        assert parts == {True: 24, False: 24}
+
+
+@pytest.mark.parametrize("name", SLICES)
+def test_every_cusp_has_its_proof(name: str) -> None:
+    answer = table(name)
+    proofs = answer["certificate"]["proofs"]
+    assert len(proofs) == answer["count"]
+    for proof in proofs:
+        if proof.keys() == NAMES:
+            assert not any(arb(ball).contains(0) for ball in proof.values())
+        else:
+            assert proof.keys() == {"field_degree"}
+            assert int(proof["field_degree"]) >= 1
+
+
+@pytest.mark.parametrize("name", SLICES)
+def test_balls_settle_a_slice_only_if_all_roots_are_simple(name: str) -> None:
+    certificate = table(name)["certificate"]
+    multiplicities = {x["multiplicity"] for x in certificate["factors"] if x["origin"] == "cusps"}
+    by_balls = all(proof.keys() == NAMES for proof in certificate["proofs"])
+    if certificate["method"] == "balls":
+        assert multiplicities == {1}
+        assert by_balls
+        assert table(name)["degenerate_points"] == []
+    else:
+        assert certificate["method"] == "exact"
+
+
+def test_both_methods_and_both_proofs_are_met() -> None:
+    certificates = [table(name)["certificate"] for name in SLICES]
+    assert {x["method"] for x in certificates} == {"balls", "exact"}
+    assert {name for x in certificates for proof in x["proofs"] for name in proof} == {*NAMES, "field_degree"}
+
+
+@pytest.mark.parametrize("name", ["balls", "number fields"])
+def test_more_digits_take_more_bits(name: str) -> None:
+    bits = [table(name, digits)["certificate"]["working_bits"] for digits in (15, 60, 200)]
+    assert bits == sorted(set(bits))
+    assert all(b > 3.3219 * digits for b, digits in zip(bits, (15, 60, 200), strict=True))
+
+
+def test_a_real_root_of_q_for_each_cusp_of_a_generic_slice() -> None:
+    """Above every real root lies one cusp, whatever its side."""
+    for name in ("balls", "leg 2", "no cusp"):
+        assert table(name)["certificate"]["real_roots"] == table(name)["count"]
+
+
+U = sp.Symbol("u")
+
+
+def test_a_slice_over_the_integers() -> None:
+    document = table_document(EXAMPLES["zein-flat"], 10, digits=15, certificate="full")
+    [part] = document["slices"]
+    full = part["certificate"]["full"]
+    coefficients = [int(c) for c in full["polynomial"]["coefficients"]]
+    q = sp.Poly(list(reversed(coefficients)), U)
+    assert (q.degree(), "omega" in full["polynomial"]) == (24, False)
+    prime = int(full["squarefree"]["prime"])
+    assert sp.isprime(prime)
+    modulo = sp.Poly(q, U, modulus=prime)
+    assert sp.gcd(modulo, modulo.diff()).degree() == 0
+    assert q.count_roots() == len(full["real_roots"]) == part["count"]
+    for root in full["real_roots"]:
+        low, high = (sp.Rational(root[end]) for end in ("lower", "upper"))
+        assert q.eval(low) * q.eval(high) < 0
+    assert full["boxes"][0]["l2"] == {"centre": part["cusps"][0]["l2"], "radius": "5e-14"}
+
+
+def test_the_rest_of_the_document_is_as_usual() -> None:
+    short, full = (
+        table_document(EXAMPLES["innocenti"], ["14.98", 0], digits=15, certificate=name)
+        for name in ("short", "full")
+    )
+    assert full["slices"][0]["certificate"].pop("full")["polynomial"]["omega"].startswith("sqrt(")
+    assert full == short
+    with pytest.raises(InputError, match="certificate"):
+        table_document(EXAMPLES["innocenti"], "14.98", certificate="long")
+
+
+@pytest.mark.parametrize("name", ["both flat", "congruent"])
+def test_slices_with_multiple_roots_have_no_prime(name: str) -> None:
+    eliminant = eliminate(family(name))
+    table = solve_slice(eliminant, 3, 15)
+    full = full_certificate(eliminant, Fraction(3), [cusp.to_json() for cusp in table.cusps])
+    assert full["squarefree"] is None
+    assert [root["multiplicity"] > 1 for root in full["real_roots"]] == [True] * len(full["real_roots"])

@@ -1,6 +1,6 @@
 """Proof of poses guessed in double precision, for all slices of a block at once, by numpy.
 
-With bounds of every rounding error (bounded.py), Krawczyk's test shows that a box round the guess holds just
+With bounds of every rounding error (poses.py), Krawczyk's test shows that a box round the guess holds just
 one pose with J = E = 0, and that it is not spurious; ∇f, ∇J and v·∇E are bounded there, so closely that both
 bounds are nearly always one text in the certificate (mathematics.md#poses-by-floats). What is not proved here
 is left to balls, with its whole slice (real_poses.py).
@@ -13,13 +13,13 @@ from fractions import Fraction
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rpr_solver.slices.bounded import Bounded
 from rpr_solver.slices.cusp_proof import At, PoseDerivatives, singularity_and_coalescence
-from rpr_solver.slices.double_poses import DoubleMap, GuessedPoses, HalfAngles, map_exponent
 from rpr_solver.slices.eliminant import Eliminant
+from rpr_solver.slices.fast.poses import Bounded, DoubleMap, GuessedPoses, HalfAngles, map_exponent
 
 if TYPE_CHECKING:
-    from rpr_solver.slices.double_poses import Flags, Floats
+    from rpr_solver.slices.fast.poses import Flags, Floats
+
 
 _CIRCLE_ERROR = 8
 """Units that bound the rounding errors of a cosine and a sine by half tangents."""

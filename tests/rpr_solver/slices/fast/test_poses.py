@@ -1,4 +1,4 @@
-"""Poses guessed above roots, against the cusps of the tables."""
+"""Poses in floats, and floats with bounds of their errors against exact arithmetic."""
 
 from __future__ import annotations
 
@@ -7,13 +7,16 @@ from math import atan2, degrees, ldexp
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, eliminate, solve_slice
-from rpr_solver.slices.chunk import SliceChunk
-from rpr_solver.slices.discs import guesses
-from rpr_solver.slices.double_poses import DoubleMap, HalfAngles, map_exponent, number_type
-from rpr_solver.slices.pose_proofs import proved_boxes
+from rpr_solver.slices.fast.discs import guesses
+from rpr_solver.slices.fast.poses import Bounded, DoubleMap, HalfAngles, map_exponent, number_type
+from rpr_solver.slices.fast.proofs import proved_boxes
+from rpr_solver.slices.fast.scan import SliceChunk
 from tests.support.shared import eliminant_of
+from tests.support.strategies import examples
 
 LENGTHS = [Fraction(k, 3) for k in range(20, 100, 9)]
 
@@ -73,3 +76,55 @@ def test_angles_ascend_from_half_a_turn_to_half_a_turn() -> None:
     angles.turn(np.full(101, 1e-5))
     cos, sin = angles.cos_sin()
     assert np.allclose(np.arctan2(sin, cos), turns + 1e-5, rtol=0, atol=1e-9)
+
+
+KINDS = {np.float64: 2.0**-53, np.longdouble: float(np.finfo(np.longdouble).eps) / 2}
+DUST = Fraction(1, 2**600)
+"""What may underflow; proofs.py adds it in the end."""
+Number = tuple[Bounded, Fraction]
+
+
+def exact(x: np.floating) -> Fraction:
+    high = float(x)
+    return Fraction(high) + Fraction(float(x - high))
+
+
+def is_bounded(x: Bounded, truth: Fraction) -> bool:
+    return abs(exact(x.value[0]) - truth) <= Fraction(float(x.error[0])) + DUST
+
+
+NUMBERS = st.tuples(st.floats(-1e6, 1e6), st.floats(0, 1e-3), st.floats(-1, 1))
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=["double", "extended"])
+@given(st.lists(NUMBERS, min_size=2, max_size=2), st.lists(st.sampled_from("+-*"), max_size=8))
+@examples(40)
+def test_the_exact_value_is_within_the_error(
+    kind: type[np.floating], numbers: list[tuple[float, float, float]], steps: list[str]
+) -> None:
+    if kind is np.longdouble and np.finfo(kind).nmant != 63:
+        pytest.skip("this processor has no extended precision")
+    unit = KINDS[kind]
+    pairs: list[Number] = []
+    for value, radius, place in numbers:
+        ball = Bounded(np.array([value], dtype=kind) / 3, np.array([radius + abs(value) * unit]), unit)
+        pairs.append((ball, exact(ball.value[0]) + Fraction(radius) * Fraction(place)))
+    (x, truth), (y, other) = pairs
+    for step in steps:
+        if step == "*":
+            x, truth = x * y, truth * other
+        elif step == "+":
+            x, truth = x + y, truth + other
+        else:
+            x, truth = y - x, other - truth
+        assert is_bounded(x, truth)
+        assert Fraction(float(x.least[0])) - DUST <= abs(truth)
+        assert abs(truth) <= Fraction(float(x.greatest[0])) + DUST
+
+
+def test_the_bound_is_close() -> None:
+    third = Bounded(np.array([1.0]) / 3, np.array([2.0**-54]), 2.0**-53)
+    total = third
+    for _ in range(20):
+        total = total * third + third
+    assert total.error[0] < 8 * 2.0**-53

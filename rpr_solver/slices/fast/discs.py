@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     Doubles = NDArray[np.float64]
     Complexes = NDArray[Any]
 
+
 _UNIT = 2.0**-53
 _VALUE_ERROR = 400 * _UNIT
 """Bounds the rounding errors of Horner's rule over the sum of |coefficients|, on the closed disc."""

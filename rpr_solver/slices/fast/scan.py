@@ -3,7 +3,7 @@
 It is proved modulo a prime that Q has 24 simple roots and no spurious one; by discs in double precision that
 enough of them are not real (mathematics.md#laguerres-discs); and by floats with bounds of their errors, or by
 balls, that a pose is above each of the others (mathematics.md#poses-by-floats). A slice not decided so, as
-beside a transition, goes to lone_slice.py. In any case what is printed is what the box of the pose on a grid
+beside a transition, goes to reference.py. In any case what is printed is what the box of the pose on a grid
 decides (grid.py), so the document is the same byte for byte.
 """
 
@@ -17,15 +17,14 @@ from flint import nmod, nmod_mat, nmod_poly
 
 from rpr_solver.exact.modular import primes
 from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.slices.certificate import RootCertificate, root_certificate
-from rpr_solver.slices.discs import Guess, guesses
 from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
+from rpr_solver.slices.fast.decimals import PoseSharpener
+from rpr_solver.slices.fast.discs import Guess, guesses
+from rpr_solver.slices.fast.proofs import NearPose, proved_boxes
 from rpr_solver.slices.grid import GridSlice, first_bits
-from rpr_solver.slices.lone_slice import LoneSlice
-from rpr_solver.slices.pose_proofs import NearPose, proved_boxes
 from rpr_solver.slices.real_poses import PoseFinder
-from rpr_solver.slices.sharp_poses import PoseSharpener
-from rpr_solver.slices.slice_table import SliceTable
+from rpr_solver.slices.reference import LoneSlice
+from rpr_solver.slices.slice_table import RootCertificate, SliceTable, root_certificate
 
 _FEWEST, _FEWEST_TO_IMPORT = 4, 64
 """Fewer slices do not repay the work of numpy, or its import."""

@@ -1,5 +1,7 @@
 """Slices solved together against slices solved alone: the same documents byte for byte, by any guesses."""
 
+from __future__ import annotations
+
 import json
 import random
 from collections.abc import Callable, Iterable, Sequence
@@ -10,11 +12,11 @@ import numpy as np
 import pytest
 
 from rpr_solver import EXAMPLES, Eliminant, InputError, Manipulator, SolverError, solve_slice, solve_slices
-from rpr_solver.slices import chunk as chunk_module
-from rpr_solver.slices import discs
-from rpr_solver.slices.chunk import SliceChunk
-from rpr_solver.slices.discs import Guess
-from rpr_solver.slices.lone_slice import LoneSlice
+from rpr_solver.slices.fast import discs
+from rpr_solver.slices.fast import scan as chunk_module
+from rpr_solver.slices.fast.discs import Guess
+from rpr_solver.slices.fast.scan import SliceChunk
+from rpr_solver.slices.reference import LoneSlice
 from tests.rpr_solver.long_run import manipulator as random_manipulator
 from tests.support.families import FAMILIES, family
 from tests.support.shared import census_of, eliminant_of

@@ -10,13 +10,12 @@ import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
-from rpr_solver.slices.chunk import SliceChunk
-from rpr_solver.slices.discs import guesses
-from rpr_solver.slices.double_poses import DoubleMap, GuessedPoses
 from rpr_solver.slices.eliminant import Eliminant
-from rpr_solver.slices.grid import cusp_proof
-from rpr_solver.slices.pose_decimals import HalfAngle, MapBalls
-from rpr_solver.slices.pose_proofs import PROOFS, NearPose, proved_boxes
+from rpr_solver.slices.fast.discs import guesses
+from rpr_solver.slices.fast.poses import DoubleMap, GuessedPoses
+from rpr_solver.slices.fast.proofs import PROOFS, NearPose, proved_boxes
+from rpr_solver.slices.fast.scan import SliceChunk
+from rpr_solver.slices.grid import HalfAngle, MapBalls, cusp_proof
 from rpr_solver.slices.real_poses import PoseFinder
 from tests.support.shared import eliminant_of
 

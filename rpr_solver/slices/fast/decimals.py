@@ -1,4 +1,4 @@
-"""From boxes that doubles prove to hold one cusp each (pose_proofs.py) to its decimals.
+"""From boxes that doubles prove to hold one cusp each (proofs.py) to its decimals.
 
 In each box interval Newton steps sharpen u as a root of Q, then t as the root of J above it
 (mathematics.md#real-roots); that there is one is proved before. Each step about doubles the bits of the last.
@@ -16,8 +16,8 @@ from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.joint_points import JointPoint, joint_point
 from rpr_solver.slices.eliminant import DEGREE_L, Eliminant
-from rpr_solver.slices.pose_decimals import HalfAngle, MapBalls, SliceDecimals
-from rpr_solver.slices.pose_proofs import PROOFS, NearPose
+from rpr_solver.slices.fast.proofs import PROOFS, NearPose
+from rpr_solver.slices.grid import HalfAngle, MapBalls, SliceDecimals
 
 _WIDER = 24
 """Bits of a half tangent beyond those of the digits: enough for nearly all decimals, and so few that the

@@ -1,8 +1,7 @@
-"""Poses above real roots in double precision, for all slices of a block at once, by numpy.
+"""Poses above real roots as floats with bounds of their errors, for all slices of a block at once, by numpy.
 
 A guess of θ gives one of α by Euclid's algorithm on J and E. Newton steps improve both angles, the last in
-extended precision where the processor has it. None of this decides anything; pose_proofs.py proves the poses.
-"""
+extended precision where the processor has it. None of this decides anything; proofs.py proves the poses."""
 
 from __future__ import annotations
 
@@ -16,9 +15,8 @@ from flint import arb, ctx
 from rpr_solver.exact.biform import BiForm
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.bounded import Bounded
 from rpr_solver.slices.cusp_proof import LegPoints, PoseDerivatives
-from rpr_solver.slices.discs import float_of, length_exponent
+from rpr_solver.slices.fast.discs import float_of, length_exponent
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,6 +25,55 @@ if TYPE_CHECKING:
     Floats = NDArray[Any]
     Flags = NDArray[np.bool_]
     Inverse = tuple[tuple[Floats, Floats], tuple[Floats, Floats]]
+
+
+_UP = 1 + 2.0**-48
+"""Bounds the roundings within a bound, which has at most ten of them in double precision."""
+
+
+class Bounded:
+    """Numbers within ``error`` of ``value``: scalars or numpy arrays of floats.
+
+    Attributes:
+        value: floats that each operation rounds to nearest.
+        error: bounds, in double precision.
+        unit: bounds the relative error of a rounding.
+        size: the absolute values, in double precision.
+    """
+
+    __slots__ = ("error", "size", "unit", "value")
+
+    def __init__(self, value: Any, error: Any, unit: float) -> None:
+        self.value, self.error, self.unit = value, error, unit
+        self.size = abs(value.astype(float))
+
+    def __add__(self, other: Bounded) -> Bounded:
+        return self._sum(self.value + other.value, other)
+
+    def __sub__(self, other: Bounded) -> Bounded:
+        return self._sum(self.value - other.value, other)
+
+    def _sum(self, value: Any, other: Bounded) -> Bounded:
+        result = Bounded(value, 0.0, self.unit)
+        result.error = (self.error + other.error + self.unit * result.size) * _UP
+        return result
+
+    def __mul__(self, other: Bounded) -> Bounded:
+        result = Bounded(self.value * other.value, 0.0, self.unit)
+        error = self.size * other.error + self.error * (other.size + other.error)
+        result.error = (error + self.unit * result.size) * _UP
+        return result
+
+    @property
+    def least(self) -> Any:
+        """A lower bound of the absolute values."""
+        return (self.size - self.error) * (2 - _UP)
+
+    @property
+    def greatest(self) -> Any:
+        """An upper bound of the absolute values."""
+        return (self.size + self.error) * _UP
+
 
 _OMEGA_BITS = 128
 
