@@ -1,4 +1,4 @@
-"""One slice of one manipulator, by its polynomials alone: the reference, which fast/ agrees with byte for byte.
+"""One slice of one manipulator, by its polynomials alone: the reference; fast/ agrees with it to the byte.
 
 There are two methods. If Q(u) is squarefree and prime to the spurious factors, each real root is one
 transversal intersection of J = 0 and E = 0 (mathematics.md#simple-roots), and ball arithmetic decides
