@@ -67,10 +67,10 @@ def running_job(queue: JobQueue, slices: int, digits: int) -> tuple[str, Callabl
 
     def run() -> None:
         for ref in refs:
-            chunk = queue.records.start(ref)
+            chunk = queue.attempts.start(ref)
             assert chunk is not None
             for offset, x in enumerate(chunk.parts):
-                queue.records.put_slices(ref, chunk, offset, [{**one, "l1": x}])
+                queue.attempts.put_slices(ref, chunk, offset, [{**one, "l1": x}])
                 time.sleep(0.005)
 
     return request.job_id, run

@@ -16,7 +16,7 @@ Exception
 ├── ProblemError            api.problems: answered as a problem document; all other errors become one
 ├── QueueFullError          (the worker's) worker.jobs.lanes: the lane of a new job holds too much work
 ├── ResultLostError         (the worker's) worker.answers.stored_tables: a result expired while it was read
-├── QuotaError              (the worker's) worker.jobs.quotas: a client holds too much of the queue
+├── QuotaError              (the worker's) worker.jobs.clients: a client holds too much of the queue
 ├── OutputError             cli.output: what a command prints cannot be written
 ├── ItemsLostError          (the worker's) worker.jobs.batches: the items of a batch are not there
 ├── RefusedError            webhooks.sending: the address of a callback may not be reached

@@ -36,8 +36,10 @@ MAY_IMPORT = {
     "worker.limits": "",
     "worker.settings": "rpr_solver worker.limits worker.logs",
     "worker.connection": "worker.settings",
-    "worker.jobs": "rpr_solver worker.settings worker.connection worker.logs worker.tracing worker.answers",
-    "worker.answers": "rpr_solver worker.settings",
+    "worker.lua": "",
+    "worker.jobs": "rpr_solver worker.settings worker.connection worker.logs worker.tracing worker.lua "
+    "worker.answers",
+    "worker.answers": "rpr_solver worker.settings worker.lua",
     "worker.process": "rpr_solver worker.settings worker.connection worker.logs worker.tracing worker.jobs "
     "worker.answers",
     "worker.__main__": "worker.settings worker.logs worker.jobs worker.process",

@@ -23,9 +23,9 @@ from redis.exceptions import RedisError
 import rpr_solver
 from service import __version__
 from worker.answers.tables import CUSP_TABLE
-from worker.jobs.ends import BOUNDS, Durations, Ends
-from worker.jobs.load import Load, read_load
+from worker.jobs.installation import Durations, Ends, Load, read_load
 from worker.jobs.queue import JobQueue
+from worker.lua import DURATION_BOUNDS
 
 PREFIX = "rpr_cusps_"
 
@@ -101,7 +101,7 @@ OF_INSTALLATION = (
 
 log = logging.getLogger("rpr_cusps.service")
 
-_DURATIONS = (*(f"{bound:g}" for bound in BOUNDS), "+Inf")
+_DURATIONS = (*(f"{bound:g}" for bound in DURATION_BOUNDS), "+Inf")
 _LOST = {"horses": "horse", "workers": "worker"}
 
 

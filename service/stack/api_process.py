@@ -29,7 +29,7 @@ from service.api.settings import Settings
 from service.webhooks.deliverer import Deliverer
 from worker import tracing
 from worker.connection import connect
-from worker.jobs.sweeper import Sweeper
+from worker.jobs.recovery import Sweeper
 from worker.logs import log_uncaught, set_up
 from worker.process.os_limits import die_with_parent, on_stop_signals
 from worker.settings import WorkerSettings

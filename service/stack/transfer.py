@@ -20,8 +20,8 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from service.stack.errors import StackError
+from worker.jobs.installation import Versions
 from worker.jobs.lanes import LANES, queue_name
-from worker.jobs.versions import Versions
 from worker.settings import WorkerSettings
 
 _FORMAT = 1

@@ -17,7 +17,7 @@ from tests.support.processes import PATIENCE, Process, Workers, descendants, unt
 from tests.support.service_server import GEOMETRY, serving
 from worker.answers.items import Item
 from worker.answers.requests import JobRequest
-from worker.jobs.ends import read_ends
+from worker.jobs.installation import read_ends
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from worker.jobs.attempts import ChunkEntry, ChunkRef
+from worker.jobs.chunks import ChunkEntry, ChunkRef
 from worker.jobs.queue import JobQueue
 
 
@@ -15,15 +15,15 @@ def work(
     queue: JobQueue, ref: ChunkRef, slices: int = 100, *, error: str = "", one_by_one: bool = True
 ) -> None:
     """Process a chunk, or its first slices, as a worker does."""
-    chunk = queue.records.start(ref)
+    chunk = queue.attempts.start(ref)
     assert chunk is not None
-    assert queue.records.begin_slices(ref, one_by_one=one_by_one)
+    assert queue.attempts.begin_slices(ref, one_by_one=one_by_one)
     for offset in range(chunk.offset, min(chunk.offset + slices, len(chunk.parts))):
         l1 = chunk.parts[offset]
         value: dict[str, object] = {"l1": l1, "count": 0, "cusps": []}
         if l1 == error:
             value = {"l1": l1, "error": {"type": "solver-error", "detail": "undecided"}}
-        queue.records.put_slices(ref, chunk, offset, [value])
+        queue.attempts.put_slices(ref, chunk, offset, [value])
 
 
 def finish(queue: JobQueue) -> None:

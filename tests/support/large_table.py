@@ -43,8 +43,8 @@ def run_job(queue: JobQueue, count: int) -> Iterator[str]:
     assert created
     yield request.job_id
     for ref in created.refs:
-        chunk = queue.records.start(ref)
+        chunk = queue.attempts.start(ref)
         assert chunk is not None
         for offset, l1 in enumerate(chunk.parts):
-            queue.records.put_slices(ref, chunk, offset, [{**_slice(), "l1": l1}])
+            queue.attempts.put_slices(ref, chunk, offset, [{**_slice(), "l1": l1}])
             yield request.job_id

@@ -14,70 +14,16 @@ from rpr_solver import SOLVER_VERSION
 from rpr_solver.contract import Progress, silent
 from worker.answers.layout import HEAD_BYTES, Measured, ResultKeys, measured_by, pack, unpack
 from worker.answers.requests import Document, JobRequest, SliceJson, Store
+from worker.lua import Scripts
 
 if TYPE_CHECKING:  # the command line needs no server, and these imports take half of its time
     from redis import Redis
 
     from worker.settings import WorkerSettings
-
 T = TypeVar("T")
 
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.05
 _MEASURED_AT_ONCE = 512
-_HEADS = f"""
-local heads = {{}}
-for i, key in ipairs(KEYS) do heads[i] = redis.call('GETRANGE', key, 0, {HEAD_BYTES - 1}) end
-return heads
-"""
-
-KEEP_SLICES = """
--- Keeps slices: their keys are KEYS[keys + 1], …; of each, ARGV has from args + 1 on its length, the slice as
--- it is stored, and whether it is an error. A known answer has its lifetime renewed, and is never replaced by
--- an error.
-local function keep_slices(keys, args, known_digits, digits, ttl, error_ttl)
-    local slices, is_one_known = {}, false
-    for i = 1, #KEYS - keys do
-        local l1, packed, is_error = unpack(ARGV, args + 3 * i - 2, args + 3 * i)
-        is_error = is_error == '1'
-        if not redis.call('SET', KEYS[keys + i], packed, 'EX', is_error and error_ttl or ttl, 'NX')
-                and not is_error then
-            redis.call('EXPIRE', KEYS[keys + i], ttl)
-        end
-        is_one_known = is_one_known or not is_error
-        slices[i] = {l1 = l1, packed = packed, is_error = is_error}
-    end
-    if is_one_known then
-        redis.call('SADD', known_digits, digits)
-        redis.call('EXPIRE', known_digits, ttl)
-    end
-    return slices
-end
-"""
-"""The Lua function that keeps slices."""
-
-_KEEP = (
-    KEEP_SLICES
-    + """
-keep_slices(1, 3, KEYS[1], unpack(ARGV, 1, 3))
-"""
-)
-
-
-_ACQUIRE = """
-local lock, locks = unpack(KEYS)
-local token, ttl = unpack(ARGV)
-if not redis.call('SET', lock, token, 'NX', 'PX', ttl) then return 0 end
-redis.call('SADD', locks, lock)
-redis.call('PEXPIRE', locks, ttl)
-return 1
-"""
-
-# One that has expired may be held by another worker by now.
-_RELEASE = """
-local lock, locks = unpack(KEYS)
-redis.call('SREM', locks, lock)
-if redis.call('GET', lock) == ARGV[1] then redis.call('DEL', lock) end
-"""
 
 
 class ResultStore(Store):
@@ -91,10 +37,7 @@ class ResultStore(Store):
         self.settings = settings
         self.holder = holder
         self.keys = ResultKeys(settings.key_prefix, settings.solver_version)
-        self._heads = redis.register_script(_HEADS)
-        self._keep = redis.register_script(_KEEP)
-        self._acquire = redis.register_script(_ACQUIRE)
-        self._release = redis.register_script(_RELEASE)
+        self._run = Scripts(redis)
 
     def slice_keys(self, request: JobRequest, l1: Sequence[str], digits: int | None = None) -> list[str]:
         """Returns the keys of slices of a request, at its own or another number of digits."""
@@ -138,7 +81,7 @@ class ResultStore(Store):
         found: dict[str, Measured] = {}
         for first in range(0, len(l1), _MEASURED_AT_ONCE):
             group = l1[first : first + _MEASURED_AT_ONCE]
-            heads = self._heads(keys=self.slice_keys(request, group))
+            heads = self._run("heads", slice_keys=self.slice_keys(request, group), count=HEAD_BYTES)
             found |= {x: measured_by(head) for x, head in zip(group, heads, strict=True) if head}
         return found
 
@@ -171,9 +114,14 @@ class ResultStore(Store):
         """Keep slices of a request, or the errors in their place."""
         known_digits = self.keys.digits(request.geometry_hash, request.fixed_leg)
         settings = self.settings
-        self._keep(
-            keys=[known_digits, *self.slice_keys(request, list(slices))],
-            args=[request.digits, settings.result_ttl, settings.error_ttl, *told(slices.items())],
+        self._run(
+            "keep_slices",
+            known_digits=known_digits,
+            slice_keys=self.slice_keys(request, list(slices)),
+            digits=request.digits,
+            ttl=settings.result_ttl,
+            error_ttl=settings.error_ttl,
+            stored=slice_arguments(slices.items()),
         )
 
     def get_eliminant(self, request: JobRequest) -> rpr_solver.Eliminant | None:
@@ -253,13 +201,13 @@ class ResultStore(Store):
     @contextmanager
     def _lock(self, key: str) -> Iterator[bool]:
         """The lock lives as long as a heartbeat, and is renewed with it until its holder is done or dead."""
-        keys, token = [key, self.keys.locks(self.holder)], secrets.token_hex(8)
-        held = bool(self._acquire(keys=keys, args=[token, int(1000 * self.settings.beat_ttl)]))
+        keys, token = {"lock": key, "locks": self.keys.locks(self.holder)}, secrets.token_hex(8)
+        held = bool(self._run("acquire_lock", keys, token=token, ttl=int(1000 * self.settings.beat_ttl)))
         try:
             yield held
         finally:
             if held:
-                self._release(keys=keys, args=[token])
+                self._run("release_lock", keys, token=token)
 
     def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
         return cast("list[bytes | None]", self.redis.mget(keys))
@@ -283,9 +231,9 @@ def packed(value: Mapping[str, Any]) -> bytes:
     return pack(dump(value).encode())
 
 
-def told(slices: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str | int | bytes]:
-    """Returns slices as arguments of a script with :data:`KEEP_SLICES`."""
-    return [said for l1, value in slices for said in (l1, packed(value), int("error" in value))]
+def slice_arguments(slices: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str | int | bytes]:
+    """Returns slices as the scripts take them that keep slices."""
+    return [part for l1, value in slices for part in (l1, packed(value), int("error" in value))]
 
 
 def _parse(l1: Sequence[str], values: Sequence[bytes | None]) -> dict[str, SliceJson]:

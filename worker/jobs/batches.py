@@ -15,35 +15,18 @@ from typing import Literal, cast
 from redis import Redis
 
 from worker.answers.items import Item, Outcome, batch_request, item_from_json, outcome_from_json
-from worker.jobs import scripts
-from worker.jobs.attempts import Chunk, ChunkRef
-from worker.jobs.chunks import ChunkQueue
-from worker.jobs.kept import Bytes
+from worker.jobs.attempts import Attempts
+from worker.jobs.chunks import Chunk, ChunkQueue, ChunkRef
+from worker.jobs.clients import Bytes
 from worker.jobs.keys import Keys
 from worker.jobs.lanes import plan_batch
 from worker.jobs.records import JobRecords
 from worker.jobs.views import JobView
+from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
 INTAKE_TTL = 120
 """Seconds for which the items of a batch are kept until more come, or the batch begins."""
-
-# Counts an item of a batch once, whose results are kept; `outcome`: what it has beside them, or empty.
-# Returns 0 if the attempt is out of date, 1 if more items remain, 2 if the batch is done.
-_ITEM = """
-local record, chunks, bits, errors, events, active, ends = unpack(KEYS)
-local job_id, run, index, attempt = unpack(ARGV)
-local offset, is_last, item, outcome, is_failed, job_ttl = unpack(ARGV, 5)
-
-local chunk = open_chunk(record, chunks, run, index, attempt)
-if not chunk then return 0 end
-advance(record, active, chunks, index, chunk, offset, is_last == '1')
-if redis.call('SETBIT', bits, item, 1) == 1 then return 1 end
-if outcome ~= '' then redis.call('HSET', errors, item, outcome) end
-if is_failed == '1' then redis.call('HINCRBY', record, 'failed', 1) end
-local event = {'type', 'item', 'item', item, 'status', is_failed == '1' and 'failed' or 'succeeded'}
-return count_parts(record, chunks, bits, errors, events, active, ends, job_id, job_ttl, chunk, {event})
-"""
 
 ItemState = Literal["open", "succeeded", "failed"]
 
@@ -77,7 +60,7 @@ class Batches:
         self.settings = settings
         self.keys = Keys.of(settings)
         self.records = JobRecords(redis, settings)
-        self._item = redis.register_script(scripts.PRELUDE + _ITEM)
+        self._run = Scripts(redis)
 
     # -- accepting ---------------------------------------------------------------------------------
 
@@ -142,19 +125,22 @@ class Batches:
 
     def put_item(self, ref: ChunkRef, chunk: Chunk, offset: int, outcome: Outcome) -> bool:
         """Count an item of a chunk, whose results are kept; returns False if this attempt is over."""
-        reply = self._item(
-            keys=[*self.keys.job(ref.job_id), self.keys.active, self.keys.ends],
-            args=[
-                ref.job_id, ref.run, ref.index, ref.attempt,
-                offset, int(offset == len(chunk.parts) - 1), chunk.parts[offset],
-                outcome.to_json(), int(outcome.failure is not None), self.settings.job_ttl,
-            ],
-        )  # fmt: skip
+        reply = self._run(
+            "put_item",
+            self.keys.names(ref.job_id),
+            vars(ref),
+            offset=offset,
+            is_last=offset == len(chunk.parts) - 1,
+            item=chunk.parts[offset],
+            outcome=outcome.to_json(),
+            is_failed=outcome.failure is not None,
+            job_ttl=self.settings.job_ttl,
+        )
         return bool(reply == 1)
 
     def give_up_item(self, ref: ChunkRef, kind: str, detail: str) -> bool:
         """Record that the item at which a chunk is has no answer; returns False if there is none."""
-        current = self.records.current(ref)
+        current = Attempts(self.redis, self.settings).current(ref)
         if current is None:
             return False
         entry, chunk = current

@@ -1,4 +1,4 @@
-"""Who is to be told of the end of a job, and the deliveries of that news; see `announcements`.
+"""Callbacks: who is called when a job ends, and the deliveries of that news.
 
 Whoever claims a delivery takes a lease: its entry moves to the time at which another may claim it, so that a
 delivery survives those who make it.
@@ -15,124 +15,21 @@ from urllib.parse import urlsplit
 
 from redis import Redis
 
-from worker.jobs import scripts
-from worker.jobs.announcements import DELIVERY_TTL
 from worker.jobs.keys import Keys
 from worker.jobs.views import JobView, iso, job_view
+from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
-MANY = 100
-"""Callbacks of one job, at most."""
+MAX_CALLBACKS_PER_JOB = 100
 
 _READY_SECONDS = 60
 """After which a delivery that waits for its host's turn is looked at again, in case that turn was lost."""
 
-_MANY_AT_ONCE = 1000
+_MAX_AT_ONCE = 1000
 
 State = Literal["pending", "delivered", "gone", "refused", "exhausted"]
 """How a delivery stands: `gone` if the receiver answered 410, `refused` if its address is not allowed,
 `exhausted` after the last attempt."""
-
-# Returns 1 if the callback is kept or its delivery is due, 0 if there is no such job, -1 if it has too many.
-_ADD = """
-local record, ends = unpack(KEYS)
-local job_id, url, many = unpack(ARGV)
-
-local status = redis.call('HGET', record, 'status')
-if not status then return 0 end
-if not is_active(status) then
-    announce(record, ends, job_id, url)
-    return 1
-end
-if redis.call('HEXISTS', record, 'call:' .. url) == 1 then return 1 end
-local count = 0
-for _, field in ipairs(redis.call('HKEYS', record)) do
-    if string.find(field, '^call:') then count = count + 1 end
-end
-if count >= tonumber(many) then return -1 end
-redis.call('HSET', record, 'call:' .. url, now)
-return 1
-"""
-
-# Returns the fields of a delivery that is due, and leases it; nothing if none is.
-#
-# What is due goes into the sorted set of its host first, so that a host that must wait holds up no other: the
-# hosts take turns, the one that was served longest ago first. There it waits under a lease too, so that a set
-# that is lost, or a process of an older version, changes nothing. The arguments after `many` are the names of
-# hosts that must wait, or `*.` and what they end with.
-_CLAIM = """
-local due = KEYS[1]
-local lease, waits, many = unpack(ARGV)
-local hosts = due .. '-hosts'
-
-for _, id in ipairs(redis.call('ZRANGEBYSCORE', due, '-inf', now, 'LIMIT', 0, many)) do
-    local url = redis.call('HGET', due .. ':' .. id, 'url')
-    if url then
-        local authority = string.lower(string.match(url, '^%a+://([^/?#]*)') or '')
-        local host = string.match(authority, '^%[(.*)%]') or string.match(authority, '^[^:]*')
-        redis.call('ZADD', due .. '-to:' .. host, 'NX', now, id)
-        redis.call('ZADD', hosts, 'NX', now, host)
-        redis.call('ZADD', due, now + waits, id)
-    else
-        redis.call('ZREM', due, id)
-    end
-end
-
-local function must_wait(host)
-    for i = 4, #ARGV do
-        local name = ARGV[i]
-        if name == host then return true end
-        if string.sub(name, 1, 1) == '*' and string.sub(host, 1 - #name) == string.sub(name, 2) then
-            redis.call('ZADD', hosts, now, host)
-            return true
-        end
-    end
-    return false
-end
-
-for _, host in ipairs(redis.call('ZRANGEBYSCORE', hosts, '-inf', now, 'LIMIT', 0, many)) do
-    local ready = due .. '-to:' .. host
-    while not must_wait(host) do
-        local id = redis.call('ZRANGE', ready, 0, 0)[1]
-        if not id then
-            redis.call('ZREM', hosts, host)
-            break
-        end
-        redis.call('ZREM', ready, id)
-        local key = due .. ':' .. id
-        if redis.call('ZSCORE', due, id) and redis.call('EXISTS', key) == 1 then
-            redis.call('ZADD', hosts, now, host)
-            redis.call('ZADD', due, now + lease, id)
-            local claim = redis.call('HINCRBY', key, 'claims', 1)
-            redis.call('HSET', key, 'attempt:' .. claim, string.format('{"at":%s}', now))
-            redis.call('HSET', key, 'next', string.format('%.3f', now + lease))
-            return redis.call('HGETALL', key)
-        end
-    end
-end
-return false
-"""
-
-# Notes the outcome of an attempt; no effect if another has claimed the delivery meanwhile.
-_SETTLE = """
-local due, counts = unpack(KEYS)
-local id, claim, state, delay, entry, ttl, host, rest = unpack(ARGV)
-
-if host then redis.call('ZADD', due .. '-hosts', now + rest, host) end
-local key = due .. ':' .. id
-if redis.call('HGET', key, 'claims') ~= claim then return 0 end
-redis.call('HSET', key, 'attempt:' .. claim, entry, 'state', state)
-redis.call('EXPIRE', key, ttl)
-if state == 'pending' then
-    redis.call('ZADD', due, now + delay, id)
-    redis.call('HSET', key, 'next', string.format('%.3f', now + delay))
-else
-    redis.call('ZREM', due, id)
-    redis.call('HDEL', key, 'next')
-end
-redis.call('HINCRBY', counts, state, 1)
-return 1
-"""
 
 
 class TooManyCallbacksError(Exception):
@@ -201,9 +98,7 @@ class Callbacks:
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
         self.keys = Keys.of(settings)
-        self._add = redis.register_script(scripts.PRELUDE + _ADD)
-        self._claim = redis.register_script(scripts.PRELUDE + _CLAIM)
-        self._settle = redis.register_script(scripts.PRELUDE + _SETTLE)
+        self._run = Scripts(redis)
 
     def add(self, job_id: str, url: str) -> None:
         """Have a URL called when a job ends; at once if it has ended.
@@ -211,8 +106,8 @@ class Callbacks:
         Raises:
             TooManyCallbacksError: the job has too many.
         """
-        keys = [self.keys.job(job_id).record, self.keys.ends]
-        if self._add(keys=keys, args=[job_id, url, MANY]) == -1:
+        keys = self.keys.names(job_id)
+        if self._run("add_callback", keys, job_id=job_id, url=url, limit=MAX_CALLBACKS_PER_JOB) == -1:
             raise TooManyCallbacksError(job_id)
 
     def claim(self, lease: float, must_wait: Iterable[str] = ()) -> Delivery | None:
@@ -222,8 +117,13 @@ class Callbacks:
             lease: how long.
             must_wait: hosts whose deliveries are passed over: their names, or `*.` and what names end with.
         """
-        reply = self._claim(
-            keys=[self.keys.deliveries], args=[lease, _READY_SECONDS, _MANY_AT_ONCE, *must_wait]
+        reply = self._run(
+            "claim_delivery",
+            due=self.keys.deliveries,
+            lease=lease,
+            waits=_READY_SECONDS,
+            many=_MAX_AT_ONCE,
+            waiting=must_wait,
         )
         return _delivery(dict(zip(reply[::2], reply[1::2], strict=True))) if reply else None
 
@@ -238,10 +138,19 @@ class Callbacks:
 
         Returns False if the lease was over and another attempt has begun.
         """
-        args: list[str | float] = [delivery.id, delivery.claim, state, delay, attempt.to_json(), DELIVERY_TTL]
-        if rest:
-            args += [delivery.host, rest]
-        return bool(self._settle(keys=[self.keys.deliveries, self.keys.delivery_counts], args=args))
+        reply = self._run(
+            "settle_delivery",
+            due=self.keys.deliveries,
+            counts=self.keys.delivery_counts,
+            id=delivery.id,
+            claim=delivery.claim,
+            state=state,
+            delay=delay,
+            entry=attempt.to_json(),
+            host=delivery.host if rest else "",
+            rest=rest,
+        )
+        return bool(reply)
 
     def of_job(self, job_id: str) -> list[Delivery]:
         """Returns the deliveries of a job, the oldest first, as long as they are kept."""

@@ -17,8 +17,8 @@ from typing import cast
 from redis import Redis
 
 from worker.answers.layout import UNNAMED
-from worker.jobs import scripts
 from worker.jobs.keys import Keys
+from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
 _WITHIN = frozenset({"slice", "digits", "eliminant"})  # kinds whose names have the version behind the kind
@@ -31,24 +31,6 @@ _PAGE = 1000
 _MARGIN = 60.0  # seconds before an active job was recorded, in which it may have found its results
 _FULL_SHARE, _ENOUGH_SHARE = 0.8, 0.9
 _PAUSE, _LONGEST = 1.0, 0.1
-
-# A key is removed only if its lifetime has not been renewed since the look at it.
-# The record of a job leaves the ledger of its client, after its removal: before it there may be no room.
-_REMOVE = (
-    scripts.PRELUDE
-    + """
-local removed = 0
-for i, key in ipairs(KEYS) do
-    local left = redis.call('PTTL', key)
-    if left >= 0 and left <= tonumber(ARGV[i]) then
-        local of = redis.call('TYPE', key).ok == 'hash' and counted(key) or {}
-        removed = removed + redis.call('UNLINK', key)
-        release(unpack(of, 1, 3))
-    end
-end
-return removed
-"""
-)
 
 
 @dataclass(frozen=True)
@@ -95,7 +77,7 @@ class Inventory:
         self.redis = redis
         self.settings = settings
         self._prefix = settings.key_prefix.encode() + b":"
-        self._remove = redis.register_script(_REMOVE)
+        self._run = Scripts(redis)
         self._next = 0.0
         self._cursor = 0
 
@@ -213,4 +195,5 @@ class Inventory:
     def _take(self, items: Sequence[Item]) -> int:
         if not items:
             return 0
-        return int(self._remove(keys=[item.key for item in items], args=[item.left for item in items]))
+        chosen, lifetimes = [item.key for item in items], [item.left for item in items]
+        return int(self._run("remove_keys", chosen=chosen, lifetimes=lifetimes))

@@ -11,7 +11,7 @@ from worker.settings import WorkerSettings
 
 
 class JobKeys(NamedTuple):
-    """The keys of one job, in the order of the scripts' arguments."""
+    """The keys of one job."""
 
     record: str
     chunks: str
@@ -41,6 +41,11 @@ class Keys:
         """Returns the keys of the job `job_id`."""
         base = f"{self.prefix}:{kind_of('job', self.version)}:{job_id}"
         return JobKeys(base, f"{base}:chunks", f"{base}:bits", f"{base}:errors", f"{base}:events")
+
+    def names(self, job_id: str) -> dict[str, str]:
+        """Returns the keys that the scripts of a job may take, by their names there."""
+        common = {"active": self.active, "ends": self.ends, "workers": self.workers}
+        return self.job(job_id)._asdict() | common
 
     def items(self, job_id: str) -> str:
         """Returns the key of the items of a batch; the scripts derive it from the record's."""
@@ -81,7 +86,7 @@ class Keys:
 
     @property
     def ends(self) -> str:
-        """The counts of how jobs ended; see `worker.jobs.ends`."""
+        """The counts of how jobs ended; see `worker.jobs.installation.Ends`."""
         return f"{self.prefix}:ends"
 
     @property

@@ -6,21 +6,31 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+from redis import Redis
+
 from worker.answers.cost import Cost
+from worker.jobs.keys import Keys
+from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
 Lane = Literal["small", "bulk", "heavy", "batch", "heavy-batch"]
 """`small`: jobs of one short chunk; `bulk`: jobs of several short chunks; `heavy`: jobs with long chunks;
 `batch` and `heavy-batch`: batches with short and with long chunks, however many they are."""
 
+
 LANES: tuple[Lane, ...] = get_args(Lane)
+
 
 Duty = Literal["light", "all"]
 """What a worker takes: short chunks only, or all."""
 
+
 DUTIES: tuple[Duty, ...] = get_args(Duty)
 
+
 _MOST_CHUNKS = 1000  # of a batch, unless its items take so long that a chunk would come near the deadline
+
+
 _SAFE_SHARE = 0.25  # of the deadline, for all items of a chunk
 
 
@@ -44,8 +54,8 @@ class Plan:
 
 
 @dataclass(frozen=True)
-class Place:
-    """The place of a queued job: the jobs before it in its lane, and the estimated time that they take."""
+class QueuePosition:
+    """The number of jobs before a queued job in its lane, and the estimated seconds that they take."""
 
     position: int
     seconds: float
@@ -128,3 +138,17 @@ def lanes_of(duty: Duty) -> tuple[tuple[Lane, ...], ...]:
         ("small", "bulk", "heavy", "heavy-batch", "batch"),
         ("small", "heavy-batch", "batch", "bulk", "heavy"),
     )
+
+
+class Backlog:
+    """The positions of jobs in the queue."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        self.redis = redis
+        self.keys = Keys.of(settings)
+        self._run = Scripts(redis)
+
+    def position(self, job_id: str) -> QueuePosition | None:
+        """Returns the position of a job in its lane, or None if it is not queued."""
+        reply = self._run("queue_position", self.keys.names(job_id), job_id=job_id)
+        return QueuePosition(reply[0], reply[1] / 1000) if reply else None

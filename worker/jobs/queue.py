@@ -9,7 +9,7 @@ import time
 import zlib
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import cast
+from typing import Self, cast
 
 from redis import Redis
 from redis.exceptions import RedisError
@@ -17,42 +17,122 @@ from redis.exceptions import RedisError
 from worker.answers.kinds import Answer, as_kept, known_answer, missing_parts, request_from_json
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
-from worker.jobs.announcements import VIEW_FIELDS
-from worker.jobs.backlog import Backlog
+from worker.jobs.attempts import Attempts
 from worker.jobs.chunks import ChunkQueue
-from worker.jobs.deadlines import Deadlines
-from worker.jobs.lanes import Plan, plan
-from worker.jobs.listing import Listing
-from worker.jobs.quotas import Quotas
-from worker.jobs.readiness import Readiness, readiness
+from worker.jobs.clients import Quotas, Subscriber, Subscription, Subscriptions
+from worker.jobs.installation import Readiness, Roster, Versions, readiness
+from worker.jobs.lanes import Backlog, Plan, plan
 from worker.jobs.records import JobRecords
-from worker.jobs.roster import Roster
-from worker.jobs.subscriptions import Subscriber, Subscription, Subscriptions
-from worker.jobs.versions import Versions
-from worker.jobs.views import JobView, view_of
+from worker.jobs.views import JobView, Listing, view_of
+from worker.lua import VIEW_FIELDS
 from worker.settings import WorkerSettings
 
 _REMEMBERED_SECONDS = 10.0  # in which a question is not written again
 _REMEMBERED = 10_000
 
 
-class JobQueue:
-    """The jobs of one installation. Instances are cheap and may be shared between threads."""
+class JobLookup:
+    """Finds jobs, of whatever version of the solver, and their answers."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings | None = None) -> None:
         self.redis = redis
         self.settings = settings or WorkerSettings()
         self.store = ResultStore(redis, self.settings)
         self.records = JobRecords(redis, self.settings)
-        self.chunks = ChunkQueue(redis, self.settings)
-        self.subscriptions = Subscriptions(redis, self.settings)
-        self.deadlines = Deadlines(redis, self.settings)
         self.backlog = Backlog(redis, self.settings)
         self.listing = Listing(redis, self.settings)
-        self._remembered: dict[str, float] = {}
-        self.quotas = Quotas(redis, self.settings)
         self.versions = Versions(redis, self.settings)
-        self._of_others: dict[str, JobQueue] = {}
+        self._remembered: dict[str, float] = {}
+        self._of_others: dict[str, Self] = {}
+
+    def known(self, request: JobRequest) -> Answer | None:
+        """Returns the complete answer if it is known or follows from known documents, else None."""
+        return known_answer(request, self.store)
+
+    def get(self, job_id: str) -> JobView | None:
+        """Returns the current state of a job, of whatever version of the solver, or None if there is none."""
+        view = self.records.view(job_id)
+        if view is None and (other := self._other(job_id)) is not None:
+            return other.records.view(job_id)
+        return view
+
+    def of(self, job_id: str) -> Self:
+        """Returns the queue of the version of the solver to which a job belongs that was looked up."""
+        return self._of_others.get(job_id, self)
+
+    def _other(self, job_id: str) -> Self | None:
+        """Returns the queue of another version of the solver that has a job, or None."""
+        version = self.versions.other_of(job_id)
+        if version is None:
+            return None
+        if len(self._of_others) >= _REMEMBERED:
+            self._of_others.clear()
+        return self._of_others.setdefault(job_id, type(self)(self.redis, self.settings.of_version(version)))
+
+    def result(self, job_id: str) -> Answer | None:
+        """Returns the answer of a job that succeeded, or None if it did not or its results have expired."""
+        return self.outcome(job_id)[1]
+
+    def outcome(self, job_id: str) -> tuple[JobView | None, Answer | None]:
+        """Returns the current state of a job, None if there is none, and its answer as `result` does."""
+        record = self.records.request(job_id)
+        if record is None:
+            other = self._other(job_id)
+            return (None, None) if other is None else other.outcome(job_id)
+        view, request, errors = record
+        return view, known_answer(request, self.store, errors) if view.status == "succeeded" else None
+
+    def remember(self, request: JobRequest) -> bool:
+        """Keep a question with a known answer, for `asked`; returns False if Redis refuses."""
+        now = time.monotonic()
+        if now - self._remembered.get(request.job_id, -_REMEMBERED_SECONDS) < _REMEMBERED_SECONDS:
+            return True
+        text = zlib.compress(as_kept(request).to_json().encode(), 1)
+        try:
+            self.redis.set(self.store.keys.question(request.job_id), text, ex=self.settings.job_ttl)
+        except RedisError:
+            return False
+        if len(self._remembered) >= _REMEMBERED:
+            self._remembered.clear()
+        self._remembered[request.job_id] = now
+        return True
+
+    def asked(self, job_id: str) -> Answer | None:
+        """Returns the answer to a question that is kept, or None if there is none or it has expired."""
+        kept = cast("bytes | None", self.redis.get(self.store.keys.question(job_id)))
+        if kept is None:
+            other = self._other(job_id)
+            return None if other is None else other.asked(job_id)
+        return self.known(request_from_json(zlib.decompress(kept), self.settings.solver_version))
+
+    def placed(self, view: JobView) -> JobView:
+        """Returns the state of a job with its position in the queue, if it waits there."""
+        if view.status != "queued":
+            return view
+        return replace(view, place=self.of(view.id).backlog.position(view.id))
+
+    def readiness(self) -> Readiness:
+        """Returns whether a job would be done now.
+
+        Raises:
+            RedisError: Redis cannot be reached, or accepts no data.
+        """
+        return readiness(self.redis, self.settings)
+
+    def workers(self) -> int:
+        """Returns the number of live workers of this version of the solver."""
+        return len(Roster(self.redis, self.settings).names())
+
+
+class JobQueue(JobLookup):
+    """The jobs of one installation. Instances are cheap and may be shared between threads."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings | None = None) -> None:
+        super().__init__(redis, settings)
+        self.attempts = Attempts(redis, self.settings)
+        self.chunks = ChunkQueue(redis, self.settings)
+        self.subscriptions = Subscriptions(redis, self.settings)
+        self.quotas = Quotas(redis, self.settings)
 
     def submit(
         self,
@@ -157,66 +237,6 @@ class JobQueue:
         self.subscriptions.leave(job_id, who)
         self.chunks.withdraw(self.records.cancel(job_id, if_unwanted=True) or [])
 
-    def known(self, request: JobRequest) -> Answer | None:
-        """Returns the complete answer if it is known or follows from known documents, else None."""
-        return known_answer(request, self.store)
-
-    def get(self, job_id: str) -> JobView | None:
-        """Returns the current state of a job, of whatever version of the solver, or None if there is none."""
-        view = self.records.view(job_id)
-        if view is None and (other := self._other(job_id)) is not None:
-            return other.records.view(job_id)
-        return view
-
-    def of(self, job_id: str) -> JobQueue:
-        """Returns the queue of the version of the solver to which a job belongs that was looked up."""
-        return self._of_others.get(job_id, self)
-
-    def _other(self, job_id: str) -> JobQueue | None:
-        """Returns the queue of another version of the solver that has a job, or None."""
-        version = self.versions.other_of(job_id)
-        if version is None:
-            return None
-        if len(self._of_others) >= _REMEMBERED:
-            self._of_others.clear()
-        return self._of_others.setdefault(job_id, JobQueue(self.redis, self.settings.of_version(version)))
-
-    def result(self, job_id: str) -> Answer | None:
-        """Returns the answer of a job that succeeded, or None if it did not or its results have expired."""
-        return self.outcome(job_id)[1]
-
-    def outcome(self, job_id: str) -> tuple[JobView | None, Answer | None]:
-        """Returns the current state of a job, None if there is none, and its answer as `result` does."""
-        record = self.records.request(job_id)
-        if record is None:
-            other = self._other(job_id)
-            return (None, None) if other is None else other.outcome(job_id)
-        view, request, errors = record
-        return view, known_answer(request, self.store, errors) if view.status == "succeeded" else None
-
-    def remember(self, request: JobRequest) -> bool:
-        """Keep a question with a known answer, for `asked`; returns False if Redis refuses."""
-        now = time.monotonic()
-        if now - self._remembered.get(request.job_id, -_REMEMBERED_SECONDS) < _REMEMBERED_SECONDS:
-            return True
-        text = zlib.compress(as_kept(request).to_json().encode(), 1)
-        try:
-            self.redis.set(self.store.keys.question(request.job_id), text, ex=self.settings.job_ttl)
-        except RedisError:
-            return False
-        if len(self._remembered) >= _REMEMBERED:
-            self._remembered.clear()
-        self._remembered[request.job_id] = now
-        return True
-
-    def asked(self, job_id: str) -> Answer | None:
-        """Returns the answer to a question that is kept, or None if there is none or it has expired."""
-        kept = cast("bytes | None", self.redis.get(self.store.keys.question(job_id)))
-        if kept is None:
-            other = self._other(job_id)
-            return None if other is None else other.asked(job_id)
-        return self.known(request_from_json(zlib.decompress(kept), self.settings.solver_version))
-
     def cancel(self, job_id: str) -> JobView | None:
         """Cancel a queued or running job, whoever wants it; a job that has ended is unchanged."""
         entries = self.records.cancel(job_id)
@@ -231,24 +251,6 @@ class JobQueue:
     def _joined(self, view: JobView, deadline_s: float | None) -> JobView:
         """Returns a job that another client submitted too, with the later of the deadlines."""
         if not view.is_terminal and view.deadline_at is not None:
-            self.deadlines.extend(view.id, deadline_s)
+            self.subscriptions.extend_deadline(view.id, deadline_s)
             view = self.records.view(view.id) or view
         return view
-
-    def placed(self, view: JobView) -> JobView:
-        """Returns the state of a job with its place in the queue, if it waits there."""
-        if view.status != "queued":
-            return view
-        return replace(view, place=self.of(view.id).backlog.place(view.id))
-
-    def readiness(self) -> Readiness:
-        """Returns whether a job would be done now.
-
-        Raises:
-            RedisError: Redis cannot be reached, or accepts no data.
-        """
-        return readiness(self.redis, self.settings)
-
-    def workers(self) -> int:
-        """Returns the number of live workers of this version of the solver."""
-        return len(Roster(self.redis, self.settings).names())

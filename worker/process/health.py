@@ -13,7 +13,7 @@ import sys
 from redis.exceptions import RedisError
 
 from worker.connection import connect
-from worker.jobs.roster import Roster
+from worker.jobs.installation import Roster
 from worker.settings import WorkerSettings
 
 

@@ -19,7 +19,7 @@ from redis.exceptions import RedisError
 from rq.utils import import_attribute
 
 import rpr_solver
-from worker.jobs.attempts import Lost
+from worker.jobs.chunks import Lost
 from worker.process.os_limits import (
     STOP_SIGNALS,
     die_with_parent,

@@ -14,8 +14,8 @@ from collections.abc import Callable
 from redis.exceptions import RedisError
 
 from worker.connection import connect
+from worker.jobs.installation import Roster
 from worker.jobs.lanes import Duty
-from worker.jobs.roster import Roster
 from worker.process.child import Child, Process, Say, end_all, python_program
 from worker.settings import WorkerSettings
 

@@ -19,12 +19,10 @@ from redis.exceptions import RedisError
 
 from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.tables import CUSP_TABLE
-from worker.jobs.attempts import ChunkRef, Estimate
-from worker.jobs.chunks import ChunkQueue
-from worker.jobs.interruption import fail, give_up, place, run_again
+from worker.jobs.attempts import Attempts
+from worker.jobs.chunks import ChunkQueue, ChunkRef, Estimate
 from worker.jobs.lanes import Lane
-from worker.jobs.overruns import Overruns
-from worker.jobs.records import JobRecords
+from worker.jobs.recovery import Interruptions
 from worker.logs import about
 from worker.process.horse import (
     UNANSWERED,
@@ -58,7 +56,7 @@ class Run:
 
     Attributes:
         start: the time of its start.
-        place: the items of a batch that were done before.
+        items_done: the items of a batch that were done before.
         had: the processor's time that its horse had before, if the system tells.
         estimate: its estimate, once it is read.
         is_aside: whether other chunks go before it.
@@ -70,7 +68,7 @@ class Run:
     ref: ChunkRef
     horse: Horse
     start: float
-    place: int
+    items_done: int
     had: float | None
     estimate: Estimate | None = None
     is_aside: bool = False
@@ -117,7 +115,7 @@ class Runs:
         is_light: whether it is kept for short work.
     """
 
-    records: JobRecords
+    attempts: Attempts
     chunks: ChunkQueue
     settings: WorkerSettings
     worker: str
@@ -129,7 +127,7 @@ class Runs:
 
     def __post_init__(self) -> None:
         settings = self.settings
-        self._overruns = Overruns(self.records.redis, settings)
+        self._interruptions = Interruptions(self.attempts.redis, settings)
         # sooner than another worker may take a chunk over
         self._alarm = BeatAlarm(settings.beat_ttl + settings.lost_grace / 2, lambda: self.end("silence"))
 
@@ -149,7 +147,7 @@ class Runs:
 
         None of RQ's records of executions are kept: the record of the job and the heartbeat hold the state.
         """
-        before = place(self.records, ref)
+        before = self.attempts.items_done(ref)
         horse = self._ready_horse()
         for run in self.running:
             run.horse.yield_to_others()
@@ -194,7 +192,7 @@ class Runs:
             RedisError: Redis cannot be reached.
         """
         for run in [*self.running]:
-            if not self.records.beat(run.ref, self.worker):
+            if not self.attempts.beat(run.ref, self.worker):
                 run.end("canceled")
             elif run.ended_for is not None:
                 run.horse.kill()
@@ -227,12 +225,12 @@ class Runs:
 
     def _read_estimate(self, run: Run) -> None:
         with contextlib.suppress(RedisError):
-            run.estimate = self.records.estimate(run.ref) or Estimate(inf)
+            run.estimate = self.attempts.estimate(run.ref) or Estimate(inf)
 
     def _note_overrun(self, run: Run) -> None:
         is_new, run.has_overrun = not run.has_overrun, True
         try:
-            following = self._overruns.note(run.ref, is_new=is_new, gives_back=self.is_light)
+            following = self.attempts.note_overrun(run.ref, is_new=is_new, gives_back=self.is_light)
         except RedisError as error:
             log.warning("the overrun of %s could not be recorded: %s", run.ref.rq_id, error)
             run.has_overrun = not is_new
@@ -289,14 +287,14 @@ class Runs:
 
     def _has_advanced(self, run: Run) -> bool:
         with contextlib.suppress(RedisError):
-            return place(self.records, run.ref) > run.place
+            return self.attempts.items_done(run.ref) > run.items_done
         return False
 
     def _settle(self, run: Run, outcome: Outcome | None) -> None:
         """Record the outcome of a chunk that no work horse runs any more."""
         ref = run.ref
         try:
-            if self.records.end_beat(ref) and outcome is None:
+            if self.attempts.end_beat(ref) and outcome is None:
                 outcome = UNANSWERED
             if run.following is not None:
                 self.chunks.put_back(*run.following, is_first=False)
@@ -306,16 +304,15 @@ class Runs:
             log.warning("the outcome of %s could not be recorded: %s", ref.rq_id, error)
 
     def _record(self, run: Run, outcome: Outcome) -> None:
-        todo = self.records, self.chunks, run.ref
         if isinstance(outcome, RunAgain):
-            run_again(*todo, outcome.lost, outcome.kind, outcome.detail)
+            self._interruptions.run_again(run.ref, outcome.lost, outcome.kind, outcome.detail)
             return
         if outcome.kind == "timeout":
             self._warn(run, "timeout")
         if isinstance(outcome, GivenUp) or (outcome.kind and is_batch(run.ref.job_id)):
-            give_up(*todo, outcome.kind, outcome.detail)
+            self._interruptions.give_up(run.ref, outcome.kind, outcome.detail)
         elif outcome.kind:
-            fail(*todo, outcome.kind, outcome.detail)
+            self._interruptions.fail(run.ref, outcome.kind, outcome.detail)
 
     # -- the work horses ---------------------------------------------------------------------------
 

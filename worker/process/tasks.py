@@ -20,11 +20,11 @@ from worker.answers.items import ItemSolver, Outcome
 from worker.answers.requests import Document, JobRequest, SliceJson
 from worker.answers.store import ResultStore, answer
 from worker.answers.tables import INTERNAL, Group, solved
-from worker.jobs.attempts import Chunk, ChunkRef
+from worker.jobs.attempts import Attempts
 from worker.jobs.batches import Batches, ItemsLostError
-from worker.jobs.chunks import ChunkQueue
-from worker.jobs.interruption import fail, give_up, is_ahead
-from worker.jobs.records import INCOMPLETE, JobRecords
+from worker.jobs.chunks import Chunk, ChunkRef
+from worker.jobs.records import INCOMPLETE
+from worker.jobs.recovery import Interruptions
 from worker.logs import about
 from worker.process.horse import ExpectedSlices
 from worker.process.os_limits import lift_memory_limit
@@ -48,9 +48,14 @@ class Context:
     worker: str = ""
 
     @cached_property
-    def records(self) -> JobRecords:
-        """The records of jobs, with their scripts."""
-        return JobRecords(self.redis, self.settings)
+    def attempts(self) -> Attempts:
+        """The attempts at chunks."""
+        return Attempts(self.redis, self.settings)
+
+    @cached_property
+    def interruptions(self) -> Interruptions:
+        """What becomes of chunks that end before their time."""
+        return Interruptions(self.redis, self.settings)
 
 
 _context: Context | None = None
@@ -70,8 +75,8 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> bool:
     """
     assert _context is not None, "the worker process sets the context"
     ref = ChunkRef(job_id, run, index, attempt)
-    records = _context.records
-    chunk = records.start(ref, _context.worker)
+    attempts = _context.attempts
+    chunk = attempts.start(ref, _context.worker)
     if chunk is None:
         return True
     if not tracing.is_on():
@@ -81,19 +86,19 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> bool:
         tracing.record("queue wait", chunk.origin, int(chunk.origin["submitted"]), told)
     of = {"job": job_id, "request_id": chunk.origin.get("request_id", "")}
     with about(**of), tracing.span("chunk", chunk.origin, told):
-        is_sound = _run(ref, chunk, records)
+        is_sound = _run(ref, chunk, attempts)
     tracing.flush()
     return is_sound
 
 
-def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> bool:
+def _run(ref: ChunkRef, chunk: Chunk, attempts: Attempts) -> bool:
     assert _context is not None
     store = ResultStore(_context.redis, _context.settings, holder=ref.rq_id)
     start, kind, detail, is_sound = time.monotonic(), "", "", False
     try:
         if not chunk.parts:
             raise ItemsLostError(ref.job_id)
-        is_sound = _work_of(chunk)(ref, chunk, records, store)
+        is_sound = _work_of(chunk)(ref, chunk, attempts, store)
     except AttemptOver:
         return False
     except RedisError:
@@ -111,8 +116,9 @@ def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> bool:
         log.exception("chunk %d failed", ref.index)
         kind, detail = "internal-error", INTERNAL
     if kind:
-        end = give_up if kind == "resource-exhausted" else fail
-        end(records, ChunkQueue(_context.redis, _context.settings), ref, kind, detail)
+        interruptions = _context.interruptions
+        end = interruptions.give_up if kind == "resource-exhausted" else interruptions.fail
+        end(ref, kind, detail)
     of = chunk.request.kind
     what = f"{len(chunk.parts)} {of.unit}" if of.by_slices or of.by_items else of.name
     seconds = time.monotonic() - start
@@ -120,44 +126,44 @@ def _run(ref: ChunkRef, chunk: Chunk, records: JobRecords) -> bool:
     return is_sound
 
 
-def _work_of(chunk: Chunk) -> Callable[[ChunkRef, Chunk, JobRecords, ResultStore], bool]:
+def _work_of(chunk: Chunk) -> Callable[[ChunkRef, Chunk, Attempts, ResultStore], bool]:
     """Returns what computes the chunk; it returns whether nothing unforeseen happened."""
     if chunk.request.kind.by_items:
         return _answer_items
     return _solve_slices if chunk.request.kind.by_slices else _compute_document
 
 
-def _solve_slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> bool:
+def _solve_slices(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore) -> bool:
     kept, is_sound = chunk.offset, True
 
     def keep(values: Sequence[SliceJson]) -> bool:
         nonlocal kept, is_sound
         first, kept = kept, kept + len(values)
         is_sound = is_sound and not any(_is_unforeseen(value.get("error")) for value in values)
-        return records.put_slices(ref, chunk, first, values)
+        return attempts.put_slices(ref, chunk, first, values)
 
     group = Group(keep, one_by_one=chunk.has_losses)
     try:
-        for value in _slices(ref, chunk, records, store):
+        for value in _slices(ref, chunk, attempts, store):
             if not group.add(value):
                 break
         group.close()
     except MemoryError:
         lift_memory_limit()
-        if group.close() and is_ahead(records, ref):
-            records.begin_slices(ref, one_by_one=True)  # at the one that needs too much
+        if group.close() and attempts.is_ahead(ref):
+            attempts.begin_slices(ref, one_by_one=True)  # at the one that needs too much
         raise
     return is_sound
 
 
-def _slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> Iterator[SliceJson]:
+def _slices(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore) -> Iterator[SliceJson]:
     """Yields the slices of a chunk that are not done, each solved unless it is known."""
     left = chunk.parts[chunk.offset :]
 
     def eliminant() -> Eliminant:
         with tracing.span("elimination"):
             eliminant = store.eliminant(chunk.request)
-        if not records.begin_slices(ref, one_by_one=chunk.has_losses):
+        if not attempts.begin_slices(ref, one_by_one=chunk.has_losses):
             raise AttemptOver
         _expected.add(len(left))
         return eliminant
@@ -171,8 +177,8 @@ def _slices(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore
     )
 
 
-def _answer_items(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> bool:
-    batches = Batches(records.redis, records.settings)
+def _answer_items(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore) -> bool:
+    batches = Batches(attempts.redis, attempts.settings)
     items = batches.items_of(ref, chunk)
     solver, is_sound = ItemSolver(store), True
     for offset in range(chunk.offset, len(chunk.parts)):
@@ -205,15 +211,15 @@ def _outcome(solver: ItemSolver, request: JobRequest, item: str) -> Outcome:
         return Outcome({"type": "internal-error", "detail": INTERNAL})
 
 
-def _compute_document(ref: ChunkRef, chunk: Chunk, records: JobRecords, store: ResultStore) -> bool:
+def _compute_document(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore) -> bool:
     request = chunk.request
 
     def tell(done: int, total: int) -> None:
-        if not records.put_progress(ref, done, total):
+        if not attempts.put_progress(ref, done, total):
             raise AttemptOver
 
     def keep(request: JobRequest, document: Document) -> None:
-        records.put_document(ref, request, document)
+        attempts.put_document(ref, request, document)
 
     with tracing.span(request.kind.name):  # or it waits for the worker that does so for a batch
         answer(request, store, Throttle(tell), keep, is_unknown=True)  # it was, when the job was made

@@ -26,12 +26,11 @@ from rq.utils import now
 from rq.worker import WorkerStatus
 
 from worker.connection import address
-from worker.jobs.attempts import ChunkRef
-from worker.jobs.chunks import ChunkQueue
+from worker.jobs.attempts import Attempts
+from worker.jobs.chunks import ChunkQueue, ChunkRef
+from worker.jobs.installation import Roster
 from worker.jobs.lanes import Duty, lanes_of
-from worker.jobs.records import JobRecords
-from worker.jobs.roster import Roster
-from worker.jobs.sweeper import Sweeper
+from worker.jobs.recovery import Sweeper
 from worker.process.os_limits import on_stop_signals
 from worker.process.outage import Outage
 from worker.process.runs import Runs
@@ -74,11 +73,11 @@ class CuspWorker(Worker):
             serializer=JSONSerializer,
             worker_ttl=_REGISTER_TTL,
         )
-        self.records = JobRecords(redis, settings)
+        self.attempts = Attempts(redis, settings)
         self.sweeper = Sweeper(redis, settings)
         self.roster = Roster(redis, settings)
         self._runs = Runs(
-            *(self.records, self.chunks, settings, self.name, self.setup_work_horse_signals),
+            *(self.attempts, self.chunks, settings, self.name, self.setup_work_horse_signals),
             is_light=duty == "light",
         )
         self._orders = itertools.cycle(orders)

@@ -6,7 +6,7 @@ from service.api.access.caller import Caller, check_scope
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.limits import LimitError, Limits
 from worker.answers.requests import JobRequest
-from worker.jobs.quotas import Quota, QuotaError, Quotas
+from worker.jobs.clients import Quota, QuotaError, Quotas
 
 _RETRY_S = 5
 

@@ -16,7 +16,7 @@ from service.api.http.middleware import KEY_NAME
 from service.api.operations import OPERATIONS, QUERIES
 from service.api.prefix import PEER
 from service.api.problems import ProblemError, ProblemType
-from worker.jobs.subscriptions import Subscriber
+from worker.jobs.clients import Subscriber
 
 _HOST = re.compile(r"(\[[^\]]*\]|[^:]*)(:\d*)?")
 

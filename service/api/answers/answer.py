@@ -24,7 +24,7 @@ from service.schemas.price import check_price
 from service.webhooks.settings import target_of
 from worker.answers.kinds import Answer
 from worker.answers.requests import JobRequest
-from worker.jobs.subscriptions import Subscriber
+from worker.jobs.clients import Subscriber
 from worker.jobs.views import JobView
 
 _TOKEN = r"[!#$%&'*+\-.^_`|~0-9A-Za-z]+"

@@ -24,9 +24,7 @@ from service.api.problems import ProblemError, ProblemType
 from service.schemas.limits import LimitError, Limits
 from worker.answers.items import batch_request, new_batch, seconds_after
 from worker.jobs.batches import INTAKE_TTL, Batches, ItemsLostError
-from worker.jobs.kept import Bytes
-from worker.jobs.quotas import Quotas
-from worker.jobs.subscriptions import Subscriber
+from worker.jobs.clients import Bytes, Quotas, Subscriber
 from worker.jobs.views import JobView
 
 NDJSON_TYPES = (NDJSON, "application/ndjson", "application/jsonl")

@@ -12,8 +12,8 @@ from service.schemas.exact_json import JsonNumber, json_kind
 from service.webhooks.deliverer import Shown, event_type
 from service.webhooks.settings import FIELD, target_of
 from worker.answers.kinds import is_batch
-from worker.jobs.callbacks import MANY, Delivery, TooManyCallbacksError
-from worker.jobs.subscriptions import Subscriber
+from worker.jobs.callbacks import MAX_CALLBACKS_PER_JOB, Delivery, TooManyCallbacksError
+from worker.jobs.clients import Subscriber
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
@@ -47,7 +47,8 @@ def call_back(context: Context, job_id: str, who: Subscriber, url: str | None) -
         context.callbacks.add(job_id, url)
     except TooManyCallbacksError:
         context.queue.withdraw(job_id, who)
-        raise InputError.of(FIELD, f"the job has {MANY} callbacks, the most that it may have") from None
+        text = f"the job has {MAX_CALLBACKS_PER_JOB} callbacks, the most that it may have"
+        raise InputError.of(FIELD, text) from None
 
 
 def deliveries_json(deliveries: list[Delivery]) -> dict[str, object]:

@@ -8,7 +8,7 @@ from math import ceil
 from service.api.prefix import here
 from service.api.settings import Settings
 from worker.answers.kinds import kind_of_job
-from worker.jobs.subscriptions import Subscriber
+from worker.jobs.clients import Subscriber
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 

@@ -28,7 +28,7 @@ from service.api.routes.shared import (
     list_response,
 )
 from worker.answers.kinds import BATCH
-from worker.jobs.subscriptions import Subscriber
+from worker.jobs.clients import Subscriber
 from worker.jobs.views import JobView
 
 router = APIRouter(tags=["batches"])

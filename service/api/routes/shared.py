@@ -21,8 +21,7 @@ from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
 from service.schemas.job_list import ListedStatus
 from worker.answers.kinds import kind_of_job
-from worker.jobs.listing import Listed, Page, What
-from worker.jobs.views import ACTIVE, JobView, Status
+from worker.jobs.views import ACTIVE, JobView, Listed, Page, Status, What
 
 StatusWanted = Annotated[
     ListedStatus | None,

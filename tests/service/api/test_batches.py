@@ -16,8 +16,8 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import GEOMETRY, serving
 from worker.connection import connect
-from worker.jobs.attempts import ChunkEntry
 from worker.jobs.batches import Batches
+from worker.jobs.chunks import ChunkEntry
 from worker.jobs.queue import JobQueue
 
 NDJSON = {"Content-Type": "application/x-ndjson"}
@@ -270,7 +270,7 @@ class Worker:
         from worker.answers.items import ItemSolver
 
         ref = self.entry().ref
-        chunk = self.queue.records.start(ref)
+        chunk = self.queue.attempts.start(ref)
         assert chunk is not None
         items = self.batches.items_of(ref, chunk)
         for offset in offsets:

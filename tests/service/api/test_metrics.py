@@ -17,11 +17,10 @@ from tests.support.jobs import a_document, a_request
 from tests.support.processes import PATIENCE, until
 from tests.support.service_server import serving
 from worker.connection import connect
+from worker.jobs.chunks import ChunkRef
+from worker.jobs.installation import Roster, read_load
 from worker.jobs.lanes import LANES
-from worker.jobs.load import read_load
 from worker.jobs.queue import JobQueue
-from worker.jobs.records import ChunkRef
-from worker.jobs.roster import Roster
 from worker.settings import WorkerSettings
 
 REFERENCE = Path(__file__).parents[3] / "docs" / "reference.md"
@@ -51,7 +50,7 @@ def scrape(url: str) -> Values:
 def started(queue: JobQueue, *l1: str) -> ChunkRef:
     view = queue.submit(a_request(*l1))
     ref = ChunkRef(view.id, view.run, 0, 0)
-    assert queue.records.start(ref)
+    assert queue.attempts.start(ref)
     return ref
 
 
@@ -100,7 +99,7 @@ def test_ends_of_jobs(url: str, queue: JobQueue) -> None:
 
 
 def test_losses_and_beats(url: str, queue: JobQueue) -> None:
-    queue.records.reopen(started(queue, "1"), "workers")
+    queue.attempts.reopen(started(queue, "1"), "workers")
     roster = Roster(queue.redis, queue.settings)
     roster.beat("a")
     queue.redis.zincrby(roster.key, -2000, "a")  # as if its beat were two seconds ago

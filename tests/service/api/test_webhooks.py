@@ -38,7 +38,7 @@ from tests.support.receivers import Receiver, receiving, silent
 from tests.support.service_server import GEOMETRY, serving
 from tests.support.stack import running
 from tests.support.tls import Certificates
-from worker.jobs.callbacks import MANY, Attempt, Callbacks
+from worker.jobs.callbacks import MAX_CALLBACKS_PER_JOB, Attempt, Callbacks
 from worker.settings import WorkerSettings
 
 SECRETS = [f"whsec_{base64.b64encode(bytes([n]) * 32).decode()}" for n in (1, 2)]
@@ -522,11 +522,11 @@ def test_several_callers_are_told_and_each_once(
 
 def test_a_job_has_only_so_many(idle: httpx.Client, idle_redis: Redis) -> None:
     answer = idle.post("/v1/cusp-tables", json=question("http://127.0.0.1/0", 0))
-    for n in range(1, MANY):
+    for n in range(1, MAX_CALLBACKS_PER_JOB):
         Callbacks(idle_redis, WorkerSettings()).add(answer.json()["id"], f"http://127.0.0.1/{n}")
     refused = idle.post("/v1/cusp-tables", json=question("http://127.0.0.1/more", 0))
     assert refused.status_code == 422
-    assert str(MANY) in refused.json()["detail"]
+    assert str(MAX_CALLBACKS_PER_JOB) in refused.json()["detail"]
     assert idle.get(f"/v1/jobs/{answer.json()['id']}").json()["status"] == "queued"
 
 

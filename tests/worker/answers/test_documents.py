@@ -13,9 +13,9 @@ from worker.answers.curves import CUSP_CURVES
 from worker.answers.documents import POSES, VERIFICATION
 from worker.answers.kinds import as_kept, request_from_json
 from worker.answers.requests import JobRequest
-from worker.jobs.attempts import ChunkRef
+from worker.jobs.chunks import ChunkRef
 from worker.jobs.queue import JobQueue
-from worker.jobs.sweeper import Sweeper
+from worker.jobs.recovery import Sweeper
 from worker.process import tasks
 from worker.settings import WorkerSettings
 
@@ -67,11 +67,11 @@ def test_an_ended_job_keeps_the_hash_of_a_long_question(queue: JobQueue, redis: 
     if end != "is known":
         assert redis.memory_usage(key, samples=0) > 100_000
         ref = open_chunk(queue)
-        chunk = queue.records.start(ref)
+        chunk = queue.attempts.start(ref)
         assert chunk is not None
         assert chunk.request == request
         if end == "succeeds":
-            queue.records.put_document(ref, request, {"answer": 42})
+            queue.attempts.put_document(ref, request, {"answer": 42})
         elif end == "fails":
             queue.records.fail(ref, "solver-error", "undecided")
         else:
@@ -86,7 +86,7 @@ def test_an_ended_job_keeps_the_hash_of_a_long_question(queue: JobQueue, redis: 
     assert queue.result(view.id) is queue.asked(view.id) is None
     again = queue.submit(request)
     assert (again.status, again.id) == ("queued", view.id)
-    chunk = queue.records.start(open_chunk(queue))
+    chunk = queue.attempts.start(open_chunk(queue))
     assert chunk is not None
     assert chunk.request == request, "whole again"
 
@@ -128,13 +128,13 @@ def test_a_document_that_was_lost_is_computed_again(
 def test_progress_is_reported_and_ignored_after_the_end(queue: JobQueue, request_: JobRequest) -> None:
     view = queue.submit(request_)
     ref = open_chunk(queue)
-    queue.records.start(ref)
-    queue.records.put_progress(ref, 3, 8)
+    queue.attempts.start(ref)
+    queue.attempts.put_progress(ref, 3, 8)
     running = queue.get(view.id)
     assert running is not None
     assert (running.status, running.done, running.total) == ("running", 3, 8)
-    queue.records.put_document(ref, request_, {"answer": 42})
-    queue.records.put_progress(ref, 4, 8)
+    queue.attempts.put_document(ref, request_, {"answer": 42})
+    queue.attempts.put_progress(ref, 4, 8)
     done = queue.get(view.id)
     assert done is not None
     assert (done.status, done.done, done.total) == ("succeeded", 8, 8)
@@ -145,11 +145,11 @@ def test_a_canceled_job_keeps_its_state_when_its_document_comes_late(
 ) -> None:
     view = queue.submit(request_)
     ref = open_chunk(queue)
-    queue.records.start(ref)
+    queue.attempts.start(ref)
     canceled = queue.cancel(view.id)
     assert canceled is not None
     assert canceled.status == "canceled"
-    queue.records.put_document(ref, request_, {"answer": 42})
+    queue.attempts.put_document(ref, request_, {"answer": 42})
     assert queue.get(view.id) == canceled
     assert queue.result(view.id) is None
     assert queue.known(request_) == {"answer": 42}  # valid whatever the state of the job
@@ -177,7 +177,7 @@ def test_a_lost_document_is_put_back(queue: JobQueue, redis: Redis, request_: Jo
     queue.submit(request_)
     ref = open_chunk(queue)
     redis.delete(queue.chunks.queues["small"].key)
-    queue.records.start(ref)
+    queue.attempts.start(ref)
     sweeper = Sweeper(redis, WorkerSettings(sweep_interval=0.001, lost_grace=0))
     assert sweeper.sweep() == 1
     assert open_chunk(queue).attempt == 1

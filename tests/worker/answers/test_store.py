@@ -11,15 +11,15 @@ import rpr_solver
 from tests.support.jobs import a_request
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
-from worker.jobs.attempts import Chunk, ChunkRef
-from worker.jobs.records import JobRecords
+from worker.jobs.attempts import Attempts
+from worker.jobs.chunks import Chunk, ChunkRef
 from worker.settings import WorkerSettings
 
 
 def keep(store: ResultStore, request: JobRequest, l1: str, value: Mapping[str, object]) -> None:
     """Keep a slice as a worker does, for a job that no longer exists."""
     ref, chunk = ChunkRef(request.job_id, "gone", 0, 0), Chunk(request, (l1,), 0)
-    assert not JobRecords(store.redis, store.settings).put_slices(ref, chunk, 0, [value])
+    assert not Attempts(store.redis, store.settings).put_slices(ref, chunk, 0, [value])
 
 
 def slice_of(l1: str, mark: int = 0) -> dict[str, object]:
@@ -99,16 +99,16 @@ def test_a_lock_expires_so_that_a_dead_worker_blocks_no_other(redis: Redis) -> N
 
 def test_a_lock_is_renewed_while_it_is_held(redis: Redis) -> None:
     settings, ref = WorkerSettings(beat_ttl=30), ChunkRef("some", "run", 0, 0)
-    store, records = ResultStore(redis, settings, holder=ref.rq_id), JobRecords(redis, settings)
+    store, attempts = ResultStore(redis, settings, holder=ref.rq_id), Attempts(redis, settings)
     request = a_request("1")
     key = store.keys.eliminant_lock(request.geometry_hash, 1)
     with store.eliminant_lock(request):
         redis.expire(key, 1000)
         redis.expire(store.keys.locks(ref.rq_id), 1000)
-        records.beat(ref, "worker")
+        attempts.beat(ref, "worker")
         assert redis.ttl(key) <= 30
         assert 0 < redis.ttl(store.keys.locks(ref.rq_id)) <= 30
-    records.beat(ref, "worker")
+    attempts.beat(ref, "worker")
     assert redis.keys("*lock*") == []
 
 

@@ -10,11 +10,11 @@ from redis import Redis
 
 from tests.support.jobs import a_document, a_heavy_document, a_request
 from tests.worker.jobs.test_queue import finish, refs, work
-from worker.jobs import scripts
-from worker.jobs.lanes import Place, QueueFullError
+from worker.jobs.installation import Roster
+from worker.jobs.lanes import QueueFullError, QueuePosition
 from worker.jobs.queue import JobQueue
-from worker.jobs.roster import Roster
-from worker.jobs.sweeper import Sweeper
+from worker.jobs.recovery import Sweeper
+from worker.lua import library
 from worker.settings import WorkerSettings
 
 
@@ -23,7 +23,7 @@ def backlog(queue: JobQueue, lane: str) -> int:
     return int(added or 0) - int(done or 0)
 
 
-def place(queue: JobQueue, job_id: str) -> Place | None:
+def place(queue: JobQueue, job_id: str) -> QueuePosition | None:
     view = queue.get(job_id)
     assert view is not None
     return queue.placed(view).place
@@ -75,11 +75,11 @@ def test_the_place_of_a_job(queue: JobQueue) -> None:
     assert third is not None
     assert (third.position, third.seconds) == (1, pytest.approx(each, abs=0.01))
     queue.cancel(views[1].id)
-    assert place(queue, views[2].id) == Place(0, 0.0)
+    assert place(queue, views[2].id) == QueuePosition(0, 0.0)
 
 
 def test_jobs_of_one_millisecond_have_an_order(redis: Redis) -> None:
-    script = scripts.PRELUDE + "return rank('heavy-batch', ARGV[1])"
+    script = library("accounts") + "return rank('heavy-batch', ARGV[1])"
     ranks = [float(redis.eval(script, 0, f"1790000000.1234{k}0")) for k in range(10)]
     assert ranks == sorted(set(ranks))
 

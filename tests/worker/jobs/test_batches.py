@@ -12,11 +12,11 @@ from worker.answers.censuses import CENSUS
 from worker.answers.documents import POSES
 from worker.answers.items import Item, ItemSolver, Outcome, batch_request, new_batch
 from worker.answers.requests import ALL_LENGTHS, JobRequest
-from worker.jobs.attempts import ChunkEntry, ChunkRef
 from worker.jobs.batches import Batches, ItemsLostError, StoredItem
-from worker.jobs.interruption import give_up, run_again
+from worker.jobs.chunks import ChunkEntry, ChunkRef
 from worker.jobs.lanes import LANES, lanes_of, plan_batch
 from worker.jobs.queue import JobQueue
+from worker.jobs.recovery import Interruptions
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
@@ -47,7 +47,7 @@ def entries(queue: JobQueue) -> list[ChunkEntry]:
 
 def work(queue: JobQueue, batches: Batches, ref: ChunkRef, *outcomes: Outcome) -> None:
     """Count the next items of a chunk."""
-    chunk = queue.records.start(ref)
+    chunk = queue.attempts.start(ref)
     assert chunk is not None
     for offset, outcome in enumerate(outcomes, chunk.offset):
         batches.put_item(ref, chunk, offset, outcome)
@@ -70,7 +70,7 @@ def test_from_queued_to_succeeded(queue: JobQueue, batches: Batches) -> None:
     assert (view.status, view.done, view.total, view.failed) == ("queued", 1, 5, 1)
     assert queue.redis.ttl(batches.keys.items(view.id)) == -1
     first, second = (entry.ref for entry in entries(queue))
-    chunk = queue.records.start(first)
+    chunk = queue.attempts.start(first)
     assert chunk is not None
     assert chunk.parts == ("0", "1", "3")
     assert [item.id for item in batches.items_of(first, chunk)] == ["item 1", "item 2", "item 3"]
@@ -94,26 +94,27 @@ def test_an_item_is_counted_once_and_only_by_the_current_attempt(queue: JobQueue
     view = begin(batches, questions("1", "2"))
     [entry] = entries(queue)
     work(queue, batches, entry.ref, Outcome())
-    chunk = queue.records.start(entry.ref)
+    chunk = queue.attempts.start(entry.ref)
     assert chunk is not None
     assert batches.put_item(entry.ref, chunk, 0, FAILED)
     assert (now(queue, view).done, now(queue, view).failed) == (1, 0)
-    assert queue.records.reopen(entry.ref) != "stale"
+    assert queue.attempts.reopen(entry.ref) != "stale"
     assert not batches.put_item(entry.ref, chunk, 1, Outcome())
     assert now(queue, view).done == 1
 
 
 def test_what_kills_a_horse_costs_one_item(queue: JobQueue, batches: Batches) -> None:
     view = begin(batches, questions("1", "2", "3"))
+    interruptions = Interruptions(queue.redis, queue.settings)
     work(queue, batches, entries(queue)[0].ref, Outcome())
     for _ in range(queue.settings.max_losses + 1):
         [entry] = entries(queue)
-        assert queue.records.start(entry.ref) is not None
-        assert run_again(queue.records, queue.chunks, entry.ref, "horses", "worker-crashed", "again")
+        assert queue.attempts.start(entry.ref) is not None
+        assert interruptions.run_again(entry.ref, "horses", "worker-crashed", "again")
     assert states(batches, view) == ["succeeded", "failed", "open"]
     [entry] = entries(queue)
-    assert queue.records.start(entry.ref) is not None
-    assert not give_up(queue.records, queue.chunks, entry.ref, "timeout", "too long")
+    assert queue.attempts.start(entry.ref) is not None
+    assert not interruptions.give_up(entry.ref, "timeout", "too long")
     view = now(queue, view)
     assert (view.status, view.failed) == ("succeeded", 2)
     assert [s.outcome.failure for s in batches.read(view.id, [1, 2])] == [
@@ -146,7 +147,7 @@ def test_items_that_are_missing(queue: JobQueue, batches: Batches) -> None:
     assert queue.redis.keys("cusps:job:*") == []
     view = begin(batches, questions("1"))
     queue.redis.delete(batches.keys.items(view.id))
-    chunk = queue.records.start(entries(queue)[0].ref)
+    chunk = queue.attempts.start(entries(queue)[0].ref)
     assert chunk is not None
     with pytest.raises(ItemsLostError):
         batches.items_of(entries(queue)[0].ref, chunk)
@@ -231,7 +232,7 @@ def test_long_questions_go_with_the_end(queue: JobQueue, batches: Batches, is_ca
     keys = batches.keys.questions(view.id), batches.keys.items(view.id)
     assert [queue.redis.ttl(key) for key in keys] == [-1, -1]
     for ref in [entry.ref for entry in entries(queue)]:
-        chunk = queue.records.start(ref)
+        chunk = queue.attempts.start(ref)
         assert chunk is not None
         asked = [items[int(part)] for part in chunk.parts]
         assert batches.items_of(ref, chunk) == asked
@@ -256,7 +257,7 @@ def test_a_batch_that_lost_its_long_questions(queue: JobQueue, batches: Batches)
     view = begin(batches, [Item("long", JobRequest(POSES, {"l1": "9" * 5000}))])
     queue.redis.delete(batches.keys.questions(view.id))
     [entry] = entries(queue)
-    chunk = queue.records.start(entry.ref)
+    chunk = queue.attempts.start(entry.ref)
     assert chunk is not None
     with pytest.raises(ItemsLostError):
         batches.items_of(entry.ref, chunk)

@@ -12,10 +12,10 @@ from redis.exceptions import OutOfMemoryError
 from tests.support.jobs import a_request
 from worker.answers.requests import JobRequest
 from worker.answers.store import packed
+from worker.jobs.chunks import ChunkRef
 from worker.jobs.inventory import Inventory
 from worker.jobs.queue import JobQueue
-from worker.jobs.records import ChunkRef
-from worker.jobs.sweeper import Sweeper
+from worker.jobs.recovery import Sweeper
 from worker.settings import WorkerSettings
 
 DAY = 86400
@@ -81,9 +81,9 @@ def test_what_an_active_job_has_found_or_computed_is_kept(queue: JobQueue, inven
     assert queue.redis.exists(*queue.store.slice_keys(found, found.parts)) == 3
     assert pruned.needed == 3
     ref = ChunkRef(view.id, view.run, 0, 0)
-    chunk = queue.records.start(ref)
+    chunk = queue.attempts.start(ref)
     assert chunk
-    queue.records.put_slices(ref, chunk, 0, [{"l1": "4", "cusps": []}])
+    queue.attempts.put_slices(ref, chunk, 0, [{"l1": "4", "cusps": []}])
     assert queue.get(view.id).status == "succeeded"
     assert queue.result(view.id) is not None
     assert inventory.prune(older_than=-1).needed == 0

@@ -10,12 +10,11 @@ import pytest
 from tests.support.chunks import refs, work
 from tests.support.jobs import a_pose_table, a_request, submit_batch
 from worker.answers.items import Item
-from worker.jobs import listing
-from worker.jobs.listing import Listed, What
+from worker.jobs import views
+from worker.jobs.clients import Subscriber
 from worker.jobs.queue import JobQueue
-from worker.jobs.scripts import PRELUDE
-from worker.jobs.subscriptions import Subscriber
-from worker.jobs.views import ACTIVE, Status
+from worker.jobs.views import ACTIVE, Listed, Status, What
+from worker.lua import library
 
 ALL = frozenset(get_args(Status))
 ANN, BEN = Subscriber("key:ann", True), Subscriber("address:192.0.2.1", False)
@@ -92,11 +91,11 @@ def test_what_is_gone_is_not_listed(queue: JobQueue) -> None:
 
 def test_lists_are_bounded(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> None:
     """In length, and a page in what it looks at: one may be empty and not the last."""
-    script = PRELUDE + "for i = 1, 8 do list_in(KEYS[1], 'ct-' .. i, 5) end"
+    script = library("listing") + "\nfor i = 1, 8 do list_in(KEYS[1], 'ct-' .. i, 5) end"
     queue.redis.eval(script, 1, "index")
     assert queue.redis.zcard("index") <= 5
-    monkeypatch.setattr(listing, "_STEP", 2)
-    monkeypatch.setattr(listing, "_STEPS", 2)
+    monkeypatch.setattr(views, "_STEP", 2)
+    monkeypatch.setattr(views, "_STEPS", 2)
     jobs = [queue.submit(a_pose_table(str(n))).id for n in range(10, 19)]
     queue.cancel(jobs[0])
     page = queue.listing.page("jobs", None, frozenset({"canceled"}), "", 10)

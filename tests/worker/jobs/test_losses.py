@@ -12,11 +12,10 @@ from tests.support.chunks import entry, finish, refs, work
 from tests.support.jobs import a_document, a_request, table_of
 from tests.support.processes import until
 from worker.answers.requests import JobRequest
-from worker.jobs import sweeper as sweeper_module
-from worker.jobs.attempts import ChunkRef, Lost
-from worker.jobs.interruption import give_up, run_again
+from worker.jobs import recovery
+from worker.jobs.chunks import ChunkRef, Lost
 from worker.jobs.queue import JobQueue
-from worker.jobs.sweeper import Sweeper
+from worker.jobs.recovery import Interruptions, Sweeper
 from worker.settings import WorkerSettings
 
 
@@ -74,7 +73,7 @@ def test_a_job_that_lost_its_place_is_found_again(
     queue: JobQueue, table_request: JobRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """However many other keys there are: each look goes on where the last one stopped, whoever made it."""
-    monkeypatch.setattr(sweeper_module, "_WALK", 10)
+    monkeypatch.setattr(recovery, "_WALK", 10)
     queue.redis.mset({f"other:{i}": i for i in range(300)})
     view = queue.submit(table_request)
     queue.redis.delete(queue.records.keys.active, queue.chunks.queues["bulk"].key)
@@ -118,7 +117,7 @@ def test_a_chunk_lost_too_often_fails_its_job(queue: JobQueue, table_request: Jo
     queue.submit(table_request)
     sweeper = Sweeper(queue.redis, queue.settings)
     for _ in range(2 * queue.settings.max_worker_losses + 2):
-        queue.records.start(entry(queue).ref)
+        queue.attempts.start(entry(queue).ref)
         queue.redis.ltrim(queue.chunks.queues["small"].key, 1, 0)
         queue.redis.lrem(queue.chunks.queues["bulk"].key, 1, entry(queue).ref.rq_id)
         sweeper.sweep()
@@ -133,7 +132,9 @@ def test_a_chunk_lost_too_often_fails_its_job(queue: JobQueue, table_request: Jo
 
 def lose(queue: JobQueue, lost: Lost) -> bool:
     """What follows when the first open chunk of the only job has lost its horse or worker."""
-    return run_again(queue.records, queue.chunks, refs(queue)[0], lost, "worker-crashed", "several times")
+    return Interruptions(queue.redis, queue.settings).run_again(
+        refs(queue)[0], lost, "worker-crashed", "several times"
+    )
 
 
 @pytest.mark.parametrize("lost", ["horses", "workers"])
@@ -177,7 +178,7 @@ def test_no_slice_is_given_up_for_one_of_its_group(redis: Redis, lost: Lost) -> 
     work(queue, refs(queue)[0], 0, one_by_one=False)
     assert lose(queue, lost)
     (ref,) = refs(queue)
-    chunk = queue.records.start(ref)
+    chunk = queue.attempts.start(ref)
     assert chunk is not None
     assert chunk.has_losses
     work(queue, ref, 1)
@@ -191,7 +192,7 @@ def test_exhaustion_of_a_group_is_due_to_none_of_its_slices_yet(queue: JobQueue)
     queue.submit(a_request("1", "2"))
     work(queue, refs(queue)[0], 0, one_by_one=False)
     for is_left in (True, True, False):
-        give_up(queue.records, queue.chunks, refs(queue)[0], "resource-exhausted", "too much")
+        Interruptions(queue.redis, queue.settings).give_up(refs(queue)[0], "resource-exhausted", "too much")
         assert bool(refs(queue)) == is_left
         if is_left:
             work(queue, refs(queue)[0], 0)
@@ -215,7 +216,7 @@ def test_losses_are_forgotten_when_a_slice_is_done(
 def test_a_loss_before_the_slices_is_of_the_whole_job(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     for _ in range(queue.settings.max_losses + 1):
-        queue.records.start(entry(queue).ref)
+        queue.attempts.start(entry(queue).ref)
         lose(queue, "horses")
     view = queue.get(table_request.job_id)
     assert view is not None
@@ -225,12 +226,12 @@ def test_a_loss_before_the_slices_is_of_the_whole_job(queue: JobQueue, table_req
 def test_losses_with_the_worker_have_a_bound_of_their_own(queue: JobQueue) -> None:
     view = queue.submit(a_document())
     for _ in range(queue.settings.max_losses + 1):
-        queue.records.start(entry(queue).ref)
+        queue.attempts.start(entry(queue).ref)
         assert lose(queue, "workers")
     for _ in range(queue.settings.max_losses):
-        queue.records.start(entry(queue).ref)
+        queue.attempts.start(entry(queue).ref)
         assert lose(queue, "horses")
-    queue.records.start(entry(queue).ref)
+    queue.attempts.start(entry(queue).ref)
     assert not lose(queue, "horses")
     failed = queue.get(view.id)
     assert failed is not None
@@ -242,7 +243,7 @@ def test_a_chunk_that_has_not_started_cannot_be_lost(queue: JobQueue, lost: Lost
     queue.submit(a_request("1"))
     ref = refs(queue)[0]
     for attempt in range(1, 20):
-        following = queue.records.reopen(ref, lost)
+        following = queue.attempts.reopen(ref, lost)
         assert following == replace(ref, attempt=attempt)
         assert isinstance(following, ChunkRef)
         ref = following
@@ -252,10 +253,10 @@ def test_a_job_that_lost_its_parts_fails(queue: JobQueue, table_request: JobRequ
     """Redis has evicted what the chunks are to do: none of them can be given up or done."""
     view = queue.submit(table_request)
     queue.redis.delete(queue.records.keys.todo(view.id))
-    chunk = queue.records.start(refs(queue)[0])
+    chunk = queue.attempts.start(refs(queue)[0])
     assert chunk is not None
     assert chunk.parts == ()
-    give_up(queue.records, queue.chunks, refs(queue)[0], "worker-lost", "incomplete")
+    Interruptions(queue.redis, queue.settings).give_up(refs(queue)[0], "worker-lost", "incomplete")
     failed = queue.get(view.id)
     assert failed is not None
     assert (failed.status, failed.error) == ("failed", {"type": "worker-lost", "detail": "incomplete"})

@@ -13,14 +13,11 @@ from tests.support.jobs import a_document, a_heavy_document, a_request, submit_b
 from tests.worker.jobs.test_backlog import backlog, depths
 from worker.answers.items import Item
 from worker.answers.requests import JobRequest
-from worker.jobs.attempts import ChunkRef
-from worker.jobs.ends import read_ends
-from worker.jobs.interruption import run_again
+from worker.jobs.chunks import ChunkRef
+from worker.jobs.installation import Roster, read_ends
 from worker.jobs.lanes import Lane
-from worker.jobs.overruns import Overruns
 from worker.jobs.queue import JobQueue
-from worker.jobs.roster import Roster
-from worker.jobs.sweeper import Sweeper
+from worker.jobs.recovery import Interruptions, Sweeper
 from worker.settings import WorkerSettings
 
 Given = tuple[ChunkRef, Lane]
@@ -33,8 +30,7 @@ def strong(queue: JobQueue) -> None:
 
 
 def note(queue: JobQueue, ref: ChunkRef, *, is_new: bool = True, gives_back: bool = True) -> Given | None:
-    overruns = Overruns(queue.redis, queue.settings)
-    return overruns.note(ref, is_new=is_new, gives_back=gives_back)
+    return queue.attempts.note_overrun(ref, is_new=is_new, gives_back=gives_back)
 
 
 def give_back(queue: JobQueue, ref: ChunkRef) -> ChunkRef:
@@ -42,7 +38,7 @@ def give_back(queue: JobQueue, ref: ChunkRef) -> ChunkRef:
     queue.chunks.discard(ref)
     given = note(queue, ref)
     assert given is not None
-    queue.records.end_beat(ref)
+    queue.attempts.end_beat(ref)
     queue.chunks.put_back(*given, is_first=False)
     return given[0]
 
@@ -58,7 +54,7 @@ def test_a_job_of_one_chunk(queue: JobQueue, request_: JobRequest) -> None:
     queue.submit(request_)
     before = backlogs(queue)
     (ref,) = refs(queue)
-    queue.records.start(ref)
+    queue.attempts.start(ref)
     following = give_back(queue, ref)
     assert depths(queue) == {"heavy": 1}
     assert before.keys() == {"small"}
@@ -71,7 +67,7 @@ def test_a_job_of_one_chunk(queue: JobQueue, request_: JobRequest) -> None:
     given = entry(queue)
     assert (given.ref, given.state, given.horses_lost, given.workers_lost) == (following, "queued", 0, 0)
     assert note(queue, ref) is None, "the attempt is over"
-    queue.records.start(following)
+    queue.attempts.start(following)
     assert note(queue, following) is None, "it is in the heavy lane already"
     queue.cancel(request_.job_id)
     assert backlogs(queue) == {}
@@ -106,7 +102,7 @@ def test_what_a_chunk_has_kept_stays(queue: JobQueue, table_request: JobRequest)
 def test_the_rest_of_a_chunk_of_a_batch_goes_to_the_heavy_batches(queue: JobQueue) -> None:
     view = submit_batch(queue, [Item(request=a_request(str(n))) for n in range(1, 6)])
     [first, *_] = refs(queue)
-    queue.records.start(first)
+    queue.attempts.start(first)
     give_back(queue, first)
     assert depths(queue) == {"batch": 1, "heavy-batch": 1}
     assert set(backlogs(queue)) == {"batch", "heavy-batch"}
@@ -120,7 +116,7 @@ def test_a_worker_that_dies_as_it_gives_back(queue: JobQueue) -> None:
     """Between two steps: the sweeper finds the chunk, and its lane, and counts no loss."""
     queue.submit(a_request("1"))
     (ref,) = refs(queue)
-    queue.records.start(ref)
+    queue.attempts.start(ref)
     queue.chunks.discard(ref)
     assert note(queue, ref) is not None
     sweeper = Sweeper(queue.redis, replace_losses(queue.settings))
@@ -145,7 +141,7 @@ def test_it_stays_where_nobody_else_would_take_it(queue: JobQueue) -> None:
     Roster(queue.redis, queue.settings).beat("light", is_light=True)
     queue.submit(a_request("1"))
     (ref,) = refs(queue)
-    queue.records.start(ref)
+    queue.attempts.start(ref)
     assert note(queue, ref) is None
     assert note(queue, ref, is_new=False) is None
     Roster(queue.redis, queue.settings).beat("strong")
@@ -161,7 +157,7 @@ def test_it_stays_where_nobody_else_would_take_it(queue: JobQueue) -> None:
 def test_a_heavy_chunk_is_only_noted(queue: JobQueue) -> None:
     queue.submit(a_heavy_document())
     (ref,) = refs(queue)
-    queue.records.start(ref)
+    queue.attempts.start(ref)
     assert note(queue, ref) is None
     assert entry(queue).ref == ref
 
@@ -171,11 +167,11 @@ def test_what_was_given_back_is_put_back_into_its_lane(queue: JobQueue, redis: R
     """After a loss, too; and a deadline and a cancel find it there."""
     queue.submit(a_request("1"), deadline_s=0.001)
     (ref,) = refs(queue)
-    queue.records.start(ref)
+    queue.attempts.start(ref)
     following = give_back(queue, ref)
     queue.chunks.discard(following)
-    assert queue.records.start(following) is not None
-    assert run_again(queue.records, queue.chunks, following, "horses", "", "")
+    assert queue.attempts.start(following) is not None
+    assert Interruptions(queue.redis, queue.settings).run_again(following, "horses", "", "")
     assert depths(queue) == {"heavy": 1}
     assert entry(queue).ref == replace(following, attempt=following.attempt + 1)
     time.sleep(0.005)

@@ -9,7 +9,7 @@ from redis import Redis
 from tests.support.chunks import entry, finish, refs, work
 from tests.support.jobs import a_document, a_request, table_of
 from worker.answers.requests import JobRequest
-from worker.jobs.attempts import ChunkRef
+from worker.jobs.chunks import ChunkRef
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
 
@@ -60,7 +60,7 @@ def test_only_missing_slices_are_computed(queue: JobQueue, table_request: JobReq
     view = queue.submit(a_request("4", "5", "6", "7"))
     assert (view.done, view.total) == (2, 4)
     (ref,) = refs(queue)
-    chunk = queue.records.start(ref)
+    chunk = queue.attempts.start(ref)
     assert chunk is not None
     assert chunk.parts == ("6", "7")
 
@@ -110,7 +110,7 @@ def test_a_canceled_job_stays_canceled_until_asked_again(queue: JobQueue, table_
     assert view.status == "canceled"
     assert queue.depth() == 0
     assert queue.cancel(first.id) == view
-    assert [queue.records.start(ref) for ref in stale] == [None, None]
+    assert [queue.attempts.start(ref) for ref in stale] == [None, None]
     assert queue.submit(table_request).status == "queued"
     finish(queue)
     assert queue.cancel(first.id) == queue.get(first.id)
@@ -120,13 +120,13 @@ def test_a_canceled_job_stays_canceled_until_asked_again(queue: JobQueue, table_
 def test_late_results_change_nothing(queue: JobQueue, table_request: JobRequest) -> None:
     queue.submit(table_request)
     old = refs(queue)[0]
-    chunk = queue.records.start(old)
+    chunk = queue.attempts.start(old)
     assert chunk is not None
     queue.cancel(table_request.job_id)
     queue.submit(table_request)
-    assert not queue.records.put_slices(old, chunk, 0, [{"l1": "1", "count": 0, "cusps": []}])
+    assert not queue.attempts.put_slices(old, chunk, 0, [{"l1": "1", "count": 0, "cusps": []}])
     assert queue.records.fail(old, "worker-lost", "late") is None
-    assert queue.records.reopen(old, "workers") == "stale"
+    assert queue.attempts.reopen(old, "workers") == "stale"
     view = queue.get(table_request.job_id)
     assert view is not None
     assert (view.status, view.done, view.error) == ("queued", 0, None)
@@ -136,12 +136,12 @@ def test_late_results_change_nothing(queue: JobQueue, table_request: JobRequest)
 def test_slices_that_come_in_groups_are_counted_and_told_once(queue: JobQueue) -> None:
     view = queue.submit(a_request("1", "2", "3"))
     (ref,) = refs(queue)
-    chunk = queue.records.start(ref)
+    chunk = queue.attempts.start(ref)
     assert chunk is not None
     slices = [{"l1": l1, "count": 0, "cusps": []} for l1 in chunk.parts]
-    assert queue.records.put_slices(ref, chunk, 0, slices[:2])
+    assert queue.attempts.put_slices(ref, chunk, 0, slices[:2])
     assert entry(queue).offset == 2
-    assert not queue.records.put_slices(ref, chunk, 1, slices[1:])  # the last one ends the job
+    assert not queue.attempts.put_slices(ref, chunk, 1, slices[1:])  # the last one ends the job
     events = queue.redis.xrange(queue.records.keys.job(view.id).events)
     told = [(fields[b"l1"], fields[b"done"]) for _, fields in events if b"l1" in fields]
     assert told == [(b"1", b"1"), (b"2", b"2"), (b"3", b"3")]
@@ -154,42 +154,42 @@ def test_an_attempt_that_was_followed_by_another_changes_nothing(
     queue.submit(table_request)
     old = refs(queue)[0]
     work(queue, old, 1)
-    chunk = queue.records.start(old)
+    chunk = queue.attempts.start(old)
     assert chunk is not None
-    assert queue.records.beat(old, "worker")
-    following = queue.records.reopen(old, "workers")
+    assert queue.attempts.beat(old, "worker")
+    following = queue.attempts.reopen(old, "workers")
     assert isinstance(following, ChunkRef)
-    assert not queue.records.beat(old, "worker")
-    assert queue.records.beat(following, "worker")
-    assert not queue.records.put_slices(old, chunk, 1, [{"l1": "2", "count": 0, "cusps": []}])
-    assert not queue.records.put_slices(old, chunk, 2, [{"l1": "3", "error": {"type": "x", "detail": "y"}}])
+    assert not queue.attempts.beat(old, "worker")
+    assert queue.attempts.beat(following, "worker")
+    assert not queue.attempts.put_slices(old, chunk, 1, [{"l1": "2", "count": 0, "cusps": []}])
+    assert not queue.attempts.put_slices(old, chunk, 2, [{"l1": "3", "error": {"type": "x", "detail": "y"}}])
     assert queue.records.fail(old, "worker-lost", "late") is None
     view = queue.get(table_request.job_id)
     assert view is not None
     assert (view.status, view.done) == ("running", 1)
     assert "2" in queue.store.get_slices(table_request)  # a valid result is kept
     work(queue, following)
-    assert not queue.records.beat(following, "worker")  # done
+    assert not queue.attempts.beat(following, "worker")  # done
 
 
 def test_the_progress_of_a_document_never_runs_backwards(queue: JobQueue) -> None:
     request = a_document()
     queue.submit(request)
     (old,) = refs(queue)
-    queue.records.start(old)
-    assert queue.records.put_progress(old, 17, 40)
-    following = queue.records.reopen(old, "workers")
+    queue.attempts.start(old)
+    assert queue.attempts.put_progress(old, 17, 40)
+    following = queue.attempts.reopen(old, "workers")
     assert isinstance(following, ChunkRef)
-    queue.records.start(following)
-    assert not queue.records.put_progress(old, 27, 40)
+    queue.attempts.start(following)
+    assert not queue.attempts.put_progress(old, 27, 40)
     for done in (1, 16, 18):
-        assert queue.records.put_progress(following, done, 40)
-    queue.records.put_document(old, request, {"answer": 1})
+        assert queue.attempts.put_progress(following, done, 40)
+    queue.attempts.put_document(old, request, {"answer": 1})
     view = queue.get(request.job_id)
     assert view is not None
     assert (view.status, view.done, view.total) == ("running", 18, 40)
     assert queue.store.get_document(request) == {"answer": 1}
-    queue.records.put_document(following, request, {"answer": 1})
+    queue.attempts.put_document(following, request, {"answer": 1})
     assert queue.result(request.job_id) == {"answer": 1}
     events = queue.redis.xrange(queue.records.keys.job(request.job_id).events)
     assert [fields[b"done"] for _, fields in events if b"done" in fields] == [b"17", b"18"]
@@ -213,9 +213,9 @@ def test_a_slice_is_counted_once(queue: JobQueue, table_request: JobRequest) -> 
     queue.submit(table_request)
     first = refs(queue)[0]
     work(queue, first, 2)
-    again = queue.records.reopen(first, "workers")
+    again = queue.attempts.reopen(first, "workers")
     assert isinstance(again, ChunkRef)
-    assert queue.records.start(first) is None
+    assert queue.attempts.start(first) is None
     work(queue, again)
     view = queue.get(table_request.job_id)
     assert view is not None

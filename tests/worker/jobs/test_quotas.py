@@ -12,11 +12,10 @@ from tests.support.jobs import a_request
 from tests.support.processes import until
 from worker.answers.documents import VERIFICATION
 from worker.answers.requests import JobRequest
-from worker.jobs import quotas
+from worker.jobs import clients
+from worker.jobs.clients import Quota, QuotaError, Subscriber
 from worker.jobs.inventory import Inventory
 from worker.jobs.queue import JobQueue
-from worker.jobs.quotas import Quota, QuotaError
-from worker.jobs.subscriptions import Subscriber
 from worker.settings import WorkerSettings
 
 ME, OTHER = Subscriber("key:a", is_known=True), Subscriber("key:b", is_known=True)
@@ -53,7 +52,7 @@ def test_an_amount_of_work(queue: JobQueue) -> None:
 
 
 def test_jobs_that_ended_do_not_count(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(quotas, "_GRACE", 0)
+    monkeypatch.setattr(clients, "_GRACE", 0)
     one = Quota(jobs=1)
     for l1 in ("1", "2", "3"):
         queue.cancel(ask(queue, l1, one))
@@ -184,7 +183,7 @@ def test_the_ledger_is_what_the_records_say(
     queue: JobQueue, monkeypatch: pytest.MonkeyPatch, seed: int
 ) -> None:
     """Whatever happens to jobs, in whatever order, and wherever a process dies on the way."""
-    monkeypatch.setattr(quotas, "_GRACE", 0)
+    monkeypatch.setattr(clients, "_GRACE", 0)
     draw, inventory, some = (
         random.Random(seed),
         Inventory(queue.redis, queue.settings),
@@ -203,7 +202,7 @@ def test_the_ledger_is_what_the_records_say(
             queue.withdraw(request.job_id, ME) if draw.random() < 0.5 else queue.cancel(request.job_id)
         elif act == "end":
             for entry in [e for e in queue.records.open_chunks() if e.ref.job_id == request.job_id]:
-                queue.records.start(entry.ref)
+                queue.attempts.start(entry.ref)
                 queue.records.fail(entry.ref, "solver-error", "undecided")
         elif queue.redis.ttl(record) > 0:
             inventory._take(list(inventory._items([record.encode()])))

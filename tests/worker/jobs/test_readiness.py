@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from tests.support.jobs import a_heavy_document, a_request
-from worker.jobs import readiness as module
+from worker.jobs import installation
+from worker.jobs.installation import Roster
 from worker.jobs.queue import JobQueue
-from worker.jobs.roster import Roster
 
 
 def test_a_small_job_that_nobody_begins(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -15,13 +15,13 @@ def test_a_small_job_that_nobody_begins(queue: JobQueue, monkeypatch: pytest.Mon
     assert queue.readiness().warnings == (), "there is no worker at all, which is worse"
     Roster(queue.redis, queue.settings).beat("worker")
     assert queue.readiness().warnings == ()
-    monkeypatch.setattr(module, "STILL", -1.0)
+    monkeypatch.setattr(installation, "STILL", -1.0)
     [warning] = queue.readiness().warnings
     assert warning.startswith("the lane small stands still: its first job was submitted ")
 
 
 def test_a_small_job_whose_record_is_gone(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "STILL", 0.5)
+    monkeypatch.setattr(installation, "STILL", 0.5)
     queue.redis.delete(queue.records.keys.job(queue.submit(a_request("1")).id).record)
     Roster(queue.redis, queue.settings).beat("worker")
     assert queue.readiness().warnings == ()

@@ -8,9 +8,9 @@ import pytest
 from redis import Redis
 
 from tests.support.jobs import a_request
-from worker.jobs import subscriptions
+from worker.jobs import clients
+from worker.jobs.clients import Subscriber
 from worker.jobs.queue import JobQueue
-from worker.jobs.subscriptions import Subscriber
 from worker.jobs.views import JobView
 
 KEY, OTHER_KEY = Subscriber("key:a", is_known=True), Subscriber("key:b", is_known=True)
@@ -61,7 +61,7 @@ def test_a_request_that_waits_keeps_the_job(queue: JobQueue) -> None:
 def test_a_request_that_died_while_it_waited_keeps_nothing(
     queue: JobQueue, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(subscriptions, "_MARGIN", -1)
+    monkeypatch.setattr(clients, "_MARGIN", -1)
     view = queue.submit_for(KEY, a_request("1"), seconds=0.5)
     assert withdrawn(queue, view, KEY) == "canceled"
 
@@ -96,7 +96,7 @@ def test_a_job_that_nobody_is_noted_for(queue: JobQueue) -> None:
 
 
 def test_beyond_many_clients_nobody_ends_the_job(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(subscriptions, "MANY", 20)
+    monkeypatch.setattr(clients, "MAX_RECORD_FIELDS", 20)
     strangers = [stranger() for _ in range(40)]
     for who in strangers:
         view = queue.submit_for(who, a_request("1"))

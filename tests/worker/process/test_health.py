@@ -9,7 +9,7 @@ from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import completed, environment, until
-from worker.jobs.roster import Roster
+from worker.jobs.installation import Roster
 from worker.settings import WorkerSettings
 
 

@@ -12,8 +12,8 @@ from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import until
+from worker.jobs.installation import Roster
 from worker.jobs.keys import Keys
-from worker.jobs.roster import Roster
 from worker.process import pool
 from worker.process.pool import Attendance, WorkerPool
 from worker.settings import WorkerSettings

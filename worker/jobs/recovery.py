@@ -1,9 +1,4 @@
-"""Finds chunks that no worker runs any more, and enqueues them again.
-
-A chunk that is not done must be in a queue or have a heartbeat. A chunk with neither (its worker was killed,
-or a process died between two steps) is suspected and, if it stays so, put back in the queue. A job that lost
-one of its keys in Redis is repaired, or fails. A job whose deadline is over fails, queued or running.
-"""
+"""Chunks that were interrupted or lost: each is run again until its retry budget is spent."""
 
 from __future__ import annotations
 
@@ -14,14 +9,13 @@ from typing import cast
 from redis import Redis
 from redis.exceptions import OutOfMemoryError, RedisError
 
-from worker.answers.kinds import kind_of_job
-from worker.jobs.attempts import ChunkEntry
-from worker.jobs.chunks import ChunkQueue
-from worker.jobs.deadlines import Deadlines
-from worker.jobs.interruption import run_again
+from worker.answers.kinds import is_batch, kind_of_job
+from worker.jobs.attempts import Attempts
+from worker.jobs.batches import Batches
+from worker.jobs.chunks import ChunkEntry, ChunkQueue, ChunkRef, Lost
+from worker.jobs.installation import Versions
 from worker.jobs.inventory import Inventory
 from worker.jobs.records import JobRecords
-from worker.jobs.versions import Versions
 from worker.jobs.views import JobView
 from worker.logs import about
 from worker.settings import WorkerSettings
@@ -29,6 +23,7 @@ from worker.settings import WorkerSettings
 log = logging.getLogger("rpr_cusps.worker")
 
 _WALK = 4000  # keys per sweep, about a millisecond of the server's time
+
 
 _LOST = "The worker crashed or was killed repeatedly ({} times). Post the request again to retry it."
 
@@ -41,8 +36,59 @@ def _overdue(view: JobView) -> str:
     return f"{name}: timeout at the deadline of its request; {ran}, the estimate was {estimate}"
 
 
+class Interruptions:
+    """What becomes of a chunk that was interrupted."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        self.records = JobRecords(redis, settings)
+        self.attempts = Attempts(redis, settings)
+        self.batches = Batches(redis, settings)
+        self.chunks = ChunkQueue(redis, settings)
+
+    def run_again(self, ref: ChunkRef, lost: Lost, kind: str, detail: str) -> bool:
+        """Put the next attempt at the front of its lane; returns False if there is none.
+
+        If it was lost too often, what was being processed is given up. `kind` and `detail` say why.
+        """
+        following = self.attempts.reopen(ref, lost)
+        if following == "too-often":
+            return self.give_up(ref, kind, detail)
+        return self._enqueue(following)
+
+    def give_up(self, ref: ChunkRef, kind: str, detail: str) -> bool:
+        """Give up the slice or item being processed, and have the others computed; False if none is left.
+
+        A chunk without slices or items, such as a document, fails its job. One that was ahead of what it had
+        kept runs again, slice by slice, until it is known which one to give up. `kind` and `detail` say why.
+        """
+        if self.attempts.is_ahead(ref):
+            return self._enqueue(self.attempts.reopen(ref, "horses"))
+        put = self.batches.give_up_item if is_batch(ref.job_id) else self.attempts.put_slice_error
+        if put(ref, kind, detail):
+            return self._enqueue(self.attempts.reopen(ref))
+        self.fail(ref, kind, detail)
+        return False
+
+    def fail(self, ref: ChunkRef, kind: str, detail: str) -> None:
+        """End the job because of this chunk, and the work on the others."""
+        entries = self.records.fail(ref, kind, detail) or []
+        self.chunks.withdraw([entry for entry in entries if entry.ref != ref])
+
+    def _enqueue(self, following: ChunkRef | str) -> bool:
+        if isinstance(following, ChunkRef):
+            self.chunks.put_back(following, self.attempts.lane(following))
+            return True
+        return False
+
+
 class Sweeper:
-    """The search for lost chunks. Any number may run, but only one at a time searches."""
+    """Finds chunks that no worker runs any more, and enqueues them again.
+
+    A chunk that is not done must be in a queue or have a heartbeat. A chunk with neither (its worker was
+    killed, or a process died between two steps) is suspected and, if it stays so, put back in the queue. A
+    job that lost one of its keys in Redis is repaired, or fails. A job whose deadline is over fails, queued
+    or running. Any number of sweepers may run, but only one at a time searches.
+    """
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
@@ -50,7 +96,7 @@ class Sweeper:
         self.records = JobRecords(redis, settings)
         self.chunks = ChunkQueue(redis, settings)
         self.inventory = Inventory(redis, settings)
-        self.deadlines = Deadlines(redis, settings)
+        self.interruptions = Interruptions(redis, settings)
         self.versions = Versions(redis, settings)
         self.keys = self.records.keys
 
@@ -89,7 +135,7 @@ class Sweeper:
             log.warning("the store is nearly full: removed the oldest results (%d keys)", removed)
 
     def _end_overdue_jobs(self) -> None:
-        for job_id in self.deadlines.over():
+        for job_id in self.records.overdue():
             entries = self.records.expire(job_id)
             if entries is not None and (view := self.records.view(job_id)) is not None:
                 with about(job=job_id):
@@ -121,4 +167,4 @@ class Sweeper:
     def _put_back(self, entry: ChunkEntry) -> bool:
         self.chunks.discard(entry.ref)
         detail = _LOST.format(entry.workers_lost + 1)
-        return run_again(self.records, self.chunks, entry.ref, "workers", "worker-lost", detail)
+        return self.interruptions.run_again(entry.ref, "workers", "worker-lost", detail)

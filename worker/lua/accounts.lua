@@ -1,17 +1,14 @@
-"""The estimated work of each lane, as the scripts count it.
+-- The estimated work of each lane.
+--
+-- The hash `:work`, named after the set of active jobs, has the milliseconds that each lane was given
+-- (`LANE:added`) and that are done or dropped (`LANE:done`). Their difference is the lane's backlog. A record
+-- keeps the `work` of its job and of `each` of its chunks, what is `left` of it, and the `ahead` of it: its
+-- lane's `added` when it was queued.
+--
+-- A chunk that was given back is in the heavy lane that belongs to its job's (`heavy_of`), with its work, which
+-- its entry keeps. The record has the sum of what is `moved` so, and how many open parts are `apart` there.
+-- include: now
 
-The hash `:work`, named after the set of active jobs, has the milliseconds that each lane was given
-(`LANE:added`) and that are done or dropped (`LANE:done`). Their difference is the lane's backlog. A record
-keeps the `work` of its job and of `each` of its chunks, what is `left` of it, and the `ahead` of it: its
-lane's `added` when it was queued.
-
-A chunk that was given back is in the heavy lane that belongs to its job's (`heavy_of`), with its work, which
-its entry keeps. The record has the sum of what is `moved` so, and how many open parts are `apart` there.
-"""
-
-from __future__ import annotations
-
-ACCOUNTS = """
 local LANES = {small = 1, bulk = 2, heavy = 3, batch = 4, ['heavy-batch'] = 5}
 -- A score that orders by lane, then by time to 10 microseconds: a double holds no more.
 local function rank(lane, time) return string.format('%.5f', LANES[lane] * 1e10 + time) end
@@ -86,5 +83,3 @@ local function drop_work(record, active)
     end
     redis.call('HDEL', record, 'left', 'ahead', 'moved', 'apart')
 end
-"""
-"""The Lua functions that keep the accounts; they need `now` and `time`."""

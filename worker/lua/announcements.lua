@@ -1,28 +1,13 @@
-"""The news that a job has ended: what the script that ends it leaves for those who are to be told.
+-- What a job that ends leaves for those who asked for a callback.
+--
+-- A callback is a field `call:URL` of the job's record. Each becomes a delivery: a hash with the state of the
+-- job as it is then, an entry in the sorted set of deliveries by the time at which they are due, and one in the
+-- list of the job's deliveries. The id of a delivery depends on the run and the URL only, so that asking twice
+-- in one run delivers once.
+-- include: now constants
 
-A callback is a field `call:URL` of the job's record. Each becomes a delivery: a hash with the state of the
-job as it is then, an entry in the sorted set of deliveries by the time at which they are due, and one in the
-list of the job's deliveries. The id of a delivery depends on the run and the URL only, so that asking twice
-in one run delivers once. `callbacks` does the rest.
-"""
+local DELIVERY_TTL = 3 * 86400 -- longer than any pause between two attempts
 
-from __future__ import annotations
-
-VIEW_FIELDS = (
-    *("run", "status", "done", "total", "created", "started", "finished", "error", "deadline", "failed"),
-    *("work", "overruns"),
-)
-"""The fields of a record that are shown."""
-
-DELIVERY_TTL = 3 * 86400
-"""Seconds for which a delivery and its log are kept after an attempt; longer than any pause."""
-
-ANNOUNCE = (
-    f"""
-local VIEW_FIELDS = {{{", ".join(f"'{name}'" for name in VIEW_FIELDS)}}}
-local DELIVERY_TTL = {DELIVERY_TTL}
-"""
-    + """
 -- Makes a delivery of the news that the job has ended; see `callbacks`. Once for each run and URL.
 local function announce(record, ends, job_id, url)
     local due = string.gsub(ends, 'ends$', 'deliveries')
@@ -49,6 +34,3 @@ local function announce_to_all(record, ends, job_id)
         end
     end
 end
-"""
-)
-"""The Lua functions that make deliveries; they need `now`."""

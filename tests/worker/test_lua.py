@@ -1,0 +1,95 @@
+"""The scripts of Redis: their heads name their keys and arguments, and a call must give each."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from redis import Redis
+
+import worker.lua
+from worker.lua import Scripts, library, source
+
+FOLDER = Path(worker.lua.__file__).parent
+NAMES = sorted(path.stem for path in FOLDER.glob("*.lua"))
+LIBRARIES = {"accounts", "announcements", "ends", "jobs", "kept", "listing", "now", "quotas", "slices"}
+SCRIPTS = sorted({*NAMES} - LIBRARIES)
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A package of its own, for other scripts."""
+    folder = tmp_path / "some_scripts"
+    folder.mkdir()
+    (folder / "__init__.py").touch()
+    monkeypatch.syspath_prepend(tmp_path)
+    yield folder
+    sys.modules.pop("some_scripts", None)
+    source.cache_clear()
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_redis_takes_every_script(redis: Redis, name: str) -> None:
+    assert redis.script_load(source(name).text)
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_every_declared_name_is_used(name: str) -> None:
+    script = source(name)
+    body = script.text.split("-- args:")[-1] + "".join(library("quotas") if "quotas" in script.text else "")
+    for declared in (*script.keys, *script.args):
+        assert re.search(rf"\b{declared.removesuffix('...')}\b", body), declared
+
+
+def test_no_script_takes_keys_or_arguments_by_their_places() -> None:
+    for name in NAMES:
+        assert not re.search(r"\b(KEYS|ARGV)\b", (FOLDER / f"{name}.lua").read_text()), name
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"lock": "a", "token": "t", "ttl": 1}, "the call of acquire_lock.lua lacks locks"),
+        ({"lock": "a", "locks": "b", "ttl": 1}, "the call of acquire_lock.lua lacks token"),
+        (
+            {"lock": "a", "locks": "b", "token": "t", "ttl": 1, "tll": 1},
+            "the call of acquire_lock.lua has no use for tll",
+        ),
+    ],
+)
+def test_a_missing_or_unknown_name_is_an_error(redis: Redis, given: dict[str, object], message: str) -> None:
+    with pytest.raises(TypeError, match=f"^{re.escape(message)}$"):
+        Scripts(redis)("acquire_lock", **given)
+    assert redis.keys("*") == []
+
+
+def test_names_stand_for_keys_and_arguments(redis: Redis, package: Path) -> None:
+    """A list has whatever is left, also more than Lua puts on its stack."""
+    (package / "told.lua").write_text(
+        "-- include: more\n-- keys: first second\n-- keys: others...\n-- args: flag\n-- args: values...\n"
+        "return {first, second, #others, others[2], flag, #values, twice(values[20000])}\n"
+    )
+    (package / "more.lua").write_text("-- include: now\nlocal function twice(x) return x .. x end\n")
+    (package / "now.lua").write_text("local now = 1\n")
+    run = Scripts(redis, "some_scripts")
+    spaces = {"first": "1", "unused": "x"}, {"second": "2"}
+    reply = run("told", *spaces, others=["3", "4"], flag=True, values=[str(n) for n in range(1, 20001)])
+    assert reply == [b"1", b"2", 2, b"4", b"1", 20000, b"2000020000"]
+
+
+@pytest.mark.parametrize(
+    ("head", "message"),
+    [
+        ("-- keys: a b\n-- args: c b\n", "bad.lua declares a name twice"),
+        ("-- keys: a... b\n", "bad.lua: 'a...' is no name, or a list that is not the last"),
+        ("-- args: A\n", "bad.lua: 'A' is no name, or a list that is not the last"),
+        ("-- args: a, b\n", "bad.lua: 'a,' is no name, or a list that is not the last"),
+    ],
+)
+def test_a_bad_head_is_refused(package: Path, head: str, message: str) -> None:
+    (package / "bad.lua").write_text(head)
+    with pytest.raises(ValueError, match=re.escape(message)):
+        source("bad", "some_scripts")

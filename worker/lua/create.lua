@@ -1,0 +1,59 @@
+-- Returns {1, its event} if the job was created, {0} if another client has created or changed it meanwhile or
+-- items of a batch are missing, and {-1, milliseconds until the backlog is done} if its lane is full; one in
+-- which no job waits is never full. `asked` is the request without its slices, `kept` what stays of it at the
+-- end, empty if it stays whole; its bytes are counted in `ledger`, if there is one. `todo` has
+-- the parts to do, chunk by chunk; the items of a batch that are none of them have failed.
+-- include: jobs
+-- keys: record chunks bits errors events active ends workers
+-- args: job_id run seen_run total todo_count request asked kept ledger bytes kept_bytes chunk_size
+-- args: chunk_count ttl origin lane work each max_backlog deadline_s name token seconds todo...
+
+local old_run, old_status = unpack(redis.call('HMGET', record, 'run', 'status'))
+if old_run and (is_active(old_status) or old_run ~= seen_run) then return {0} end
+local items = items_of(record)
+local is_batch = string.match(job_id, '^ba%-') ~= nil
+if is_batch and redis.call('LLEN', items) ~= tonumber(total) then return {0} end
+local waiting, added = backlog(active, lane)
+local count = workers_of(lane, workers)
+if tonumber(todo_count) > 0 and waiting + work > max_backlog * count
+        and redis.call('ZCOUNT', active .. ':queued', rank(lane, 0), rank(lane, 1e10 - 1)) > 0 then
+    return {-1, math.ceil(waiting / count)}
+end
+release(unpack(counted(record)))
+redis.call('DEL', record, chunks, bits, errors, events, todo_of(record))
+redis.call('HSET', record, 'run', run, 'status', 'queued', 'total', total, 'done', total - todo_count,
+    'request', request, 'asked', asked, 'chunk_size', chunk_size, 'chunk_count', chunk_count, 'created', now,
+    'origin', origin, 'work', work, 'each', each)
+if kept ~= '' then redis.call('HSET', record, 'kept', kept) end
+list_job(active, job_id)
+if name ~= '' then list_for(record, active, job_id, name) end
+if ledger ~= '' then
+    redis.call('HSET', record, 'ledger', ledger, 'bytes', bytes, 'kept_bytes', kept_bytes)
+end
+if is_batch then
+    for _, key in ipairs({items, questions_of(record)}) do redis.call('PERSIST', key) end
+    redis.call('HSET', record, 'failed', total - todo_count)
+    local open = {}
+    for _, parts in ipairs(todo) do
+        for _, item in ipairs(cjson.decode(parts)) do open[tonumber(item)] = true end
+    end
+    for item = 0, total - 1 do
+        if not open[item] then redis.call('SETBIT', bits, item, 1) end
+    end
+end
+if tonumber(todo_count) == 0 then
+    redis.call('HSET', record, 'started', now)
+    finish(record, chunks, bits, errors, events, active, ends, job_id, 'succeeded', '', ttl)
+    return {1, ''}
+end
+for index = 0, chunk_count - 1 do
+    redis.call('HSET', chunks, index, 'queued:0:0:0:0')
+    redis.call('RPUSH', todo_of(record), todo[index + 1])
+end
+redis.call('ZADD', active, now, job_id)
+redis.call('HSET', record, 'lane', lane, 'left', work, 'ahead', added)
+redis.call('ZADD', active .. ':queued', rank(lane, now), job_id)
+add_work(active, lane, 'added', work)
+if deadline_s ~= '' then set_deadline(record, active, job_id, deadline_s) end
+if name ~= '' then subscribe(record, name, token, seconds) end
+return {1, redis.call('XADD', events, '*', 'type', 'status', 'status', 'queued')}

@@ -1,0 +1,130 @@
+-- What the steps of a job's life have in common.
+--
+-- A job's record has a token `run`, which changes whenever the job is restarted, and each of its chunks has the
+-- number of its attempt. Every script that changes a job names its run and attempt, and has no effect if the
+-- record has moved on or the job has ended; so a late caller (an old worker, a second sweeper) can never
+-- overwrite a newer state.
+--
+-- A chunk's entry is `state:attempt:horses_lost:workers_lost:offset`; it is deleted when the chunk is done. The
+-- slices before `offset` are done, and losses are counted since the last one was. The state is `queued`,
+-- `running`, `solving` while it solves the slice `offset`, or `ahead` while it solves this or one of the next,
+-- some of which are not kept yet. Entries of version 0.1.0 end after the first count. That of a chunk that was
+-- given back to the heavy lane has the milliseconds of its work at its end; see `accounts`.
+--
+-- Beside the set of active jobs, and named after it, there are: `:queued`, the queued jobs by lane and age;
+-- `:deadlines`, the jobs with a deadline by its time; `:work`, the accounts of the lanes.
+-- include: now ends announcements kept accounts listing
+
+local function is_active(status) return status == 'queued' or status == 'running' end
+
+-- Returns the entry of a chunk if this attempt of this run is open, else nil.
+local function open_chunk(record, chunks, run, index, attempt)
+    local job_run, status = unpack(redis.call('HMGET', record, 'run', 'status'))
+    if job_run ~= run or not is_active(status) then return nil end
+    local state, open_attempt, horses, workers, offset, moved = string.match(
+        redis.call('HGET', chunks, index) or '', '(%a+):(%d+):(%d+):?(%d*):?(%d*):?(%d*)')
+    if open_attempt ~= attempt then return nil end
+    return {state = state, attempt = attempt, horses = horses,
+        workers = tonumber(workers) or 0, offset = tonumber(offset) or 0, moved = tonumber(moved) or 0}
+end
+
+local function put_chunk(chunks, index, chunk)
+    redis.call('HSET', chunks, index, string.format('%s:%d:%d:%d:%d%s', chunk.state, chunk.attempt,
+        chunk.horses, chunk.workers, chunk.offset, chunk.moved > 0 and ':' .. chunk.moved or ''))
+end
+
+-- Whether the request of a field `wait:TOKEN` still waits.
+local function is_waiting(record, field)
+    local till = redis.call('HGET', record, field)
+    return till and tonumber(till) > tonumber(now)
+end
+
+local function is_wanted(record)
+    for _, field in ipairs(redis.call('HKEYS', record)) do
+        if string.find(field, '^by:') then return true end
+        if string.find(field, '^wait:') and is_waiting(record, field) then return true end
+    end
+    return false
+end
+
+local function subscribe(record, name, token, seconds)
+    redis.call('HSET', record, 'by:' .. name, now)
+    if tonumber(seconds) > 0 then
+        redis.call('HSET', record, 'wait:' .. token, string.format('%.3f', now + seconds))
+    else
+        redis.call('HDEL', record, 'wait:' .. token)
+    end
+end
+
+local function set_deadline(record, active, job_id, seconds)
+    redis.call('HSET', record, 'deadline', string.format('%.6f', now + seconds))
+    redis.call('ZADD', active .. ':deadlines', now + seconds, job_id)
+end
+
+-- Takes a job off the active ones. Once there is none, the lanes are counted anew, since Redis may have lost
+-- records with work that is counted.
+local function retire(record, active, job_id)
+    for _, key in ipairs({active, active .. ':queued', active .. ':deadlines'}) do
+        redis.call('ZREM', key, job_id)
+    end
+    if redis.call('EXISTS', active) == 0 then
+        redis.call('DEL', active .. ':queued', active .. ':deadlines', active .. ':work')
+    end
+    drop_work(record, active)
+end
+
+-- The list of a batch's items; no other job has one.
+local function items_of(record) return record .. ':items' end
+
+-- The list of those items of an active batch of which only a part is kept, as a whole; the others are empty.
+local function questions_of(record) return record .. ':questions' end
+
+-- The list of the parts that each chunk of an active job is to do, as JSON.
+local function todo_of(record) return record .. ':todo' end
+
+local function finish(record, chunks, bits, errors, events, active, ends, job_id, status, problem, ttl)
+    count_end(record, ends, job_id, status, problem)
+    redis.call('HSET', record, 'status', status, 'finished', now, 'error', problem)
+    retire(record, active, job_id)
+    announce_to_all(record, ends, job_id)
+    local kept = redis.call('HGET', record, 'kept')
+    if kept then
+        redis.call('HSET', record, 'request', kept)
+        redis.call('HDEL', record, 'kept')
+    end
+    count_kept(record, ttl)
+    redis.call('DEL', chunks, todo_of(record), questions_of(record))
+    if redis.call('EXPIRE', items_of(record), ttl) == 0 then redis.call('DEL', bits) end
+    redis.call('XADD', events, 'MAXLEN', '~', 20000, '*', 'type', 'status', 'status', status)
+    for _, key in ipairs({record, bits, errors, events}) do redis.call('EXPIRE', key, ttl) end
+end
+
+-- Notes that the chunk has done the part `offset`, the last one of it or not.
+local function advance(record, active, chunks, index, chunk, offset, is_last)
+    if is_last then
+        redis.call('HDEL', chunks, index)
+        if chunk.moved > 0 then end_moved(record, active, chunk) end
+    elseif tonumber(offset) >= chunk.offset then
+        chunk.offset, chunk.horses, chunk.workers = offset + 1, 0, 0
+        put_chunk(chunks, index, chunk)
+    end
+end
+
+-- Counts parts that are done, and ends the job with the last one; `events` are what to tell of each.
+-- Returns 1 if more parts remain, 2 if the job is done.
+local function count_parts(record, chunks, bits, errors, stream, active, ends, job_id, job_ttl, chunk, events)
+    local total, before = unpack(redis.call('HMGET', record, 'total', 'done'))
+    local done = tonumber(before)
+    for _, event in ipairs(events) do
+        done = done + 1
+        for _, value in ipairs({'done', done, 'total', total}) do table.insert(event, value) end
+        redis.call('XADD', stream, 'MAXLEN', '~', 20000, '*', unpack(event))
+    end
+    redis.call('HSET', record, 'done', done)
+    if done < tonumber(total) then
+        count_work(record, active, chunk, #events, total - before)
+        return 1
+    end
+    finish(record, chunks, bits, errors, stream, active, ends, job_id, 'succeeded', '', job_ttl)
+    return 2
+end

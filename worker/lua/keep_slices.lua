@@ -1,0 +1,6 @@
+-- Keeps slices, or the errors in their place; a known answer has its lifetime renewed.
+-- include: slices
+-- keys: known_digits slice_keys...
+-- args: digits ttl error_ttl stored...
+
+keep_slices(slice_keys, stored, known_digits, digits, ttl, error_ttl)

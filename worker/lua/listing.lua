@@ -1,0 +1,27 @@
+-- The lists of jobs: an index by time has every job, another one every batch, and each client has two.
+--
+-- They hold a limited number of entries; a job that is kept longer than it is listed can be asked for by its id.
+-- include: now
+
+local MOST, MOST_OF_CLIENT = 20000, 2000
+local LISTED_SECONDS = 30 * 86400
+
+local function list_in(index, job_id, most)
+    redis.call('ZADD', index, now, job_id)
+    redis.call('ZREMRANGEBYRANK', index, 0, -most - 1)
+    redis.call('EXPIRE', index, LISTED_SECONDS)
+end
+
+local function index_of(active, job_id)
+    return active .. ':made:' .. (string.find(job_id, '^ba%-') and 'batches' or 'jobs')
+end
+
+-- Lists a job that begins, or begins again.
+local function list_job(active, job_id) list_in(index_of(active, job_id), job_id, MOST) end
+
+-- Lists a job for the client of a subscription; the first one is its maker.
+local function list_for(record, active, job_id, name)
+    local client = string.match(name, '^[^#]*')
+    redis.call('HSETNX', record, 'maker', client)
+    list_in(index_of(active, job_id) .. ':' .. client, job_id, MOST_OF_CLIENT)
+end

@@ -1,0 +1,21 @@
+-- Corrects the set of active jobs, and ends an active job that has no chunks and so could never end.
+-- Returns 1 if the job is active.
+-- include: jobs
+-- keys: record chunks bits errors events active ends
+-- args: job_id problem ttl
+
+local status = redis.call('HGET', record, 'status')
+if not is_active(status) then
+    retire(record, active, job_id)
+    if not status then
+        redis.call('DEL', chunks, bits, errors, events, items_of(record), questions_of(record),
+            todo_of(record))
+    end
+    return 0
+end
+if redis.call('EXISTS', chunks) == 0 then
+    finish(record, chunks, bits, errors, events, active, ends, job_id, 'failed', problem, ttl)
+    return 0
+end
+redis.call('ZADD', active, 'NX', now, job_id)
+return 1

@@ -1,0 +1,18 @@
+-- Starts a chunk, with a first heartbeat if there is a worker; `asking` is the field with its request.
+-- Returns {entry, parts, request, chunk_size, origin} if it may start, nothing if it is out of date.
+-- include: jobs
+-- keys: record chunks events active beat
+-- args: run index attempt job_id worker ttl asking
+
+local chunk = open_chunk(record, chunks, run, index, attempt)
+if not chunk then return false end
+if worker ~= '' then redis.call('SET', beat, worker, 'PX', ttl) end
+chunk.state = 'running'
+put_chunk(chunks, index, chunk)
+if redis.call('HGET', record, 'status') == 'queued' then
+    redis.call('HSET', record, 'status', 'running', 'started', now)
+    redis.call('ZREM', active .. ':queued', job_id)
+    redis.call('XADD', events, '*', 'type', 'status', 'status', 'running')
+end
+return {redis.call('HGET', chunks, index), redis.call('LINDEX', todo_of(record), index),
+    unpack(redis.call('HMGET', record, asking, 'chunk_size', 'origin'))}
