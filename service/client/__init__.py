@@ -16,7 +16,8 @@ slices of a table as they are computed; `client.ask_all` asks many questions in 
 :class:`ItemResult` for each. :class:`AsyncServiceClient` is the same with `await`.
 """
 
-from service.client.asynchronous import AsyncServiceClient
+from service.client.clients import AsyncServiceClient, ServiceClient
+from service.client.connection import ClientSettings
 from service.client.questions import (
     Answer,
     Asked,
@@ -33,8 +34,6 @@ from service.client.questions import (
     verify_document,
 )
 from service.client.results import ItemResult
-from service.client.settings import ClientSettings
-from service.client.sync import ServiceClient
 from service.schemas.batches import Batch
 from service.schemas.jobs import Job
 

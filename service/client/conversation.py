@@ -1,84 +1,35 @@
-"""What a client and the service say to each other, without a connection: the same for `httpx` and `await`.
+"""The conversation of a client with a service about one question, job or batch.
 
-A talk is a generator: it yields calls and pauses, gets responses (or the error of a call), and returns its
-outcome. Questions are known by their content, so repeating any call is safe.
+Questions are known by their content, so repeating any request is safe.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar
+from collections.abc import Callable, Mapping
+from typing import Any, Self
 from urllib.parse import quote
-from uuid import uuid4
 
 import httpx
 
 from service.client.bodies import Body
+from service.client.connection import Call, Connection
 from service.client.questions import Answer, Asked, M
 from service.errors import JobInterrupted, ServiceError
 from service.schemas.batches import Batch, is_batch
-from service.schemas.job_list import JobList, ListedStatus
-
-T = TypeVar("T")
 
 OnProgress = Callable[[int, int], None]
 
-ACTIVE = ("queued", "running")
+_ACTIVE = ("queued", "running")
 _FIRST_WAIT = 1
 _TRIES = 5
 _LONGEST_RETRY = 10.0
 _PAUSE, _LONGEST_PAUSE = 0.05, 0.5
-_CONNECT = 5.0
 _BROKEN_OFF = 150.0  # a service that was killed forgets the submission that it received within two minutes
 _IN_PROGRESS, _IN_PROGRESS_PAUSE = "submission-in-progress", 2.0
 
 
-@dataclass(frozen=True)
-class Call:
-    """An HTTP request; `body` is sent by the client that makes it, `timeout` is in seconds."""
-
-    method: str
-    path: str
-    json: object = None
-    accept: str = "application/json"
-    prefer: str | None = None
-    body: Body | None = None
-    key: str | None = None
-    timeout: float | None = None
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """The further arguments of `httpx`, except the body."""
-        fields = {
-            "Accept": self.accept,
-            "Prefer": self.prefer,
-            "Content-Type": None if self.body is None else self.body.media_type,
-            "Idempotency-Key": self.key,
-        }
-        headers = {name: value for name, value in fields.items() if value is not None}
-        content = {} if self.json is None else {"json": self.json}
-        limit = {} if self.timeout is None else {"timeout": httpx.Timeout(self.timeout, connect=_CONNECT)}
-        return {**content, "headers": headers, **limit}
-
-
-@dataclass(frozen=True)
-class Pause:
-    """Seconds to wait."""
-
-    seconds: float
-
-
-Talk: TypeAlias = Generator[Call | Pause, httpx.Response | None, T]
-
-
 def silent(_done: int, _total: int) -> None:
     """Progress that nobody follows."""
-
-
-def new_key() -> str:
-    """Returns the key of a submission."""
-    return str(uuid4())
 
 
 def address(job_id: str) -> str:
@@ -87,79 +38,104 @@ def address(job_id: str) -> str:
 
 
 class Conversation:
-    """The talk about one question, job or batch; it knows the job while it is awaited."""
+    """One question, job or batch; as a context, it is withdrawn when the program is interrupted.
 
-    def __init__(self, url: str, on_progress: OnProgress = silent) -> None:
-        self.url = url
-        self.on_progress = on_progress
-        self.job: Mapping[str, Any] | None = None
-        self._unheard = ""
+    Attributes:
+        connection: the connection to the service.
+        job: the job that is awaited, if there is one.
+    """
+
+    def __init__(
+        self, connection: Connection, on_progress: OnProgress = silent, batch: Batch | None = None
+    ) -> None:
+        self.connection = connection
+        self.job = None if batch is None else batch.model_dump(mode="json", exclude_unset=True)
+        self._on_progress = on_progress
+        self._outcome_unknown = ""
         self._is_reached = False
 
-    @classmethod
-    def about(cls, url: str, batch: Batch) -> Conversation:
-        """Returns the talk about a batch that was submitted."""
-        talk = cls(url)
-        talk.job = batch.model_dump(mode="json", exclude_unset=True)
-        return talk
+    async def __aenter__(self) -> Self:
+        return self
 
-    def answer(self, asked: Asked[M], callback_url: str | None = None) -> Talk[Answer[M]]:
+    async def __aexit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
+        if error is None or not (isinstance(error, GeneratorExit) or self.connection.is_interruption(error)):
+            return
+        interrupted = await self.connection.withdraw(self.withdraw())
+        if isinstance(error, KeyboardInterrupt) and interrupted is not None:
+            raise interrupted from None
+
+    async def answer(self, asked: Asked[M], callback_url: str | None = None) -> Answer[M]:
         """Post a question and wait for its answer."""
-        answer = yield from self.posted(asked, f"wait={_FIRST_WAIT}", callback_url)
-        if self.job is None:
-            return Answer(answer.content, asked.model)
-        return Answer((yield from self.awaited()).content, asked.model)
+        response = await self.post(asked, f"wait={_FIRST_WAIT}", callback_url)
+        if self.job is not None:
+            response = await self.result_of_job()
+        return Answer(response.content, asked.model)
 
-    def posted(self, asked: Asked[M], prefer: str, callback_url: str | None = None) -> Talk[httpx.Response]:
-        """Post a question; unless the answer is known, it has a job then."""
-        self._unheard = self._goes_on(asked.question.job_request().job_id, "may go on")
+    async def post(self, asked: Asked[M], prefer: str, callback_url: str | None = None) -> httpx.Response:
+        """Post a question; unless the answer is known, there is a job afterwards."""
+        self._outcome_unknown = self._goes_on(asked.question.job_request().job_id, "may go on")
         body = asked.question.body() | ({} if callback_url is None else {"callback_url": callback_url})
-        answer = yield from self.sent(Call("POST", asked.path, body, prefer=prefer))
-        self._unheard = ""
-        self.job = None if answer.status_code == 200 else as_object(answer)
-        return answer
+        response = await self.send(Call("POST", asked.path, body, prefer=prefer))
+        self._outcome_unknown = ""
+        self.job = None if response.status_code == httpx.codes.OK else as_object(response)
+        return response
 
-    def submitted(self, body: Body, key: str, callback_url: str | None) -> Talk[Batch]:
+    async def submit(self, body: Body, key: str, callback_url: str | None) -> Batch:
         """Submit a batch. Whatever breaks, it is made once: it is known by its key."""
-        self._unheard = f"the batch may not have been accepted; sent again with the key {key} it is the same"
+        self._outcome_unknown = (
+            f"the batch may not have been accepted; sent again with the key {key} it is the same"
+        )
         query = "" if callback_url is None else f"?callback_url={quote(callback_url, safe='')}"
         call = Call("POST", f"/v1/batches{query}", body=body, key=key)
         patience = _BROKEN_OFF
         while True:
             try:
-                self.job = as_object((yield from self.sent(call)))
+                self.job = await self.object(call)
             except ServiceError as error:
                 if error.problem != _IN_PROGRESS or patience <= 0:
                     raise
                 patience -= _IN_PROGRESS_PAUSE
-                yield Pause(_IN_PROGRESS_PAUSE)
+                await self.connection.sleep(_IN_PROGRESS_PAUSE)
             else:
-                self._unheard = ""
+                self._outcome_unknown = ""
                 return Batch.model_validate(self.job)
 
-    def result(self, job_id: str, accept: str) -> Talk[bytes]:
+    async def result(self, job_id: str, accept: str) -> bytes:
         """Wait for a job and get its result."""
-        job = yield from self.ended(job_id)
-        path = job["links"].get("result") or job["links"]["results"]
-        return (yield from self.sent(Call("GET", path, accept=accept))).content
+        links = (await self.end(job_id))["links"]
+        path = links.get("result") or links["results"]
+        return (await self.send(Call("GET", path, accept=accept))).content
 
-    def listed(self, path: str, status: ListedStatus | None) -> Talk[JobList]:
-        """Get a page of jobs or batches: of a list, or the one that another page names as the next."""
-        query = f"?status={status}" if status else ""
-        return JobList.model_validate(as_object((yield from self.sent(Call("GET", path + query)))))
+    async def result_of_job(self) -> httpx.Response:
+        """Wait for the job of this question and get its result."""
+        assert self.job is not None
+        links = self.job["links"]
+        await self._end(self.job)
+        self.job = None
+        return await self.send(Call("GET", links["result"]))
 
-    def ended(self, job_id: str) -> Talk[Mapping[str, Any]]:
-        """Wait for a job or a batch."""
-        return (yield from self._ended(as_object((yield from self.sent(Call("GET", address(job_id)))))))
+    async def end(self, job_id: str) -> dict[str, Any]:
+        """Wait for a job or a batch; returns its state."""
+        return await self._end(await self.object(Call("GET", address(job_id))))
 
-    def withdrawn(self) -> Talk[JobInterrupted]:
+    async def _end(self, job: dict[str, Any]) -> dict[str, Any]:
+        pause = _PAUSE
+        while job["status"] in _ACTIVE:
+            self._on_progress(*_progress(job))
+            await self.connection.sleep(pause)
+            pause = min(1.5 * pause, _LONGEST_PAUSE)
+            job = await self.object(Call("GET", job["links"]["self"]))
+        self._on_progress(*_progress(job))
+        return job
+
+    async def withdraw(self) -> JobInterrupted:
         """Withdraw the question or the batch; returns what became of its job."""
         job = self.job
-        if job is None:  # the service has not told it
-            return JobInterrupted(self._unheard)
+        if job is None:  # no response has named it
+            return JobInterrupted(self._outcome_unknown)
         try:
             path = job["links"].get("cancel") or job["links"]["self"]
-            job = as_object((yield from self.sent(Call("DELETE", path), tries=1)))
+            job = as_object(await self.send(Call("DELETE", path), tries=1))
         except ServiceError:
             return JobInterrupted(self._goes_on(job["id"]))
         if job["status"] != "canceled":
@@ -174,9 +150,13 @@ class Conversation:
         return f"{what} {job_id} {verb}; {self._fetch(job_id)} comes back to it"
 
     def _fetch(self, job_id: str) -> str:
-        return f"`rpr-cusps fetch {job_id} --url {self.url}`"
+        return f"`rpr-cusps fetch {job_id} --url {self.connection.url}`"
 
-    def sent(self, call: Call, tries: int = _TRIES) -> Talk[httpx.Response]:
+    async def object(self, call: Call) -> dict[str, Any]:
+        """Send a request; returns the JSON object in the response."""
+        return as_object(await self.send(call))
+
+    async def send(self, call: Call, tries: int = _TRIES) -> httpx.Response:
         """Send a request, again while the service is briefly unavailable.
 
         Raises:
@@ -184,72 +164,53 @@ class Conversation:
         """
         for left in reversed(range(tries)):
             try:
-                answer = yield call
+                response = await self.connection.send(call)
             except httpx.HTTPError as error:
-                yield from self.broken(error, left)
+                await self._pause_after(error, left)
                 continue
-            assert answer is not None
-            if (yield from self.passed(answer, left)):
-                return answer
+            if await self.is_final(response, left):
+                return response
         raise AssertionError("the last try ends")
 
-    def broken(self, error: httpx.HTTPError, left: int) -> Talk[None]:
+    async def _pause_after(self, error: httpx.HTTPError, left: int) -> None:
         """Pause after a connection that broke, while tries are left.
 
         Raises:
-            ServiceError: there are none, or nobody has ever answered.
+            ServiceError: there are none, or the service has never answered.
         """
         if isinstance(error, httpx.ConnectError) and not (self._is_reached and left):
-            raise ServiceError(f"no service answers at {self.url}: {error}") from None
+            raise ServiceError(f"no service answers at {self.connection.url}: {error}") from None
         if not left:
-            raise ServiceError(f"{self.url}: {error or type(error).__name__}") from None
-        yield Pause(0.2 * 2 ** max(0, _TRIES - 1 - left))
+            raise ServiceError(f"{self.connection.url}: {error or type(error).__name__}") from None
+        await self.connection.sleep(0.2 * 2 ** max(0, _TRIES - 1 - left))
 
-    def passed(self, answer: httpx.Response, left: int) -> Talk[bool]:
+    async def is_final(self, response: httpx.Response, left: int) -> bool:
         """Returns whether this is the answer; pauses if the service is busy, while tries are left.
 
         Raises:
             ServiceError: the service refused or failed.
         """
         self._is_reached = True
-        if answer.status_code in (429, 503) and left:
-            yield Pause(_retry_after(answer))
+        if response.status_code in (429, 503) and left:
+            await self.connection.sleep(_retry_after(response))
             return False
-        if answer.status_code >= 400:
-            raise _refusal(answer)
+        if response.is_error:
+            raise _refusal(response)
         return True
 
-    def awaited(self) -> Talk[httpx.Response]:
-        """Wait for the job and get its result."""
-        assert self.job is not None
-        links = self.job["links"]
-        yield from self._ended(self.job)
-        self.job = None
-        return (yield from self.sent(Call("GET", links["result"])))
 
-    def _ended(self, job: Mapping[str, Any]) -> Talk[Mapping[str, Any]]:
-        pause = _PAUSE
-        while job["status"] in ACTIVE:
-            self.on_progress(*_progress(job))
-            yield Pause(pause)
-            pause = min(1.5 * pause, _LONGEST_PAUSE)
-            job = as_object((yield from self.sent(Call("GET", job["links"]["self"]))))
-        self.on_progress(*_progress(job))
-        return job
-
-
-def as_object(answer: httpx.Response) -> dict[str, Any]:
+def as_object(response: httpx.Response) -> dict[str, Any]:
     """Returns the JSON object in a response.
 
     Raises:
         ServiceError: it is none.
     """
     try:
-        document = answer.json()
+        document = response.json()
     except ValueError:
         document = None
     if not isinstance(document, dict):
-        raise ServiceError(f"{answer.url} does not answer as an rpr-cusps service")
+        raise ServiceError(f"{response.url} does not answer as an rpr-cusps service")
     return document
 
 
@@ -258,17 +219,17 @@ def _progress(job: Mapping[str, Any]) -> tuple[int, int]:
     return counts["done"], counts["total"]
 
 
-def _refusal(answer: httpx.Response) -> ServiceError:
-    status = answer.status_code
-    detail, problem = f"{answer.url} answers {status} {answer.reason_phrase}", ""
+def _refusal(response: httpx.Response) -> ServiceError:
+    status = response.status_code
+    detail, problem = f"{response.url} answers {status} {response.reason_phrase}", ""
     try:
-        document = answer.json()
+        document = response.json()
         detail, problem = str(document["detail"]), str(document["type"]).rpartition("/")[2]
     except (ValueError, KeyError, TypeError):
         pass  # not from the service, perhaps from a proxy before it
     return ServiceError(detail, is_input=status < 500, status=status, problem=problem)
 
 
-def _retry_after(answer: httpx.Response) -> float:
-    value = answer.headers.get("retry-after", "")
+def _retry_after(response: httpx.Response) -> float:
+    value = response.headers.get("retry-after", "")
     return min(_LONGEST_RETRY, float(value)) if value.isdigit() else 1.0

@@ -1,9 +1,10 @@
-"""The results of a batch, read over as many connections as it takes; without a connection itself."""
+"""Answers that come piece by piece: the results of a batch, and the slices of a table."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import AsyncGenerator, Iterator, Mapping, Sequence
+from contextlib import aclosing
 from dataclasses import dataclass
 from typing import Any, Literal
 from urllib.parse import quote
@@ -11,15 +12,17 @@ from urllib.parse import quote
 import httpx
 from pydantic import BaseModel, ConfigDict
 
-from service.client.conversation import Call, Conversation, OnProgress, Pause, Talk, as_object, silent
-from service.client.questions import MODELS, Answer
+from service.client.connection import Call, Connection
+from service.client.conversation import Conversation, OnProgress, as_object
+from service.client.questions import MODELS, Answer, Asked
 from service.errors import ServiceError
 from service.schemas.problems import ProblemDocument
+from service.schemas.tables import CuspTable, CuspTableRequest
 
-_STREAM = 60
-"""Seconds for which one response brings results: proxies close what is silent for longer."""
+_STREAM_SECONDS = 60
+"""The time for which one response brings results: proxies close what is silent for longer."""
 
-_MARGIN = 30
+_TIMEOUT = _STREAM_SECONDS + 30
 _TRIES = 5
 _PAUSE = 0.25
 
@@ -74,49 +77,69 @@ def item_result(line: bytes) -> ItemResult:
     )
 
 
-class Reading:
-    """One pass over the results of a batch: what is to be asked next, and what came.
+class ResultReader:
+    """Reads the results of a batch, over as many connections as it takes.
 
-    In the order asked, a new connection goes on after the last line. As they are done, it begins again, and
-    what came before is left out.
+    In the order of the items, a new connection goes on after the last line. As they are done, it begins
+    again, and repeated results are skipped.
+
+    Args:
+        connection: the connection to the service.
+        batch_id: the id of the batch.
+        on_progress: called as `on_progress(received, total)`.
+        wait: read until all are there; otherwise what is done now.
+        as_done: in the order in which they are done, instead of that of the items.
+        after: only items after this position, in the order of the items.
     """
 
     def __init__(
         self,
-        url: str,
+        connection: Connection,
         batch_id: str,
+        on_progress: OnProgress,
         *,
-        wait: bool = True,
-        as_done: bool = False,
-        after: int = -1,
-        on_progress: OnProgress = silent,
+        wait: bool,
+        as_done: bool,
+        after: int,
     ) -> None:
-        self._talk = Conversation(url)
+        self._connection = connection
+        self._conversation = Conversation(connection)
         self._path = f"/v1/batches/{quote(batch_id, safe='')}"
-        self._wait, self._as_done, self._after = wait, as_done, after
         self._on_progress = on_progress
+        self._wait, self._as_done, self._after = wait, as_done, after
         self._seen = bytearray()
         self._count = 0
-        self._held: list[bytes] = []  # the beginning of a line
-        self._left = self._looks = _TRIES
-        self._is_complete = False
+        self._tries = self._looks = _TRIES
 
-    def begun(self) -> Talk[None]:
-        """Look at the batch."""
-        state = yield from self._state()
-        self._seen = bytearray(state["total"])
-        self._count = self._after + 1
-        self._on_progress(self._count, len(self._seen))
+    async def results(self) -> AsyncGenerator[ItemResult, None]:
+        """Yields the results as they come.
 
-    @property
-    def is_complete(self) -> bool:
-        """Whether all that was wanted came."""
-        return self._is_complete or self._count >= len(self._seen)
+        Raises:
+            ServiceError: the service refused or failed, cannot be reached any more, or does not have all.
+        """
+        total = (await self._state())["total"]
+        self._seen, self._count = bytearray(total), self._after + 1
+        self._on_progress(self._count, total)
+        while self._count < total:
+            try:
+                async with self._connection.stream(self._call()) as (response, lines):
+                    async for line in lines:
+                        if (result := self._new(line)) is not None:
+                            yield result
+            except httpx.HTTPError:
+                await self._connection.sleep(_PAUSE)
+                await self._check_that_more_comes()
+                continue
+            self._tries -= 1
+            if await self._conversation.is_final(response, self._tries):
+                self._tries = _TRIES
+                if not self._wait:
+                    return
+                if self._count < total:
+                    await self._check_that_more_comes()
 
-    @property
-    def call(self) -> Call:
-        """What to ask next, as a stream."""
-        prefer = [f"wait={_STREAM}"] if self._wait else []
+    def _call(self) -> Call:
+        prefer = [f"wait={_STREAM_SECONDS}"] if self._wait else []
         if self._as_done:
             prefer.append("order=completion")
         after = "" if self._as_done else f"?after={self._after}"
@@ -125,60 +148,97 @@ class Reading:
             f"{self._path}/results{after}",
             accept="application/x-ndjson",
             prefer=", ".join(prefer) or None,
-            timeout=_STREAM + _MARGIN,
+            timeout=_TIMEOUT,
         )
 
-    def taken(self, piece: bytes) -> Iterator[ItemResult]:
-        """Yields the results that are complete with the next piece of the response."""
-        self._held.append(piece)
-        if b"\n" not in piece:
-            return
-        *lines, rest = b"".join(self._held).split(b"\n")
-        self._held = [rest]
-        for line in lines:
-            result = item_result(line)
-            if self._seen[result.index]:
-                continue
-            self._seen[result.index] = 1
-            self._count += 1
-            self._after = max(self._after, result.index)
-            self._looks = _TRIES
-            self._on_progress(self._count, len(self._seen))
-            yield result
+    def _new(self, line: bytes) -> ItemResult | None:
+        """Returns the result in a line, unless it was yielded before."""
+        result = item_result(line)
+        if self._seen[result.index]:
+            return None
+        self._seen[result.index] = 1
+        self._count += 1
+        self._after = max(self._after, result.index)
+        self._looks = _TRIES
+        self._on_progress(self._count, len(self._seen))
+        return result
 
-    def ended(self, response: httpx.Response) -> Talk[None]:
-        """Take the end of a response.
-
-        Raises:
-            ServiceError: the service refused or failed, or does not have all results.
-        """
-        self._left -= 1
-        if not (yield from self._talk.passed(response, self._left)):
-            return
-        self._left = _TRIES
-        self._is_complete = not self._wait
-        if not self.is_complete:
-            yield from self._looked()
-
-    def broken(self) -> Talk[None]:
-        """Take the end of a connection that broke.
-
-        Raises:
-            ServiceError: the service cannot be reached any more, or does not have all results.
-        """
-        yield Pause(_PAUSE)
-        yield from self._looked()
-
-    def _looked(self) -> Talk[None]:
-        """Be sure that more is to come, after a response that ended before all was there."""
-        self._held = []
-        if (yield from self._state())["finished_at"] is None:
+    async def _check_that_more_comes(self) -> None:
+        """Look at the batch after a response that ended before all results were there."""
+        if (await self._state())["finished_at"] is None:
             return
         self._looks -= 1
         if not self._looks:
             sent = f"{self._count} of {len(self._seen)}"
-            raise ServiceError(f"{self._talk.url} has sent only {sent} results of the batch")
-        yield Pause(_PAUSE)
+            raise ServiceError(f"{self._connection.url} has sent only {sent} results of the batch")
+        await self._connection.sleep(_PAUSE)
 
-    def _state(self) -> Talk[dict[str, Any]]:
-        return as_object((yield from self._talk.sent(Call("GET", self._path))))
+    async def _state(self) -> dict[str, Any]:
+        return await self._conversation.object(Call("GET", self._path))
+
+
+async def slices_of(
+    conversation: Conversation, asked: Asked[CuspTable]
+) -> AsyncGenerator[Mapping[str, Any], None]:
+    """Yields the slices of a table in the order asked, each as soon as those before it are there.
+
+    Raises:
+        ServiceError: the service refused, failed, or cannot be reached.
+    """
+    question = asked.question
+    assert isinstance(question, CuspTableRequest)
+    ready = InOrder(question.content()["l1"])
+    response = await conversation.post(asked, "respond-async")
+    if conversation.job is not None:
+        async with aclosing(_events(conversation)) as events:
+            async for length, part in events:
+                for ready_part in ready.take(length, part):
+                    yield ready_part
+        response = await conversation.result_of_job()
+    for part in as_object(response)["slices"]:
+        for ready_part in ready.take(part[f"l{question.fixed_leg}"], part):
+            yield ready_part
+
+
+async def _events(conversation: Conversation) -> AsyncGenerator[tuple[str, Mapping[str, Any]], None]:
+    """Yields the slices of a job as they are computed, those that were known before it too.
+
+    It ends early if the connection breaks: the result has all slices.
+    """
+    assert conversation.job is not None
+    call = Call("GET", f"{conversation.job['links']['events']}?known=true", accept="text/event-stream")
+    fields: dict[str, str] = {}
+    try:
+        async with conversation.connection.stream(call) as (_, lines):
+            async for line in lines:
+                if line:
+                    name, _, value = line.decode().partition(":")
+                    fields[name] = value.removeprefix(" ")
+                    continue
+                data = json.loads(fields["data"]) if fields.get("event") == "slice" else {}
+                fields = {}
+                if data.get("slice") is not None:  # one that has expired meanwhile is not sent
+                    yield data["l1"], data["slice"]
+    except httpx.HTTPError:
+        return
+
+
+class InOrder:
+    """Holds slices back until those before them are there.
+
+    >>> slices = InOrder(["1", "2", "3"])
+    >>> [list(slices.take(length, {"l1": length})) for length in ("2", "1", "3")]
+    [[], [{'l1': '1'}, {'l1': '2'}], [{'l1': '3'}]]
+    """
+
+    def __init__(self, lengths: Sequence[str]) -> None:
+        self._left = iter(lengths)
+        self._next = next(self._left, None)
+        self._held: dict[str, Mapping[str, Any]] = {}
+
+    def take(self, length: str, part: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+        """Take a slice; yields all that are ready."""
+        self._held.setdefault(length, part)
+        while self._next in self._held:
+            yield self._held[self._next]
+            self._next = next(self._left, None)

@@ -1,13 +1,18 @@
 from __future__ import annotations
 
+import inspect
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import AsyncGenerator, Callable, Iterator
+from contextlib import ExitStack
+from typing import Any, Self
 
 import httpx
 import pytest
+from anyio.from_thread import start_blocking_portal
 from redis import Redis
 
 from service.api.settings import Settings
+from service.client import AsyncServiceClient, ServiceClient
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE, until
@@ -98,3 +103,50 @@ _slices = itertools.count(20_000)
 def fresh() -> Callable[[], str]:
     """Gives a slice that no other test has asked for."""
     return lambda: f"{next(_slices) / 1000:.3f}"
+
+
+class Awaited:
+    """The asynchronous client in an event loop of its own, with the methods of the other one."""
+
+    def __init__(self, url: str) -> None:
+        self._stack = ExitStack()
+        self._portal = self._stack.enter_context(start_blocking_portal())
+        self._client = AsyncServiceClient(url)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        with self._stack:
+            self._portal.call(self._client.aclose)
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        method = getattr(self._client, name)
+
+        def call(*args: Any, **kwargs: Any) -> Any:
+            if inspect.isasyncgen(items := method(*args, **kwargs)):
+                return self._each(items)
+
+            async def outcome() -> Any:
+                return await items
+
+            return self._portal.call(outcome)
+
+        return call
+
+    def _each(self, items: AsyncGenerator[Any]) -> Iterator[Any]:
+        async def following() -> Any:
+            return await anext(items, None)
+
+        try:
+            while (item := self._portal.call(following)) is not None:
+                yield item
+        finally:
+            self._portal.call(items.aclose)
+
+
+@pytest.fixture(params=[ServiceClient, Awaited], ids=["waiting", "awaited"])
+def client_type(request: pytest.FixtureRequest) -> type:
+    """Each of the two clients, as a class."""
+    client: type = request.param
+    return client

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import re
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -123,6 +125,26 @@ def test_the_client_knows_every_operation() -> None:
     assert known == {o.question: (o.path, o.answer) for o in OPERATIONS}
 
 
+def test_both_clients_have_the_same_methods() -> None:
+    waiting, awaited = (
+        {name: method for name, method in inspect.getmembers(client, callable) if name[0] != "_"}
+        for client in (ServiceClient, AsyncServiceClient)
+    )
+    assert {*waiting} - {"close"} == {*awaited} - {"aclose"}
+    for name, method in waiting.items():
+        if name == "close":
+            continue
+        other = awaited[name]
+        of_both = [inspect.signature(x) for x in (method, other)]
+        assert of_both[0].parameters == of_both[1].parameters, name
+        returned, by_other = (x.return_annotation for x in of_both)
+        yielded = re.fullmatch(r"AsyncGenerator\[(\w+|Mapping\[str, Any\]), None\]", by_other)
+        assert returned == (f"Generator[{yielded[1]}, None, None]" if yielded else by_other), name
+        assert method.__doc__ == other.__doc__, name
+        assert method.__qualname__ == f"ServiceClient.{name}"
+        assert method.__doc__
+
+
 def test_the_asynchronous_client_asks_several_questions_at_once(base_url: str) -> None:
     answers = {}
 
@@ -232,8 +254,8 @@ def test_faults_are_named_before_anything_is_sent() -> None:
         poses(ZEIN, 1, -1, 1)
 
 
-def test_a_refusal_has_its_problem(idle_url: str) -> None:
-    with ServiceClient(idle_url) as client, pytest.raises(ServiceError) as refused:
+def test_a_refusal_has_its_problem(client_type: type[ServiceClient], idle_url: str) -> None:
+    with client_type(idle_url) as client, pytest.raises(ServiceError) as refused:
         client.ask(cusp_table(ZEIN, range(1, 50), digits=15))
     assert (refused.value.is_input, refused.value.status, refused.value.problem) == (
         True,
@@ -275,8 +297,8 @@ def busy() -> Iterator[str]:
             thread.join()
 
 
-def test_a_busy_service_is_asked_again() -> None:
-    with busy() as url, ServiceClient(url) as client:
+def test_a_busy_service_is_asked_again(client_type: type[ServiceClient]) -> None:
+    with busy() as url, client_type(url) as client:
         assert client.ask(poses(ZEIN, 1, 1, 1)).content == b'{"count":1}'
     assert Busy.seen == 3
 

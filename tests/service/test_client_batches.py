@@ -32,6 +32,7 @@ from service.errors import JobInterrupted, ServiceError
 from tests.support.processes import PATIENCE, until
 from worker.jobs.queue import JobQueue
 
+Client = type[ServiceClient]
 ZEIN = EXAMPLES["zein-flat"]
 
 
@@ -182,10 +183,12 @@ def batches_of(queue: JobQueue) -> set[bytes]:
     return set(queue.redis.keys("cusps:job:ba-*"))  # type: ignore[arg-type]
 
 
-def test_a_submission_whose_answer_is_lost_makes_one_batch(idle_url: str, idle_queue: JobQueue) -> None:
+def test_a_submission_whose_answer_is_lost_makes_one_batch(
+    client_type: Client, idle_url: str, idle_queue: JobQueue
+) -> None:
     before = batches_of(idle_queue)
     asked = iter(questions(50, 51))  # a generator cannot be sent again; what it gave can
-    with cut(idle_url, 10, 10) as (url, way), ServiceClient(url) as client:
+    with cut(idle_url, 10, 10) as (url, way), client_type(url) as client:
         batch = client.submit(asked)
         assert batch.total == 2
         sent = b"".join(way.requests).lower()
@@ -195,10 +198,10 @@ def test_a_submission_whose_answer_is_lost_makes_one_batch(idle_url: str, idle_q
     assert len({key.split(b":")[2] for key in batches_of(idle_queue) - before}) == 1
 
 
-def test_a_key_of_ones_own_comes_back_to_the_same_batch(idle_url: str) -> None:
-    with ServiceClient(idle_url) as client:
+def test_a_key_of_ones_own_comes_back_to_the_same_batch(client_type: Client, idle_url: str) -> None:
+    with client_type(idle_url) as client:
         first = client.submit(questions(52), key="design-7")
-    with ServiceClient(idle_url) as client:
+    with client_type(idle_url) as client:
         assert client.submit(questions(52), key="design-7").id == first.id
         with pytest.raises(ServiceError) as refused:
             client.submit(questions(53), key="design-7")
@@ -207,13 +210,13 @@ def test_a_key_of_ones_own_comes_back_to_the_same_batch(idle_url: str) -> None:
 
 
 @pytest.mark.parametrize("as_done", [False, True], ids=["in order", "as done"])
-def test_reading_goes_on_where_a_connection_broke(base_url: str, as_done: bool) -> None:
-    with ServiceClient(base_url) as client:
+def test_reading_goes_on_where_a_connection_broke(client_type: Client, base_url: str, as_done: bool) -> None:
+    with client_type(base_url) as client:
         batch = client.submit(questions(*range(10, 40)))
         whole = [r.line for r in client.results(batch.id)]
     half = sum(map(len, whole)) // 2
     # the state of the batch; half of the results, in a line; nothing at all; the rest
-    with cut(base_url, half, 0) as (url, way), ServiceClient(url) as client:
+    with cut(base_url, half, 0) as (url, way), client_type(url) as client:
         results = list(client.results(batch.id, as_done=as_done))
     assert sorted(r.index for r in results) == list(range(30))
     assert sorted(r.line for r in results) == sorted(whole)
@@ -242,19 +245,21 @@ def test_a_batch_that_is_watched_is_canceled_with_its_reader(idle_url: str, idle
         assert [r.status for r in client.results(batch.id)] == ["failed", "canceled"]
 
 
-def test_partial_results_while_it_waits(idle_url: str) -> None:
+def test_partial_results_while_it_waits(client_type: Client, idle_url: str) -> None:
     bad = {"kind": "poses", "request": {}}
-    with ServiceClient(idle_url) as client:
+    with client_type(idle_url) as client:
         batch = client.submit([*questions(57), bad])
         assert [r.index for r in client.results(batch.id, wait=False)] == [1]
         assert client.batch(batch.id).failed == 1
         assert client.cancel(batch.id)["status"] == "canceled"
 
 
-def test_an_item_that_cannot_be_sent_is_named(idle_url: str, idle_queue: JobQueue) -> None:
+def test_an_item_that_cannot_be_sent_is_named(
+    client_type: Client, idle_url: str, idle_queue: JobQueue
+) -> None:
     before = batches_of(idle_queue)
     late = poses(ZEIN, 1, 1, 1, deadline=5)
-    with ServiceClient(idle_url) as client:
+    with client_type(idle_url) as client:
         with pytest.raises(InputError, match=r"items\[1\]: has a deadline, which is not for items"):
             client.submit([*questions(58), late])
         with pytest.raises(InputError, match=r"items\[0\]: cannot be written as JSON"):
@@ -278,8 +283,10 @@ def test_a_source_that_failed_is_not_at_its_end() -> None:
     body.close()
 
 
-def test_a_question_that_is_begun(idle_url: str, base_url: str, fresh: Callable[[], str]) -> None:
-    with ServiceClient(idle_url) as client:
+def test_a_question_that_is_begun(
+    client_type: Client, idle_url: str, base_url: str, fresh: Callable[[], str]
+) -> None:
+    with client_type(idle_url) as client:
         job = client.begin(table("81.5"))
         assert isinstance(job, Job)
         assert client.job(job.id)["status"] == "queued"
@@ -288,7 +295,7 @@ def test_a_question_that_is_begun(idle_url: str, base_url: str, fresh: Callable[
             client.begin(table("81.5"), callback_url="https://example.com/")
         with pytest.raises(ServiceError, match="callback_url: webhooks are off here"):
             client.submit(questions(59), callback_url="https://example.com/?a&b")
-    with ServiceClient(base_url) as client:
+    with client_type(base_url) as client:
         known = client.ask(table(fresh()))
         again = client.begin(table(known.typed.slices[0].l1))
         assert isinstance(again, Answer)
