@@ -48,9 +48,9 @@ from .paths.path import Path as Path
 from .paths.samples import PathSample as PathSample
 from .paths.within_limits import Resolution as Resolution
 from .singular.aspects import Aspect as Aspect
+from .singular.aspects import RangeAspect as RangeAspect
+from .singular.aspects import range_aspects as range_aspects
 from .singular.drawing import Strand as Strand
-from .singular.ranges import RangeAspect as RangeAspect
-from .singular.ranges import range_aspects as range_aspects
 from .singular.regions import Region as Region
 from .singular.singular_curves import SingularComponent as SingularComponent
 from .singular.singular_curves import SingularCurves as SingularCurves

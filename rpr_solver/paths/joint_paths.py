@@ -19,13 +19,13 @@ from flint import arb, ctx
 
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cell, Cells, Spot
 from rpr_solver.paths.isolated import Angles, IsolatedPose, local_map
 from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, PathProof, ProvedRoute, prove
 from rpr_solver.paths.route import Arc, ControlPoint, Route
-from rpr_solver.singular.floats import FloatSlice
-from rpr_solver.singular.ranges import RangeTopology
+from rpr_solver.singular.aspects import RangeTopology
 
 Corner = tuple[float, float, Fraction]
 """α and θ in radians, and the fixed length in the user's unit."""

@@ -22,11 +22,11 @@ from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.kinematics.closure import DEGREE, Closure
 from rpr_solver.kinematics.fibre import fibre
+from rpr_solver.model.float_slice import drawn
 from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import counted, shortened
 from rpr_solver.singular.arrangement import Face, Point, Polyline, faces
-from rpr_solver.singular.floats import drawn
 from rpr_solver.singular.tracing import FINEST
 
 _LEVELS = (0.5, 0.27, 0.73, 0.13, 0.87, 0.38, 0.62)

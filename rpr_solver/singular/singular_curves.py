@@ -42,9 +42,8 @@ from rpr_solver.notebook import counted, shortened
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.singular.aspects import Aspect
 from rpr_solver.singular.charts import TURNS
-from rpr_solver.singular.drawing import Drawing, Strand
+from rpr_solver.singular.drawing import Chain, Drawing, Strand, components
 from rpr_solver.singular.regions import Region, Regions
-from rpr_solver.singular.strands import Chain, components
 from rpr_solver.singular.sweep import Sweep, sweep
 from rpr_solver.singular.vertices import NotPlacedError, Vertex
 from rpr_solver.slices.cusp_table import solve_slice

@@ -17,7 +17,7 @@ from itertools import pairwise
 from math import acos, atan, cos, hypot, pi, tan
 
 from rpr_solver.exact.real_roots import RealRoot, real_roots
-from rpr_solver.singular.floats import FloatSlice
+from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.singular.sweep import Line, Meeting, Sweep
 from rpr_solver.singular.vertices import Place, Vertex
 

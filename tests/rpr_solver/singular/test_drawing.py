@@ -1,4 +1,7 @@
-"""Strands as drawn: continuous, closed where they say so, J > 0 on their left."""
+"""Strands as drawn: continuous, closed where they say so, J > 0 on their left.
+
+Strands use every arc once; at the ends of open strands are nodes.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +11,11 @@ from math import hypot, radians
 
 import pytest
 
+from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.floats import FloatSlice
-from tests.support.singular import SLICES, manipulator, traced
+from rpr_solver.singular.aspects import UnionFind
+from rpr_solver.singular.drawing import components
+from tests.support.singular import SLICES, manipulator, swept, traced
 
 
 @pytest.mark.parametrize(("name", "leg", "length"), SLICES)
@@ -43,3 +48,24 @@ def _slope(floats: FloatSlice, alpha: float, theta: float, dx: float, dy: float)
         for s in (1, -1)
     ]
     return (values[0] - values[1]) / (2 * h)
+
+
+@pytest.mark.parametrize(("name", "leg", "length"), SLICES)
+def test_every_arc_is_in_one_strand(name: str, leg: int, length: str) -> None:
+    found = swept(name, leg, length)
+    chains = [chain for part in components(found) for chain in part]
+    steps = [(step.slab, step.arc) for chain in chains for step in chain.steps]
+    assert sorted(steps) == [(k, arc) for k, slab in enumerate(found.slabs) for arc in range(len(slab.arcs))]
+    for chain in chains:
+        ends = [found.lines[line].meetings[cell] for line, cell in (chain.cells[0], chain.cells[-1])]
+        if chain.closed:
+            assert chain.cells[0] == chain.cells[-1]
+        else:
+            assert all(len(end.left) + len(end.right) != 2 for end in ends)
+
+
+def test_classes_keep_the_order_of_things() -> None:
+    joined = UnionFind("abcde")
+    joined.join("d", "a")
+    joined.join("e", "d")
+    assert joined.classes() == [["a", "d", "e"], ["b"], ["c"]]

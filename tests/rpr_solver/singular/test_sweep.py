@@ -7,7 +7,7 @@ from math import pi
 import pytest
 
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.singular.floats import FloatSlice
+from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.singular.sweep import Sweep
 from rpr_solver.singular.tracing import angle_of
 from tests.support.singular import SLICES, swept

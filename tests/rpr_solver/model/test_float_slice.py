@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator, SolverError
 from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.model.float_slice import FloatSlice, newton
 from rpr_solver.model.jets import LocalMap, Pose
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.singular.floats import FloatSlice, newton
 
 ANGLES = st.floats(-3.1, 3.1)
 
