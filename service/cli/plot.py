@@ -104,3 +104,6 @@ def _question(args: argparse.Namespace) -> PlotRequest:
     }
     names = {"range": option, **{name: f"--{name}" for name in (*LEGS, "cusp", "pose")}}
     return arguments.ask(PlotRequest, args, members, arguments.source(names))
+
+
+COMMANDS = {"plot": Command(DESCRIPTION, EXAMPLES, configure, run)}
