@@ -10,6 +10,7 @@ from rpr_solver.errors import InputError
 from rpr_solver.notebook.figure import suffix_of
 from rpr_solver.notebook.scene import THEMES
 from service.cli import arguments, output, remote
+from service.cli.help import Command
 from service.cli.output import progress_bar
 from service.schemas.document import named
 from service.schemas.lengths import LEGS
