@@ -9,9 +9,9 @@ from typing import Any
 
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.classify import PoseKind
-from rpr_solver.model.joint_points import JointPoint
+from rpr_solver.model.joint_points import JointPoint, coordinate_names
 from rpr_solver.model.lengths import LengthRange
-from rpr_solver.notebook import counted, shortened
+from rpr_solver.notebook import counted, csv_text, degenerate_words, shortened
 from rpr_solver.transitions.census import LengthKind, TransitionEvent
 
 _KINDS: dict[str, PoseKind | LengthKind] = {kind.value: kind for kind in (*PoseKind, *LengthKind)}
@@ -111,3 +111,32 @@ class CuspCurve:
         """Whether the curve has points in a range, within the accuracy of its decimals."""
         begins, ends = Fraction(self.start.length or 0), self.stop.length
         return (span.stop is None or begins < span.stop) and (ends is None or Fraction(ends) > span.start)
+
+
+def curves_csv(document: Mapping[str, Any]) -> str:
+    """A document of cusp curves as CSV: a line for each point, curve by curve.
+
+    After these, each thing that is degenerate throughout has a line with its ``kind`` and its description.
+
+    >>> from rpr_solver import EXAMPLES, CurveEnd, CurvePoint, CuspCurve, CuspCurves, cusp_table
+    >>> from rpr_solver import LengthKind, LengthRange
+    >>> [table] = cusp_table(EXAMPLES["zein-flat"], 10, digits=15)
+    >>> points = (CurvePoint(table.length, 1, table.cusps[0]),)
+    >>> curve = CuspCurve("C1", CurveEnd("0", LengthKind.OPEN), CurveEnd(None, LengthKind.OPEN), points)
+    >>> document = CuspCurves(EXAMPLES["zein-flat"], 1, 15, (curve,), LengthRange()).to_json()
+    >>> print(curves_csv(document))
+    curve,l1,cusp,alpha_deg,theta1_deg,l2,l3,kind,degenerate
+    C1,10,1,31.4509403281135,-129.006918092045,25.2233542007524,35.5094864112439,cusp,
+    <BLANKLINE>
+    """
+    leg = document["fixed_leg"]
+    records: list[Mapping[str, object]] = [
+        {"curve": curve["name"], "kind": "cusp", **point}
+        for curve in document["curves"]
+        for point in curve["points"]
+    ]
+    records += [
+        {"kind": part["kind"], "degenerate": degenerate_words(part, leg)}
+        for part in document.get("degenerate", ())
+    ]
+    return csv_text(["curve", f"l{leg}", "cusp", *coordinate_names(leg), "kind", "degenerate"], records)

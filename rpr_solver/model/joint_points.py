@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import overload
 
 from flint import arb, ctx
 
-from rpr_solver.exact.decimals import angle_text, digit_bits, round_all
+from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, shorten
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.exact_pose import ExactPose
@@ -143,3 +143,16 @@ def joint_point(texts: Sequence[str], fixed_leg: int) -> JointPoint:
     """The point with these rounded angles and lengths."""
     alpha, theta, first, second = texts
     return JointPoint(fixed_leg, (angle_text(alpha), angle_text(theta), first, second))
+
+
+def shortened_points(points: Iterable[Mapping[str, str]], digits: int) -> list[dict[str, str | None]] | None:
+    """Points rounded to fewer digits; None if one of their numbers is a tie."""
+    short = [{key: _shorten(key, text, digits) for key, text in point.items()} for point in points]
+    return None if any(None in point.values() for point in short) else short
+
+
+def _shorten(key: str, text: str, digits: int) -> str | None:
+    if key in ("kind", "equation"):
+        return text
+    short = shorten(text, digits)
+    return angle_text(short) if short is not None and key.endswith("_deg") else short

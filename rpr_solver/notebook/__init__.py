@@ -5,6 +5,8 @@ Floats occur only here, for display and data frames; nothing is decided by them.
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -134,3 +136,12 @@ def _shown(value: object) -> str:
 
 def _cell(value: object) -> str:
     return escape(_shown(value))
+
+
+def csv_text(columns: Sequence[str], records: Iterable[Mapping[str, object]]) -> str:
+    """Records as CSV: a line for each, in the order of the columns; members without a column are left out."""
+    out = io.StringIO()
+    writer = csv.DictWriter(out, columns, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(records)
+    return out.getvalue()

@@ -40,7 +40,7 @@ from rpr_solver.kinematics.pose_table import poses
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.notebook import Row, counted, html_table, shortened, with_floats
+from rpr_solver.notebook import Row, counted, csv_text, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.paths.others import OtherPose, PathPose, numbered, other_poses
 from rpr_solver.paths.proofs import PROOF_BITS, PathProof
@@ -288,3 +288,16 @@ def path_of(
         timing=plan.timing,
         duration=plan.duration,
     )
+
+
+def path_csv(document: Mapping[str, Any]) -> str:
+    """The document of a path as CSV: a line for each sample.
+
+    >>> from rpr_solver import EXAMPLES, cusp_loop
+    >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=2)
+    >>> print(path_csv(loop.to_json()).splitlines()[0])
+    time,l1,l2,l3,alpha_deg,theta1_deg,determinant,clearance_deg
+    """
+    angle = f"theta{document['fixed_leg']}_deg"
+    columns = ["time", "l1", "l2", "l3", "alpha_deg", angle, "determinant", "clearance_deg"]
+    return csv_text(columns, document["samples"])

@@ -17,7 +17,7 @@ Angles of samples are continuous along a strand, beyond ±180; those of vertices
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, cached_property
@@ -35,10 +35,10 @@ from rpr_solver.contract import (
 )
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import Exact, exact_str, parse_exact
-from rpr_solver.model.joint_points import JointPoint
+from rpr_solver.model.joint_points import JointPoint, coordinate_names
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.notebook import counted, shortened
+from rpr_solver.notebook import counted, csv_text, shortened
 from rpr_solver.notebook.figure import Figure, draw
 from rpr_solver.singular.aspects import Aspect
 from rpr_solver.singular.charts import TURNS
@@ -272,3 +272,30 @@ def check_tolerance(tolerance: Exact) -> Fraction:
     if not FINEST_TOLERANCE <= exact <= COARSEST_TOLERANCE:
         raise InputError.of("tolerance", f"is {exact_str(exact)}; give 0.000001 to 0.1")
     return exact
+
+
+def singular_csv(document: Mapping[str, Any]) -> str:
+    """The document of singular curves as CSV: a line for each sample of each strand.
+
+    Special points have their ``kind``, and cusps their number; in these lines too the numbers are the floats
+    of the samples.
+
+    >>> from rpr_solver import EXAMPLES, singular_curves
+    >>> lines = singular_csv(singular_curves(EXAMPLES["zein-flat"], 34).to_json()).splitlines()
+    >>> lines[0]
+    'component,strand,alpha_deg,theta1_deg,l2,l3,kind,cusp'
+    >>> sum("cusp" in line for line in lines[1:])
+    6
+    """
+    names = coordinate_names(document["fixed_leg"])
+    rows: list[Mapping[str, object]] = []
+    for part, component in enumerate(document["components"], 1):
+        for number, strand in enumerate(component["strands"], 1):
+            special = {vertex["index"]: vertex for vertex in strand["vertices"]}
+            for index, values in enumerate(zip(*(strand[name] for name in names), strict=True)):
+                vertex = special.get(index, {})
+                kind = {"kind": vertex.get("kind"), "cusp": vertex.get("cusp")}
+                rows.append(
+                    {"component": part, "strand": number, **dict(zip(names, values, strict=True)), **kind}
+                )
+    return csv_text(["component", "strand", *names, "kind", "cusp"], rows)

@@ -23,7 +23,9 @@ from rpr_solver.contract import (
 )
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.rationals import Exact, exact_str, one_or_more, parse_all, parse_exact
+from rpr_solver.model.joint_points import coordinate_names, shortened_points
 from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.notebook import csv_text
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.fast.scan import SliceChunk
@@ -189,3 +191,60 @@ def table_json(
     check_type(manipulator, Manipulator, "manipulator")
     head = document_head(manipulator, check_digits(digits), check_leg(fixed_leg))
     return {**head, "slices": [dict(s) for s in slices]}
+
+
+def shorten_slice(slice_json: Mapping[str, Any], have_digits: int, digits: int) -> dict[str, Any] | None:
+    """Rounds a slice object to fewer digits; None if its digits are insufficient to decide the rounding.
+
+    Every number is correctly rounded, as if it had been computed with ``digits``.
+
+    Args:
+        slice_json: the contract's slice object (:meth:`SliceTable.to_json`).
+        have_digits: the significant digits of its numbers.
+        digits: the significant digits of the result, 15 to 10000.
+
+    Raises:
+        InputError: ``digits`` is not an integer or out of range.
+
+    >>> from rpr_solver import EXAMPLES, cusp_table
+    >>> [more], [less] = (cusp_table(EXAMPLES["zein-flat"], 10, digits=digits) for digits in (30, 15))
+    >>> shorten_slice(more.to_json(), 30, 15)["cusps"] == less.to_json()["cusps"]
+    True
+    """
+    digits = check_digits(digits)
+    if digits > have_digits:
+        return None
+    result = dict(slice_json)
+    for name in {"cusps", "degenerate_points"} & slice_json.keys():
+        if (points := shortened_points(slice_json[name], digits)) is None:
+            return None
+        result[name] = points
+    return result
+
+
+def table_csv(table: Mapping[str, Any]) -> str:
+    """A cusp table document as CSV: a line for each cusp and each degenerate point, with its ``kind``.
+
+    A slice without either, or with an error, has one line.
+
+    >>> from rpr_solver import EXAMPLES, cusp_table, table_json
+    >>> [table] = cusp_table(EXAMPLES["zein-flat"], "0.1", digits=15)
+    >>> print(table_csv(table_json(EXAMPLES["zein-flat"], 1, 15, [table.to_json()])))
+    l1,count,cusp,alpha_deg,theta1_deg,l2,l3,error,kind,equation
+    0.1,0,,,,,,,,
+    <BLANKLINE>
+    """
+    leg = table["fixed_leg"]
+    length = f"l{leg}"
+    records: list[Mapping[str, object]] = []
+    for item in table["slices"]:
+        if "error" in item:
+            records.append({length: item[length], "error": item["error"]["detail"]})
+        else:
+            head = {length: item[length], "count": item["count"]}
+            points = [
+                {"cusp": number, "kind": "cusp", **cusp} for number, cusp in enumerate(item["cusps"], 1)
+            ]
+            points += item.get("degenerate_points", ())
+            records += [{**head, **point} for point in points] or [head]
+    return csv_text([length, "count", "cusp", *coordinate_names(leg), "error", "kind", "equation"], records)

@@ -15,8 +15,18 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from rpr_solver import EXAMPLES, InputError, LengthRange, census, solve_slice
-from rpr_solver.documents import census_csv, curves_csv, restrict_census, shorten_slice, table_csv
+from rpr_solver import (
+    EXAMPLES,
+    InputError,
+    LengthRange,
+    census,
+    census_csv,
+    curves_csv,
+    restrict_census,
+    shorten_slice,
+    solve_slice,
+    table_csv,
+)
 from tests.support.shared import census_of, curves_of, eliminant_of
 from tests.support.strategies import examples, rationals
 
