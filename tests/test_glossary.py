@@ -54,12 +54,14 @@ ABOUT_THE_CODE = {
 PAGES = sorted({path.stem for path in DOCS.glob("*.md")} - ABOUT_THE_CODE)
 
 NOT_PROSE = re.compile(
-    r"^```.*?^```$|^\|.*?$|^#.*?$|^ {4,}\S.*?$|<!--.*?-->|`[^`]*`|!\[[^\]]*\]\([^)]*\)",
+    r"^<!-- \w+ -->$.*?^<!-- end -->$|^```.*?^```$|^\|.*?$|^#.*?$|^ {4,}\S.*?$|<!--.*?-->"
+    r"|`[^`]*`|!\[[^\]]*\]\([^)]*\)",
     re.MULTILINE | re.DOTALL,
 )
 LINK = re.compile(r"\[[^\]]*\]\([^)]*\)")
 OTHER_MEANINGS = re.compile(
-    r"for Windows|in Node\b|node\s+of\s+a\s+Redis|receiver's\s+certificate|\*An\s+Algorithm\s[^*]*\*"
+    r"for Windows|\bNode\b(?:,| has)|in Node\b|node\s+of\s+a\s+Redis|receiver's\s+certificate"
+    r"|trusted\s+certificates|\*An\s+Algorithm\s[^*]*\*"
 )
 
 
