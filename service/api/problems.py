@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from collections.abc import Iterable, Mapping
 from enum import Enum
+from pathlib import Path
 
 from starlette.responses import Response
 
@@ -19,177 +21,61 @@ _IN_DETAIL = 3
 _LISTED = 50
 
 
+_TYPES = tomllib.loads((Path(__file__).parent / "problems.toml").read_text(encoding="utf-8"))
+
+
 class ProblemType(Enum):
-    """Every type of problem: its status, its title, and what it means.
+    """Every type of problem, by its name in addresses; `problems.toml` has the texts.
 
     The address `/problems/{slug}` is stable and documents the type.
+
+    Attributes:
+        slug: the name in addresses.
+        status: the HTTP status.
+        title: what happened, in a few words.
+        meaning: what it means, and what to do.
     """
 
-    def __init__(self, status: int, title: str, meaning: str) -> None:
-        self.status, self.title, self.meaning = status, title, meaning
+    INVALID_HEADER = "invalid-header"
+    INVALID_CSV = "invalid-csv"
+    INVALID_JSON = "invalid-json"
+    UNAUTHORIZED = "unauthorized"
+    FORBIDDEN = "forbidden"
+    NOT_FOUND = "not-found"
+    METHOD_NOT_ALLOWED = "method-not-allowed"
+    NOT_ACCEPTABLE = "not-acceptable"
+    JOB_NOT_FINISHED = "job-not-finished"
+    JOB_CANCELED = "job-canceled"
+    SUBMISSION_IN_PROGRESS = "submission-in-progress"
+    RESULT_EXPIRED = "result-expired"
+    MALFORMED_REQUEST = "malformed-request"
+    REQUEST_TIMEOUT = "request-timeout"
+    HEADERS_TOO_LARGE = "headers-too-large"
+    BODY_TOO_LARGE = "body-too-large"
+    UNSUPPORTED_MEDIA_TYPE = "unsupported-media-type"
+    UNKNOWN_HOST = "unknown-host"
+    INVALID_REQUEST = "invalid-request"
+    IDEMPOTENCY_KEY_REUSED = "idempotency-key-reused"
+    LIMIT_EXCEEDED = "limit-exceeded"
+    JOB_INPUT_ERROR = "job-input-error"
+    JOB_SOLVER_ERROR = "job-solver-error"
+    TOO_MANY_REQUESTS = "too-many-requests"
+    INTERNAL_ERROR = "internal-error"
+    JOB_FAILED = "job-failed"
+    JOB_WORKER_LOST = "job-worker-lost"
+    JOB_RESOURCE_EXHAUSTED = "job-resource-exhausted"
+    TRANSFER_CODING_NOT_SUPPORTED = "transfer-coding-not-supported"
+    UNAVAILABLE = "unavailable"
+    QUEUE_FULL = "queue-full"
+    NO_WORKER = "no-worker"
+    BUSY = "busy"
+    JOB_TIMEOUT = "job-timeout"
 
-    INVALID_HEADER = (
-        400, "A request header is malformed",
-        "The detail names the header that cannot be parsed.",
-    )  # fmt: skip
-    INVALID_CSV = (
-        400, "The body is not valid CSV",
-        "The request body is not UTF-8, a quoted cell does not end in its line, or a line has more cells "
-        "than there are columns. The detail says where.",
-    )  # fmt: skip
-    INVALID_JSON = (
-        400, "The body is not valid JSON",
-        "The request body is not UTF-8 or not JSON, repeats a key, contains NaN or Infinity, or is nested "
-        "too deeply. The detail says where.",
-    )  # fmt: skip
-    UNAUTHORIZED = (
-        401, "A key is needed",
-        "This service asks for a key: `Authorization: Bearer rpr_…`. The key is missing, unknown, expired or "
-        "revoked.",
-    )  # fmt: skip
-    FORBIDDEN = (
-        403, "The key does not allow this",
-        "The key is valid, but its scope does not include this call. The detail names the scope that does.",
-    )  # fmt: skip
-    NOT_FOUND = (
-        404, "Nothing is here",
-        "There is no resource at this address. Jobs expire some time after they end; posting the same "
-        "request again starts the same job again.",
-    )  # fmt: skip
-    METHOD_NOT_ALLOWED = (
-        405, "The method is not allowed here",
-        "The resource does not support this method. The Allow header lists the supported methods.",
-    )  # fmt: skip
-    NOT_ACCEPTABLE = (
-        406, "None of the accepted media types can be served",
-        "The Accept header excludes every available form of this resource. The detail lists them.",
-    )  # fmt: skip
-    JOB_NOT_FINISHED = (
-        409, "The job is not finished",
-        "The result was requested while the job is queued or running. Ask again after Retry-After seconds, "
-        "or follow the job's events.",
-    )  # fmt: skip
-    JOB_CANCELED = (
-        409, "The job was canceled",
-        "The job was canceled and has no result. Posting the request again restarts it; slices that were "
-        "already computed are kept.",
-    )  # fmt: skip
-    SUBMISSION_IN_PROGRESS = (
-        409, "The same submission is still being received",
-        "Another request with this Idempotency-Key is still being read. Ask again after Retry-After seconds; "
-        "the answer is then the batch that it made.",
-    )  # fmt: skip
-    RESULT_EXPIRED = (
-        410, "The result has expired",
-        "The job succeeded, but its result has expired. Post the request again.",
-    )  # fmt: skip
-    MALFORMED_REQUEST = (
-        400, "The request is not HTTP",
-        "What was sent is not a request as HTTP/1.1 has it, or could be read in two ways, as with both "
-        "Content-Length and Transfer-Encoding. The connection was closed.",
-    )  # fmt: skip
-    REQUEST_TIMEOUT = (
-        408, "The request came too slowly",
-        "The head or the body of the request did not arrive in time, and the connection was closed.",
-    )  # fmt: skip
-    HEADERS_TOO_LARGE = (
-        431, "The header fields are too large",
-        "The header fields have more bytes together than the service reads.",
-    )  # fmt: skip
-    BODY_TOO_LARGE = (
-        413, "The body is too large",
-        "The request body is larger than the limit max_body_bytes (see /v1/limits).",
-    )  # fmt: skip
-    UNSUPPORTED_MEDIA_TYPE = (
-        415, "The body is not sent as JSON",
-        "Send the request body as application/json, in UTF-8 and uncompressed.",
-    )  # fmt: skip
-    UNKNOWN_HOST = (
-        421, "This is not the service of that name",
-        "The Host header is neither an address nor localhost nor a name in RPR_CUSPS_ALLOWED_HOSTS. This "
-        "keeps pages of other sites away from a service on your computer.",
-    )  # fmt: skip
-    INVALID_REQUEST = (
-        422, "The request is not valid",
-        "The JSON is well-formed but not a valid question: a field is missing, unknown or of the wrong "
-        "kind, or no manipulator has these lengths. The errors list every faulty field.",
-    )  # fmt: skip
-    IDEMPOTENCY_KEY_REUSED = (
-        422, "The Idempotency-Key was sent with another body",
-        "A key stands for one submission of one caller, for 24 hours. Take a new key for a new batch.",
-    )  # fmt: skip
-    LIMIT_EXCEEDED = (
-        422, "The request exceeds a limit",
-        "The request is valid but larger than this service allows, or its answer would take too long. The "
-        "errors give the limit, its value and the requested or estimated value, and name what to reduce; "
-        "/v1/limits lists all limits.",
-    )  # fmt: skip
-    JOB_INPUT_ERROR = (
-        422, "The job failed: its input cannot be solved",
-        "The solver rejected the geometry or the choice of the fixed leg. The same request will fail again.",
-    )  # fmt: skip
-    JOB_SOLVER_ERROR = (
-        422, "The job failed: no answer could be proved",
-        "The input is valid, but this version of the solver could not prove an answer for this geometry. "
-        "The solver never guesses.",
-    )  # fmt: skip
-    TOO_MANY_REQUESTS = (
-        429, "Too many requests",
-        "The caller has sent too many requests in a minute, or has too many active jobs, too much estimated "
-        "work in them, or too many bytes of kept questions. The detail names the limit; try again after "
-        "Retry-After seconds.",
-    )  # fmt: skip
-    INTERNAL_ERROR = (
-        500, "Something went wrong here",
-        "An unexpected error. The service's log has the details under the request id of the response.",
-    )  # fmt: skip
-    JOB_FAILED = (
-        500, "The job failed",
-        "The job ended without a result. The detail says why; posting the request again retries it.",
-    )  # fmt: skip
-    JOB_WORKER_LOST = (
-        500, "The job failed: its worker was lost",
-        "The worker process died repeatedly, and the retries of the job are used up. Posting the request "
-        "again retries it.",
-    )  # fmt: skip
-    JOB_RESOURCE_EXHAUSTED = (
-        500, "The job failed: it ran out of memory",
-        "The computation reached the memory limit of a worker. Request fewer digits or simpler numbers.",
-    )  # fmt: skip
-    TRANSFER_CODING_NOT_SUPPORTED = (
-        501, "The body has a coding that is not understood",
-        "Transfer-Encoding may be chunked, and nothing else; compress no bodies.",
-    )  # fmt: skip
-    UNAVAILABLE = (
-        503, "The queue cannot be reached",
-        "Redis, which holds the queue and the results, cannot be reached or accepts no more data. Try again "
-        "after Retry-After seconds.",
-    )  # fmt: skip
-    QUEUE_FULL = (
-        503, "The queue is full",
-        "The jobs in the same lane of the queue hold too much work (`RPR_CUSPS_MAX_BACKLOG`); nothing was "
-        "queued. Try again after Retry-After seconds, the estimated time until that work is done.",
-    )  # fmt: skip
-    NO_WORKER = (
-        503, "No worker is running",
-        "Redis answers, but no worker of this service's solver version is alive. Known results are served; "
-        "new jobs stay queued. Try again after Retry-After seconds.",
-    )  # fmt: skip
-    BUSY = (
-        503, "Too much at the same time",
-        "As many large results are being sent, or as many streams of events are open, as this service allows "
-        "at the same time. Try again after Retry-After seconds.",
-    )  # fmt: skip
-    JOB_TIMEOUT = (
-        504, "The job failed: it took too long",
-        "The job was not done by the deadline of its request, `deadline_s`, or a part of it reached the time "
-        "limit of the service. Request fewer digits or simpler numbers, or wait longer.",
-    )  # fmt: skip
-
-    @property
-    def slug(self) -> str:
-        """The name of the type in addresses."""
-        return self.name.lower().replace("_", "-")
+    def __init__(self, slug: str) -> None:
+        self.slug = slug
+        self.status: int = _TYPES[slug]["status"]
+        self.title: str = _TYPES[slug]["title"]
+        self.meaning: str = _TYPES[slug]["meaning"]
 
     @property
     def uri(self) -> str:
