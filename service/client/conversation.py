@@ -73,7 +73,8 @@ class Conversation:
 
     async def post(self, asked: Asked[M], prefer: str, callback_url: str | None = None) -> httpx.Response:
         """Post a question; unless the answer is known, there is a job afterwards."""
-        self._outcome_unknown = self._goes_on(asked.question.job_request().job_id, "may go on")
+        url = self.connection.url
+        self._outcome_unknown = _goes_on(asked.question.job_request().job_id, url, "may go on")
         body = asked.question.body() | ({} if callback_url is None else {"callback_url": callback_url})
         response = await self.send(Call("POST", asked.path, body, prefer=prefer))
         self._outcome_unknown = ""
@@ -130,27 +131,20 @@ class Conversation:
 
     async def withdraw(self) -> JobInterrupted:
         """Withdraw the question or the batch; returns what became of its job."""
-        job = self.job
+        job, url = self.job, self.connection.url
         if job is None:  # no response has named it
             return JobInterrupted(self._outcome_unknown)
         try:
             path = job["links"].get("cancel") or job["links"]["self"]
             job = as_object(await self.send(Call("DELETE", path), tries=1))
         except ServiceError:
-            return JobInterrupted(self._goes_on(job["id"]))
+            return JobInterrupted(_goes_on(job["id"], url))
         if job["status"] != "canceled":
-            return JobInterrupted(self._goes_on(job["id"]))
+            return JobInterrupted(_goes_on(job["id"], url))
         if not is_batch(job["id"]):
             return JobInterrupted(f"job {job['id']} is canceled")
-        done = f"{job['done']} of its {job['total']} items are done; {self._fetch(job['id'])} prints them"
+        done = f"{job['done']} of its {job['total']} items are done; {_fetch(job['id'], url)} prints them"
         return JobInterrupted(f"batch {job['id']} is canceled; {done}")
-
-    def _goes_on(self, job_id: str, verb: str = "goes on") -> str:
-        what = "batch" if is_batch(job_id) else "job"
-        return f"{what} {job_id} {verb}; {self._fetch(job_id)} comes back to it"
-
-    def _fetch(self, job_id: str) -> str:
-        return f"`rpr-cusps fetch {job_id} --url {self.connection.url}`"
 
     async def object(self, call: Call) -> dict[str, Any]:
         """Send a request; returns the JSON object in the response."""
@@ -212,6 +206,15 @@ def as_object(response: httpx.Response) -> dict[str, Any]:
     if not isinstance(document, dict):
         raise ServiceError(f"{response.url} does not answer as an rpr-cusps service")
     return document
+
+
+def _goes_on(job_id: str, url: str, verb: str = "goes on") -> str:
+    what = "batch" if is_batch(job_id) else "job"
+    return f"{what} {job_id} {verb}; {_fetch(job_id, url)} comes back to it"
+
+
+def _fetch(job_id: str, url: str) -> str:
+    return f"`rpr-cusps fetch {job_id} --url {url}`"
 
 
 def _progress(job: Mapping[str, Any]) -> tuple[int, int]:

@@ -184,7 +184,7 @@ def test_a_client_that_never_stops_sending(
 ) -> None:
     """A client has its answer and sends on and on. Its connection ends after some bytes or some time."""
     if limit == "bytes":
-        monkeypatch.setattr("service.api.http.protocol._MOST_THROWN_AWAY", 1 << 20)
+        monkeypatch.setattr("service.api.http.protocol._MAX_DISCARDED", 1 << 20)
     settings = {"stall_seconds": PATIENCE if limit == "bytes" else 0.5, "body_seconds": 60}
     with api(valkey, **settings) as address, connection(address) as client:
         client.sendall(POST.replace(b": 100\r", b": 99999999999\r"))

@@ -23,8 +23,8 @@ except ImportError:  # pragma: no cover  # Windows
     resource = None  # type: ignore[assignment]
 
 _OTHER_FILES = 64  # log, listener, static files, …
-_FEWEST = 16
-_MOST_THROWN_AWAY = 64 << 20  # bytes of a body after its answer
+_MIN_CONNECTIONS = 16
+_MAX_DISCARDED = 64 << 20  # bytes of a body after its answer
 
 
 def uvicorn_options(settings: Settings) -> dict[str, Any]:
@@ -48,7 +48,7 @@ def most_connections(settings: Settings) -> int:
     if files == resource.RLIM_INFINITY:
         return settings.max_connections
     left = files - _OTHER_FILES - settings.redis_connections - settings.stream_connections
-    return min(settings.max_connections, max(_FEWEST, left, files // 4))
+    return min(settings.max_connections, max(_MIN_CONNECTIONS, left, files // 4))
 
 
 class Connections:
@@ -81,19 +81,68 @@ class Connections:
         self._busy.discard(connection)
 
 
-class LimitedProtocol(H11Protocol):
-    """uvicorn's protocol for a client that may be slow, silent, or none at all."""
+class TimedProtocol(H11Protocol):
+    """uvicorn's protocol, which knows who is to send next, and has timers."""
 
     settings: ClassVar[Settings]
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._timers: dict[str, asyncio.TimerHandle] = {}
+        self._has_client_ended = False
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        super().connection_lost(exc)
+        for name in list(self._timers):
+            self._stop(name)
+
+    def pause_writing(self) -> None:
+        super().pause_writing()
+        self._start("stall", self.settings.stall_seconds, self.transport.abort)
+
+    def resume_writing(self) -> None:
+        super().resume_writing()
+        self._stop("stall")
+
+    def _should_upgrade(self) -> bool:
+        """No other protocol is spoken here; the request for one is ignored (RFC 9110, 7.8)."""
+        return False
+
+    def _is_answering(self) -> bool:
+        return self.cycle is not None and not self.cycle.response_complete
+
+    def _is_client_sending(self) -> bool:
+        """Whether a request has begun, and has not ended."""
+        if self._has_client_ended:
+            return False
+        if self.conn.their_state is h11.IDLE:
+            return self.conn.trailing_data[0] != b""
+        return self.conn.their_state in (h11.SEND_BODY, h11.ERROR)
+
+    def _is_discarded(self) -> bool:
+        """Whether what comes now belongs to a request that has its answer."""
+        is_answered = self.cycle is not None and self.cycle.response_complete
+        return self.transport.is_closing() or (is_answered and self.conn.their_state is h11.SEND_BODY)
+
+    def _start(self, name: str, seconds: float, then: Any) -> None:
+        self._stop(name)
+        self._timers[name] = self.loop.call_later(seconds, then)
+
+    def _stop(self, name: str) -> None:
+        if timer := self._timers.pop(name, None):
+            timer.cancel()
+
+
+class LimitedProtocol(TimedProtocol):
+    """uvicorn's protocol for a client that may be slow, silent, or none at all."""
+
     all: ClassVar[Connections]
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         self.app = partial(_with_short_headers, self.app, self.settings.max_header_bytes)
-        self._timers: dict[str, asyncio.TimerHandle] = {}
         self._awaited: object = None
-        self._thrown_away = 0
-        self._has_client_ended = False
+        self._discarded = 0
         self.conn = self._framing = StrictConnection(self.settings.max_header_bytes)
 
     # -- what asyncio and uvicorn call -------------------------------------------------------------
@@ -106,19 +155,17 @@ class LimitedProtocol(H11Protocol):
     def connection_lost(self, exc: Exception | None) -> None:
         super().connection_lost(exc)
         self.all.remove(self)
-        for name in list(self._timers):
-            self._stop(name)
 
     def data_received(self, data: bytes) -> None:
-        if self._is_needless():
-            self._thrown_away += len(data)
-            if self._thrown_away > _MOST_THROWN_AWAY:
+        if self._is_discarded():
+            self._discarded += len(data)
+            if self._discarded > _MAX_DISCARDED:
                 self.transport.abort()
         else:
-            self._thrown_away = 0
+            self._discarded = 0
         if not self.transport.is_closing():
             super().data_received(data)
-            self._mind()
+            self._limit_time()
 
     def eof_received(self) -> bool:  # type: ignore[override]
         """The client sends no more. It may be gone, or wait for the answer to what it has sent."""
@@ -141,19 +188,11 @@ class LimitedProtocol(H11Protocol):
         super().on_response_complete()
         if self._has_client_ended and not self._is_answering():
             self.transport.close()
-        self._mind()
+        self._limit_time()
 
     def timeout_keep_alive_handler(self) -> None:
         super().timeout_keep_alive_handler()
         self._end_soon()
-
-    def pause_writing(self) -> None:
-        super().pause_writing()
-        self._start("stall", self.settings.stall_seconds, self.transport.abort)
-
-    def resume_writing(self) -> None:
-        super().resume_writing()
-        self._stop("stall")
 
     def send_400_response(self, msg: str) -> None:
         """Answer what is not HTTP, or has a header that is too long, as any other error."""
@@ -167,7 +206,7 @@ class LimitedProtocol(H11Protocol):
 
     # -- the limits --------------------------------------------------------------------------------
 
-    def _mind(self) -> None:
+    def _limit_time(self) -> None:
         """Limit the time for what the client must send next."""
         self._count()
         if self.transport.is_closing():
@@ -184,26 +223,6 @@ class LimitedProtocol(H11Protocol):
             if self.timeout_keep_alive_task is None:  # uvicorn has stopped it for the rest of a body
                 seconds = self.timeout_keep_alive
                 self.timeout_keep_alive_task = self.loop.call_later(seconds, self.timeout_keep_alive_handler)
-
-    def _is_client_sending(self) -> bool:
-        """Whether a request has begun, and has not ended."""
-        if self._has_client_ended:
-            return False
-        if self.conn.their_state is h11.IDLE:
-            return self.conn.trailing_data[0] != b""
-        return self.conn.their_state in (h11.SEND_BODY, h11.ERROR)
-
-    def _is_needless(self) -> bool:
-        """Whether what comes now belongs to a request that has its answer."""
-        is_answered = self.cycle is not None and self.cycle.response_complete
-        return self.transport.is_closing() or (is_answered and self.conn.their_state is h11.SEND_BODY)
-
-    def _should_upgrade(self) -> bool:
-        """No other protocol is spoken here; the wish for one is passed over (RFC 9110, 7.8)."""
-        return False
-
-    def _is_answering(self) -> bool:
-        return self.cycle is not None and not self.cycle.response_complete
 
     def _count(self) -> None:
         if self.client is None:
@@ -222,9 +241,9 @@ class LimitedProtocol(H11Protocol):
         if what is not None:
             is_head = what == "head"
             seconds = self.settings.header_seconds if is_head else self.settings.body_seconds
-            self._start("await", seconds, partial(self._late, is_head))
+            self._start("await", seconds, partial(self._time_out, is_head))
 
-    def _late(self, is_head: bool) -> None:
+    def _time_out(self, is_head: bool) -> None:
         if is_head and not self.conn.trailing_data[0]:
             self.transport.close()
         else:
@@ -261,14 +280,6 @@ class LimitedProtocol(H11Protocol):
         if self.client is not None:
             self.all.set_idle(self)
         self._start("end", self.settings.stall_seconds, self.transport.abort)
-
-    def _start(self, name: str, seconds: float, then: Any) -> None:
-        self._stop(name)
-        self._timers[name] = self.loop.call_later(seconds, then)
-
-    def _stop(self, name: str) -> None:
-        if timer := self._timers.pop(name, None):
-            timer.cancel()
 
 
 async def _with_short_headers(app: ASGIApp, most: int, scope: Scope, receive: Receive, send: Send) -> None:

@@ -160,7 +160,7 @@ class JobEvents:
                         if event.is_last:
                             return
                     continue
-                now = await self._view(view.id)
+                now = await self.access(self.queue.get, view.id)
                 if now is None or now.is_terminal or tail.is_over:
                     return
                 yield b": waiting\n\n"
@@ -219,9 +219,6 @@ class JobEvents:
         texts = queue.store.get_texts(request, l1, request.digits)
         others = queue.store.get_slices(request, [x for x in l1 if x not in texts])
         return texts | {x: dump(value).encode() for x, value in {**others, **errors}.items()}
-
-    async def _view(self, job_id: str) -> JobView | None:
-        return await self.access(self.queue.get, job_id)
 
     def _key(self, job_id: str) -> str:
         return self.queue.of(job_id).records.keys.job(job_id).events
