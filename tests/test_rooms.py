@@ -21,6 +21,7 @@ MAY_IMPORT = {
     "rpr_solver.slices": "errors contract notebook exact model",
     "rpr_solver.transitions": "errors contract notebook exact model slices singular",
     "rpr_solver.singular": "errors contract notebook exact model kinematics slices",
+    "rpr_solver.margins": "errors contract notebook exact model slices transitions",
     "rpr_solver.article": "errors contract notebook exact model slices",
     "rpr_solver.curves": "errors contract notebook exact model slices transitions",
     "rpr_solver.paths": "errors contract notebook exact model kinematics slices transitions singular",
@@ -28,7 +29,7 @@ MAY_IMPORT = {
     "rpr_solver.verify": "errors contract",
     "rpr_solver.figures": "errors notebook",
     "rpr_solver": "errors contract notebook figures exact model kinematics slices transitions "
-    "article curves paths singular verify exports",
+    "margins article curves paths singular verify exports",
     # worker: jobs in Redis, and the processes that compute
     "worker.logs": "",
     "worker.tracing": "",

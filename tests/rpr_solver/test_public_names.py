@@ -49,6 +49,7 @@ FUNCTIONS = {
     "table_document",
     "table_json",
     "trace_slice",
+    "with_sensitivities",
     "verify_document",
 }
 CLASSES = {

@@ -1,0 +1,178 @@
+"""The functions whose common zeros are degenerate cusps, over any ring, the six lengths being variables too.
+
+In slice_map.py the lengths of base and platform are integers; here they are elements of the ring, so that all
+can be differentiated by them. With the fixed leg of length λ/μ (μ = 1, or λ = 1 to include infinite lengths),
+half the squared length of a moving leg is, up to a factor and a constant,
+
+    F = λ e·R(α)m − λ e·a − μ a·R(α)m,        F_θ = λ ψ,
+
+and K = F_α ψ_G − ψ_F G_α is J without its factors; v = (−λ ψ, F_α) is tangent to F = const.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from rpr_solver.model.jets import Jet
+from rpr_solver.model.manipulator import CW, Manipulator
+
+LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+
+Pair = tuple[Any, Any]
+"""Cosine and sine of an angle, or two coordinates."""
+
+
+@dataclass(frozen=True)
+class MovingLeg:
+    """A moving leg seen from the fixed one, in a ring.
+
+    Attributes:
+        platform, base: its points m and a.
+        products: m·a, and the determinant of a and m.
+    """
+
+    platform: Pair
+    base: Pair
+    products: Pair
+
+    @classmethod
+    def of(cls, platform: Pair, base: Pair, refine: Callable[[Any], Any]) -> MovingLeg:
+        """The leg; ``refine`` may give a better form of an element."""
+        (m, n), (x, y) = (tuple(map(refine, point)) for point in (platform, base))
+        return cls((m, n), (x, y), (refine(m * x + n * y), refine(n * x - m * y)))
+
+
+def orientation_of(manipulator: Manipulator) -> int:
+    """1 for a counter-clockwise platform, −1 for a clockwise and 0 for a flat one."""
+    if manipulator.area16 == 0:
+        return 0
+    return -1 if manipulator.orientation == CW else 1
+
+
+def moving_legs(
+    lengths: Sequence[Any], orientation: int, fixed_leg: int, refine: Callable[[Any], Any] = lambda x: x
+) -> tuple[MovingLeg, MovingLeg]:
+    """The two moving legs.
+
+    Args:
+        lengths: those of :data:`LENGTHS`, in a ring with quotients and square roots.
+        orientation: 1 for counter-clockwise, -1 for clockwise, 0 for a flat platform.
+        fixed_leg: 1, 2 or 3.
+        refine: may give a better form of an element.
+    """
+    a2x, a3x, a3y, d1, d2, d3 = lengths
+    zero = d1 - d1
+    along = (d1 - (d2 - d3) * (d2 + d3) / d1) / 2
+    height = zero
+    if orientation:
+        area16 = (d1 + d2 + d3) * (d2 + d3 - d1) * (d1 + d3 - d2) * (d1 + d2 - d3)
+        height = area16.sqrt() / d1 / 2
+    base = [(zero, zero), (a2x, zero), (a3x, a3y)]
+    platform = [(zero, zero), (d1, zero), (along, -height if orientation < 0 else height)]
+    (ox, oy), (om, on) = base.pop(fixed_leg - 1), platform.pop(fixed_leg - 1)
+    (m, n), (p, q) = platform
+    (x, y), (z, t) = base
+    return (
+        MovingLeg.of((m - om, n - on), (x - ox, y - oy), refine),
+        MovingLeg.of((p - om, q - on), (z - ox, t - oy), refine),
+    )
+
+
+@dataclass(frozen=True)
+class _Slopes:
+    """F_α and ψ of one leg, as jets in α and θ."""
+
+    alpha: Jet[Any]
+    psi: Jet[Any]
+
+
+@dataclass(frozen=True)
+class Systems:
+    """The functions at one pose.
+
+    Attributes:
+        alpha, theta, between: cosines and sines of α, of θ and of α − θ.
+        scales: λ and μ; a 1 may be an integer.
+        legs: the moving legs f and g.
+        order: that of the derivatives of K that are wanted: 0 for K alone, 1 for E and ∇K too, 2 for S.
+        refine: may give a better form of a jet.
+    """
+
+    alpha: Pair
+    theta: Pair
+    between: Pair
+    scales: Pair
+    legs: tuple[MovingLeg, MovingLeg]
+    order: int = 2
+    refine: Callable[[Jet[Any]], Jet[Any]] = lambda jet: jet
+
+    @cached_property
+    def _slopes(self) -> tuple[_Slopes, _Slopes]:
+        return self._slopes_of(self.legs[0]), self._slopes_of(self.legs[1])
+
+    def _slopes_of(self, leg: MovingLeg) -> _Slopes:
+        lam, _ = self.scales
+        both, base, platform = self._sinusoids(leg)
+        slope, curvature = both[1] * lam, both[2] * lam
+        long = (slope, curvature, -slope, -curvature)
+
+        def alpha(i: int, j: int) -> Any:
+            value = long[(i + j + 2 * (j % 2)) % 4]
+            return value - platform[(i + 1) % 4] if j == 0 else value
+
+        def psi(i: int, j: int) -> Any:
+            value = both[(i + j + (1 if j % 2 else 3)) % 4]
+            if i > 0:
+                return value
+            return value - base[(j + 1) % 4] if j % 2 else value + base[(j + 1) % 4]
+
+        alpha_jet, psi_jet = (self.refine(Jet.build(self.order, entry)) for entry in (alpha, psi))
+        return _Slopes(alpha_jet, psi_jet)
+
+    def _sinusoids(self, leg: MovingLeg) -> tuple[tuple[Any, ...], ...]:
+        """e·R(α)m, e·a and μ a·R(α)m with their derivatives by α − θ, by −θ and by α."""
+        _, mu = self.scales
+        cos, sin = self.theta
+        inner, outer = leg.products
+        return (
+            _sinusoid(leg.platform, self.between),
+            _sinusoid(leg.base, (cos, -sin)),
+            _sinusoid((inner * mu, outer * mu), self.alpha),
+        )
+
+    @cached_property
+    def singularity(self) -> Jet[Any]:
+        """K, zero at singular poses."""
+        f, g = self._slopes
+        return self.refine(f.alpha * g.psi - f.psi * g.alpha)
+
+    def along(self, leg: int, function: Jet[Any]) -> Jet[Any]:
+        """v·∇function for leg f (0) or g (1)."""
+        slopes, lam = self._slopes[leg], self.scales[0]
+        across = slopes.psi * function.alpha
+        across = Jet.build(across.order, lambda i, j: across.table[i][j] * lam)
+        return self.refine(slopes.alpha * function.theta - across)
+
+    def tangent(self, leg: int) -> Pair:
+        """The components of v, the first without λ, for leg f (0) or g (1)."""
+        slopes = self._slopes[leg]
+        return slopes.psi.value, slopes.alpha.value
+
+    def excess(self, leg: int, square: Any) -> Any:
+        """The squared length of leg f (0) or g (1), less ``square``; for μ = 1 alone."""
+        lam, moving = self.scales[0], self.legs[leg]
+        (both, *_), (base, *_), (platform, *_) = self._sinusoids(moving)
+        rest = lam * lam - square
+        for x in (*moving.platform, *moving.base):
+            rest = rest + x * x
+        return ((both - base) * lam - platform) * 2 + rest
+
+
+def _sinusoid(point: Pair, turn: Pair) -> tuple[Any, Any, Any, Any]:
+    """x cos − y sin and its derivatives of order 1, 2, 3 by the angle."""
+    (x, y), (cos, sin) = point, turn
+    value, slope = x * cos - y * sin, -(x * sin + y * cos)
+    return value, slope, -value, -slope

@@ -1,0 +1,87 @@
+"""Sensitivities of transitions: identities, finite differences of exact censuses, what is singular."""
+
+from fractions import Fraction
+
+import pytest
+
+from rpr_solver import EXAMPLES, Manipulator, census, with_sensitivities
+from rpr_solver.margins.systems import LENGTHS
+
+INNOCENTI = EXAMPLES["innocenti"]
+
+
+def events(
+    manipulator: Manipulator, leg: int = 1, digits: int = 30, **span: object
+) -> list[tuple[Fraction, dict]]:
+    """The lengths of transitions with their events."""
+    document = with_sensitivities(census(manipulator, fixed_leg=leg, digits=digits, **span).to_json())
+    return [(Fraction(t[f"l{leg}"]), event) for t in document["transitions"] for event in t["events"]]
+
+
+@pytest.mark.parametrize("leg", [1, 2, 3])
+@pytest.mark.parametrize("name", ["innocenti", "twelve-cusps"])
+def test_lengths_scale_together(name: str, leg: int) -> None:
+    """Euler's identity: L* is homogeneous of degree 1 in the lengths."""
+    manipulator = EXAMPLES[name]
+    found = events(manipulator, leg)
+    assert len(found) > 5
+    for length, event in found:
+        total = sum(getattr(manipulator, g) * Fraction(event["sensitivity"][g]) for g in LENGTHS)
+        assert abs(total - length) < Fraction(1, 10**10)
+
+
+@pytest.mark.parametrize("leg", [1, 2])
+def test_differences_of_censuses_agree(leg: int) -> None:
+    step = Fraction(1, 10**7)
+    [nominal] = [events(INNOCENTI, leg, start=26, stop=Fraction("28.1"))]
+    kinds = [event["kind"] for _, event in nominal]
+    for g in LENGTHS:
+        changed = [
+            census(
+                Manipulator(**{**INNOCENTI.to_dict(), g: getattr(INNOCENTI, g) + side * step}),
+                fixed_leg=leg,
+                digits=30,
+                start=26,
+                stop=Fraction("28.1"),
+            )
+            for side in (-1, 1)
+        ]
+        below, above = (
+            [Fraction(t.length) for t in table.transitions for _ in t.events] for table in changed
+        )
+        assert [e.kind for t in changed[0].transitions for e in t.events] == kinds
+        for (_, event), low, high in zip(nominal, below, above, strict=True):
+            assert float((high - low) / (2 * step)) == pytest.approx(
+                float(event["sensitivity"][g]), rel=1e-6, abs=1e-8
+            )
+
+
+def test_more_digits_of_the_census_give_more_and_the_same_digits() -> None:
+    short, long = (events(INNOCENTI, digits=digits, start=26, stop=29) for digits in (15, 60))
+    for (_, few), (_, many) in zip(short, long, strict=True):
+        for g in LENGTHS:
+            x, y = (event["sensitivity"][g] for event in (few, many))
+            assert 6 <= len(x.strip("-0.")) <= 16 < len(y.strip("-0."))
+            assert abs(Fraction(x) - Fraction(y)) <= abs(Fraction(y)) / 10**6
+
+
+def test_poses_that_are_not_simple_are_singular() -> None:
+    passing = Manipulator(-1, 2, 4, 3, 4, 5, "cw")
+    found = [event for length, event in events(passing, digits=15) if length == 5]
+    assert [event["kind"] for event in found] == ["quadruple"]
+    assert found[0]["sensitivity"] is None
+    assert found[0]["singular"] is True
+
+
+def test_sides_of_a_flat_platform_have_no_sensitivity() -> None:
+    for _, event in events(EXAMPLES["zein-flat"], digits=15, start=30, stop=32):
+        assert [g for g, x in event["sensitivity"].items() if x is None] == ["d1", "d2", "d3"]
+
+
+def test_a_document_keeps_all_else() -> None:
+    document = census(INNOCENTI, digits=15, start=26, stop=28).to_json()
+    more = with_sensitivities(document)
+    for transition in more["transitions"]:
+        for event in transition["events"]:
+            del event["sensitivity"]
+    assert more == document
