@@ -17,9 +17,8 @@ from service.api.context import Context
 from service.api.contract.openapi import describe, operation_id
 from service.api.http.errors import add_error_handlers
 from service.api.http.middleware import AccessLog, Compression, RequestEnvelope
-from service.api.operations import WEB
 from service.api.routes import batches, jobs, pages, questions, status
-from service.api.routes.pages import Assets
+from service.api.routes.pages import WEB, Assets
 from service.api.settings import Settings
 from service.commit import commit
 

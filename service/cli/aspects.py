@@ -10,7 +10,7 @@ from typing import Any
 from service.cli import arguments, remote
 from service.cli.help import Command
 from service.cli.pages import Page, Section, about, counted, rows_of, write_document
-from service.schemas.aspects import RangeAspectsRequest
+from service.schemas.poses import RangeAspectsRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\

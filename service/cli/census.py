@@ -20,7 +20,7 @@ from service.cli.pages import (
     rows_of,
     write_document,
 )
-from service.schemas.census import CensusRequest
+from service.schemas.censuses import CensusRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\

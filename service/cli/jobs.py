@@ -13,8 +13,7 @@ from service.cli import output, remote
 from service.cli.help import Command, whole
 from service.cli.output import progress_bar
 from service.cli.submit import FORMS, print_results
-from service.schemas.batches import is_batch
-from service.schemas.job_list import ListedJob, ListedStatus
+from service.schemas.resources import ListedJob, ListedStatus, is_batch
 
 _STATUS = """\
 Print the state of a job or a batch of a service: queued, running, succeeded, failed or canceled, and its

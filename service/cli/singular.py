@@ -12,7 +12,7 @@ from service.cli import arguments, remote
 from service.cli.help import Command
 from service.cli.pages import Page, Section, about, counted, rows_of, write_document
 from service.schemas.lengths import LEGS
-from service.schemas.singular import SingularCurvesRequest
+from service.schemas.poses import SingularCurvesRequest
 
 DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
 EXAMPLES = """\

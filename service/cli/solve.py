@@ -13,7 +13,7 @@ from service.cli import arguments, output, remote
 from service.cli.help import Command
 from service.cli.output import progress_bar
 from service.cli.pages import failures, write_table
-from service.schemas.forms import csv_header, csv_lines, ndjson_line
+from service.schemas.answers import csv_header, csv_lines, ndjson_line
 from service.schemas.tables import METHODS, CuspTableRequest
 from worker.answers import tables
 from worker.answers.requests import Store

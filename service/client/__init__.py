@@ -34,8 +34,7 @@ from service.client.questions import (
     verify_document,
 )
 from service.client.results import ItemResult
-from service.schemas.batches import Batch
-from service.schemas.jobs import Job
+from service.schemas.resources import Batch, Job
 
 __all__ = [
     "Answer",

@@ -16,9 +16,7 @@ from service.client.connection import BlockingConnection, Call, Connection, fini
 from service.client.conversation import Conversation, OnProgress, address, silent
 from service.client.questions import Answer, Asked, M
 from service.client.results import ItemResult, ResultReader, slices_of
-from service.schemas.batches import Batch
-from service.schemas.job_list import JobList, ListedJob, ListedStatus
-from service.schemas.jobs import Job
+from service.schemas.resources import Batch, Job, JobList, ListedJob, ListedStatus
 from service.schemas.tables import CuspTable
 
 P = ParamSpec("P")

@@ -15,7 +15,7 @@ from service.client.bodies import Body
 from service.client.connection import Call, Connection
 from service.client.questions import Answer, Asked, M
 from service.errors import JobInterrupted, ServiceError
-from service.schemas.batches import Batch, is_batch
+from service.schemas.resources import Batch, is_batch
 
 OnProgress = Callable[[int, int], None]
 

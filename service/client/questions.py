@@ -13,17 +13,21 @@ from pydantic import BaseModel
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement, exact_str
 from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
 from rpr_solver.model.lengths import ExactLimits, limits_json, read_limits
-from service.schemas.aspects import RangeAspects, RangeAspectsRequest
-from service.schemas.census import Census, CensusRequest
-from service.schemas.checks import CheckReport, CheckRequest
+from service.schemas.censuses import Census, CensusRequest, CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
 from service.schemas.paths import Path, PathRequest
 from service.schemas.plots import Plot, PlotRequest
-from service.schemas.poses import PosesRequest, PoseTable
+from service.schemas.poses import (
+    PosesRequest,
+    PoseTable,
+    RangeAspects,
+    RangeAspectsRequest,
+    SingularCurves,
+    SingularCurvesRequest,
+)
 from service.schemas.questions import Question
-from service.schemas.singular import SingularCurves, SingularCurvesRequest
 from service.schemas.tables import CuspTable, CuspTableRequest
 from service.schemas.verifications import Verification, VerificationRequest
 

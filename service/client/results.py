@@ -16,7 +16,7 @@ from service.client.connection import Call, Connection
 from service.client.conversation import Conversation, OnProgress, as_object
 from service.client.questions import MODELS, Answer, Asked
 from service.errors import ServiceError
-from service.schemas.problems import ProblemDocument
+from service.schemas.resources import ProblemDocument
 from service.schemas.tables import CuspTable, CuspTableRequest
 
 _STREAM_SECONDS = 60

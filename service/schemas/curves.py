@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, ClassVar, Literal
 
@@ -10,6 +9,21 @@ from pydantic import ConfigDict, Field, ValidationInfo, field_validator
 
 from rpr_solver import exact_str
 from rpr_solver.contract import FULL
+from service.schemas.answers import (
+    CSV,
+    DEGENERATE,
+    JSON,
+    JSON_FORM,
+    ClosedRange,
+    Decimal,
+    Degeneracy,
+    DocumentHead,
+    Forms,
+    Point,
+    TransitionEvent,
+    csv_form,
+    optional,
+)
 from service.schemas.lengths import (
     OpenRange,
     Range,
@@ -20,96 +34,9 @@ from service.schemas.lengths import (
 )
 from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, Samples, digits_field
-from service.schemas.points import (
-    DEGENERATE,
-    ClosedRange,
-    Decimal,
-    Degeneracy,
-    DocumentHead,
-    Point,
-    TransitionEvent,
-    optional,
-)
 from service.schemas.questions import Examples, Question
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.requests import Kind
-
-
-class CuspCurvesRequest(SlicesOfOneLeg, Question):
-    """A manipulator, the leg whose length is the parameter, and the requested points.
-
-    Lengths are given for the fixed leg alone: as `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg`
-    3.
-    """
-
-    expected: ClassVar[str] = "send an object with geometry"
-    kinds: ClassVar[Sequence[Kind]] = (CUSP_CURVES, CERTIFIED_CURVES)
-    needs_slices: ClassVar[bool] = False
-    examples: ClassVar[Examples] = {
-        "scan": (
-            "Points of all curves for L1 from 27 to 29 in steps of 0.1",
-            {
-                "digits": 15,
-                "range": {"from": 27, "to": 29},
-                "l1": {"from": 27, "to": 29, "step": "0.1"},
-            },
-        ),
-        "samples": (
-            "Four points of each curve in every interval between transitions",
-            {"digits": 15, "samples": 4},
-        ),
-        "full": (
-            "With all that a checker of the proof needs",
-            {"digits": 15, "range": {"from": 27, "to": 29}, "certificate": "full"},
-        ),
-    }
-
-    fixed_leg: FixedLeg = Field(
-        default=1, description="The leg whose length is fixed in a slice, and the parameter of the curves."
-    )
-    digits: Digits = digits_field()
-    range: Range = range_field()
-    l1: Slices = slices_field(
-        "Lengths of leg 1 at which points are requested, within the range: a number, a list or a range. With "
-        "`fixed_leg` 2 or 3 use `l2` or `l3`."
-    )
-    l2: Slices = slices_field("The lengths, with `fixed_leg` 2.")
-    l3: Slices = slices_field("The lengths, with `fixed_leg` 3.")
-    samples: Samples = Field(
-        default=None,
-        description="Number of sample points of each curve in every interval between transitions, however "
-        "narrow; at most max_samples of /v1/limits.",
-    )
-
-    certificate: Literal["short", "full"] = Field(
-        default="short",
-        description="`full` adds what somebody else needs to check that the points of a curve are joined by "
-        "it, and that curves join at their ends: chains of tubes, each with one curve in it.",
-    )
-
-    @field_validator("l1", "l2", "l3")
-    @classmethod
-    def _are_within_the_range(
-        cls, lengths: tuple[Fraction, ...], info: ValidationInfo
-    ) -> tuple[Fraction, ...]:
-        info.data.get("range", OpenRange()).check_inside(lengths)
-        return lengths
-
-    @property
-    def kind(self) -> Kind:
-        """The kind of the document; one with a full certificate is kept by itself."""
-        return CERTIFIED_CURVES if self.certificate == FULL else CUSP_CURVES
-
-    def content(self) -> dict[str, Any]:
-        """Returns the canonical form of the question."""
-        lengths = [exact_str(x) for x in sorted(set(self.slices))]
-        return {**self.model_dump(exclude={"l1", "l2", "l3", "certificate"}), "lengths": lengths}
-
-    def _asked(self) -> dict[str, Any]:
-        content = self.content()
-        lengths = content.pop("lengths")
-        full = {"certificate": FULL} if self.certificate == FULL else {}
-        return {**content, **({f"l{self.fixed_leg}": lengths} if lengths else {}), **full}
 
 
 class CurveEnd(Model):
@@ -192,3 +119,96 @@ class CuspCurves(DocumentHead):
     curves: list[CuspCurve]
     degenerate: list[Degeneracy] = DEGENERATE
     certificate: CurvesCertificate | None = optional("Present with `certificate` `full`.")
+
+
+class CuspCurvesRequest(SlicesOfOneLeg, Question):
+    """A manipulator, the leg whose length is the parameter, and the requested points.
+
+    Lengths are given for the fixed leg alone: as `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg`
+    3.
+    """
+
+    expected = "send an object with geometry"
+    kinds = (CUSP_CURVES, CERTIFIED_CURVES)
+    path = "/v1/cusp-curves"
+    name = "post_cusp_curves"
+    tag = ("cusp curves", "How cusps move as the length of the fixed leg varies.")
+    summary = "Each cusp followed from the transition where it appears to the one where it vanishes"
+    description = """\
+The curves of cusps over the length of the fixed leg, each named and followed by proof: α, the fixed leg's
+angle and the lengths of the other two legs as functions of the fixed length.
+
+A name depends on the manipulator and the fixed leg alone, not on the requested range or points. Points are
+given at the lengths `l1`, and with `samples` at that many lengths in every interval between transitions,
+however narrow; without either, in one slice of each interval. The whole curves are computed once, by a job
+of a few seconds, and kept.
+"""
+    answer = CuspCurves
+    known = "The curves."
+    forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("curves_csv", "point")}
+    needs_slices = False
+    examples: ClassVar[Examples] = {
+        "scan": (
+            "Points of all curves for L1 from 27 to 29 in steps of 0.1",
+            {
+                "digits": 15,
+                "range": {"from": 27, "to": 29},
+                "l1": {"from": 27, "to": 29, "step": "0.1"},
+            },
+        ),
+        "samples": (
+            "Four points of each curve in every interval between transitions",
+            {"digits": 15, "samples": 4},
+        ),
+        "full": (
+            "With all that a checker of the proof needs",
+            {"digits": 15, "range": {"from": 27, "to": 29}, "certificate": "full"},
+        ),
+    }
+
+    fixed_leg: FixedLeg = Field(
+        default=1, description="The leg whose length is fixed in a slice, and the parameter of the curves."
+    )
+    digits: Digits = digits_field()
+    range: Range = range_field()
+    l1: Slices = slices_field(
+        "Lengths of leg 1 at which points are requested, within the range: a number, a list or a range. With "
+        "`fixed_leg` 2 or 3 use `l2` or `l3`."
+    )
+    l2: Slices = slices_field("The lengths, with `fixed_leg` 2.")
+    l3: Slices = slices_field("The lengths, with `fixed_leg` 3.")
+    samples: Samples = Field(
+        default=None,
+        description="Number of sample points of each curve in every interval between transitions, however "
+        "narrow; at most max_samples of /v1/limits.",
+    )
+
+    certificate: Literal["short", "full"] = Field(
+        default="short",
+        description="`full` adds what somebody else needs to check that the points of a curve are joined by "
+        "it, and that curves join at their ends: chains of tubes, each with one curve in it.",
+    )
+
+    @field_validator("l1", "l2", "l3")
+    @classmethod
+    def _are_within_the_range(
+        cls, lengths: tuple[Fraction, ...], info: ValidationInfo
+    ) -> tuple[Fraction, ...]:
+        info.data.get("range", OpenRange()).check_inside(lengths)
+        return lengths
+
+    @property
+    def kind(self) -> Kind:
+        """The kind of the document; one with a full certificate is kept by itself."""
+        return CERTIFIED_CURVES if self.certificate == FULL else CUSP_CURVES
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question."""
+        lengths = [exact_str(x) for x in sorted(set(self.slices))]
+        return {**self.model_dump(exclude={"l1", "l2", "l3", "certificate"}), "lengths": lengths}
+
+    def _asked(self) -> dict[str, Any]:
+        content = self.content()
+        lengths = content.pop("lengths")
+        full = {"certificate": FULL} if self.certificate == FULL else {}
+        return {**content, **({f"l{self.fixed_leg}": lengths} if lengths else {}), **full}

@@ -31,6 +31,7 @@ from service.schemas.model import Model
 
 T = TypeVar("T")
 
+
 _LISTED, _LISTED_IN_PART = 20, 50
 
 

@@ -1,4 +1,4 @@
-"""Lengths of the fixed leg: slices as a number, a list or a range; and ranges with open ends."""
+"""Lengths of the fixed leg: slices as a number, a list or a range; ranges with open ends; joint limits."""
 
 from __future__ import annotations
 
@@ -19,12 +19,18 @@ from pydantic import (
 
 from rpr_solver import LengthRange, exact_str, parse_exact
 from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.model.lengths import Bounds
 from service.schemas.document import Document, Source, part, unnamed
 from service.schemas.limits import LimitError, Limits
+from service.schemas.model import Model
 from service.schemas.numbers import FIXED_LEGS, Exact, Positive, exact_number
 from service.schemas.questions import Question
 
 LEGS = ("l1", "l2", "l3")
+
+ENDS = ("from", "to", "step")
+"""Of a range of lengths."""
+
 
 _NUMBERS: TypeAdapter[tuple[Fraction, ...]] = TypeAdapter(tuple[Exact, ...])
 
@@ -208,6 +214,7 @@ def _needed(leg: int) -> dict[str, Any]:
 OF_THE_FIXED_LEG: dict[str, Any] = {"dependentSchemas": {f"l{leg}": _of_leg(leg) for leg in FIXED_LEGS}}
 """Of a schema: lengths of the fixed leg alone; leg 1 is fixed if none is given."""
 
+
 NEEDED: dict[str, Any] = {**OF_THE_FIXED_LEG, **_needed(1)}
 """The same, if there must be some."""
 
@@ -249,6 +256,13 @@ class SlicesOfOneLeg(Document):
         return f"with fixed_leg {own[1]} the slices are {own}"
 
 
+RANGE_COLUMNS = tuple(f"{leg}_{end}" for leg in LEGS for end in ENDS[:2])
+"""The columns of a row, or parameters of a query, that give a range of lengths."""
+
+SLICE_COLUMNS = tuple(f"{leg}_{end}" for leg in LEGS for end in ENDS)
+"""The same, in steps."""
+
+
 class OneSlice(Question):
     """Base of questions about the slice of one length of the fixed leg, which is l1, l2 or l3.
 
@@ -277,3 +291,41 @@ def _leg_of(value: Mapping[str, Any]) -> int | None:
     except InputError:
         return None
     return int(leg) if leg in FIXED_LEGS else None
+
+
+class JointLimit(Document):
+    """The joint limits of one leg; an end that is missing or null is open."""
+
+    expected: ClassVar[str] = 'give an object with "min" and "max"'
+
+    min: Exact | None = None
+    max: Exact | None = None
+
+
+class JointLimits(Document):
+    """Joint limits of legs."""
+
+    expected: ClassVar[str] = "give an object with the free legs, such as l2 and l3"
+
+    l1: JointLimit | None = None
+    l2: JointLimit | None = None
+    l3: JointLimit | None = None
+
+    def bounds(self) -> dict[int, Bounds]:
+        """The limits as the solver takes them."""
+        return {int(leg[1]): (limit.min, limit.max) for leg, limit in self if limit is not None}
+
+
+class LegLimits(Model):
+    """The joint limits of one leg, exact; null is an open end."""
+
+    min: str | None
+    max: str | None
+
+
+class KeptLimits(Model):
+    """The joint limits that were asked for, by legs."""
+
+    l1: LegLimits | None = None
+    l2: LegLimits | None = None
+    l3: LegLimits | None = None

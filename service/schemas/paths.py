@@ -19,10 +19,20 @@ from rpr_solver.contract import (
 )
 from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.model.lengths import Bounds, limits_json, read_limits
+from service.schemas.answers import (
+    CSV,
+    JSON,
+    JSON_FORM,
+    ClosedRange,
+    Decimal,
+    DocumentHead,
+    Forms,
+    csv_form,
+    optional,
+)
 from service.schemas.document import Document, Source, given
 from service.schemas.exact_json import JsonNumber, json_kind
-from service.schemas.joint_limits import JointLimits, KeptLimits
-from service.schemas.lengths import LEGS, NEEDED, OneSlice, SlicesOfOneLeg
+from service.schemas.lengths import LEGS, NEEDED, JointLimits, KeptLimits, OneSlice, SlicesOfOneLeg
 from service.schemas.model import Model
 from service.schemas.numbers import (
     Digits,
@@ -35,12 +45,11 @@ from service.schemas.numbers import (
     whole_from,
     whole_number,
 )
-from service.schemas.points import ClosedRange, Decimal, DocumentHead, optional
 from service.schemas.questions import Examples
 from worker.answers.paths import PATH, USUAL
-from worker.answers.requests import Kind
 
 _LAST = letter(MOST_CUSPS)
+
 
 _CUSP_SCHEMA = (
     Annotated[int, Field(ge=1, le=MOST_CUSPS)]
@@ -98,130 +107,13 @@ class Between(Document):
 
 
 _POSES = ("from", "to")
+
+
 _LOOP_OR_POSES: dict[str, Any] = {
     "if": {"anyOf": [{"type": "object", "required": [name]} for name in _POSES]},
     "then": {"required": [*LEGS, *_POSES], "properties": {"cusp": False}},
     "else": {**NEEDED, "properties": {"between": False}},
 }
-
-
-class PathRequest(SlicesOfOneLeg, OneSlice):
-    """A manipulator, and the loop or the path that is requested.
-
-    For a loop round a cusp give the slice and the `cusp`. The slice is the length of the fixed leg: `l1`, or
-    `l2` with `fixed_leg` 2, or `l3` with `fixed_leg` 3, and neither of the other two. For a path from one
-    pose to another of the same joint vector give `l1`, `l2` and `l3`, and the poses as `from` and `to`.
-    """
-
-    model_config = ConfigDict(json_schema_extra=_LOOP_OR_POSES)
-
-    expected: ClassVar[str] = "send an object with geometry and l1"
-    kinds: ClassVar[Sequence[Kind]] = (PATH,)
-    needs_slices: ClassVar[bool] = True
-    hint_of_slices: ClassVar[str] = "give a number"
-    examples: ClassVar[Examples] = {
-        "loop": (
-            "The article's first manipulator, round cusp B at L1 = 27",
-            {"l1": 27, "cusp": "B", "samples": 5},
-        ),
-        "poses": (
-            "From one pose to another, leg 1 being free between 27 and 30",
-            {
-                "l1": 27,
-                "l2": "25.7",
-                "l3": "9.2",
-                "from": 2,
-                "to": 4,
-                "between": {"from": 27, "to": 30},
-                "samples": 5,
-            },
-        ),
-        "limits": (
-            "A loop that keeps joint limits",
-            {"l1": 27, "cusp": "B", "limits": {"l2": {"min": 8, "max": 20}, "l3": {"max": 18}}, "samples": 5},
-        ),
-    }
-
-    fixed_leg: FixedLeg = fixed_leg_field()
-    l1: Length = given("The length of leg 1. For a loop with `fixed_leg` 2 or 3 use `l2` or `l3`.")
-    l2: Length = given("The length of leg 2: for a loop, with `fixed_leg` 2.")
-    l3: Length = given("The length of leg 3: for a loop, with `fixed_leg` 3.")
-    start: PoseNumber = given(
-        "The number of the pose at the start, from 1, in the answer of /v1/poses.", alias="from"
-    )
-    stop: PoseNumber = given("The number of the pose at the end.", alias="to")
-    between: Between = given("Lengths between which the fixed leg may move; without them it is held.")
-    limits: JointLimits = given(
-        "Joint limits that the path keeps, of any legs: `min` and `max`, either of which may be missing."
-    )
-    cusp: CuspNumber = cusp_field()
-    samples: Annotated[int, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = Field(
-        default=USUAL["samples"], description="The number of samples, the ends included."
-    )
-    timing: Literal["cosine", "trapezoid", "constant"] = Field(
-        default=USUAL["timing"],
-        description="The law of time over the arc length in joint space: the speed rises and falls as half a "
-        "sine wave, or rises for a third of the time, stays, and falls for a third, or is constant.",
-    )
-    others: Annotated[bool, PlainValidator(_yes_or_no, json_schema_input_type=bool)] = Field(
-        default=USUAL["others"],
-        description="Whether the other poses of the joint vector are followed too, as far as they live.",
-    )
-    duration: Annotated[Fraction, PlainValidator(_duration, json_schema_input_type=Length)] = Field(
-        default=Fraction(USUAL["duration"]), description="The time of the last sample; > 0."
-    )
-    digits: Digits = digits_field(PATH_DIGITS)
-
-    @classmethod
-    def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
-        return cls._names() if _is_of_poses(value) else super()._members(value)
-
-    @classmethod
-    def _problems_of_members(cls, value: Mapping[str, Any], known: Sequence[str]) -> Iterator[FieldProblem]:
-        of_poses = _is_of_poses(value)
-        yield from super()._problems_of_members(value, known)
-        if of_poses:
-            missing = [name for name in (*LEGS, *_POSES) if name not in value]
-            yield from (FieldProblem(name, "is missing; give a number") for name in missing)
-            if "cusp" in value:
-                yield FieldProblem("cusp", "is for a loop; leave it out, or from and to")
-        elif "between" in value:
-            yield FieldProblem("between", "is for a path from pose to pose; give from and to as well")
-
-    @model_validator(mode="after")
-    def _limits_are_sound(self) -> Self:
-        self._bounds()
-        return self
-
-    def _bounds(self) -> dict[int, Bounds]:
-        return {} if self.limits is None else read_limits(self.limits.bounds(), "limits")
-
-    def content(self) -> dict[str, Any]:
-        """Returns the canonical form of the question."""
-        own: dict[str, Any] = {"cusp": self.cusp}
-        if self.start is None:
-            own["length"] = exact_str(self.length)
-        else:
-            own = {
-                **{leg: exact_str(getattr(self, leg)) for leg in LEGS},
-                "from": self.start,
-                "to": self.stop,
-                "between": self.between and self.between.model_dump(by_alias=True),
-            }
-        return {
-            "geometry": self.geometry.to_json(),
-            "fixed_leg": self.fixed_leg,
-            **own,
-            **({"limits": limits_json(bounds)} if (bounds := self._bounds()) else {}),
-            "samples": self.samples,
-            "timing": self.timing,
-            "duration": exact_str(self.duration),
-            "others": self.others,
-            "digits": self.digits,
-        }
-
-    def _asked(self) -> dict[str, Any]:
-        return {name: value for name, value in super()._asked().items() if value is not None}
 
 
 def _is_of_poses(value: Mapping[str, Any]) -> bool:
@@ -248,9 +140,6 @@ class _Numbered(Model):
 
 class _Timed(Model):
     time: str = Field(description="Exact, from 0 to the duration.")
-
-
-# the members of the last base come first
 
 
 class PoseOnPath(_Angles, _Numbered):
@@ -355,3 +244,147 @@ class Path(DocumentHead):
     timing: str | None = optional("The law of time.")
     samples: list[PathSample]
     certificate: PathCertificate | None = optional("The proof of the path.")
+
+
+class PathRequest(SlicesOfOneLeg, OneSlice):
+    """A manipulator, and the loop or the path that is requested.
+
+    For a loop round a cusp give the slice and the `cusp`. The slice is the length of the fixed leg: `l1`, or
+    `l2` with `fixed_leg` 2, or `l3` with `fixed_leg` 3, and neither of the other two. For a path from one
+    pose to another of the same joint vector give `l1`, `l2` and `l3`, and the poses as `from` and `to`.
+    """
+
+    model_config = ConfigDict(json_schema_extra=_LOOP_OR_POSES)
+
+    expected = "send an object with geometry and l1"
+    kinds = (PATH,)
+    path = "/v1/paths"
+    name = "post_path"
+    tag = ("paths", "Motions without a singularity.")
+    summary = "A motion from one pose to another of the same leg lengths, without a singularity"
+    description = """\
+A loop begins and ends at one joint vector, where the manipulator has two poses of one sign of J. The platform
+follows the legs continuously, is nowhere singular, and yet arrives at the other pose. Proved along the whole
+path, not only at the samples: J keeps its sign, and the loop turns once round the cusp, counter-clockwise,
+and round no other cusp of the slice. This is one way to change the assembly mode, not the only one.
+
+From pose to pose, the answer is a path in the slice or, with `between`, with the fixed leg free to move; or
+the reason why there is none: J has different signs at both poses, or they lie in different aspects of the
+slice or of the range. For the latter the answer names a range of the fixed leg within which they are joined.
+
+With `limits` the path or the loop keeps joint limits, proved as well. There may be no path that does, which
+is proved by subdivision, or left undecided at a `resolution` that is told.
+
+Samples are points of that path at equal intervals of time, with the legs, the pose, the determinant and a
+bound of the distance to the nearest singular pose. A worker finds a path in a fraction of a second, so the
+response waits for it, up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.
+"""
+    answer = Path
+    known = "The path."
+    forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("path_csv", "sample")}
+    implied_wait = 10
+    needs_slices = True
+    hint_of_slices = "give a number"
+    examples: ClassVar[Examples] = {
+        "loop": (
+            "The article's first manipulator, round cusp B at L1 = 27",
+            {"l1": 27, "cusp": "B", "samples": 5},
+        ),
+        "poses": (
+            "From one pose to another, leg 1 being free between 27 and 30",
+            {
+                "l1": 27,
+                "l2": "25.7",
+                "l3": "9.2",
+                "from": 2,
+                "to": 4,
+                "between": {"from": 27, "to": 30},
+                "samples": 5,
+            },
+        ),
+        "limits": (
+            "A loop that keeps joint limits",
+            {"l1": 27, "cusp": "B", "limits": {"l2": {"min": 8, "max": 20}, "l3": {"max": 18}}, "samples": 5},
+        ),
+    }
+
+    fixed_leg: FixedLeg = fixed_leg_field()
+    l1: Length = given("The length of leg 1. For a loop with `fixed_leg` 2 or 3 use `l2` or `l3`.")
+    l2: Length = given("The length of leg 2: for a loop, with `fixed_leg` 2.")
+    l3: Length = given("The length of leg 3: for a loop, with `fixed_leg` 3.")
+    start: PoseNumber = given(
+        "The number of the pose at the start, from 1, in the answer of /v1/poses.", alias="from"
+    )
+    stop: PoseNumber = given("The number of the pose at the end.", alias="to")
+    between: Between = given("Lengths between which the fixed leg may move; without them it is held.")
+    limits: JointLimits = given(
+        "Joint limits that the path keeps, of any legs: `min` and `max`, either of which may be missing."
+    )
+    cusp: CuspNumber = cusp_field()
+    samples: Annotated[int, whole_from(LEAST_SAMPLES, MOST_SAMPLES)] = Field(
+        default=USUAL["samples"], description="The number of samples, the ends included."
+    )
+    timing: Literal["cosine", "trapezoid", "constant"] = Field(
+        default=USUAL["timing"],
+        description="The law of time over the arc length in joint space: the speed rises and falls as half a "
+        "sine wave, or rises for a third of the time, stays, and falls for a third, or is constant.",
+    )
+    others: Annotated[bool, PlainValidator(_yes_or_no, json_schema_input_type=bool)] = Field(
+        default=USUAL["others"],
+        description="Whether the other poses of the joint vector are followed too, as far as they live.",
+    )
+    duration: Annotated[Fraction, PlainValidator(_duration, json_schema_input_type=Length)] = Field(
+        default=Fraction(USUAL["duration"]), description="The time of the last sample; > 0."
+    )
+    digits: Digits = digits_field(PATH_DIGITS)
+
+    @classmethod
+    def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
+        return cls._names() if _is_of_poses(value) else super()._members(value)
+
+    @classmethod
+    def _problems_of_members(cls, value: Mapping[str, Any], known: Sequence[str]) -> Iterator[FieldProblem]:
+        of_poses = _is_of_poses(value)
+        yield from super()._problems_of_members(value, known)
+        if of_poses:
+            missing = [name for name in (*LEGS, *_POSES) if name not in value]
+            yield from (FieldProblem(name, "is missing; give a number") for name in missing)
+            if "cusp" in value:
+                yield FieldProblem("cusp", "is for a loop; leave it out, or from and to")
+        elif "between" in value:
+            yield FieldProblem("between", "is for a path from pose to pose; give from and to as well")
+
+    @model_validator(mode="after")
+    def _limits_are_sound(self) -> Self:
+        self._bounds()
+        return self
+
+    def _bounds(self) -> dict[int, Bounds]:
+        return {} if self.limits is None else read_limits(self.limits.bounds(), "limits")
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question."""
+        own: dict[str, Any] = {"cusp": self.cusp}
+        if self.start is None:
+            own["length"] = exact_str(self.length)
+        else:
+            own = {
+                **{leg: exact_str(getattr(self, leg)) for leg in LEGS},
+                "from": self.start,
+                "to": self.stop,
+                "between": self.between and self.between.model_dump(by_alias=True),
+            }
+        return {
+            "geometry": self.geometry.to_json(),
+            "fixed_leg": self.fixed_leg,
+            **own,
+            **({"limits": limits_json(bounds)} if (bounds := self._bounds()) else {}),
+            "samples": self.samples,
+            "timing": self.timing,
+            "duration": exact_str(self.duration),
+            "others": self.others,
+            "digits": self.digits,
+        }
+
+    def _asked(self) -> dict[str, Any]:
+        return {name: value for name, value in super()._asked().items() if value is not None}

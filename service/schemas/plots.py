@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any, ClassVar, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
 from rpr_solver import exact_str
 from rpr_solver.errors import FieldProblem, InputError
+from service.schemas.answers import JSON, JSON_FORM, SVG, DocumentHead, Form, Forms
 from service.schemas.document import given
-from service.schemas.lengths import LEGS, NEEDED, OneSlice, Range, range_field
+from service.schemas.lengths import LEGS, NEEDED, RANGE_COLUMNS, OneSlice, Range, range_field
 from service.schemas.numbers import FixedLeg, Length, PoseNumber, fixed_leg_field
 from service.schemas.paths import CuspNumber, cusp_field
-from service.schemas.points import DocumentHead
-from service.schemas.questions import Examples
+from service.schemas.questions import Examples, Question
 from worker.answers.plots import DIGITS, PLOT
-from worker.answers.requests import Kind
 
 _ONE_SLICE = ("slice", "torus", "loop")
+
+
 _ALL_SLICES = ("census", "locus")
+
+
 _WITH_CUSP = ("loop", "mechanism")
+
+
 _SCHEMA: dict[str, Any] = {
     "if": {"properties": {"plot": {"enum": [*_ONE_SLICE]}}},
     "then": {
@@ -43,6 +48,18 @@ _SCHEMA: dict[str, Any] = {
 }
 
 
+class Plot(DocumentHead):
+    """A picture."""
+
+    plot: str = Field(description="What is drawn.")
+    theme: str
+    title: str = Field(description="What it shows, in a line.")
+    description: str = Field(description="What is in it, in sentences, for those who do not see it.")
+    width: float = Field(description="In pixels, as the height.")
+    height: float
+    svg: str = Field(description="The picture as an SVG document.")
+
+
 class PlotRequest(OneSlice):
     """A manipulator, and what is to be drawn of it.
 
@@ -53,8 +70,28 @@ class PlotRequest(OneSlice):
 
     model_config = ConfigDict(json_schema_extra=_SCHEMA)
 
-    expected: ClassVar[str] = "send an object with geometry, and l1 for a slice"
-    kinds: ClassVar[Sequence[Kind]] = (PLOT,)
+    expected = "send an object with geometry, and l1 for a slice"
+    kinds = (PLOT,)
+    path = "/v1/plots"
+    name = "post_plot"
+    tag = ("plots", "Pictures.")
+    summary = "A picture of a slice, a census, the curves of cusps, a loop, or the mechanism"
+    description = """\
+Draws what other calls compute. The answer is JSON with the picture as SVG text, its title and a description
+in words, or the SVG alone with `Accept: image/svg+xml`; `/v1/plot.svg` gives the same by an address.
+
+Equal questions give the same bytes. In the theme `auto` a picture follows its reader's setting, light or
+dark; a moving one stands still for readers who prefer less motion. A census or the curves of all cusps take a
+few seconds, anything else less than one; the response waits for it, up to 10 seconds unless `Prefer` says
+otherwise.
+"""
+    answer = Plot
+    known = "The picture."
+    forms: ClassVar[Forms] = {
+        JSON: JSON_FORM,
+        SVG: Form(lambda document: document["svg"].encode(), "The picture."),
+    }
+    implied_wait = 10
     examples: ClassVar[Examples] = {
         "slice": ("The article's figure 4", {"l1": 27}),
         "census": ("The number of cusps against L1", {"plot": "census"}),
@@ -133,14 +170,15 @@ class PlotRequest(OneSlice):
     def _asked(self) -> dict[str, Any]:
         return {name: value for name, value in super()._asked().items() if name != "digits"}
 
+    @classmethod
+    def by_query(cls) -> type[Question]:
+        """Returns the picture alone, for pages that show it."""
+        return PictureRequest
 
-class Plot(DocumentHead):
-    """A picture."""
 
-    plot: str = Field(description="What is drawn.")
-    theme: str
-    title: str = Field(description="What it shows, in a line.")
-    description: str = Field(description="What is in it, in sentences, for those who do not see it.")
-    width: float = Field(description="In pixels, as the height.")
-    height: float
-    svg: str = Field(description="The picture as an SVG document.")
+class PictureRequest(PlotRequest):
+    """A picture as an address."""
+
+    path = "/v1/plot.svg"
+    forms: ClassVar[Forms] = {SVG: PlotRequest.forms[SVG]}
+    columns = ("plot", "theme", *LEGS, *RANGE_COLUMNS, "fixed_leg", "cusp", "pose")

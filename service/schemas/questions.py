@@ -1,26 +1,27 @@
-"""The base of all questions: a manipulator, and the request for a job.
-
-A new kind of document is a module here (its question and its answer), one in `worker.answers` with an entry
-in its `kinds`, an entry in `service.api.operations`, and a command in `service.cli` with its line in `main`.
-"""
+"""The base of all questions: a manipulator, the request for a job, and its price."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, PlainSerializer, PlainValidator, ValidationInfo
+from pydantic import BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator, ValidationInfo
 
 from rpr_solver import Manipulator
-from rpr_solver.errors import InputError
+from rpr_solver.errors import FieldProblem, InputError
 from rpr_solver.model.manipulator import without_notes
+from service.schemas.answers import JSON, JSON_FORM, Forms
 from service.schemas.document import Document, Expected, Source, part, unnamed
 from service.schemas.exact_json import JsonNumber, json_kind
+from service.schemas.limits import LimitError, Limits
 from service.schemas.numbers import DeadlineSeconds, Exact, Positive
+from worker.answers.cost import SHORT_BITS, Sizes, digits_of_bits
 from worker.answers.requests import JobRequest, Kind
 
 EXAMPLE_GEOMETRY = {"a2x": 15.91, "a3x": 0, "a3y": 10, "d1": 17.04, "d2": 16.54, "d3": 20.84}
+
 
 Examples = Mapping[str, tuple[str, Mapping[str, Any]]]
 """Name → summary and body; the geometry defaults to the article's first manipulator."""
@@ -96,18 +97,39 @@ CallbackUrl = Annotated[
 
 
 class Question(Document):
-    """A kind of question: the model that reads a body or a command's options, and describes both.
+    """A kind of question: the model that reads a body or a command's options, and all that is said of it.
+
+    Routes, the contract, clients, items of batches and commands follow from these attributes; see `catalog`.
 
     Attributes:
         expected: what to send, for messages.
-        kinds: the kinds of documents that answer the question.
+        kinds: the kinds of documents that answer the question, the usual one first.
         examples: bodies for the documentation.
         names_geometry: whether a body has the member `geometry`.
+        path, name, summary, description: of the operation in OpenAPI, which is a POST.
+        tag: the name and the description of its group.
+        answer: the model of the document.
+        known: the description of the response 200.
+        example: an answer, for the documentation.
+        forms: media type → form of the document.
+        implied_wait: seconds to wait for a job if the client states no preference; None: do not wait.
+        columns: what a query may have beside the geometry; if nothing, there is no form with GET.
     """
 
     kinds: ClassVar[Sequence[Kind]]
     examples: ClassVar[Examples]
     names_geometry: ClassVar[bool] = True
+    path: ClassVar[str]
+    name: ClassVar[str]
+    summary: ClassVar[str]
+    description: ClassVar[str]
+    tag: ClassVar[tuple[str, str]]
+    answer: ClassVar[type[BaseModel]]
+    known: ClassVar[str]
+    example: ClassVar[object] = None
+    forms: ClassVar[Forms] = {JSON: JSON_FORM}
+    implied_wait: ClassVar[int | None] = None
+    columns: ClassVar[Sequence[str]] = ()
 
     geometry: GeometryField
     deadline_s: DeadlineSeconds = Field(
@@ -123,6 +145,11 @@ class Question(Document):
         description="Where to POST an event when the job ends, if the answer is not known yet; its host must "
         "be one that the service allows.",
     )
+
+    @classmethod
+    def by_query(cls) -> type[Question] | None:
+        """Returns the question that is asked by GET, if there is one."""
+        return cls if cls.columns else None
 
     @property
     def kind(self) -> Kind:
@@ -145,3 +172,42 @@ class Question(Document):
     def job_request(self) -> JobRequest:
         """Returns the request for the job that answers the question."""
         return JobRequest(self.kind, self.content())
+
+
+def check_price(request: JobRequest, limits: Limits) -> None:
+    """Refuse a question whose answer takes too long, whatever is known already.
+
+    Raises:
+        LimitError: naming what to reduce: whatever suffices alone, or else what saves most.
+    """
+    size = request.sizes
+    price = request.kind.seconds(size)
+    limit = limits.max_cost_seconds
+    if price <= limit:
+        return
+    ways = _ways(request, size)
+    prices = {field: request.kind.seconds(smaller) for field, (smaller, _) in ways.items()}
+    enough = [field for field in ways if prices[field] <= limit] or [min(prices, key=prices.__getitem__)]
+    cost = f"would take about {_rounded(price)} s of one core; the limit max_cost_seconds is {limit}"
+    problems = [FieldProblem(field, f"{cost}; {ways[field][1]}") for field in enough]
+    raise LimitError(problems, "max_cost_seconds", limit)
+
+
+def _ways(request: JobRequest, size: Sizes) -> Mapping[str, tuple[Sizes, str]]:
+    """Returns the fields that can be reduced, each with the sizes at best and what to do."""
+    long = f"in their smallest common unit its sides have up to {digits_of_bits(size.geometry)} digits"
+    shape = (
+        ", and its triangles are nearly, but not quite, of a special shape"
+        if size.nearness > SHORT_BITS
+        else ""
+    )
+    plain = replace(size, geometry=min(size.geometry, SHORT_BITS), nearness=0)
+    return {
+        "geometry": (plain, f"shorten its numbers: {long}{shape}"),
+        "digits": (replace(size, digits=15), f"ask for fewer than {size.digits} digits"),
+        **request.kind.fewer(request.content, size),
+    }
+
+
+def _rounded(price: float) -> str:
+    return f"{float(f'{price:.2g}'):.0f}"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from dataclasses import replace
+from pathlib import Path
 from typing import Any, ClassVar, Literal, Self
 
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
@@ -10,22 +12,168 @@ from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_v
 from rpr_solver import exact_str
 from rpr_solver.contract import FULL
 from rpr_solver.errors import InputError
-from service.schemas.article_audit import Audit
+from service.schemas.answers import (
+    CSV,
+    JSON,
+    JSON_FORM,
+    NDJSON,
+    Cusp,
+    DocumentHead,
+    FixedLength,
+    Form,
+    Forms,
+    Point,
+    csv_form,
+    csv_pieces,
+    ndjson_bytes,
+    ndjson_pieces,
+    ndjson_size,
+    optional,
+)
 from service.schemas.document import Source
-from service.schemas.lengths import NEEDED, Slices, SlicesOfOneLeg, slices_field
+from service.schemas.lengths import LEGS, NEEDED, SLICE_COLUMNS, Slices, SlicesOfOneLeg, slices_field
 from service.schemas.limits import LimitError
 from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
-from service.schemas.points import Cusp, DocumentHead, FixedLength, Point, optional
 from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
 from worker.answers.requests import Kind
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
 
+
+class Couple(Model):
+    """A couple (α, θ1): a real solution above a root of the article's eliminant."""
+
+    alpha_deg: str
+    theta1_deg: str
+    verdict: Literal["kept", "degenerate", "rejected"]
+    reason: str
+
+
+class ArticleFactor(Model):
+    """A factor of the article's eliminant, the couples (α, θ1) above its real roots, and their origin."""
+
+    origin: str
+    degree: int
+    multiplicity: int
+    irreducible: list[dict[str, int]]
+    reason: str
+    real_roots: int
+    rejected_in_step_6: int | None
+    couples: list[Couple]
+
+
+class Audit(Model):
+    """The article's algorithm, audited step by step."""
+
+    equations: str
+    eliminant_degree: int
+    h: str
+    factors: list[ArticleFactor]
+    conjecture: dict[str, Any] = Field(
+        description="Whether the factor Q alone yields all cusps, with the reason."
+    )
+
+
 ARTICLE = "article"
+
+
 METHODS = ("fast", ARTICLE)
 
+
 _SCAN = {"from": "0.1", "to": "50.1", "step": "0.1"}
+
+
 _TURNED = {**EXAMPLE_GEOMETRY, "d1": "426/25", "orientation": "ccw"}
+
+
+class DegeneratePoint(Point):
+    """A point or curve that satisfies the cusp equations without being an ordinary cusp."""
+
+    kind: str = Field(description="For example swallowtail, beak-to-beak, lips, node, quadruple.")
+    equation: str | None = optional("The equation of a whole curve of such points.")
+
+
+class SliceErrorDetail(Model):
+    """Why one slice has no answer."""
+
+    type: str
+    detail: str
+
+
+class Factor(Model):
+    """A factor of the resultant, and where it comes from."""
+
+    degree: int
+    multiplicity: int
+    origin: str = Field(description="`cusps`, or the reason why its roots are not cusps.")
+
+
+class FullCertificate(Model):
+    """What somebody else needs to check a slice; present with `certificate` `full`."""
+
+    model_config = ConfigDict(extra="allow")
+
+    polynomial: dict[str, Any] = Field(
+        description="Q of the slice, exact: integer coefficients as text, from the constant one on, and "
+        "those of the square root `omega`."
+    )
+    squarefree: dict[str, str] | None = Field(
+        description="A prime, and the square root modulo it, that prove Q of degree 24 and squarefree; null "
+        "if it is not."
+    )
+    real_roots: list[dict[str, Any]] = Field(
+        description="An isolating interval of each finite real root, exact, with its multiplicity."
+    )
+    boxes: list[dict[str, Any]] = Field(description="For each cusp the centre and the radius of a box.")
+
+
+class Certificate(Model):
+    """The proof of the answer."""
+
+    model_config = ConfigDict(extra="allow")
+
+    eliminant_degree: int
+    real_roots: int
+    factors: list[Factor]
+    method: str
+    working_bits: int = Field(description="Working precision, in bits, at which every decision was proved.")
+    proofs: list[dict[str, str]] = Field(
+        description="For each cusp the enclosing balls, none of which contains zero."
+    )
+    full: FullCertificate | None = optional("Present with `certificate` `full`.")
+
+
+class Slice(FixedLength):
+    """The cusps of one slice, sorted by the angle of the fixed leg, or an error that leaves the other slices
+    unaffected. The fixed length is exact."""
+
+    count: int | None = optional("Number of cusps.")
+    cusps: list[Cusp] | None = optional("The cusps.")
+    degenerate_points: list[DegeneratePoint] | None = optional(
+        "Points and curves that are not ordinary cusps."
+    )
+    certificate: Certificate | None = optional("The proof of the answer.")
+    method: Literal["article"] | None = optional("Present with method `article`.")
+    audit: Audit | None = optional("Present with method `article`.")
+    error: SliceErrorDetail | None = optional("Present if the slice has no answer.")
+
+
+class CuspTable(DocumentHead):
+    """The cusps of all requested slices; every decimal is correctly rounded to `digits` digits."""
+
+    geometry_hash: str = Field(
+        pattern="^sha256:[0-9a-f]{64}$",
+        description="Identifies the geometry, however its numbers are written.",
+    )
+    solver_version: str = Field(description="Changes whenever an answer may change.")
+    method: Literal["article"] | None = optional("Present with method `article`.")
+    slices: list[Slice] = Field(description="In the order of the request.")
+
+
+EXAMPLE_TABLE: dict[str, Any] = json.loads(
+    Path(__file__).with_name("example-table.json").read_text(encoding="utf-8")
+)
+"""The table of the article's first manipulator at L1 = 0.2 with 15 digits."""
 
 
 class CuspTableRequest(SlicesOfOneLeg, Question):
@@ -37,9 +185,33 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
 
     model_config = ConfigDict(json_schema_extra=NEEDED)
 
-    expected: ClassVar[str] = "send an object with geometry and l1"
-    kinds: ClassVar[Sequence[Kind]] = (CUSP_TABLE, ARTICLE_TABLE, CERTIFIED_TABLE)
-    needs_slices: ClassVar[bool] = True
+    expected = "send an object with geometry and l1"
+    kinds = (CUSP_TABLE, ARTICLE_TABLE, CERTIFIED_TABLE)
+    path = "/v1/cusp-tables"
+    name = "post_cusp_table"
+    tag = ("cusp tables", "Ask for the cusps of a manipulator.")
+    summary = "The cusps of a manipulator in one or more slices"
+    description = """\
+Answers 200 with the table if every slice is already known. Otherwise answers 202 with a job that computes
+the missing slices; follow its `Location`. With `Prefer: wait=N` the response waits up to N seconds for the
+job and is 200 if the job succeeds in that time.
+
+The answer's `Content-Location` is an address that works with GET: with `If-None-Match`, and in other forms.
+`If-None-Match` has no meaning for POST and is ignored.
+
+Equal requests share one job, and slices that requests have in common are computed once. Numbers are exact:
+`17.04` is 426/25, never a binary float.
+"""
+    answer = CuspTable
+    known = "The table, with every slice known."
+    columns = (*LEGS, *SLICE_COLUMNS, "fixed_leg", "digits", "method")
+    example = EXAMPLE_TABLE
+    forms: ClassVar[Forms] = {
+        JSON: JSON_FORM,
+        CSV: replace(csv_form("table_csv", "cusp and degenerate point"), pieces=csv_pieces),
+        NDJSON: Form(ndjson_bytes, "One slice per line.", ndjson_pieces, ndjson_size),
+    }
+    needs_slices = True
     examples: ClassVar[Examples] = {
         "slice": ("The article's first manipulator, one slice", {"l1": 14.98}),
         "scan": ("The same manipulator, 501 slices", {"l1": _SCAN, "digits": 30}),
@@ -131,87 +303,3 @@ class CuspTableRequest(SlicesOfOneLeg, Question):
         leg = {} if self.method == ARTICLE else {"fixed_leg": self.fixed_leg}
         slices = list(dict.fromkeys(map(exact_str, self.slices)))
         return {"geometry": self.geometry.to_json(), **leg, "digits": self.digits, "l1": slices}
-
-
-class DegeneratePoint(Point):
-    """A point or curve that satisfies the cusp equations without being an ordinary cusp."""
-
-    kind: str = Field(description="For example swallowtail, beak-to-beak, lips, node, quadruple.")
-    equation: str | None = optional("The equation of a whole curve of such points.")
-
-
-class SliceErrorDetail(Model):
-    """Why one slice has no answer."""
-
-    type: str
-    detail: str
-
-
-class Factor(Model):
-    """A factor of the resultant, and where it comes from."""
-
-    degree: int
-    multiplicity: int
-    origin: str = Field(description="`cusps`, or the reason why its roots are not cusps.")
-
-
-class FullCertificate(Model):
-    """What somebody else needs to check a slice; present with `certificate` `full`."""
-
-    model_config = ConfigDict(extra="allow")
-
-    polynomial: dict[str, Any] = Field(
-        description="Q of the slice, exact: integer coefficients as text, from the constant one on, and "
-        "those of the square root `omega`."
-    )
-    squarefree: dict[str, str] | None = Field(
-        description="A prime, and the square root modulo it, that prove Q of degree 24 and squarefree; null "
-        "if it is not."
-    )
-    real_roots: list[dict[str, Any]] = Field(
-        description="An isolating interval of each finite real root, exact, with its multiplicity."
-    )
-    boxes: list[dict[str, Any]] = Field(description="For each cusp the centre and the radius of a box.")
-
-
-class Certificate(Model):
-    """The proof of the answer."""
-
-    model_config = ConfigDict(extra="allow")
-
-    eliminant_degree: int
-    real_roots: int
-    factors: list[Factor]
-    method: str
-    working_bits: int = Field(description="Working precision, in bits, at which every decision was proved.")
-    proofs: list[dict[str, str]] = Field(
-        description="For each cusp the enclosing balls, none of which contains zero."
-    )
-    full: FullCertificate | None = optional("Present with `certificate` `full`.")
-
-
-class Slice(FixedLength):
-    """The cusps of one slice, sorted by the angle of the fixed leg, or an error that leaves the other slices
-    unaffected. The fixed length is exact."""
-
-    count: int | None = optional("Number of cusps.")
-    cusps: list[Cusp] | None = optional("The cusps.")
-    degenerate_points: list[DegeneratePoint] | None = optional(
-        "Points and curves that are not ordinary cusps."
-    )
-    certificate: Certificate | None = optional("The proof of the answer.")
-    method: Literal["article"] | None = optional("Present with method `article`.")
-    audit: Audit | None = optional("Present with method `article`.")
-    error: SliceErrorDetail | None = optional("Present if the slice has no answer.")
-
-
-class CuspTable(DocumentHead):
-    """The cusps of all requested slices; every decimal is correctly rounded to `digits` digits."""
-
-    geometry_hash: str = Field(
-        pattern="^sha256:[0-9a-f]{64}$",
-        description="Identifies the geometry, however its numbers are written.",
-    )
-    solver_version: str = Field(description="Changes whenever an answer may change.")
-    method: Literal["article"] | None = optional("Present with method `article`.")
-    slices: list[Slice] = Field(description="In the order of the request.")

@@ -11,13 +11,12 @@ from pydantic.json_schema import SkipJsonSchema
 from rpr_solver import MAX_DIGITS, MIN_DIGITS, Manipulator
 from rpr_solver.errors import InputError
 from rpr_solver.verify.core.texts import check_texts
+from service.schemas.answers import GeometryText, optional
 from service.schemas.document import Expected, Source, unnamed
 from service.schemas.exact_json import json_kind, plain
 from service.schemas.numbers import whole_from
-from service.schemas.points import GeometryText, optional
 from service.schemas.questions import Examples, GeometryField, Question
 from worker.answers.documents import VERIFICATION
-from worker.answers.requests import Kind
 
 _EXAMPLE: dict[str, Any] = {
     "geometry": {
@@ -49,64 +48,6 @@ def _document(value: object, info: ValidationInfo) -> dict[str, Any]:
 
 
 MOST_EFFORT = 100
-
-
-class VerificationRequest(Question):
-    """A document to verify, as this service or the command line gave it."""
-
-    expected: ClassVar[str] = "send an object with document"
-    kinds: ClassVar[Sequence[Kind]] = (VERIFICATION,)
-    examples: ClassVar[Examples] = {"table": ("A table without cusps", {"document": _EXAMPLE})}
-    names_geometry: ClassVar[bool] = False
-
-    geometry: SkipJsonSchema[GeometryField] = Field(exclude=True)
-    document: Annotated[
-        dict[str, Any],
-        PlainValidator(_document, json_schema_input_type=dict[str, Any]),
-        Expected("give a document of this service, with its geometry"),
-    ] = Field(
-        description="The document, its numbers as text: a cusp table, poses, a census, cusp curves or a "
-        "report of a check."
-    )
-
-    effort: Annotated[int, whole_from(1, MOST_EFFORT, "how many times the usual work, ")] = Field(
-        default=1,
-        description="How many times the work is done that the length of the document allows: once it is "
-        "about ten seconds for each 100 kB. What is left then is not established.",
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _with_its_geometry(cls, value: Any) -> Any:
-        """The geometry is that of the document; whatever is wrong with it, the document's validation says."""
-        document = value.get("document")
-        geometry = document.get("geometry") if isinstance(document, Mapping) else None
-        try:
-            manipulator = Manipulator.from_json(plain(geometry))
-        except (InputError, RecursionError):
-            manipulator = Manipulator.from_json(_EXAMPLE["geometry"])
-        return {**value, "geometry": manipulator}
-
-    @classmethod
-    def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
-        return [name for name in super()._members(value) if name != "geometry"]
-
-    def content(self) -> dict[str, Any]:
-        """Returns the canonical form of the question."""
-        digits = self.document.get("digits")
-        whole = isinstance(digits, int) and MIN_DIGITS <= digits <= MAX_DIGITS
-        return {
-            "geometry": self.geometry.to_json(),
-            "digits": digits if whole else MIN_DIGITS,
-            "document": self.document,
-            **self._more(),
-        }
-
-    def _more(self) -> dict[str, int]:
-        return {} if self.effort == 1 else {"effort": self.effort}
-
-    def _asked(self) -> dict[str, Any]:
-        return {"document": self.document, **self._more()}
 
 
 class VerifiedClaim(BaseModel):
@@ -158,3 +99,77 @@ class Verification(BaseModel):
     unread: list[str] = Field(
         description="Members that were not read, of which nothing is said, with * for places in lists."
     )
+
+
+class VerificationRequest(Question):
+    """A document to verify, as this service or the command line gave it."""
+
+    expected = "send an object with document"
+    kinds = (VERIFICATION,)
+    path = "/v1/verifications"
+    name = "post_verification"
+    tag = ("verifications", "Documents checked by independent means.")
+    summary = "Whether a document is right, claim by claim"
+    description = """\
+Checks a document of this service, or of the command line, without the solver and its libraries: the equations
+are derived from the legs by SymPy, and digits and counts are proved by exact integers and intervals.
+
+Every claim of the document is listed with its place and its status: `proved`, `checked` (short of a proof;
+the reason says how far), `not checked`, or `refused`. A refused document is an answer too: 200 with `verdict`
+`refused`. The response waits for it, up to 10 seconds unless `Prefer` says otherwise; after that it is 202
+with a job.
+"""
+    answer = Verification
+    known = "The verdict and its claims."
+    implied_wait = 10
+    examples: ClassVar[Examples] = {"table": ("A table without cusps", {"document": _EXAMPLE})}
+    names_geometry = False
+
+    geometry: SkipJsonSchema[GeometryField] = Field(exclude=True)
+    document: Annotated[
+        dict[str, Any],
+        PlainValidator(_document, json_schema_input_type=dict[str, Any]),
+        Expected("give a document of this service, with its geometry"),
+    ] = Field(
+        description="The document, its numbers as text: a cusp table, poses, a census, cusp curves or a "
+        "report of a check."
+    )
+
+    effort: Annotated[int, whole_from(1, MOST_EFFORT, "how many times the usual work, ")] = Field(
+        default=1,
+        description="How many times the work is done that the length of the document allows: once it is "
+        "about ten seconds for each 100 kB. What is left then is not established.",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_its_geometry(cls, value: Any) -> Any:
+        """The geometry is that of the document; whatever is wrong with it, the document's validation says."""
+        document = value.get("document")
+        geometry = document.get("geometry") if isinstance(document, Mapping) else None
+        try:
+            manipulator = Manipulator.from_json(plain(geometry))
+        except (InputError, RecursionError):
+            manipulator = Manipulator.from_json(_EXAMPLE["geometry"])
+        return {**value, "geometry": manipulator}
+
+    @classmethod
+    def _members(cls, value: Mapping[str, Any]) -> Sequence[str]:
+        return [name for name in super()._members(value) if name != "geometry"]
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question."""
+        digits = self.document.get("digits")
+        whole = isinstance(digits, int) and MIN_DIGITS <= digits <= MAX_DIGITS
+        return {
+            "geometry": self.geometry.to_json(),
+            "digits": digits if whole else MIN_DIGITS,
+            "document": self.document,
+            **self._more(),
+        }
+
+    def _more(self) -> dict[str, int]:
+        return {} if self.effort == 1 else {"effort": self.effort}
+
+    def _asked(self) -> dict[str, Any]:
+        return {"document": self.document, **self._more()}

@@ -10,7 +10,7 @@ estimate; docs/worker.md has the outcome.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import permutations
 from math import gcd, isqrt, lcm
@@ -18,6 +18,9 @@ from typing import Any
 
 INTERVALS = 20
 """Between two transitions, of a typical manipulator."""
+
+SHORT_BITS = 40
+"""Bits of numbers that are not worth shortening."""
 
 _SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 _FIRST = tuple("-0123456789")  # characters of a number
@@ -103,6 +106,21 @@ def sizes_of(content: Mapping[str, Any]) -> Sizes:
         fineness=_fineness(content.get("tolerance")),
         objects=texts.count(None),
     )
+
+
+def fewer_parts(content: Mapping[str, Any], size: Sizes) -> Mapping[str, tuple[Sizes, str]]:
+    """Returns the member of a question by which it asks for many slices or samples, with the sizes at best
+    and what to do."""
+    if size.count == 1:
+        return {}
+    listed = isinstance(content.get("l1"), list) or content.get("lengths")
+    member = f"l{content.get('fixed_leg', 1)}" if listed else "samples"
+    return {member: (replace(size, count=1), f"ask for fewer than {size.count}")}
+
+
+def digits_of_bits(bits: int) -> int:
+    """Returns the decimal digits of a number of so many bits."""
+    return int(bits * 0.30103) + 1
 
 
 def exact_bits(document: Mapping[str, Any], longest: int, digits: int) -> int:

@@ -8,7 +8,14 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver.contract import Progress, document_head
-from worker.answers.cost import Sizes, elimination, exact_bits, one_slice
+from worker.answers.cost import (
+    SHORT_BITS,
+    Sizes,
+    digits_of_bits,
+    elimination,
+    exact_bits,
+    one_slice,
+)
 from worker.answers.requests import Content, Document, JobRequest, Kind, Store
 
 
@@ -80,6 +87,13 @@ def _to_verify(content: Content, size: Sizes) -> Sizes:
     return replace(size, lengths=lengths, count=parts_to_verify(document))
 
 
+def _part_to_verify(_content: Content, size: Sizes) -> Mapping[str, tuple[Sizes, str]]:
+    part = replace(size, count=1, objects=0, lengths=min(size.lengths, SHORT_BITS))
+    digits = digits_of_bits(size.lengths)
+    has = f"its numbers have up to {digits} digits, and {size.objects} objects are listed"
+    return {"document": (part, f"verify a part of it: {has}")}
+
+
 def _verification_cost(size: Sizes) -> float:
     """Each slice is eliminated by itself; each cusp or pose is proved; digits and long numbers make intervals
     wide."""
@@ -108,4 +122,6 @@ def _aspects_cost(size: Sizes) -> float:
 POSES = Kind("poses", "po-", poses, _poses_cost)
 SINGULAR_CURVES = Kind("singular-curves", "sc-", singular_curves, _singular_cost)
 ASPECTS = Kind("aspects", "as-", aspects, _aspects_cost)
-VERIFICATION = Kind("verification", "ve-", verification, _verification_cost, measure=_to_verify)
+VERIFICATION = Kind(
+    "verification", "ve-", verification, _verification_cost, measure=_to_verify, fewer=_part_to_verify
+)

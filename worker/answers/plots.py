@@ -89,4 +89,4 @@ def _cost(size: Sizes) -> float:
     return 0.15 + elimination(size) + 2 * one_slice(size) if size.is_slice else 0.2 + all_events(size)
 
 
-PLOT = Kind("plot", "pl-", compute, _cost, measure=_measure)
+PLOT = Kind("plot", "pl-", compute, _cost, measure=_measure, fewer=lambda _content, _size: {})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -15,7 +15,7 @@ import rpr_solver
 from rpr_solver import SOLVER_VERSION, Manipulator
 from rpr_solver.contract import Progress
 from rpr_solver.model.manipulator import hash_of_canonical
-from worker.answers.cost import Cost, Sizes, sizes_of
+from worker.answers.cost import Cost, Sizes, fewer_parts, sizes_of
 
 Content = Mapping[str, Any]
 Document = dict[str, Any]
@@ -93,8 +93,9 @@ class Kind:
         once: those that a job needs once for all its parts.
         derive: cuts the document from others that are kept, or returns None.
         measure: corrects the sizes of a question, see `worker.answers.cost`.
+        fewer: the members of a question that can be reduced if it costs too much, beside those that all have:
+            each with the sizes at best and what to do.
         unit: the unit of its jobs' progress.
-        slices: yields the slices of the document as they are solved, if it is a table.
         implied: members of the question that an item of this kind need not give; they distinguish it from
             other kinds that answer the same question.
         by_slices: whether each slice is computed, kept and counted separately.
@@ -108,8 +109,8 @@ class Kind:
     once: Callable[[Sizes], float] = _none
     derive: Callable[[JobRequest, Store], Document | None] = _nothing
     measure: Callable[[Content, Sizes], Sizes] = _as_measured
+    fewer: Callable[[Content, Sizes], Mapping[str, tuple[Sizes, str]]] = fewer_parts
     unit: str = "steps"
-    slices: Callable[[JobRequest, Store], Iterator[SliceJson]] | None = None
     implied: tuple[str, str] | None = None
     by_slices: bool = False
     by_items: bool = False

@@ -13,9 +13,9 @@ from starlette.routing import BaseRoute
 
 from service.api.access.keys import Scope, allows
 from service.api.http.middleware import KEY_NAME
-from service.api.operations import OPERATIONS, QUERIES
 from service.api.prefix import PEER
 from service.api.problems import ProblemError, ProblemType
+from service.schemas.catalog import queries, questions
 from worker.jobs.clients import Subscriber
 
 _HOST = re.compile(r"(\[[^\]]*\]|[^:]*)(:\d*)?")
@@ -144,8 +144,8 @@ _CALLS: tuple[tuple[Scope | None, Iterable[str]], ...] = (
     ("read", ("GET /v1/jobs/{job_id}/result", "GET /v1/batches/{batch_id}/results")),
     ("read", ("GET /v1/jobs/{job_id}/events", "GET /v1/batches/{batch_id}/events")),
     ("read", ("GET /v1/jobs/{job_id}/deliveries", "GET /v1/batches/{batch_id}/deliveries")),
-    ("submit", (f"POST {operation.path}" for operation in OPERATIONS)),
-    ("submit", (f"GET {operation.path}" for operation in QUERIES)),
+    ("submit", (f"POST {question.path}" for question in questions())),
+    ("submit", (f"GET {question.path}" for question in queries())),
     ("submit", ("POST /v1/batches", "DELETE /v1/batches/{batch_id}", "DELETE /v1/jobs/{job_id}")),
     ("admin", ("GET /metrics",)),
 )

@@ -10,17 +10,17 @@ from fastapi import Request, Response
 
 from service.api.access.admission import admit
 from service.api.access.caller import caller_of, subscriber_of
-from service.api.answers.forms import JSON, choice_of, json_bytes, negotiate
+from service.api.answers.forms import choice_of, negotiate
 from service.api.answers.request_body import Asked, read_body
 from service.api.answers.responses import answer_response
 from service.api.context import Context
 from service.api.http.transport import CLIENT_ENDED
 from service.api.jobs.callbacks import call_back
 from service.api.jobs.views import job_json, retry_after
-from service.api.operations import Operation
 from service.api.prefix import here
 from service.api.problems import ProblemError
-from service.schemas.price import check_price
+from service.schemas.answers import JSON, json_bytes
+from service.schemas.questions import Question, check_price
 from service.webhooks.settings import target_of
 from worker.answers.kinds import Answer
 from worker.answers.requests import JobRequest
@@ -79,26 +79,26 @@ def _unquoted(value: str) -> str:
     return re.sub(r"\\(.)", r"\1", value[1:-1]) if value.startswith('"') else value
 
 
-async def answer_question(request: Request, context: Context, operation: Operation) -> Response:
+async def answer_question(request: Request, context: Context, question: type[Question]) -> Response:
     """Answer a posted question: 200 with the document, or 202 with the job that computes it."""
     body = await read_body(request, context.settings.limits.max_body_bytes)
-    asked = await context.reading.question(operation, body)
+    asked = await context.reading.question(question, body)
     return await answer_asked(
-        request, context, operation, asked, parse_prefer(request.headers.getlist("prefer"))
+        request, context, question, asked, parse_prefer(request.headers.getlist("prefer"))
     )
 
 
 async def answer_asked(
-    request: Request, context: Context, operation: Operation, asked: Asked, prefer: Preferences
+    request: Request, context: Context, question: type[Question], asked: Asked, prefer: Preferences
 ) -> Response:
     """Answer a question that was read."""
     settings = context.settings
     job_request, deadline_s, callback_url = asked
     if callback_url is not None:
         target_of(callback_url, settings.webhooks)
-    choice = choice_of(request, operation.forms)
+    choice = choice_of(request, question.forms)
     negotiate(choice.accept, tuple(dict.fromkeys((*choice.forms, JSON))))
-    waited, seconds = _patience(prefer, operation.implied_wait, settings.limits.max_wait_seconds)
+    waited, seconds = _patience(prefer, question.implied_wait, settings.limits.max_wait_seconds)
     caller = caller_of(request.scope)
     who = subscriber_of(caller)
 

@@ -4,109 +4,16 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from starlette.requests import Request
 
-import rpr_solver
 from service.api.problems import ProblemError, ProblemType
-from service.schemas.forms import SHARED, compact, ndjson_line
+from service.schemas.answers import CSV, JSON, NDJSON, SVG, Form, Forms, json_bytes
 from worker.answers.stored_tables import StoredTable
-
-
-def json_bytes(document: object) -> bytes:
-    """Returns a document as compact JSON."""
-    return compact(document).encode()
-
-
-def ndjson_bytes(table: Mapping[str, Any]) -> bytes:
-    """Returns the slices of a table, one JSON object per line, each with the head of the table."""
-    return b"".join(ndjson_line(table, part).encode() for part in table["slices"])
-
-
-def json_pieces(table: StoredTable) -> Iterator[bytes]:
-    """Yields a table as compact JSON."""
-    before = _json_start(table)
-    for batch in table.batches():
-        yield before + b",".join(batch)
-        before = b","
-    yield b"]}"
-
-
-def json_size(table: StoredTable) -> int:
-    """Returns the size of a table as compact JSON."""
-    return len(_json_start(table)) + table.size + len(table.slices) - 1 + len(b"]}")
-
-
-def ndjson_pieces(table: StoredTable) -> Iterator[bytes]:
-    """Yields a table as lines of JSON."""
-    start = _line_start(table)
-    for batch in table.batches():
-        yield b"".join(start + text[1:] + b"\n" for text in batch)
-
-
-def ndjson_size(table: StoredTable) -> int:
-    """Returns the size of a table as lines of JSON."""
-    return table.size + len(table.slices) * len(_line_start(table))
-
-
-def csv_pieces(table: StoredTable) -> Iterator[bytes]:
-    """Yields a table as CSV."""
-    for number, batch in enumerate(table.batches()):
-        lines = rpr_solver.table_csv({**table.head, "slices": [json.loads(text) for text in batch]})
-        yield (lines.partition("\n")[2] if number else lines).encode()
-
-
-def _json_start(table: StoredTable) -> bytes:
-    return json_bytes(table.head)[:-1] + b',"slices":['
-
-
-def _line_start(table: StoredTable) -> bytes:
-    return json_bytes({key: table.head[key] for key in SHARED})[:-1] + b","
-
-
-Document = Mapping[str, Any]
-
-JSON = "application/json"
-CSV = "text/csv"
-NDJSON = "application/x-ndjson"
-SVG = "image/svg+xml"
-
-
-def _no_pieces(_table: StoredTable) -> Iterator[bytes]:
-    raise TypeError("only cusp tables are sent piece by piece")
-
-
-def _no_size(_table: StoredTable) -> None:
-    return None
-
-
-@dataclass(frozen=True)
-class Form:
-    """The encoding of a document in one media type.
-
-    Attributes:
-        encode: returns a document in this form.
-        description: in OpenAPI.
-        pieces: yields a table that is read from the store in this form.
-        size: returns the size of such a table in this form, if it is known beforehand.
-        parameter: of the media type; distinguishes its forms.
-    """
-
-    encode: Callable[[Any], bytes]
-    description: str = ""
-    pieces: Callable[[StoredTable], Iterator[bytes]] = _no_pieces
-    size: Callable[[StoredTable], int | None] = _no_size
-    parameter: str = ""
-
-
-Forms = Mapping[str, Form]
-"""Media type → form of a document; the first is the default."""
-
-JSON_FORM = Form(json_bytes, pieces=json_pieces, size=json_size)
 
 
 def media_type_of(name: str, form: Form) -> str:

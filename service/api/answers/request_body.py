@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 from starlette.requests import Request
 
-from service.api.operations import Operation
 from service.api.problems import ProblemError, ProblemType
 from service.api.threads import Threads
 from service.schemas.document import Source, read
 from service.schemas.exact_json import JsonError, parse_json
 from service.schemas.limits import LimitError, Limits
+from service.schemas.questions import Question
 from worker.answers.requests import JobRequest
 
 JSON_TYPES = "application/json"
@@ -116,17 +116,17 @@ class Reading:
         self._threads = threads
         self._kept: OrderedDict[tuple[str, bytes], Asked] = OrderedDict()
 
-    async def question(self, operation: Operation, body: bytes) -> Asked:
+    async def question(self, model: type[Question], body: bytes) -> Asked:
         """Returns the question that a body asks.
 
         Raises:
             InputError: it asks none.
             ProblemError: it is not strict JSON.
         """
-        key = operation.name, body
+        key = model.name, body
         asked = self._kept.get(key)
         if asked is None:
-            asked = await self._threads(self._read, operation, body)
+            asked = await self._threads(self._read, model, body)
             if len(body) > _LONGEST_KEPT or len(asked.request.parts) > _MOST_PARTS_KEPT:
                 return asked
             if len(self._kept) >= _KEPT:
@@ -135,15 +135,15 @@ class Reading:
         self._kept.move_to_end(key)
         return asked
 
-    def _read(self, operation: Operation, body: bytes) -> Asked:
-        return asked_of(operation, json_of(body, self._limits), self._limits)
+    def _read(self, model: type[Question], body: bytes) -> Asked:
+        return asked_of(model, json_of(body, self._limits), self._limits)
 
 
-def asked_of(operation: Operation, document: object, limits: Limits) -> Asked:
+def asked_of(model: type[Question], document: object, limits: Limits) -> Asked:
     """Returns the question that a document asks.
 
     Raises:
         InputError: it asks none.
     """
-    question = read(operation.question, document, Source(limits))
+    question = read(model, document, Source(limits))
     return Asked(question.job_request(), question.deadline_s, question.callback_url)

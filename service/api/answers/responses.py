@@ -9,12 +9,14 @@ from dataclasses import dataclass
 from starlette.requests import Request
 from starlette.responses import Response
 
-from service.api.answers.forms import CSV, SVG, Choice, Document, Form, is_known, media_type_of, negotiate
+from service.api.answers.forms import Choice, is_known, media_type_of, negotiate
 from service.api.context import Context
 from service.api.http.transport import LARGE, LargeAnswer, at_hand, in_turn, slices_of
 from service.api.problems import ProblemError
+from service.schemas.answers import CSV, SVG, Form
 from service.schemas.limits import LimitError, Limits
 from worker.answers.kinds import Answer
+from worker.answers.requests import Document
 from worker.answers.stored_tables import ResultLostError, StoredTable
 
 IMMUTABLE = "public, max-age=31536000, immutable"

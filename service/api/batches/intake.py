@@ -13,7 +13,6 @@ from redis.exceptions import RedisError
 from rpr_solver.errors import InputError
 from service.api.access.admission import admit_bytes, admit_work
 from service.api.access.caller import Caller, caller_of, subscriber_of
-from service.api.answers.forms import CSV, NDJSON
 from service.api.answers.request_body import JSON_TYPES, media_type_of, too_large
 from service.api.batches.bodies import Cutter, Elements, Lines, Sent
 from service.api.batches.idempotency import Idempotency, Submission, key_of
@@ -21,6 +20,7 @@ from service.api.batches.items import Rows, read_item
 from service.api.context import Context
 from service.api.jobs.callbacks import allowed_url, call_back
 from service.api.problems import ProblemError, ProblemType
+from service.schemas.answers import CSV, NDJSON
 from service.schemas.limits import LimitError, Limits
 from worker.answers.items import batch_request, new_batch, seconds_after
 from worker.jobs.batches import INTAKE_TTL, Batches, ItemsLostError

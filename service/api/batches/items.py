@@ -5,33 +5,29 @@ from __future__ import annotations
 import csv
 import difflib
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, get_origin
 
 from rpr_solver.errors import InputError
 from service.api.answers.request_body import json_of
 from service.api.batches.bodies import Lines
-from service.api.operations import OPERATIONS
 from service.api.problems import ProblemError, ProblemType
-from service.schemas.batches import KIND_NAMES, BatchItem
-from service.schemas.document import Source, at, part
+from service.schemas.catalog import question_of
+from service.schemas.document import Document, Source, at, part
 from service.schemas.exact_json import JsonNumber
-from service.schemas.lengths import LEGS
+from service.schemas.lengths import ENDS, LEGS, SLICE_COLUMNS
 from service.schemas.limits import Limits
-from service.schemas.price import check_price
-from service.schemas.questions import Question
-from worker.answers.censuses import CHECK
-from worker.answers.curves import CUSP_CURVES
+from service.schemas.questions import check_price
+from service.schemas.resources import KIND_NAMES, BatchItem
 from worker.answers.items import Item
 from worker.answers.kinds import kind_named
 from worker.answers.requests import JobRequest
-from worker.answers.tables import ARTICLE_TABLE, CUSP_TABLE
+from worker.answers.tables import CUSP_TABLE
 
 GEOMETRY = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
-ENDS = ("from", "to", "step")
 _NUMBERS = ("fixed_leg", "digits", "samples", "pose")
 _REQUIREMENT = ("max_cusps", "min_cusps", "degenerate")
 COLUMNS = (
-    "id", "kind", *GEOMETRY, *LEGS, *(f"{leg}_{end}" for leg in LEGS for end in ENDS), *_NUMBERS, "method",
+    "id", "kind", *GEOMETRY, *LEGS, *SLICE_COLUMNS, *_NUMBERS, "method",
     "plot", "theme", "cusp",
     *_REQUIREMENT,
 )  # fmt: skip
@@ -42,9 +38,6 @@ _SEPARATORS = (",", ";", "\t")
 
 _WORDS = ("id", "kind", "orientation", "method", "plot", "theme", "cusp", "degenerate")
 """Columns whose cells are no numbers."""
-
-_BY_SLICES = (CUSP_TABLE.name, ARTICLE_TABLE.name)
-_WITH_LENGTHS = (*_BY_SLICES, CUSP_CURVES.name)
 
 
 class Rows:
@@ -110,22 +103,30 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
     """
     cells = dict(row)
     kind = cells.pop("kind", CUSP_TABLE.name)
+    fields = question_of(kind).model_fields if kind in KIND_NAMES else {}
     name = {"id": cells.pop("id")} if "id" in cells else {}
     request: dict[str, Any] = {"geometry": {x: cells.pop(x) for x in GEOMETRY if x in cells}}
+    parts = {
+        own: [*model.model_fields]
+        for own, info in fields.items()
+        if info.is_required() and isinstance(model := info.annotation, type) and issubclass(model, Document)
+    }
     for leg in LEGS:
         ends = {end: cells.pop(f"{leg}_{end}") for end in ENDS if f"{leg}_{end}" in cells}
         if ends:
-            request[leg if kind in _BY_SLICES or kind not in KIND_NAMES else "range"] = ends
+            request["range" if any("range" in members for members in (fields, *parts.values())) else leg] = (
+                ends
+            )
         if leg in cells:
             lengths = cells.pop(leg)
-            request[leg] = lengths.split(";") if kind in _WITH_LENGTHS else lengths
+            is_list = leg in fields and get_origin(fields[leg].annotation) is tuple
+            request[leg] = lengths.split(";") if is_list else lengths
     request |= {x: JsonNumber(cells.pop(x)) for x in _NUMBERS if x in cells}
-    if kind == CHECK.name:
-        parts = ("fixed_leg", "range")
-        requirement = {x: request.pop(x) for x in parts if x in request}
-        requirement |= {x: cells.pop(x) for x in _REQUIREMENT if x in cells}
-        request["requirement"] = requirement
-    return {**name, "kind": kind, "request": {**request, **cells}}
+    request |= cells
+    for own, members in parts.items():
+        moved = [x for x in members if x in request and x not in fields]
+        request[own] = {x: request.pop(x) for x in moved}
+    return {**name, "kind": kind, "request": request}
 
 
 def _checked(sent: Sequence[str]) -> Sequence[str]:
@@ -147,11 +148,6 @@ def _checked(sent: Sequence[str]) -> Sequence[str]:
 def _invalid(detail: str) -> ProblemError:
     text = f"The body is not valid CSV: {detail}."
     return ProblemError(ProblemType.INVALID_CSV, text, errors=[("body", text)])
-
-
-_QUESTIONS: Mapping[str, type[Question]] = {
-    kind.name: operation.question for operation in OPERATIONS for kind in operation.question.kinds
-}
 
 
 def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> Item:
@@ -184,7 +180,7 @@ def _job_request(item: BatchItem, limits: Limits) -> JobRequest:
     if implied is not None:
         sent.setdefault(*implied)
     try:
-        question = _QUESTIONS[item.kind]
+        question = question_of(item.kind)
         request = part(question.model_validate, sent, Source(limits)).job_request()
         if implied is not None and item.kind != request.kind.name:
             raise InputError.of(implied[0], f"does not fit an item of the kind {item.kind}")

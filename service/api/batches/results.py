@@ -9,9 +9,9 @@ from collections.abc import AsyncGenerator, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
-from service.api.answers.forms import JSON_FORM, json_bytes
 from service.api.context import Context
 from service.api.problems import ProblemError
+from service.schemas.answers import JSON_FORM, json_bytes
 from service.schemas.limits import LimitError
 from worker.answers.kinds import known_answer
 from worker.answers.stored_tables import ResultLostError, StoredTable

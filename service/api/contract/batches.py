@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from service.api.answers.forms import CSV, JSON, NDJSON
 from service.api.batches.idempotency import KEY_PATTERN
 from service.api.batches.items import COLUMNS
 from service.api.contract.operations import (
@@ -18,10 +17,10 @@ from service.api.contract.operations import (
     ref,
 )
 from service.api.jobs.views import batch_json
-from service.api.operations import EXAMPLE_TABLE
 from service.api.problems import ProblemType
-from service.schemas.forms import compact
+from service.schemas.answers import CSV, JSON, NDJSON, compact
 from service.schemas.questions import EXAMPLE_GEOMETRY
+from service.schemas.tables import EXAMPLE_TABLE
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 

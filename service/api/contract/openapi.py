@@ -13,17 +13,28 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from service.api.access.caller import NEEDED
-from service.api.answers.forms import IN_FLOATS, JSON, NO_NUMBERS
+from service.api.answers.forms import IN_FLOATS, NO_NUMBERS
 from service.api.contract.operations import describe_headers, problems, ref
-from service.api.operations import OPERATIONS
 from service.api.problems import ProblemType
-from service.schemas.batches import Batch, BatchRequest, BatchResult
-from service.schemas.job_list import JobList
-from service.schemas.jobs import Job, StreamEvent
+from service.schemas.answers import JSON
+from service.schemas.catalog import questions
 from service.schemas.numbers import EXACT_NUMBER, POSITIVE_NUMBER
-from service.schemas.operations import Health, LimitsDocument, Readiness, Version
-from service.schemas.problems import ProblemDocument
-from service.schemas.webhooks import BatchEvent, Deliveries, JobEvent
+from service.schemas.resources import (
+    Batch,
+    BatchEvent,
+    BatchRequest,
+    BatchResult,
+    Deliveries,
+    Health,
+    Job,
+    JobEvent,
+    JobList,
+    LimitsDocument,
+    ProblemDocument,
+    Readiness,
+    StreamEvent,
+    Version,
+)
 
 _WEBHOOK_HEADERS = {
     "webhook-id": "The same at every attempt: whoever has seen it has the event already.",
@@ -156,14 +167,14 @@ number in a request is taken exactly as written.
 Errors are `application/problem+json` (RFC 9457); the `type` of a problem is an address that documents it.
 """
 TAGS = [
-    *(operation.tag for operation in OPERATIONS),
+    *(question.tag for question in questions()),
     ("batches", "Many questions in one, with their results as they come."),
     ("jobs", "Follow, fetch and cancel computations."),
     ("webhooks", "Events that the service sends; see `callback_url`."),
     ("operations", "Health, versions, limits and metrics."),
 ]
 MODELS: tuple[type[BaseModel], ...] = (
-    *(model for operation in OPERATIONS for model in (operation.question, operation.answer)),
+    *(model for question in questions() for model in (question, question.answer)),
     *(
         BatchRequest,
         Batch,
@@ -252,7 +263,7 @@ def _schemas() -> dict[str, Any]:
     return {
         **{name: {"title": name, **number} for name, number in NUMBERS.items()},
         **{title: {"title": title, **value} for title, value in tidy.items()},
-        **in_floats(tidy, [operation.answer.__name__ for operation in OPERATIONS]),
+        **in_floats(tidy, [question.answer.__name__ for question in questions()]),
     }
 
 

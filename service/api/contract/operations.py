@@ -5,22 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from service.api.answers.forms import (
-    FLOATS,
-    FORMATS,
-    IN_FLOATS,
-    JSON,
-    NUMBERS,
-    Forms,
-    format_names,
-    media_type_of,
-)
+from service.api.answers.forms import FLOATS, FORMATS, IN_FLOATS, NUMBERS, format_names, media_type_of
 from service.api.jobs.tail import EVENT_ID
 from service.api.jobs.views import job_json
-from service.api.operations import CUSP_TABLES, OPERATIONS, Operation
 from service.api.problems import MEDIA_TYPE, ProblemType
-from service.schemas.forms import compact
-from service.schemas.questions import EXAMPLE_GEOMETRY
+from service.schemas.answers import JSON, Forms, compact
+from service.schemas.catalog import questions
+from service.schemas.questions import EXAMPLE_GEOMETRY, Question
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
@@ -145,15 +136,15 @@ def json_response(
     return {**response, "headers": dict(headers)} if headers else response
 
 
-def document_in_all_forms(operation: Operation, description: str) -> dict[str, Any]:
+def document_in_all_forms(question: type[Question], description: str) -> dict[str, Any]:
     """Returns the response with the document that answers a question."""
-    response = json_response(description, operation.answer.__name__, example=operation.example, headers=_ETAG)
-    in_floats = {**ref(operation.answer.__name__ + IN_FLOATS), "description": FLOATS.description}
+    response = json_response(description, question.answer.__name__, example=question.example, headers=_ETAG)
+    in_floats = {**ref(question.answer.__name__ + IN_FLOATS), "description": FLOATS.description}
     response["content"][media_type_of(JSON, FLOATS)] = {"schema": in_floats}
-    for media_type, form in operation.forms.items():
+    for media_type, form in question.forms.items():
         if media_type != JSON:
             response["content"][media_type] = {"schema": {"type": "string", "description": form.description}}
-    if JSON not in operation.forms:
+    if JSON not in question.forms:
         del response["content"][JSON]
     return response
 
@@ -206,7 +197,7 @@ _FAILED = (
 )
 
 
-def question_responses(operation: Operation) -> Docs:
+def question_responses(question: type[Question]) -> Docs:
     """Returns the responses to a question: the document, a job, or a problem."""
     accepted = json_response(
         "The answer is being computed.",
@@ -218,7 +209,7 @@ def question_responses(operation: Operation) -> Docs:
             **PREFERENCE_APPLIED,
         },
     )
-    known = document_in_all_forms(operation, operation.known)
+    known = document_in_all_forms(question, question.known)
     known["headers"] |= {**CONTENT_LOCATION, **PREFERENCE_APPLIED}
     return {
         200: known,
@@ -238,12 +229,12 @@ def question_responses(operation: Operation) -> Docs:
     }
 
 
-def request_body(operation: Operation) -> dict[str, Any]:
+def request_body(question: type[Question]) -> dict[str, Any]:
     """Returns the parameters and the body of a question."""
-    geometry = {"geometry": EXAMPLE_GEOMETRY} if operation.question.names_geometry else {}
+    geometry = {"geometry": EXAMPLE_GEOMETRY} if question.names_geometry else {}
     examples = {
         name: {"summary": summary, "value": {**geometry, **value}}
-        for name, (summary, value) in operation.question.examples.items()
+        for name, (summary, value) in question.examples.items()
     }
     return {
         "parameters": [
@@ -256,23 +247,21 @@ def request_body(operation: Operation) -> dict[str, Any]:
                 "schema": {"type": "string"},
                 "examples": {"wait": {"value": "wait=10"}, "async": {"value": "respond-async"}},
             },
-            *form_parameters(operation.forms),
+            *form_parameters(question.forms),
         ],
         "requestBody": {
             "required": True,
-            "content": {JSON: {"schema": ref(operation.question.__name__), "examples": examples}},
+            "content": {JSON: {"schema": ref(question.__name__), "examples": examples}},
         },
     }
 
 
 def any_result() -> dict[str, Any]:
     """Returns the response with a job's result: a cusp table, or another document, the quickest first."""
-    response = document_in_all_forms(CUSP_TABLES, "The document that the job computed.")
-    others = sorted(
-        (operation for operation in OPERATIONS if operation is not CUSP_TABLES),
-        key=lambda operation: operation.implied_wait is None,
-    )
-    models = [operation.answer.__name__ for operation in (CUSP_TABLES, *others)]
+    first, *others = questions()
+    response = document_in_all_forms(first, "The document that the job computed.")
+    others.sort(key=lambda question: question.implied_wait is None)
+    models = [question.answer.__name__ for question in (first, *others)]
     for media_type, end in ((JSON, ""), (media_type_of(JSON, FLOATS), IN_FLOATS)):
         response["content"][media_type]["schema"] = {"anyOf": [ref(model + end) for model in models]}
     return response

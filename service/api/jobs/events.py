@@ -16,12 +16,12 @@ from redis.backoff import ExponentialBackoff
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
-from service.api.answers.forms import json_bytes
 from service.api.jobs.tail import BLOCK, Tail, Tails, event_id, is_terminal
 from service.api.jobs.views import batch_json, job_json, state_then
 from service.api.prefix import here
 from service.api.settings import Settings
 from service.api.threads import RedisAccess, Refusals
+from service.schemas.answers import json_bytes
 from worker.answers.kinds import is_batch, kind_of_job
 from worker.answers.store import dump
 from worker.answers.tables import CUSP_TABLE

@@ -7,12 +7,11 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Request, Response
 
-from service.api.answers.forms import JSON, choice_of, json_bytes, negotiate
+from service.api.answers.forms import choice_of, negotiate
 from service.api.answers.responses import answer_response
 from service.api.context import Context, ContextDep
 from service.api.contract import operations as doc
 from service.api.jobs.views import job_json, retry_after
-from service.api.operations import forms_of
 from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
 from service.api.routes.shared import (
@@ -25,6 +24,8 @@ from service.api.routes.shared import (
     follow,
     list_response,
 )
+from service.schemas.answers import JSON, Forms, json_bytes
+from service.schemas.catalog import questions
 from worker.answers.kinds import Answer, is_batch, kind_of_job
 from worker.jobs.views import JobView
 
@@ -94,6 +95,13 @@ async def cancel_job(
     return _job_response(context, await end(request, context, _job, job_id, subscription, force))
 
 
+def _forms_of(job_id: str) -> Forms:
+    """Returns the forms of a job's result, or all forms if the id is not a job's."""
+    kind = kind_of_job(job_id)
+    every = questions()
+    return next((q for q in every if kind in q.kinds), every[0]).forms
+
+
 @router.get(
     "/v1/jobs/{job_id}/result",
     summary="The result of a job",
@@ -109,7 +117,7 @@ async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Re
 
     A result never changes, so it has a strong `ETag` and may be cached indefinitely.
     """
-    choice = choice_of(request, forms_of(job_id))
+    choice = choice_of(request, _forms_of(job_id))
     negotiate(choice.accept, tuple(choice.forms))
     answer = await context.redis(_result, context, job_id)
     return await answer_response(context, request, answer, choice)

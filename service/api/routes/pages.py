@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from functools import cache
+from pathlib import Path
 from string import Template
 
 from fastapi import APIRouter, Request, Response
@@ -15,10 +16,9 @@ from starlette.types import Scope
 
 from rpr_solver import EXAMPLES
 from service import __version__
-from service.api.answers.forms import JSON, json_bytes
-from service.api.operations import WEB
 from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
+from service.schemas.answers import JSON, json_bytes
 from service.schemas.questions import Geometry, schema_of_geometry
 
 
@@ -84,6 +84,8 @@ def _preloads() -> Iterator[str]:
     for address in ("jsxgraph/jsxgraphcore.mjs", *(f"explorer/{name}" for name in modules)):
         yield f'<link rel="modulepreload" href="static/{address}">\n'
 
+
+WEB = Path(__file__).parents[1] / "web"
 
 router = APIRouter(include_in_schema=False)
 

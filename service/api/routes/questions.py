@@ -1,4 +1,4 @@
-"""Questions: `POST` of each, as :mod:`service.api.operations` lists them, and GET forms of some."""
+"""Questions: `POST` of each, as :mod:`service.schemas.catalog` lists them, and GET forms of some."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from rpr_solver.errors import InputError
 from rpr_solver.notebook.scene import THEMES
 from service.api.answers.answer import Preferences, answer_asked, answer_question
 from service.api.answers.request_body import asked_of
-from service.api.batches.items import ENDS, GEOMETRY, item_of
+from service.api.batches.items import GEOMETRY, item_of
 from service.api.context import ContextDep
 from service.api.contract.operations import RESULT_FORM, form_parameters, question_responses, request_body
-from service.api.operations import CUSP_TABLES, OPERATIONS, PICTURES, QUERIES, Operation
 from service.api.problems import ProblemError, ProblemType
-from service.schemas.lengths import LEGS
+from service.schemas.catalog import queries, questions
+from service.schemas.lengths import LEGS, SLICE_COLUMNS
 from service.schemas.limits import MAX_DIGITS, MIN_DIGITS
 from service.schemas.numbers import FIXED_LEGS, NUMBER_PATTERN, POSITIVE_PATTERN, list_pattern
+from service.schemas.questions import Question
 from service.schemas.tables import METHODS
 from worker.answers.plots import PLOTS
 
@@ -45,31 +46,30 @@ class PlainRoute(APIRoute):
 router = APIRouter(route_class=PlainRoute)
 
 
-def _post_endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
+def _post_endpoint(question: type[Question]) -> Callable[..., Awaitable[Response]]:
     async def endpoint(request: Request, context: ContextDep) -> Response:
-        return await answer_question(request, context, operation)
+        return await answer_question(request, context, question)
 
     return endpoint
 
 
-for _operation in OPERATIONS:
+for _question in questions():
     router.add_api_route(
-        _operation.path,
-        _post_endpoint(_operation),
+        _question.path,
+        _post_endpoint(_question),
         methods=["POST"],
-        name=_operation.name,
-        tags=[_operation.tag[0]],
-        summary=_operation.summary,
-        description=_operation.description.strip(),
+        name=_question.name,
+        tags=[_question.tag[0]],
+        summary=_question.summary,
+        description=_question.description.strip(),
         status_code=200,
-        responses=question_responses(_operation),
-        openapi_extra=request_body(_operation),
+        responses=question_responses(_question),
+        openapi_extra=request_body(_question),
     )
 
 
 _WAIT = 10
 _OWN = ("wait", *RESULT_FORM)
-_ENDS = tuple(f"{leg}_{end}" for leg in LEGS for end in ENDS)
 _OF_GEOMETRY = "Of the geometry, as in the body of POST."
 _NUMBER = {"type": "string", "pattern": NUMBER_PATTERN}
 _POSITIVE = {"type": "string", "pattern": POSITIVE_PATTERN}
@@ -84,7 +84,7 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
             {"type": "string", "pattern": list_pattern(POSITIVE_PATTERN)},
         ),
     ),
-    **dict.fromkeys(_ENDS, ("Of a range of lengths of the fixed leg.", _NUMBER)),
+    **dict.fromkeys(SLICE_COLUMNS, ("Of a range of lengths of the fixed leg.", _NUMBER)),
     "fixed_leg": (
         "The leg whose length is fixed in a slice; 1 if missing.",
         {"type": "integer", "enum": list(FIXED_LEGS)},
@@ -112,16 +112,11 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
 """Name → description and schema."""
 
 
-def _names(operation: Operation) -> tuple[str, ...]:
-    if operation is CUSP_TABLES:
-        return (*GEOMETRY, *LEGS, *_ENDS, "fixed_leg", "digits", "method")
-    ranges = (name for name in _ENDS if not name.endswith("_step"))
-    if operation is PICTURES:
-        return (*GEOMETRY, "plot", "theme", *LEGS, *ranges, "fixed_leg", "cusp", "pose")
-    return (*GEOMETRY, *ranges, "fixed_leg", "digits")
+def _names(question: type[Question]) -> tuple[str, ...]:
+    return (*GEOMETRY, *question.columns)
 
 
-def _parameters(operation: Operation) -> list[dict[str, Any]]:
+def _parameters(question: type[Question]) -> list[dict[str, Any]]:
     return [
         *(
             {
@@ -131,24 +126,24 @@ def _parameters(operation: Operation) -> list[dict[str, Any]]:
                 "description": _PARAMETERS[name][0],
                 "schema": _PARAMETERS[name][1],
             }
-            for name in (*_names(operation), "wait")
+            for name in (*_names(question), "wait")
         ),
-        *form_parameters(operation.forms),
+        *form_parameters(question.forms),
     ]
 
 
-def _get_endpoint(operation: Operation) -> Callable[..., Awaitable[Response]]:
+def _get_endpoint(question: type[Question]) -> Callable[..., Awaitable[Response]]:
     async def endpoint(request: Request, context: ContextDep) -> Response:
         if _is_of_another_site(request, context.settings.origins):
             raise ProblemError(
                 ProblemType.FORBIDDEN, "A page of another site may not start computations with GET."
             )
-        row = _row(request, operation)
+        row = _row(request, question)
         wait = _seconds(row.pop("wait", str(_WAIT)))
         own = {name: value for name, value in row.items() if name not in _OWN}
-        document = item_of({**own, "kind": operation.question.kinds[0].name})["request"]
-        asked = await context.parsing(asked_of, operation, document, context.settings.limits)
-        return await answer_asked(request, context, operation, asked, Preferences(wait=wait))
+        document = item_of({**own, "kind": question.kinds[0].name})["request"]
+        asked = await context.parsing(asked_of, question, document, context.settings.limits)
+        return await answer_asked(request, context, question, asked, Preferences(wait=wait))
 
     return endpoint
 
@@ -159,8 +154,8 @@ def _is_of_another_site(request: Request, origins: Sequence[str]) -> bool:
     return is_foreign and "*" not in origins and request.headers.get("origin") not in origins
 
 
-def _row(request: Request, operation: Operation) -> dict[str, str]:
-    known = (*_names(operation), *_OWN)
+def _row(request: Request, question: type[Question]) -> dict[str, str]:
+    known = (*_names(question), *_OWN)
     row: dict[str, str] = {}
     for name, value in request.query_params.multi_items():
         if name not in known:
@@ -178,19 +173,19 @@ def _seconds(text: str) -> int:
     return int(text)
 
 
-for _operation in QUERIES:
-    _responses = question_responses(_operation)
+for _question in queries():
+    _responses = question_responses(_question)
     _responses[304] = {"description": "Not modified: the client has this representation (If-None-Match)."}
     router.add_api_route(
-        _operation.path,
-        _get_endpoint(_operation),
+        _question.path,
+        _get_endpoint(_question),
         methods=["GET"],
-        name=_operation.name.replace("post_", "get_"),
-        tags=[_operation.tag[0]],
-        summary=f"{_operation.summary}, as an address",
+        name=_question.name.replace("post_", "get_"),
+        tags=[_question.tag[0]],
+        summary=f"{_question.summary}, as an address",
         description="The question of POST as query parameters, for spreadsheets, `read_csv` and `webread`: "
         "the geometry, `l1` or `l1_from`, `l1_to` and `l1_step` (with `fixed_leg` 2 or 3 those of that leg), "
         "`digits`; `format=csv` for a table, `wait` for the time to wait. An answer may be cached.",
         responses=_responses,
-        openapi_extra={"parameters": _parameters(_operation)},
+        openapi_extra={"parameters": _parameters(_question)},
     )

@@ -11,7 +11,6 @@ from fastapi import Query, Request, Response
 
 from service.api.access.caller import caller_of, oversees, subscriber_of
 from service.api.access.keys import KeyStore
-from service.api.answers.forms import JSON, json_bytes
 from service.api.context import Context
 from service.api.contract.operations import Docs, json_response, problems
 from service.api.http.transport import FOLLOWS, IS_HEAD, LongAnswer
@@ -19,7 +18,8 @@ from service.api.jobs.callbacks import deliveries_json
 from service.api.jobs.tail import EVENT_ID
 from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
-from service.schemas.job_list import ListedStatus
+from service.schemas.answers import JSON, json_bytes
+from service.schemas.resources import ListedStatus
 from worker.answers.kinds import kind_of_job
 from worker.jobs.views import ACTIVE, JobView, Listed, Page, Status, What
 

@@ -10,12 +10,12 @@ from fastapi import APIRouter, Response
 
 import rpr_solver
 from service import __version__
-from service.api.answers.forms import JSON, json_bytes
 from service.api.context import ContextDep
 from service.api.contract import operations as doc
 from service.api.metrics import CONTENT_TYPE
 from service.api.problems import ProblemError, ProblemType
 from service.commit import commit
+from service.schemas.answers import JSON, json_bytes
 from service.schemas.limits import Limits
 
 router = APIRouter(tags=["operations"])

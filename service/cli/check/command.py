@@ -27,7 +27,7 @@ from service.cli.check.runs import Demand, Expectation, check_all, check_by_serv
 from service.cli.check.sources import Found, find
 from service.cli.help import Command
 from service.cli.pages import write_document
-from service.schemas.checks import RequirementDocument
+from service.schemas.censuses import RequirementDocument
 from service.schemas.document import named, part, read
 from service.schemas.numbers import Digits, Length, whole_number
 from worker.process.os_limits import usable_cores

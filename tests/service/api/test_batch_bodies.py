@@ -16,7 +16,7 @@ from service.api.batches import bodies
 from service.api.batches.bodies import Cutter, Elements, Lines
 from service.api.batches.items import COLUMNS, Rows
 from service.api.problems import ProblemError
-from service.schemas.batches import KIND_NAMES
+from service.schemas.resources import KIND_NAMES
 from tests.support.processes import ROOT
 
 TEXTS = st.text(st.sampled_from('a"\\[]{},:\n é'), max_size=12)

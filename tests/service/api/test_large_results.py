@@ -10,8 +10,8 @@ import httpx
 import pytest
 
 import rpr_solver
-from service.api.answers.forms import json_bytes, ndjson_bytes
 from service.api.settings import Settings
+from service.schemas.answers import json_bytes, ndjson_bytes
 from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_request

@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import pytest
 
-from service.api.answers.forms import CSV, JSON, NDJSON, negotiate
+from service.api.answers.forms import negotiate
 from service.api.problems import ProblemError
+from service.schemas.answers import CSV, JSON, NDJSON
 
 OFFERED = (JSON, CSV, NDJSON)
 

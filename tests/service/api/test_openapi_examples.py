@@ -11,10 +11,10 @@ import httpx
 import jsonschema_rs
 import pytest
 
-from service.api.answers.forms import JSON, NDJSON
 from service.api.app import create_app
 from service.api.contract.batches import POST_BODY
 from service.api.operations import OPERATIONS
+from service.schemas.answers import JSON, NDJSON
 from tests.support.contract import parts
 from tests.support.processes import until
 

@@ -9,9 +9,7 @@ import pytest
 from pydantic import BaseModel
 
 from service.api.operations import EXAMPLE_TABLE
-from service.schemas.jobs import Job
-from service.schemas.operations import Health, LimitsDocument, Readiness, Version
-from service.schemas.problems import ProblemDocument
+from service.schemas.resources import Health, Job, LimitsDocument, ProblemDocument, Readiness, Version
 from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY
 

@@ -14,9 +14,7 @@ from hypothesis import strategies as st
 from rpr_solver import EXAMPLES, InputError, exact_str
 from service.api.batches.items import read_item
 from service.api.operations import OPERATIONS
-from service.schemas.aspects import RangeAspectsRequest
-from service.schemas.census import CensusRequest
-from service.schemas.checks import CheckRequest
+from service.schemas.censuses import CensusRequest, CheckRequest
 from service.schemas.curves import CuspCurvesRequest
 from service.schemas.document import Source, read
 from service.schemas.exact_json import JsonNumber, parse_json
@@ -24,9 +22,8 @@ from service.schemas.lengths import OpenRange, split_ends
 from service.schemas.limits import LimitError, Limits
 from service.schemas.paths import PathRequest
 from service.schemas.plots import PlotRequest
-from service.schemas.poses import PosesRequest
+from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
 from service.schemas.questions import Geometry, Question
-from service.schemas.singular import SingularCurvesRequest
 from service.schemas.tables import CuspTableRequest
 from tests.support.service_server import GEOMETRY
 from worker.answers.kinds import KINDS

@@ -1,0 +1,243 @@
+"""Building blocks of several kinds of answers, and the forms in which documents are written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from pydantic import ConfigDict, Field
+
+import rpr_solver
+from service.schemas.model import Model
+from worker.answers.stored_tables import StoredTable
+
+Decimal = str
+"""A decimal string with `digits` significant digits."""
+
+
+def _without_null(schema: dict[str, Any]) -> None:
+    """Describe a field that may be missing but is never null."""
+    del schema["default"]
+    [given] = [part for part in schema.pop("anyOf") if part != {"type": "null"}]
+    schema.update({key: value for key, value in given.items() if key not in schema})
+
+
+def optional(description: str) -> Any:
+    """Returns a field that may be missing."""
+    return Field(default=None, description=description, json_schema_extra=_without_null)
+
+
+class GeometryText(Model):
+    """The geometry in its canonical form: each number as a terminating decimal, otherwise as
+    p/q."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    a2x: str
+    a3x: str
+    a3y: str
+    d1: str
+    d2: str
+    d3: str
+    orientation: Literal["ccw", "cw"]
+
+
+class Point(Model):
+    """A point of a slice: the platform's orientation, the angle of the fixed leg and the lengths of the
+    other two legs (theta1_deg, l2, l3 with `fixed_leg` 1)."""
+
+    alpha_deg: Decimal | None = optional("Orientation of the platform, degrees in (−180, 180].")
+    theta1_deg: Decimal | None = optional("Angle of leg 1, degrees in (−180, 180].")
+    theta2_deg: Decimal | None = optional("Angle of leg 2, with `fixed_leg` 2.")
+    theta3_deg: Decimal | None = optional("Angle of leg 3, with `fixed_leg` 3.")
+    l1: Decimal | None = optional("Length of leg 1, in the unit of the geometry.")
+    l2: Decimal | None = optional("Length of leg 2, in the unit of the geometry.")
+    l3: Decimal | None = optional("Length of leg 3, in the unit of the geometry.")
+
+
+class FixedLength(Model):
+    """The length of the fixed leg."""
+
+    l1: Decimal | None = optional("The fixed length, with `fixed_leg` 1.")
+    l2: Decimal | None = optional("The fixed length, with `fixed_leg` 2.")
+    l3: Decimal | None = optional("The fixed length, with `fixed_leg` 3.")
+
+
+class Cusp(Point):
+    """A cusp of the slice."""
+
+
+class TransitionEvent(Point):
+    """A degenerate pose at the length of a transition."""
+
+    kind: str = Field(description="For example swallowtail, lips, beak-to-beak.")
+
+
+class Degeneracy(Model):
+    """Degenerate poses that every slice of an interval has, or a whole curve of degenerate poses."""
+
+    kind: str = Field(
+        description="The kind of the poses, such as `node` or `quadruple`; `curve` for a curve."
+    )
+    start: str = Field(alias="from", description="The lower end of the interval.")
+    stop: str | None = Field(
+        alias="to", description="Its upper end, null if it is open; equal to `from` for a single length."
+    )
+    count: int | None = optional("The number of such poses in each slice; missing for a curve.")
+    equation: str | None = optional("The exact equation of a curve, unless it is at one irrational length.")
+
+
+DEGENERATE: Any = Field(
+    description="What is degenerate in every slice of an interval, or along a whole curve of poses of a "
+    "slice, as for flat or congruent triangles: curves, then poses by interval. Mostly empty."
+)
+"""The field of documents over a range of lengths."""
+
+
+class ClosedRange(Model):
+    """The requested range."""
+
+    start: str = Field(alias="from")
+    stop: str | None = Field(alias="to", description="null: no upper end.")
+
+
+class DocumentHead(Model):
+    """The manipulator, the fixed leg and the precision of a document."""
+
+    geometry: GeometryText
+    geometry_hash: str
+    fixed_leg: Literal[1, 2, 3]
+    digits: int
+    solver_version: str
+
+
+class Interval(ClosedRange):
+    """An interval without transitions; all its slices have the same number of cusps."""
+
+    count: int
+
+
+SHARED = ("geometry_hash", "fixed_leg", "digits", "solver_version")
+"""The members of a table that each line of NDJSON has."""
+
+
+def compact(document: object) -> str:
+    """Returns a document as compact JSON."""
+    return json.dumps(document, separators=(",", ":"), ensure_ascii=False)
+
+
+def ndjson_line(table: Mapping[str, Any], part: Mapping[str, Any]) -> str:
+    """Returns a slice as a line of NDJSON, with what identifies the table."""
+    return compact({**{key: table[key] for key in SHARED if key in table}, **part}) + "\n"
+
+
+def csv_header(table: Mapping[str, Any]) -> str:
+    """Returns the first line of a table's CSV."""
+    return rpr_solver.table_csv({**table, "slices": []})
+
+
+def csv_lines(table: Mapping[str, Any], part: Mapping[str, Any]) -> str:
+    """Returns the lines of one slice in a table's CSV."""
+    return rpr_solver.table_csv({**table, "slices": [part]}).partition("\n")[2]
+
+
+def json_bytes(document: object) -> bytes:
+    """Returns a document as compact JSON."""
+    return compact(document).encode()
+
+
+def ndjson_bytes(table: Mapping[str, Any]) -> bytes:
+    """Returns the slices of a table, one JSON object per line, each with the head of the table."""
+    return b"".join(ndjson_line(table, part).encode() for part in table["slices"])
+
+
+def json_pieces(table: StoredTable) -> Iterator[bytes]:
+    """Yields a table as compact JSON."""
+    before = _json_start(table)
+    for batch in table.batches():
+        yield before + b",".join(batch)
+        before = b","
+    yield b"]}"
+
+
+def json_size(table: StoredTable) -> int:
+    """Returns the size of a table as compact JSON."""
+    return len(_json_start(table)) + table.size + len(table.slices) - 1 + len(b"]}")
+
+
+def ndjson_pieces(table: StoredTable) -> Iterator[bytes]:
+    """Yields a table as lines of JSON."""
+    start = _line_start(table)
+    for batch in table.batches():
+        yield b"".join(start + text[1:] + b"\n" for text in batch)
+
+
+def ndjson_size(table: StoredTable) -> int:
+    """Returns the size of a table as lines of JSON."""
+    return table.size + len(table.slices) * len(_line_start(table))
+
+
+def csv_pieces(table: StoredTable) -> Iterator[bytes]:
+    """Yields a table as CSV."""
+    for number, batch in enumerate(table.batches()):
+        lines = rpr_solver.table_csv({**table.head, "slices": [json.loads(text) for text in batch]})
+        yield (lines.partition("\n")[2] if number else lines).encode()
+
+
+def _json_start(table: StoredTable) -> bytes:
+    return json_bytes(table.head)[:-1] + b',"slices":['
+
+
+def _line_start(table: StoredTable) -> bytes:
+    return json_bytes({key: table.head[key] for key in SHARED})[:-1] + b","
+
+
+JSON = "application/json"
+CSV = "text/csv"
+NDJSON = "application/x-ndjson"
+SVG = "image/svg+xml"
+
+
+def _no_pieces(_table: StoredTable) -> Iterator[bytes]:
+    raise TypeError("only cusp tables are sent piece by piece")
+
+
+def _no_size(_table: StoredTable) -> None:
+    return None
+
+
+@dataclass(frozen=True)
+class Form:
+    """The encoding of a document in one media type.
+
+    Attributes:
+        encode: returns a document in this form.
+        description: in OpenAPI.
+        pieces: yields a table that is read from the store in this form.
+        size: returns the size of such a table in this form, if it is known beforehand.
+        parameter: of the media type; distinguishes its forms.
+    """
+
+    encode: Callable[[Any], bytes]
+    description: str = ""
+    pieces: Callable[[StoredTable], Iterator[bytes]] = _no_pieces
+    size: Callable[[StoredTable], int | None] = _no_size
+    parameter: str = ""
+
+
+Forms = Mapping[str, Form]
+"""Media type → form of a document; the first is the default."""
+
+JSON_FORM = Form(json_bytes, pieces=json_pieces, size=json_size)
+
+
+def csv_form(writer: str, line: str) -> Form:
+    """The form that a function of the solver writes; it is loaded when it is first used."""
+
+    def written(document: Any) -> bytes:
+        text: str = getattr(rpr_solver, writer)(document)
+        return text.encode()
+
+    return Form(written, f"A header line, then one line per {line}.")

@@ -1,0 +1,274 @@
+"""Censuses, and checks of requirements: the questions, and the answers."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal, Self
+
+from pydantic import ConfigDict, Field, model_validator
+
+from rpr_solver import CHECK_DIGITS, Requirement
+from rpr_solver.contract import FULL
+from service.schemas.answers import (
+    CSV,
+    DEGENERATE,
+    JSON,
+    JSON_FORM,
+    ClosedRange,
+    Cusp,
+    Degeneracy,
+    DocumentHead,
+    FixedLength,
+    Forms,
+    GeometryText,
+    Interval,
+    TransitionEvent,
+    csv_form,
+    optional,
+)
+from service.schemas.document import Document, unnamed
+from service.schemas.lengths import RANGE_COLUMNS, JointLimits, Range, range_field
+from service.schemas.model import Model
+from service.schemas.numbers import Count, Digits, FixedLeg, digits_field, fixed_leg_field
+from service.schemas.questions import Examples, Question
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
+from worker.answers.requests import Kind
+
+
+class Transition(FixedLength):
+    """A length of the fixed leg at which the number of cusps changes, or a degenerate pose occurs."""
+
+    kind: str = Field(description="The kind of its events; `several` if they differ.")
+    count_before: int = Field(description="Number of cusps just below this length.")
+    count_after: int = Field(description="Number of cusps just above this length.")
+    events: list[TransitionEvent]
+
+
+class CensusInterval(Interval):
+    """An interval without transitions, with the number of cusps and of aspects of its slices."""
+
+    aspects: int | None = Field(
+        default=None,
+        description="The number of aspects: connected regions of poses without a singularity, of one sign of "
+        "J. null: it is not proved to be the same in all slices of the interval.",
+    )
+
+
+class EventSystem(Model):
+    """Equations whose common zeros are events, by their eliminant."""
+
+    name: str = Field(
+        description="`swallowtails`, `critical poses` (lips and beaks), or `beside shared angles`."
+    )
+    polynomial: dict[str, Any] = Field(
+        description="The eliminant in tan(theta), exact: integer coefficients as text, from the constant one "
+        "on, and those of the square root `omega`."
+    )
+    squarefree: dict[str, str] | None = Field(
+        description="A prime, and the square root modulo it, that prove the eliminant squarefree and of full "
+        "degree; null if it is not."
+    )
+    real_roots: list[dict[str, Any]] = Field(
+        description="An isolating interval of each finite real root, exact, with its multiplicity."
+    )
+
+
+class FullCensusCertificate(Model):
+    """What somebody else needs to check a census; present with `certificate` `full`."""
+
+    model_config = ConfigDict(extra="allow")
+
+    systems: list[EventSystem] = Field(description="Empty with the method `components`.")
+    events: list[dict[str, Any]] = Field(
+        description="For each event of all lengths, or with the method `components` of the transitions, its "
+        "`kind`, and the centre and the radius of a box in the fixed length and both angles."
+    )
+    samples: list[str] = Field(description="For each interval the length at which the cusps were counted.")
+
+
+class CensusCertificate(Model):
+    """The proof that a census is complete."""
+
+    model_config = ConfigDict(extra="allow")
+
+    method: str = Field(
+        description="`events` if the degenerate poses of all slices are isolated, else `components`."
+    )
+    lengths_examined: int = Field(description="The number of lengths at which cusps may be born or die.")
+    counts_by: str
+    full: FullCensusCertificate | None = optional("Present with `certificate` `full`.")
+
+
+class Census(DocumentHead):
+    """All transitions in a range, ascending, and the proved numbers of cusps between them."""
+
+    range: ClosedRange
+    transitions: list[Transition]
+    intervals: list[CensusInterval]
+    degenerate: list[Degeneracy] = DEGENERATE
+    certificate: CensusCertificate = Field(description="The proof that the census is complete.")
+
+
+# As a condition, since generators of clients drop the members beside an `anyOf`.
+_A_BOUND: dict[str, Any] = {
+    "if": {"properties": {"max_cusps": {"type": "null"}}},
+    "then": {"required": ["min_cusps"], "properties": {"min_cusps": {"type": "integer"}}},
+}
+
+
+class RequirementDocument(Document):
+    """Bounds on the number of cusps in every slice of a range; give max_cusps, min_cusps or both."""
+
+    model_config = ConfigDict(title="Requirement", json_schema_extra=_A_BOUND)
+
+    expected: ClassVar[str] = "give an object with range and max_cusps or min_cusps"
+
+    fixed_leg: FixedLeg = Field(default=1, description="The leg whose length varies over the range.")
+    range: Range = range_field()
+    max_cusps: Count = Field(
+        default=None,
+        description="Maximum number of cusps in any slice; 0 requires a range without cusps, which does not "
+        "prove that the assembly mode cannot change.",
+    )
+    min_cusps: Count = Field(default=None, description="Minimum number of cusps in any slice.")
+    limits: JointLimits | None = Field(
+        default=None, description="Only cusps strictly within these limits are counted."
+    )
+    degenerate: Literal["allowed", "refused"] = Field(
+        default="allowed",
+        description="With `refused` a manipulator fails if every slice of an interval has degenerate poses, "
+        "or a slice a whole curve of them, within the limits or not. The report lists them in any case.",
+    )
+
+    def to_requirement(self) -> Requirement:
+        """Returns the requirement as the solver takes it."""
+        limits = {} if self.limits is None else self.limits.bounds()
+        counts = self.max_cusps, self.min_cusps
+        return Requirement(self.fixed_leg, *self.range.ends, *counts, limits, self.degenerate)
+
+    @model_validator(mode="after")
+    def _is_sound(self) -> Self:
+        with unnamed("requirement"):
+            self.to_requirement()
+        return self
+
+
+class Example(FixedLength):
+    """A slice of an interval; the fixed length is exact."""
+
+    cusps: list[Cusp]
+
+
+class Violation(Interval):
+    """An interval whose slices violate the requirement, and one of these slices."""
+
+    example: Example
+
+
+class CheckReport(Model):
+    """Whether a requirement is satisfied, by proof, and where it is violated."""
+
+    geometry: GeometryText
+    geometry_hash: str
+    requirement: RequirementDocument
+    passed: bool
+    max_cusps_found: int
+    min_cusps_found: int
+    intervals: list[Interval]
+    violations: list[Violation] = Field(
+        description="The intervals with too many or too few cusps, ascending; empty if there are none."
+    )
+    degenerate: list[Degeneracy] = DEGENERATE
+    solver_version: str
+    digits: int
+
+
+class CensusRequest(Question):
+    """A manipulator, the fixed leg, and the range of its lengths."""
+
+    expected = "send an object with geometry"
+    kinds = (CENSUS, CERTIFIED_CENSUS)
+    path = "/v1/censuses"
+    name = "post_census"
+    tag = ("censuses", "Where the number of cusps changes.")
+    summary = "Every length at which the number of cusps changes"
+    description = """\
+The census of a manipulator: all transitions of its slices, proved complete rather than sampled, each with
+its kind and its degenerate poses, and the numbers of cusps and of aspects in every interval between.
+
+The whole census is computed once, by a job of a few seconds, and kept; ranges of it, or fewer digits, are
+then answered immediately. `Prefer: wait=N` waits for the job.
+"""
+    answer = Census
+    known = "The census."
+    columns = (*RANGE_COLUMNS, "fixed_leg", "digits")
+    forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("census_csv", "interval")}
+    examples: ClassVar[Examples] = {
+        "whole": ("The article's first manipulator, all lengths", {"digits": 30}),
+        "range": (
+            "A range of lengths of leg 1",
+            {"digits": 30, "range": {"from": 28, "to": "31"}},
+        ),
+        "full": (
+            "With all that a checker of the proof needs",
+            {"digits": 30, "range": {"from": 28, "to": "31"}, "certificate": "full"},
+        ),
+    }
+
+    fixed_leg: FixedLeg = fixed_leg_field()
+    digits: Digits = digits_field()
+    range: Range = range_field()
+
+    certificate: Literal["short", "full"] = Field(
+        default="short",
+        description="`full` adds to the certificate what somebody else needs to check it: the eliminants of "
+        "the transitions, isolating intervals of all their real roots, a box of each event, and the length "
+        "at which the cusps of each interval were counted.",
+    )
+
+    @property
+    def kind(self) -> Kind:
+        """The kind of the document; one with a full certificate is kept by itself."""
+        return CERTIFIED_CENSUS if self.certificate == FULL else CENSUS
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question."""
+        return self.model_dump(exclude={"certificate"})
+
+    def _asked(self) -> dict[str, Any]:
+        full = {"certificate": FULL} if self.certificate == FULL else {}
+        return {**self.content(), **full}
+
+
+class CheckRequest(Question):
+    """A manipulator and the requirement to check."""
+
+    expected = "send an object with geometry and requirement"
+    kinds = (CHECK,)
+    path = "/v1/checks"
+    name = "post_check"
+    tag = ("checks", "Requirements on the number of cusps.")
+    summary = "Whether a manipulator satisfies a requirement on its cusps"
+    description = """\
+Proves or refutes a requirement: a maximum or minimum number of cusps in every slice of a range, counted
+strictly within the joint limits of the other legs.
+
+The report lists the intervals of the range with their numbers of cusps and, for each interval that violates
+the requirement, a slice with its cusps. A violated requirement is an answer too: 200 with `passed` false.
+"""
+    answer = CheckReport
+    known = "The report."
+    examples: ClassVar[Examples] = {
+        "at_most": (
+            "At most eight cusps for L1 between 28 and 31",
+            {
+                "requirement": {"range": {"from": 28, "to": 31}, "max_cusps": 8},
+            },
+        ),
+    }
+
+    requirement: RequirementDocument
+    digits: Digits = digits_field(CHECK_DIGITS)
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question."""
+        return {**self.model_dump(), "requirement": self.requirement.to_requirement().to_json()}

@@ -1,0 +1,406 @@
+"""Jobs, batches, webhooks, limits and versions as the contract shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import ConfigDict, Field, PlainValidator
+
+from rpr_solver.errors import InputError
+from service.schemas.answers import optional
+from service.schemas.document import Document, Expected
+from service.schemas.exact_json import JsonNumber, json_kind
+from service.schemas.model import Model
+from worker.answers import kinds
+from worker.answers.kinds import KINDS
+
+
+class FieldError(Model):
+    """A faulty field."""
+
+    field: str = Field(description="The dotted name of the field, for example geometry.d1.")
+    pointer: str | None = optional("The JSON pointer to it (RFC 6901), if it is in the body: /geometry/d1.")
+    message: str = Field(description="The fault, and a valid alternative.")
+
+
+class LimitInfo(Model):
+    """The limit that was exceeded."""
+
+    name: str
+    value: float
+
+
+class ProblemDocument(Model):
+    """An error (RFC 9457)."""
+
+    model_config = ConfigDict(extra="allow", title="Problem")
+
+    type: str = Field(description="Identifies the type of problem; the address documents it.")
+    title: str
+    status: int
+    detail: str
+    errors: list[FieldError]
+    instance: str | None = optional("The path of the request.")
+    limit: LimitInfo | None = optional("Present if a limit was exceeded.")
+    job: str | None = optional("The job concerned.")
+
+
+ESTIMATE: Any = Field(
+    default=None, description="The estimated work, in seconds of one core; null if it is not known."
+)
+
+
+OVERRUNS: Any = Field(
+    default=0,
+    description="How many of its chunks took a few times their estimate. A worker that is kept for short "
+    "work has given them back to the others, without a loss; each is told by a `status` event.",
+)
+
+
+class Progress(Model):
+    """The progress of a job."""
+
+    done: int = Field(description="Completed slices or steps.")
+    total: int = Field(description="All slices of the job, or the steps known so far; may grow.")
+
+
+class JobError(Model):
+    """Why a job failed."""
+
+    type: str = Field(description="timeout, worker-lost, resource-exhausted, solver-error, input-error, …")
+    detail: str
+
+
+class JobLinks(Model):
+    """The addresses of a job's resources."""
+
+    self: str
+    result: str
+    events: str
+    cancel: str | None = optional(
+        "In the answer to the question only: DELETE it to withdraw this question, and no other client's."
+    )
+
+
+class Timings(Model):
+    """How long a job took, in seconds."""
+
+    queued_seconds: float | None = Field(description="Until it started or ended; null while it is queued.")
+    running_seconds: float | None = Field(description="From its start to its end; null before its end.")
+
+
+class StreamEvent(Model):
+    """A server-sent event: its fields."""
+
+    id: str = Field(description="Resumes the stream, as Last-Event-ID.")
+    event: Literal["status", "slice", "progress", "item"]
+    data: str = Field(
+        description="JSON. `status`: the job or batch as it was then; also when a chunk has overrun. "
+        "`slice`: `l1`, `slice` and `progress`. `progress`: `progress`. `item`: `index`, `status` and "
+        "`progress`.",
+        json_schema_extra={"contentMediaType": "application/json", "contentSchema": {"type": "object"}},
+    )
+
+
+class Job(Model):
+    """The computation of an answer.
+
+    The states of a run go one way: queued, running, then one of the others, which stays. If the question is
+    asked again after a job has failed, was canceled or has expired, it begins a new run under the same id.
+    """
+
+    id: str
+    kind: str = Field(
+        description="The kind of the document that it computes.",
+        json_schema_extra={"enum": [kind.name for kind in KINDS]},
+    )
+    status: Literal["queued", "running", "succeeded", "failed", "canceled"]
+    run: str = Field(description="Distinguishes the runs of the job.")
+    done: bool = Field(description="Whether this run has ended: succeeded, failed or canceled.")
+    progress: Progress
+    created_at: str = Field(description="ISO 8601, UTC.", json_schema_extra={"format": "date-time"})
+    started_at: str | None = Field(description="ISO 8601, UTC; null until the job starts.")
+    finished_at: str | None = Field(description="ISO 8601, UTC; null until the job ends.")
+    expires_at: str | None = Field(
+        description="ISO 8601, UTC: until when it can be fetched; null until it ends."
+    )
+    timings: Timings
+    error: JobError | None = Field(description="null unless the job failed.")
+    position: int | None = Field(
+        description="Jobs before it in its lane of the queue; null unless it is queued."
+    )
+    deadline_at: str | None = Field(
+        description="When it fails unless it is done, by the latest `deadline_s`; null without one."
+    )
+    estimate_s: float | None = ESTIMATE
+    overruns: int = OVERRUNS
+    links: JobLinks
+
+
+ListedStatus = Literal["active", "queued", "running", "succeeded", "failed", "canceled"]
+"""What may be asked for: a state, or `active`."""
+
+
+class ListedJob(Model):
+    """A job or a batch in a list."""
+
+    id: str
+    kind: str | None = Field(
+        description="The kind of the document that it computes, or `batch`.",
+        json_schema_extra={"enum": [*(kind.name for kind in KINDS), "batch", None]},
+    )
+    status: Literal["queued", "running", "succeeded", "failed", "canceled"]
+    created_at: str = Field(description="ISO 8601, UTC.", json_schema_extra={"format": "date-time"})
+    started_at: str | None = Field(description="ISO 8601, UTC; null until it starts.")
+    estimate_s: float | None = ESTIMATE
+    runs_s: float | None = Field(
+        description="For how many seconds it has run, or ran; null before its start."
+    )
+    overruns: int = OVERRUNS
+    key: str | None = Field(
+        description="The name of the key that asked for it first; null if that was without a key."
+    )
+
+
+class JobList(Model):
+    """A page of jobs or of batches, the newest first: a key's own, or all for the operator."""
+
+    items: list[ListedJob]
+    next: str | None = Field(
+        description="The address of the next page, null after the last; any page may have few items."
+    )
+
+
+KIND_NAMES = tuple(kind.name for kind in KINDS)
+
+
+is_batch = kinds.is_batch
+"""Whether the id of a job is that of a batch."""
+
+
+_LONGEST_ID = 200
+
+
+def _id(value: object) -> str | None:
+    if value is None:
+        return None
+    if not isinstance(value, str) or isinstance(value, JsonNumber):
+        raise InputError.of("", f"is {json_kind(value)}; give a string of your choice")
+    if len(value) > _LONGEST_ID:
+        raise InputError.of("", f"has {len(value)} characters; at most {_LONGEST_ID} are allowed")
+    return value
+
+
+def _kind(value: object) -> str:
+    if isinstance(value, str) and value in KIND_NAMES:
+        return value
+    shown = repr(value[:40]) if isinstance(value, str) else json_kind(value)
+    raise InputError.of("", f"is {shown}; it must be one of {', '.join(KIND_NAMES)}")
+
+
+def _request(value: object) -> Mapping[str, Any]:
+    if isinstance(value, Mapping):
+        return value
+    raise InputError.of("", f"is {json_kind(value)}; give an object, as posted alone")
+
+
+class BatchItem(Document):
+    """One question of a batch."""
+
+    expected: ClassVar[str] = "give an object with kind and request"
+
+    id: Annotated[str | None, PlainValidator(_id, json_schema_input_type=str | None)] = Field(
+        default=None, description="A name of your choice, which its result carries."
+    )
+    kind: Annotated[
+        str,
+        PlainValidator(_kind, json_schema_input_type=Literal[KIND_NAMES]),
+        Expected(f"give one of {', '.join(KIND_NAMES)}"),
+    ] = Field(description="The kind of the document that is asked for.")
+    request: Annotated[
+        Mapping[str, Any],
+        PlainValidator(_request, json_schema_input_type=dict[str, Any]),
+        Expected("give the question, as posted alone"),
+    ] = Field(description="The question as it is posted alone, but without `deadline_s`.")
+
+
+class BatchRequest(Model):
+    """Many questions of any kind."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    items: list[BatchItem] = Field(min_length=1)
+    callback_url: str | None = Field(
+        default=None,
+        description="Where to POST an event when the batch ends; its host must be one that the service "
+        "allows.",
+    )
+
+
+class BatchLinks(Model):
+    """The addresses of a batch's resources."""
+
+    self: str
+    results: str
+    events: str
+    cancel: str | None = optional(
+        "In the answer to its submission only: DELETE it to withdraw the batch, also without a key."
+    )
+
+
+class Batch(Model):
+    """A batch, and the numbers of its items by state; those that are in none of them are not done yet."""
+
+    id: str
+    status: Literal["queued", "running", "succeeded", "failed", "canceled"] = Field(
+        description="`succeeded` once every item is done, whether it has an answer or not; `failed` if the "
+        "batch could not go on."
+    )
+    total: int = Field(description="Number of items.")
+    done: int = Field(description="Items that are done.")
+    succeeded: int = Field(description="Items with an answer.")
+    failed: int = Field(description="Items with a problem in place of an answer.")
+    canceled: int = Field(description="Items that were not done when the batch was canceled.")
+    created_at: str = Field(description="ISO 8601, UTC.", json_schema_extra={"format": "date-time"})
+    started_at: str | None = Field(description="ISO 8601, UTC; null until its first item is begun.")
+    finished_at: str | None = Field(description="ISO 8601, UTC; null until it has ended.")
+    expires_at: str | None = Field(
+        description="ISO 8601, UTC: until when it can be fetched; null until it has ended."
+    )
+    error: JobError | None = Field(description="null unless the batch failed.")
+    position: int | None = Field(
+        description="Batches before it in its lane of the queue; null unless it is queued."
+    )
+    estimate_s: float | None = ESTIMATE
+    overruns: int = OVERRUNS
+    links: BatchLinks
+
+
+class BatchResult(Model):
+    """One line of the results: an item with its answer or its problem."""
+
+    index: int = Field(description="The position of the item in the batch, from 0.")
+    id: str | None = Field(description="The name that its sender gave it.")
+    kind: str | None = Field(
+        default=None, description="The kind of the document; null for an item that names none."
+    )
+    status: Literal["succeeded", "failed", "canceled"]
+    result: dict[str, Any] | None = optional("The document, exactly as the question alone is answered.")
+    problem: ProblemDocument | None = optional("Why there is none.")
+
+
+class JobEvent(Model):
+    """The news that a job has ended."""
+
+    type: Literal["job.succeeded", "job.failed", "job.canceled"]
+    timestamp: str = Field(description="ISO 8601, UTC: when it ended.")
+    data: Job = Field(description="The job as it ended.")
+
+
+class BatchEvent(Model):
+    """The news that a batch has ended."""
+
+    type: Literal["batch.succeeded", "batch.failed", "batch.canceled"]
+    timestamp: str = Field(description="ISO 8601, UTC: when it ended.")
+    data: Batch = Field(description="The batch as it ended.")
+
+
+class DeliveryAttempt(Model):
+    """One attempt to deliver an event."""
+
+    at: str = Field(description="ISO 8601, UTC: when it began.")
+    status: int | None = Field(description="The HTTP status of the answer; null if none came.")
+    problem: str | None = Field(description="Why it did not succeed; null if it did, or is not over.")
+
+
+class Delivery(Model):
+    """One event for one receiver."""
+
+    webhook_id: str = Field(description="The `webhook-id` of every attempt.")
+    type: str = Field(description="The type of the event.")
+    host: str = Field(description="The host of the `callback_url`.")
+    state: Literal["pending", "delivered", "gone", "refused", "exhausted"] = Field(
+        description="`gone`: the receiver answered 410; `refused`: its address may not be reached; "
+        "`exhausted`: the last attempt failed too."
+    )
+    next_attempt_at: str | None = Field(description="ISO 8601, UTC; null if there is none.")
+    attempts: list[DeliveryAttempt]
+
+
+class Deliveries(Model):
+    """The deliveries of a job or a batch, the oldest first."""
+
+    deliveries: list[Delivery]
+
+
+class Health(Model):
+    """The process is running."""
+
+    status: Literal["ok"]
+
+
+class Readiness(Model):
+    """Requests can be served."""
+
+    status: Literal["ready"]
+    workers: int = Field(description="Number of live workers.")
+    warnings: list[str] = Field(
+        default=[],
+        description="What endangers jobs: a setting of Redis, or a lane of the queue that stands "
+        "still. Empty if nothing does.",
+    )
+
+
+class Version(Model):
+    """The versions of the software that computes the answers."""
+
+    service: str
+    commit: str | None = Field(
+        default=None,
+        description="The commit of the code, with `-dirty` if it was changed since; null if it is not known.",
+    )
+    solver_version: str
+    python: str
+    libraries: dict[str, str | None]
+
+
+class Limit(Model):
+    """A limit and its meaning."""
+
+    value: int
+    description: str
+
+
+class TimeLimit(Model):
+    """A limit in seconds and its meaning."""
+
+    value: float
+    description: str
+
+
+class LimitsDocument(Model):
+    """All limits on requests."""
+
+    model_config = ConfigDict(title="Limits")
+
+    max_slices: Limit
+    max_article_slices: Limit
+    max_samples: Limit
+    min_digits: Limit
+    max_digits: Limit
+    default_digits: Limit
+    max_number_digits: Limit
+    max_cost_seconds: Limit
+    deadline: TimeLimit
+    max_body_bytes: Limit
+    max_body_members: Limit
+    max_batch_items: Limit
+    max_batch_bytes: Limit
+    max_batch_wait_seconds: Limit
+    max_result_bytes: Limit
+    max_requests_per_minute: Limit
+    max_active_jobs: Limit
+    max_active_seconds: Limit
+    max_kept_bytes: Limit
+    max_wait_seconds: Limit
