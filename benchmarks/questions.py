@@ -16,8 +16,8 @@ from random import Random
 from typing import Any
 
 from rpr_solver import exact_str
-from service.api.operations import OPERATIONS
-from service.schemas.questions import EXAMPLE_GEOMETRY, Question
+from service.schemas.catalog import question_of, questions
+from service.schemas.questions import EXAMPLE_GEOMETRY
 from service.schemas.verifications import VerificationRequest
 
 Body = dict[str, Any]
@@ -50,18 +50,13 @@ _SHAPES = {
 def seeds() -> dict[str, list[Body]]:
     """Kind → the examples of its question, those that another kind would answer too."""
     found: dict[str, list[Body]] = {}
-    for operation in OPERATIONS:
-        head = {"geometry": EXAMPLE_GEOMETRY} if operation.question.names_geometry else {}
-        examples = [body for _, body in operation.question.examples.values()]
+    for question in questions():
+        head = {"geometry": EXAMPLE_GEOMETRY} if question.names_geometry else {}
+        examples = [body for _, body in question.examples.values()]
         bodies = [json.loads(json.dumps({**head, **body})) for body in examples]
-        for kind in operation.question.kinds:
+        for kind in question.kinds:
             found[kind.name] = copy.deepcopy(bodies)
     return found
-
-
-def question_of(kind: str) -> type[Question]:
-    """The model of the questions that documents of a kind answer."""
-    return next(op.question for op in OPERATIONS if kind in [own.name for own in op.question.kinds])
 
 
 def to_verify(document: Mapping[str, Any]) -> Body:

@@ -33,39 +33,19 @@ from service.schemas.verifications import Verification, VerificationRequest
 
 M = TypeVar("M", bound=BaseModel)
 
-PATHS: Mapping[type[Question], tuple[str, type[BaseModel]]] = {
-    CuspTableRequest: ("/v1/cusp-tables", CuspTable),
-    CensusRequest: ("/v1/censuses", Census),
-    CuspCurvesRequest: ("/v1/cusp-curves", CuspCurves),
-    CheckRequest: ("/v1/checks", CheckReport),
-    PosesRequest: ("/v1/poses", PoseTable),
-    PathRequest: ("/v1/paths", Path),
-    SingularCurvesRequest: ("/v1/singular-curves", SingularCurves),
-    RangeAspectsRequest: ("/v1/aspects", RangeAspects),
-    PlotRequest: ("/v1/plots", Plot),
-    VerificationRequest: ("/v1/verifications", Verification),
-}
-"""Question → where it is posted, and the model of its answer."""
-
-MODELS: Mapping[str, type[BaseModel]] = {
-    kind.name: model for question, (_, model) in PATHS.items() for kind in question.kinds
-}
-"""Kind of a document → its model."""
-
 _MANY = 1_000_000
 _Length = Exact | Iterable[Exact]
 
 
 @dataclass(frozen=True)
 class Asked(Generic[M]):
-    """A question, where it is posted, and the model of its answer.
+    """A question, and the model of its answer.
 
     Attributes:
         name: what the item of a batch is called, which its result repeats; nothing to a question alone.
     """
 
     question: Question
-    path: str
     model: type[M]
     name: str | None = None
 
@@ -76,8 +56,7 @@ class Asked(Generic[M]):
     @classmethod
     def of(cls, question: Question) -> Asked[Any]:
         """Returns a question that was read before."""
-        path, model = PATHS[type(question)]
-        return Asked(question, path, model)
+        return Asked(question, question.answer)
 
 
 @dataclass(frozen=True)
@@ -315,7 +294,7 @@ def verify_document(document: Mapping[str, Any], *, deadline: float | None = Non
     """A verification of a document by independent means."""
     members = {"document": document} | ({} if deadline is None else {"deadline_s": str(deadline)})
     question = read(VerificationRequest, members, Source(Limits.of_environment(), is_text=True))
-    return Asked(question, PATHS[VerificationRequest][0], Verification)
+    return Asked(question, Verification)
 
 
 def _asked(
@@ -333,7 +312,7 @@ def _asked(
         own["digits"] = digits
     if deadline is not None:
         own["deadline_s"] = str(deadline)
-    return Asked(read(question, own, Source(limits, is_text=True)), PATHS[question][0], model)
+    return Asked(read(question, own, Source(limits, is_text=True)), model)
 
 
 def _legs(*lengths: Exact) -> dict[str, str]:

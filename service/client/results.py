@@ -14,9 +14,10 @@ from pydantic import BaseModel, ConfigDict
 
 from service.client.connection import Call, Connection
 from service.client.conversation import Conversation, OnProgress, as_object
-from service.client.questions import MODELS, Answer, Asked
+from service.client.questions import Answer, Asked
 from service.errors import ServiceError
-from service.schemas.resources import ProblemDocument
+from service.schemas.answers import ProblemDocument
+from service.schemas.catalog import questions
 from service.schemas.tables import CuspTable, CuspTableRequest
 
 _STREAM_SECONDS = 60
@@ -71,10 +72,16 @@ def item_result(line: bytes) -> ItemResult:
         name=members["id"],
         kind=kind,
         status=members["status"],
-        answer=Answer(rest[:-1], MODELS.get(kind, AnyDocument)) if found else None,
+        answer=Answer(rest[:-1], _model_of(kind)) if found else None,
         problem=None if problem is None else ProblemDocument.model_validate(problem),
         line=line,
     )
+
+
+def _model_of(kind: str | None) -> type[BaseModel]:
+    """Returns the model of documents of a kind; those of a newer service are taken as they are."""
+    every = (question for question in questions() if kind in [own.name for own in question.kinds])
+    return next((question.answer for question in every), AnyDocument)
 
 
 class ResultReader:

@@ -1,4 +1,4 @@
-"""Building blocks of several kinds of answers, and the forms in which documents are written."""
+"""Building blocks of answers, errors (RFC 9457), and the forms in which documents are written."""
 
 from __future__ import annotations
 
@@ -117,6 +117,36 @@ class Interval(ClosedRange):
     """An interval without transitions; all its slices have the same number of cusps."""
 
     count: int
+
+
+class FieldError(Model):
+    """A faulty field."""
+
+    field: str = Field(description="The dotted name of the field, for example geometry.d1.")
+    pointer: str | None = optional("The JSON pointer to it (RFC 6901), if it is in the body: /geometry/d1.")
+    message: str = Field(description="The fault, and a valid alternative.")
+
+
+class LimitInfo(Model):
+    """The limit that was exceeded."""
+
+    name: str
+    value: float
+
+
+class ProblemDocument(Model):
+    """An error (RFC 9457)."""
+
+    model_config = ConfigDict(extra="allow", title="Problem")
+
+    type: str = Field(description="Identifies the type of problem; the address documents it.")
+    title: str
+    status: int
+    detail: str
+    errors: list[FieldError]
+    instance: str | None = optional("The path of the request.")
+    limit: LimitInfo | None = optional("Present if a limit was exceeded.")
+    job: str | None = optional("The job concerned.")
 
 
 SHARED = ("geometry_hash", "fixed_leg", "digits", "solver_version")

@@ -18,7 +18,6 @@ import pytest
 import rpr_solver
 from rpr_solver import EXAMPLES, InputError, Requirement
 from rpr_solver.contract import document_head
-from service.api.operations import OPERATIONS
 from service.client import (
     Asked,
     AsyncServiceClient,
@@ -35,8 +34,9 @@ from service.client import (
     singular_curves,
     verify_document,
 )
-from service.client.questions import PATHS
 from service.errors import ServiceError
+from service.schemas.catalog import questions
+from service.schemas.plots import PlotRequest
 from tests.support.processes import until
 from worker.jobs.queue import JobQueue
 
@@ -120,9 +120,9 @@ def test_an_answer_is_the_library_s_byte_for_byte(base_url: str, kind: str) -> N
     assert dumped == answer.document
 
 
-def test_the_client_knows_every_operation() -> None:
-    known = {question: (path, model) for question, (path, model) in PATHS.items()}
-    assert known == {o.question: (o.path, o.answer) for o in OPERATIONS}
+def test_the_client_asks_every_question() -> None:
+    of_pictures = {PlotRequest}  # compared with the library by its own test
+    assert {type(asked.question) for asked, _ in KINDS.values()} == set(questions()) - of_pictures
 
 
 def test_both_clients_have_the_same_methods() -> None:

@@ -16,7 +16,7 @@ from service.api.access.caller import NEEDED
 from service.api.answers.forms import IN_FLOATS, NO_NUMBERS
 from service.api.contract.operations import describe_headers, problems, ref
 from service.api.problems import ProblemType
-from service.schemas.answers import JSON
+from service.schemas.answers import JSON, ProblemDocument
 from service.schemas.catalog import questions
 from service.schemas.numbers import EXACT_NUMBER, POSITIVE_NUMBER
 from service.schemas.resources import (
@@ -30,7 +30,6 @@ from service.schemas.resources import (
     JobEvent,
     JobList,
     LimitsDocument,
-    ProblemDocument,
     Readiness,
     StreamEvent,
     Version,

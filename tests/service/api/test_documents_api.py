@@ -15,7 +15,7 @@ from redis import Redis
 import rpr_solver
 from rpr_solver import EXAMPLES, cusp_curves, poses
 from service.api.contract.operations import request_body
-from service.api.operations import OPERATIONS
+from service.schemas.catalog import questions
 from service.schemas.tables import CuspTable
 from tests.support.service_server import GEOMETRY, accepted, ended
 from worker.jobs.queue import JobQueue
@@ -25,17 +25,17 @@ POSES = {"geometry": GEOMETRY, "l1": 14.98, "l2": 15, "l3": "30", "digits": 20}
 
 def is_whole(model: str, document: object) -> bool:
     """Asserts that the model accepts the document and has all its fields."""
-    [answer] = [operation.answer for operation in OPERATIONS if operation.answer.__name__ == model]
+    [answer] = [question.answer for question in questions() if question.answer.__name__ == model]
     return answer.model_validate(document).model_dump(exclude_unset=True, by_alias=True) == document
 
 
 def documented() -> list[Any]:
     """Every example of a question: its path and its body."""
     examples = []
-    for operation in OPERATIONS:
-        path = operation.path
+    for question in questions():
+        path = question.path
         marks = pytest.mark.slow if path in ("/v1/checks", "/v1/cusp-curves") else ()
-        content = request_body(operation)["requestBody"]["content"]["application/json"]
+        content = request_body(question)["requestBody"]["content"]["application/json"]
         for name, example in content["examples"].items():
             examples.append(pytest.param(path, example["value"], id=f"{path} {name}", marks=marks))
     return examples

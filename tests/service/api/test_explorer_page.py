@@ -10,8 +10,7 @@ import httpx
 import pytest
 
 from rpr_solver import EXAMPLES
-from service.api.operations import WEB
-from service.api.routes.pages import FIRST_SLICES
+from service.api.routes.pages import FIRST_SLICES, WEB
 
 ROOT = Path(__file__).parents[3]
 MODULES = sorted(path.name for path in (WEB / "explorer").glob("*.js"))

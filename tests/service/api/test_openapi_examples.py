@@ -13,8 +13,8 @@ import pytest
 
 from service.api.app import create_app
 from service.api.contract.batches import POST_BODY
-from service.api.operations import OPERATIONS
 from service.schemas.answers import JSON, NDJSON
+from service.schemas.catalog import questions as all_questions
 from tests.support.contract import parts
 from tests.support.processes import until
 
@@ -62,7 +62,7 @@ def examples_of(part: dict[str, Any]) -> Iterator[tuple[str, Any]]:
 
 def questions() -> list[Any]:
     """The examples of questions, read without making the contract."""
-    named = [(op.path, name) for op in OPERATIONS for name in op.question.examples]
+    named = [(op.path, name) for op in all_questions() for name in op.examples]
     bodies = POST_BODY["requestBody"]["content"].items()
     named += [("/v1/batches", name) for _, content in bodies for name, _ in examples_of(content)]
     marks = {case: [pytest.mark.long] if case in DEAR else [] for case in named}

@@ -10,10 +10,12 @@ import pytest
 
 from service.api.answers import request_body
 from service.api.answers.request_body import Asked, Reading
-from service.api.operations import CENSUSES, CUSP_CURVES, CUSP_TABLES
 from service.api.threads import Threads
+from service.schemas.censuses import CensusRequest
+from service.schemas.curves import CuspCurvesRequest
 from service.schemas.limits import Limits
 from service.schemas.questions import EXAMPLE_GEOMETRY
+from service.schemas.tables import CuspTableRequest
 
 
 def body(**asked: Any) -> bytes:
@@ -23,7 +25,7 @@ def body(**asked: Any) -> bytes:
 def read_in_turn(*bodies: bytes) -> list[Asked]:
     async def run() -> list[Asked]:
         questions = Reading(Limits(), Threads(1))
-        return [await questions.question(CUSP_TABLES, each) for each in bodies]
+        return [await questions.question(CuspTableRequest, each) for each in bodies]
 
     return asyncio.run(run())
 
@@ -38,7 +40,9 @@ def test_a_body_is_read_once() -> None:
 def test_the_same_body_asks_another_question_elsewhere() -> None:
     async def run() -> tuple[Asked, Asked]:
         questions = Reading(Limits(), Threads(1))
-        return await questions.question(CENSUSES, body()), await questions.question(CUSP_CURVES, body())
+        return await questions.question(CensusRequest, body()), await questions.question(
+            CuspCurvesRequest, body()
+        )
 
     census, curves = asyncio.run(run())
     assert (census.request.kind.name, curves.request.kind.name) == ("census", "cusp-curves")

@@ -8,9 +8,9 @@ import httpx
 import pytest
 from pydantic import BaseModel
 
-from service.api.operations import EXAMPLE_TABLE
-from service.schemas.resources import Health, Job, LimitsDocument, ProblemDocument, Readiness, Version
-from service.schemas.tables import CuspTable
+from service.schemas.answers import ProblemDocument
+from service.schemas.resources import Health, Job, LimitsDocument, Readiness, Version
+from service.schemas.tables import EXAMPLE_TABLE, CuspTable
 from tests.support.service_server import GEOMETRY
 
 
