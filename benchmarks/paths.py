@@ -14,7 +14,7 @@ from statistics import median
 
 from rpr_solver import EXAMPLES, eliminate, joint_path
 from rpr_solver.paths.loops import loop_in_slice, slice_for_loops
-from rpr_solver.paths.samples import SamplingPlan
+from rpr_solver.paths.path import PathTerms
 
 SLICES = (("innocenti", "14.98"), ("innocenti", "27"), ("innocenti", "28.1"), ("fourteen-cusps", "5.96"))
 POSES = (("27", "20", "20", 1, 2), ("14.98", "15", "12", 3, 6), ("14.98", "15", "12", 1, 5))
@@ -37,9 +37,9 @@ def loops(name: str, length: str) -> str:
     table = slice_for_loops(eliminant, length)
     line = f"{name:15s} L1 = {length:6s} {table.count:2d} loops"
     for samples in (2, 101):
-        plan = SamplingPlan.of(samples, "cosine", 1)
+        terms = PathTerms.of(samples=samples)
         times = [
-            milliseconds(partial(loop_in_slice, eliminant, table, cusp, plan, 15))
+            milliseconds(partial(loop_in_slice, eliminant, table, cusp, terms))
             for cusp in range(1, table.count + 1)
         ]
         line += f"   {samples:4d} samples: median {median(times):5.1f} ms, most {max(times):5.1f} ms"

@@ -6,33 +6,25 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
+from typing import Any, Unpack
 
-from flint import arb, ctx
+from flint import ctx
 
-from rpr_solver.contract import (
-    DEFAULT_SAMPLES,
-    PATH_DIGITS,
-    check_digits,
-    check_integer,
-    check_leg,
-    document_head,
-)
-from rpr_solver.errors import InputError, SolverError, Unproved
+from rpr_solver.contract import check_integer, document_head
+from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_positive
 from rpr_solver.kinematics.pose_table import PoseTable, poses
 from rpr_solver.model.classify import Kind, PoseKind
 from rpr_solver.model.joint_points import free_legs
-from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json, read_limits
+from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cells
 from rpr_solver.paths.isolated import IsolatedPose
 from rpr_solver.paths.joint_paths import Range, in_slice, sign_of
-from rpr_solver.paths.others import PathPose, numbered, of_table
-from rpr_solver.paths.path import Path, document_lengths, path_of, span_json
-from rpr_solver.paths.proofs import NO_BOUNDS, PROOF_BITS, outside
-from rpr_solver.paths.samples import SamplingPlan
+from rpr_solver.paths.others import PathPose, isolated, of_table
+from rpr_solver.paths.path import Path, PathOptions, PathTerms, document_lengths, path_of, span_json
+from rpr_solver.paths.proofs import NO_BOUNDS, PROOF_BITS, ProvedRoute, outside
 from rpr_solver.paths.within_limits import LimitedSearch, Outcome, Resolution
 from rpr_solver.transitions.census import census
 
@@ -131,12 +123,7 @@ def joint_path(
     stop: int,
     *,
     between: tuple[Exact, Exact] | None = None,
-    limits: ExactLimits | None = None,
-    fixed_leg: int = 1,
-    digits: int = PATH_DIGITS,
-    samples: int = DEFAULT_SAMPLES,
-    timing: str = "cosine",
-    duration: Exact = 1,
+    **options: Unpack[PathOptions],
 ) -> Path | NoPath:
     """A path without a singularity from one pose of a joint vector to another, or why there is none.
 
@@ -148,13 +135,8 @@ def joint_path(
         start: the number of the first pose, from 1, in the table of all poses (:func:`poses`).
         stop: the number of the second pose.
         between: two lengths between which the fixed leg may move; None holds it.
-        limits: joint limits that the path keeps: the least and the greatest length of legs, exact, None for
-            an open end: ``{"l2": (5, "20.5"), "l3": (None, 30)}``, or with the legs' numbers as keys.
-        fixed_leg: the leg of fixed length, 1, 2 or 3.
-        digits: significant digits of every printed number, 15 to 10000; all are proved.
-        samples: the number of samples, 2 to 10001 (see :meth:`Path.resampled`).
-        timing: the law of time: ``"cosine"``, ``"trapezoid"`` or ``"constant"``.
-        duration: the time of the last sample, exact, > 0.
+        options: as :class:`~rpr_solver.paths.path.PathOptions` says: ``limits``, ``fixed_leg``, ``digits``,
+            ``samples``, ``timing`` and ``duration``.
 
     Raises:
         InputError: naming the argument at fault.
@@ -168,51 +150,82 @@ def joint_path(
     >>> joint_path(EXAMPLES["innocenti"], 27, 20, 20, 1, 2, limits={"l2": (5, 21)})
     <NoPath from pose 1 to pose 2: separated-by-limits>
     """
-    digits, leg = check_digits(digits), check_leg(fixed_leg)
-    plan = SamplingPlan.of(samples, timing, duration)
+    terms = PathTerms.of(**options)
     lengths = parse_all({"l1": l1, "l2": l2, "l3": l3}, parse_positive)
-    span = None if between is None else checked_range(between, lengths[f"l{leg}"], leg)
-    bounds = read_limits({} if limits is None else limits, "limits")
-    table = poses(manipulator, *lengths.values(), digits=digits)
-    ends = [_end(table, number, field) for number, field in ((start, "start"), (stop, "stop"))]
+    span = None if between is None else checked_range(between, lengths[f"l{terms.leg}"], terms.leg)
+    table = poses(manipulator, *lengths.values(), digits=terms.digits)
+    ends = _end(table, start, "start"), _end(table, stop, "stop")
     if ends[0] == ends[1]:
         raise InputError.of("stop", f"is {stop}, where the path begins; give another pose")
-    slice_map = SliceMap.of(manipulator, leg)
-    first, last = (isolated(slice_map, table, number) for number in ends)
-    named = of_table(table, ends[0], leg), of_table(table, ends[1], leg)
+    slice_map = SliceMap.of(manipulator, terms.leg)
     joint = lengths["l1"], lengths["l2"], lengths["l3"]
+    fixed, first, second = (joint[leg - 1] * slice_map.scale for leg in (terms.leg, *free_legs(terms.leg)))
+    with ctx.workprec(PROOF_BITS):
+        pair = [isolated(slice_map, (fixed, first, second), table, number) for number in ends]
+    named = of_table(table, ends[0], terms.leg), of_table(table, ends[1], terms.leg)
+    return _Question(manipulator, terms, joint, span, (pair[0], pair[1]), named).answer()
 
-    def none(obstacle: Obstacle, **more: Any) -> NoPath:
-        return NoPath(manipulator, leg, digits, joint, *named, obstacle, span, bounds, **more)
 
-    if outside(bounds, joint):
-        return none(Obstacle.OUTSIDE_LIMITS)
-    sign = sign_of(first)
-    if sign != sign_of(last):
-        return none(Obstacle.OPPOSITE_SIGNS)
-    free = narrowed(span, bounds.get(leg, NO_BOUNDS))
-    limited = LimitedSearch.of(first, last, sign, bounds, free)
-    found = in_slice(Cells.of(slice_map, first.legs[0]), first, last, sign)
-    is_supported = True
-    if found is None and free is not None:
-        try:
-            whole = Range.of(slice_map, limited.span, sign)
-        except SolverError:
-            is_supported = False
-        else:
-            found = whole.route(first, last)
-    if found is None and is_supported:
-        connecting = None if bounds else _connecting(manipulator, first, last, sign)
-        return none(Obstacle.OTHER_ASPECT, connecting=connecting)
-    if limited.limits.walls:
-        outcome = limited.kept_by(found) or limited.found()
-        if isinstance(outcome, Outcome):
-            obstacle = Obstacle.SEPARATED_BY_LIMITS if outcome.is_separated else Obstacle.UNDECIDED
-            return none(obstacle, resolution=limited.resolution(outcome))
-        found = outcome
-    if found is None:
-        return none(Obstacle.UNDECIDED)
-    return path_of(manipulator, *found, plan, digits, between=span, limits=bounds)
+@dataclass(frozen=True)
+class _Question:
+    """Whether two poses of a joint vector are joined.
+
+    Attributes:
+        manipulator: the geometry.
+        terms: what a path is to keep, and how it is written.
+        lengths: L1, L2 and L3, in the user's unit.
+        span: the lengths between which the fixed leg may move; None if it is held.
+        poses: the first pose and the second one, isolated.
+        named: the same with their numbers.
+    """
+
+    manipulator: Manipulator
+    terms: PathTerms
+    lengths: tuple[Fraction, Fraction, Fraction]
+    span: tuple[Fraction, Fraction] | None
+    poses: tuple[IsolatedPose, IsolatedPose]
+    named: tuple[PathPose, PathPose]
+
+    def answer(self) -> Path | NoPath:
+        """A path, or why there is none."""
+        bounds = self.terms.bounds
+        if outside(bounds, self.lengths):
+            return self._none(Obstacle.OUTSIDE_LIMITS)
+        sign, other = map(sign_of, self.poses)
+        if sign != other:
+            return self._none(Obstacle.OPPOSITE_SIGNS)
+        free = narrowed(self.span, bounds.get(self.terms.leg, NO_BOUNDS))
+        limited = LimitedSearch.of(*self.poses, sign, bounds, free)
+        joined = self._joined(sign, None if free is None else limited.span)
+        if joined is Obstacle.OTHER_ASPECT:
+            connecting = None if bounds else _connecting(self.manipulator, *self.poses, sign)
+            return self._none(joined, connecting=connecting)
+        found: ProvedRoute | Obstacle | Outcome = joined
+        if limited.limits.walls:
+            found = limited.found(None if isinstance(joined, Obstacle) else joined)
+        if isinstance(found, Outcome):
+            obstacle = Obstacle.SEPARATED_BY_LIMITS if found.is_separated else Obstacle.UNDECIDED
+            return self._none(obstacle, resolution=limited.resolution(found))
+        if isinstance(found, Obstacle):
+            return self._none(found)
+        return path_of(self.manipulator, found, self.terms, between=self.span)
+
+    def _joined(self, sign: int, span: tuple[Fraction, Fraction] | None) -> ProvedRoute | Obstacle:
+        """A route in the slice, or in a range of scaled lengths, joint limits apart."""
+        start, stop = self.poses
+        found = in_slice(Cells.of(start.slice_map, start.legs[0]), start, stop, sign)
+        if found is None and span is not None:
+            try:
+                whole = Range.of(start.slice_map, span, sign)
+            except SolverError:
+                return Obstacle.UNDECIDED
+            found = whole.route(start, stop)
+        return Obstacle.OTHER_ASPECT if found is None else found
+
+    def _none(self, obstacle: Obstacle, **more: Any) -> NoPath:
+        leg, digits, bounds = self.terms.leg, self.terms.digits, self.terms.bounds
+        head = self.manipulator, leg, digits, self.lengths
+        return NoPath(*head, *self.named, obstacle, self.span, bounds, **more)
 
 
 def checked_range(between: tuple[Exact, Exact], length: Fraction, leg: int) -> tuple[Fraction, Fraction]:
@@ -227,24 +240,6 @@ def checked_range(between: tuple[Exact, Exact], length: Fraction, leg: int) -> t
             "between", f"is {exact_str(low)} to {exact_str(high)}; it must hold l{leg} = {exact_str(length)}"
         )
     return low, high
-
-
-def isolated(slice_map: SliceMap, table: PoseTable, number: int) -> IsolatedPose:
-    """A pose of a table, isolated.
-
-    Raises:
-        Unproved: it could not be isolated.
-    """
-    leg = slice_map.fixed_leg
-    by_leg = dict(enumerate(table.lengths.values(), 1))
-    lengths = [Fraction(by_leg[i]) * slice_map.scale for i in (leg, *free_legs(leg))]
-    pose = of_table(table, number, leg)
-    with ctx.workprec(PROOF_BITS):
-        angles = arb(pose.alpha_deg) * arb.pi() / 180, arb(pose.theta_deg) * arb.pi() / 180
-        found = IsolatedPose.near(slice_map, (lengths[0], lengths[1], lengths[2]), angles)
-    if found is None or numbered(found, table, leg) != pose:
-        raise Unproved("a pose is too near a singularity")
-    return found
 
 
 def narrowed(span: tuple[Fraction, Fraction] | None, bounds: Bounds) -> tuple[Fraction, Fraction] | None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TypeVar
 
 from flint import arb, arb_mat, ctx
 
@@ -12,7 +14,10 @@ from rpr_solver.exact.precision import GREATEST_BITS, precisions
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.jets import LocalMap, Pose
+from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.slice_map import SliceMap
+
+T = TypeVar("T")
 
 _STEPS = 12
 _FIRST_BITS = 192
@@ -23,6 +28,16 @@ Image = tuple[arb, arb]
 """Half the squared lengths of the free legs, scaled."""
 Legs = tuple[Fraction, Fraction, Fraction]
 """The fixed leg and the two others, exact, scaled."""
+
+
+def by_leg(fixed_leg: int, lengths: Sequence[T]) -> tuple[T, T, T]:
+    """L1, L2 and L3, from the fixed leg's length and those of the free legs.
+
+    >>> by_leg(2, ("fixed", "first", "second"))
+    ('first', 'fixed', 'second')
+    """
+    legs = dict(zip((fixed_leg, *free_legs(fixed_leg)), lengths, strict=True))
+    return legs[1], legs[2], legs[3]
 
 
 def local_map(slice_map: SliceMap, length: arb, angles: Angles, order: int) -> LocalMap[arb]:

@@ -26,23 +26,22 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from math import floor
-from types import MappingProxyType
+from typing import Unpack
 
 from flint import acb, arb, ctx
 
-from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, check_digits, check_leg, check_type, number_of
+from rpr_solver.contract import check_type, number_of
 from rpr_solver.errors import InputError, Unproved
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.joint_points import JointPoint, free_legs
-from rpr_solver.model.lengths import Bounds, ExactLimits, read_limits, slice_length
+from rpr_solver.model.lengths import Bounds, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.isolated import Angles, Image, IsolatedPose, local_map
-from rpr_solver.paths.path import Path, path_of
+from rpr_solver.paths.path import Path, PathOptions, PathTerms, path_of
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, outside, prove
 from rpr_solver.paths.route import Arc, ControlPoint, Route, expanded
-from rpr_solver.paths.samples import SamplingPlan
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.slice_table import SliceTable
@@ -115,13 +114,7 @@ def cusp_loop(
     manipulator: Manipulator,
     length: Exact,
     cusp: int | str,
-    *,
-    limits: ExactLimits | None = None,
-    fixed_leg: int = 1,
-    digits: int = PATH_DIGITS,
-    samples: int = DEFAULT_SAMPLES,
-    timing: str = "cosine",
-    duration: Exact = 1,
+    **options: Unpack[PathOptions],
 ) -> Path:
     """A loop of the leg lengths round a cusp, which carries one pose to another without a singularity.
 
@@ -135,13 +128,8 @@ def cusp_loop(
         manipulator: the geometry.
         length: of the fixed leg, exact, > 0, in the user's unit.
         cusp: the number of the cusp, from 1, in the table of the slice, or its letter A, B, ….
-        limits: joint limits that the loop keeps: the least and the greatest length of legs, exact, None for
-            an open end: ``{"l2": (5, "20.5"), "l3": (None, 30)}``, or with the legs' numbers as keys.
-        fixed_leg: the leg of fixed length, 1, 2 or 3.
-        digits: significant digits of every printed number, 15 to 10000; all are proved.
-        samples: the number of samples, 2 to 10001 (see :meth:`Path.resampled`).
-        timing: the law of time: ``"cosine"``, ``"trapezoid"`` or ``"constant"``.
-        duration: the time of the last sample, exact, > 0.
+        options: as :class:`~rpr_solver.paths.path.PathOptions` says: ``limits``, ``fixed_leg``, ``digits``,
+            ``samples``, ``timing`` and ``duration``.
 
     Raises:
         InputError: naming the argument at fault, the length by its leg (``l1``).
@@ -154,12 +142,9 @@ def cusp_loop(
     >>> loop.winding, [sample.lengths[1] for sample in loop.samples]
     (1, ['15.5000000000000', '6.41622823487786', '15.5000000000000'])
     """
-    digits, leg = check_digits(digits), check_leg(fixed_leg)
-    plan = SamplingPlan.of(samples, timing, duration)
-    exact = slice_length(length, leg)
-    bounds = read_limits({} if limits is None else limits, "limits")
-    eliminant = kept_eliminant(manipulator, leg)
-    return loop_in_slice(eliminant, slice_for_loops(eliminant, exact), cusp, plan, digits, bounds)
+    terms = PathTerms.of(**options)
+    exact, eliminant = slice_length(length, terms.leg), kept_eliminant(manipulator, terms.leg)
+    return loop_in_slice(eliminant, slice_for_loops(eliminant, exact), cusp, terms)
 
 
 def slice_for_loops(eliminant: Eliminant, length: Exact) -> SliceTable:
@@ -172,15 +157,8 @@ def slice_for_loops(eliminant: Eliminant, length: Exact) -> SliceTable:
     return solve_slice(eliminant, length, CUSP_DIGITS)
 
 
-def loop_in_slice(
-    eliminant: Eliminant,
-    table: SliceTable,
-    cusp: int | str,
-    plan: SamplingPlan,
-    digits: int,
-    bounds: Mapping[int, Bounds] = MappingProxyType({}),
-) -> Path:
-    """As :func:`cusp_loop`, within ``bounds``, for a slice that is known (see :func:`slice_for_loops`).
+def loop_in_slice(eliminant: Eliminant, table: SliceTable, cusp: int | str, terms: PathTerms) -> Path:
+    """As :func:`cusp_loop`, for a slice that is known (see :func:`slice_for_loops`).
 
     Raises:
         InputError: naming ``cusp``: the slice has no such cusp; or ``limits``, which exclude it.
@@ -188,13 +166,12 @@ def loop_in_slice(
     """
     cusp = number_of(cusp, table.count)
     check_type(table, SliceTable, "table")
-    search = _Search(eliminant.slice_map, table, cusp, bounds)
+    search = _Search(eliminant.slice_map, table, cusp, terms.bounds)
     route, proof = search.found()
     winding = proof.windings[0]
     if winding < 0:
         route, winding = route.reversed(), -winding
-    loop = cusp, winding, search.twins
-    return path_of(eliminant.manipulator, route, proof, plan, digits, loop, limits=bounds)
+    return path_of(eliminant.manipulator, (route, proof), terms, round_cusp=(cusp, winding, search.twins))
 
 
 class _Search:

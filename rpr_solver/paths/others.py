@@ -12,10 +12,10 @@ from flint import arb, ctx
 from rpr_solver.errors import Unproved
 from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.kinematics.pose_table import PlatformPose, PoseTable
-from rpr_solver.model.joint_points import free_legs
+from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import shortened
 from rpr_solver.paths.followed import Place, follow
-from rpr_solver.paths.isolated import Angles, IsolatedPose, local_map
+from rpr_solver.paths.isolated import Angles, IsolatedPose, Legs, by_leg, local_map
 from rpr_solver.paths.route import Arc, Route
 from rpr_solver.paths.samples import wrapped
 
@@ -67,6 +67,20 @@ def numbered(pose: IsolatedPose, table: PoseTable, fixed_leg: int) -> PathPose:
     if len(numbers) != 1:
         raise Unproved("a pose could not be told from the others of its joint vector; ask for more digits")
     return of_table(table, numbers[0], fixed_leg)
+
+
+def isolated(slice_map: SliceMap, legs: Legs, table: PoseTable, number: int) -> IsolatedPose:
+    """The pose with this number in the table of scaled leg lengths, isolated at the working precision.
+
+    Raises:
+        Unproved: it could not be isolated.
+    """
+    pose = of_table(table, number, slice_map.fixed_leg)
+    alpha, theta = (arb(text) * arb.pi() / 180 for text in pose.angles)
+    found = IsolatedPose.near(slice_map, legs, (alpha, theta))
+    if found is None or numbered(found, table, slice_map.fixed_leg) != pose:
+        raise Unproved("a pose is too near a singularity")
+    return found
 
 
 def of_table(table: PoseTable, number: int, fixed_leg: int) -> PathPose:
@@ -167,11 +181,8 @@ def other_poses(route: Route, table: PoseTable, ends: tuple[PathPose, PathPose])
             continue
         start = of_table(table, number, leg)
         with ctx.workprec(bits):
-            angles = arb(start.alpha_deg) * arb.pi() / 180, arb(start.theta_deg) * arb.pi() / 180
-            isolated = IsolatedPose.near(route.slice_map, route.start.legs, angles)
-            if isolated is None or numbered(isolated, table, leg) != start:
-                raise Unproved("a pose of the joint vector could not be told from another one")
-            followed = follow(route.slice_map, arcs, isolated.refined(bits - 32))
+            pose_at_start = isolated(route.slice_map, route.start.legs, table, number)
+            followed = follow(route.slice_map, arcs, pose_at_start.refined(bits - 32))
             stop = None if followed.end is None else _arrived(route, followed.end, table)
             fold = None
             if followed.fold is not None:
@@ -182,13 +193,13 @@ def other_poses(route: Route, table: PoseTable, ends: tuple[PathPose, PathPose])
 
 
 def _arrived(route: Route, angles: Angles, table: PoseTable) -> PathPose | None:
-    isolated = IsolatedPose.near(route.slice_map, route.stop.legs, angles)
-    return None if isolated is None else numbered(isolated, table, route.slice_map.fixed_leg)
+    pose = IsolatedPose.near(route.slice_map, route.stop.legs, angles)
+    return None if pose is None else numbered(pose, table, route.slice_map.fixed_leg)
 
 
 def _fold_point(route: Route, arc: Arc, place: Place, digits: int) -> FoldPoint | None:
     alpha, theta, tau = place
-    length, scale, leg = arc.length(tau), route.slice_map.scale_ball(), route.slice_map.fixed_leg
+    length, scale = arc.length(tau), route.slice_map.scale_ball()
     first, second = (
         square.sqrt() / scale
         for square in local_map(route.slice_map, length, (alpha, theta), 0).squared_lengths()
@@ -196,5 +207,4 @@ def _fold_point(route: Route, arc: Arc, place: Place, digits: int) -> FoldPoint 
     texts = round_all((length / scale, first, second, wrapped(alpha), wrapped(theta)), digits)
     if texts is None:
         return None
-    by_leg = dict(zip((leg, *free_legs(leg)), texts[:3], strict=True))
-    return FoldPoint((by_leg[1], by_leg[2], by_leg[3]), *texts[3:])
+    return FoldPoint(by_leg(route.slice_map.fixed_leg, texts[:3]), *texts[3:])

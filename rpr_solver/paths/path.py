@@ -29,23 +29,19 @@ from typing import Any, TypedDict
 
 from flint import ctx
 
-from rpr_solver.contract import (
-    DEFAULT_SAMPLES,
-    document_head,
-    letter,
-)
+from rpr_solver.contract import DEFAULT_SAMPLES, PATH_DIGITS, check_digits, check_leg, document_head, letter
 from rpr_solver.exact.decimals import round_down
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.kinematics.pose_table import poses
-from rpr_solver.model.joint_points import free_legs
-from rpr_solver.model.lengths import Bounds, limits_json
+from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json, read_limits
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, csv_text, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
+from rpr_solver.paths.isolated import by_leg
 from rpr_solver.paths.others import OtherPose, PathPose, numbered, other_poses
-from rpr_solver.paths.proofs import PROOF_BITS, PathProof
+from rpr_solver.paths.proofs import PROOF_BITS, ProvedRoute
 from rpr_solver.paths.route import Route
-from rpr_solver.paths.samples import PathSample, SamplingPlan
+from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, SamplingPlan
 from rpr_solver.singular.singular_curves import SingularCurves
 
 
@@ -61,6 +57,57 @@ class PathCertificate(TypedDict):
     pieces: int
     least_determinant: str
     working_bits: int
+
+
+class PathOptions(TypedDict, total=False):
+    """What may be asked of a path beside its ends.
+
+    Attributes:
+        limits: joint limits that the path keeps: the least and the greatest length of legs, exact, None for
+            an open end: ``{"l2": (5, "20.5"), "l3": (None, 30)}``, or with the legs' numbers as keys.
+        fixed_leg: the leg of fixed length, 1, 2 or 3; 1 unless given.
+        digits: significant digits of every printed number, 15 to 10000; all are proved. 15 unless given.
+        samples: the number of samples, 2 to 10001 (see :meth:`Path.resampled`); 101 unless given.
+        timing: the law of time: ``"cosine"`` unless given, ``"trapezoid"`` or ``"constant"``.
+        duration: the time of the last sample, exact, > 0; 1 unless given.
+    """
+
+    limits: ExactLimits | None
+    fixed_leg: int
+    digits: int
+    samples: int
+    timing: str
+    duration: Exact
+
+
+@dataclass(frozen=True)
+class PathTerms:
+    """The options of a path, checked: the fixed leg, the digits, how it is sampled, and its joint limits."""
+
+    leg: int
+    digits: int
+    plan: SamplingPlan
+    bounds: Mapping[int, Bounds]
+
+    @classmethod
+    def of(
+        cls,
+        *,
+        limits: ExactLimits | None = None,
+        fixed_leg: int = 1,
+        digits: int = PATH_DIGITS,
+        samples: int = DEFAULT_SAMPLES,
+        timing: str = "cosine",
+        duration: Exact = 1,
+    ) -> PathTerms:
+        """The terms of :class:`PathOptions`.
+
+        Raises:
+            InputError: naming the option at fault.
+        """
+        digits, leg = check_digits(digits), check_leg(fixed_leg)
+        plan = SamplingPlan.of(samples, timing, duration)
+        return cls(leg, digits, plan, read_limits({} if limits is None else limits, "limits"))
 
 
 @dataclass(frozen=True)
@@ -232,37 +279,30 @@ def document_lengths(lengths: tuple[Fraction, Fraction, Fraction]) -> dict[str, 
     return {f"l{leg}": exact_str(length) for leg, length in enumerate(lengths, 1)}
 
 
-_BOUND_DIGITS = 6
-
-
 def path_of(
     manipulator: Manipulator,
-    route: Route,
-    proof: PathProof,
-    plan: SamplingPlan,
-    digits: int,
-    round_cusp: tuple[int, int, tuple[int, ...]] | None = None,
+    proved: ProvedRoute,
+    terms: PathTerms,
     *,
     between: tuple[Fraction, Fraction] | None = None,
-    limits: Mapping[int, Bounds] | None = None,
+    round_cusp: tuple[int, int, tuple[int, ...]] | None = None,
 ) -> Path:
-    """The path in decimals; ``round_cusp`` has the number of the cusp, the winding of a loop, and the twins.
+    """From a route and its proof to the path in decimals, with the numbers of its poses.
 
-    ``between`` and ``limits`` are what it was to keep.
+    ``between`` is the range of the fixed leg that it was to keep; ``round_cusp`` has the number of the cusp,
+    the winding of a loop, and the twins.
 
     Raises:
         SolverError: digits could not be proved.
     """
-    slice_map = route.slice_map
-    leg = slice_map.fixed_leg
-    fixed, first, second = (length / slice_map.scale for length in route.start.legs)
-    by_leg = dict(zip((leg, *free_legs(leg)), (fixed, first, second), strict=True))
-    lengths = by_leg[1], by_leg[2], by_leg[3]
+    route, proof = proved
+    slice_map, leg, digits = route.slice_map, route.slice_map.fixed_leg, terms.digits
+    lengths = by_leg(leg, [length / slice_map.scale for length in route.start.legs])
     table = poses(manipulator, *lengths, digits=digits)
     start, stop = (numbered(pose, table, leg) for pose in (route.start, route.stop))
     cusp, winding, twins = round_cusp or (None, None, ())
     with ctx.workprec(PROOF_BITS):
-        least = round_down((proof.least / slice_map.scale_ball()).lower(), _BOUND_DIGITS)
+        least = round_down((proof.least / slice_map.scale_ball()).lower(), BOUND_DIGITS)
     certificate: PathCertificate = {
         "arcs": route.to_json(),
         "pieces": proof.pieces,
@@ -283,10 +323,10 @@ def path_of(
         route=route,
         certificate=certificate,
         between=between,
-        limits=dict(limits or {}),
-        samples=plan.sampled(route, (start.angles, stop.angles), digits),
-        timing=plan.timing,
-        duration=plan.duration,
+        limits=dict(terms.bounds),
+        samples=terms.plan.sampled(route, (start.angles, stop.angles), digits),
+        timing=terms.plan.timing,
+        duration=terms.plan.duration,
     )
 
 

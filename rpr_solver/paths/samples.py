@@ -25,10 +25,9 @@ from rpr_solver.exact.decimals import angle_text, digit_bits, round_all, round_d
 from rpr_solver.exact.rationals import Exact, exact_str, parse_positive
 from rpr_solver.exact.real_roots import ball_of, fraction_of
 from rpr_solver.model.jets import Jet
-from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.notebook import shortened
-from rpr_solver.paths.isolated import IsolatedPose, local_map
+from rpr_solver.paths.isolated import IsolatedPose, by_leg, local_map
 from rpr_solver.paths.route import Arc, Point, Route
 
 Joint = Callable[[int, float], tuple[float, float, float]]
@@ -128,7 +127,8 @@ def _slopes(leg: Leg, length: arb) -> tuple[list[arb], list[arb]]:
     return [x + platform * base for x in both], [x + length * base for x in both]
 
 
-_BOUND_DIGITS = 6
+BOUND_DIGITS = 6
+"""The significant digits of bounds, which are rounded down."""
 _TRIES = 4
 
 
@@ -278,10 +278,8 @@ class _Points:
                 return None
             angles = angle_text(degrees[0]), angle_text(degrees[1])
         clearance = clearance_of(self.slice_map, length, j) * 180 / arb.pi()
-        leg = self.slice_map.fixed_leg
-        legs = dict(zip((leg, *free_legs(leg)), texts[:3], strict=True))
-        bound = round_down(clearance.lower(), _BOUND_DIGITS)
-        return PathSample(time, (legs[1], legs[2], legs[3]), *angles, texts[3], bound)
+        lengths = by_leg(self.slice_map.fixed_leg, texts[:3])
+        return PathSample(time, lengths, *angles, texts[3], round_down(clearance.lower(), BOUND_DIGITS))
 
 
 def wrapped(angle: arb) -> arb:

@@ -281,22 +281,18 @@ class LimitedSearch:
         ends = (length, length) if span is None else (span[0] * slice_map.scale, span[1] * slice_map.scale)
         return cls(sign, start, stop, PathLimits.of(slice_map, bounds, start.legs), ends)
 
-    def kept_by(self, found: ProvedRoute | None) -> ProvedRoute | None:
-        """A route with its proof that it keeps the limits, too; None without a proof."""
-        if found is None:
-            return None
-        route, _ = found
-        with ctx.workprec(PROOF_BITS):
-            arcs = route.at(PROOF_BITS - 64)
-            proof = prove(route.slice_map, arcs, self.sign, limits=self.limits)
-        return None if proof is None else (route, proof)
-
-    def found(self) -> ProvedRoute | Outcome:
-        """A proved route, or the outcome of the subdivision that found none.
+    def found(self, unlimited: ProvedRoute | None) -> ProvedRoute | Outcome:
+        """A proved route, if possible the one without limits; or the outcome of the subdivision without one.
 
         Raises:
             Unproved: there is a path, but it could not be proved; or an end is too near to what is excluded.
         """
+        if unlimited is not None:
+            route, _ = unlimited
+            with ctx.workprec(PROOF_BITS):
+                proof = prove(route.slice_map, route.at(PROOF_BITS - 64), self.sign, limits=self.limits)
+            if proof is not None:
+                return route, proof
         slice_map = self.start.slice_map
         inner = [self._inside(pose) for pose in (self.start, self.stop)]
         # a route in the slice is found sooner than one in the range

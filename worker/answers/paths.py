@@ -9,7 +9,6 @@ from typing import Any
 import rpr_solver
 from rpr_solver.contract import DEFAULT_SAMPLES, Progress
 from rpr_solver.errors import FieldProblem, InputError
-from rpr_solver.model.lengths import read_limits
 from worker.answers.cost import Sizes, all_events, elimination, one_slice
 from worker.answers.requests import Content, Document, JobRequest, Kind, Store
 
@@ -32,7 +31,7 @@ def compute(request: JobRequest, store: Store, _progress: Progress) -> Document:
         SolverError: the path could not be decided.
     """
     from rpr_solver.paths.loops import loop_in_slice, slice_for_loops  # by those who compute
-    from rpr_solver.paths.samples import SamplingPlan
+    from rpr_solver.paths.path import PathTerms
 
     content, digits, others = request.content, request.digits, request.content["others"]
     sampling = {name: content[name] for name in ("samples", "timing", "duration")}
@@ -40,8 +39,8 @@ def compute(request: JobRequest, store: Store, _progress: Progress) -> Document:
     if "cusp" in content:
         own = store.eliminant(request)
         table = slice_for_loops(own, content["length"])
-        plan = SamplingPlan.of(**sampling)
-        path = loop_in_slice(own, table, content["cusp"], plan, digits, read_limits(limits, "limits"))
+        terms = PathTerms.of(limits=limits, fixed_leg=request.fixed_leg, digits=digits, **sampling)
+        path = loop_in_slice(own, table, content["cusp"], terms)
         return (path.with_others() if others else path).to_json()
     ends = content["between"]
     try:

@@ -30,7 +30,7 @@ from rpr_solver import (
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.paths.isolated import Angles, local_map
 from rpr_solver.paths.loops import CUSP_DIGITS, CuspFrame, loop_in_slice
-from rpr_solver.paths.samples import SamplingPlan
+from rpr_solver.paths.path import PathTerms
 from tests.support.families import family
 from tests.support.motions import Mover, angles_of, apart, arrives, turns
 from tests.support.shared import eliminant_of
@@ -38,7 +38,7 @@ from tests.support.strategies import examples
 
 FIRST = EXAMPLES["innocenti"]
 TWINS = Manipulator("4.8", "4.8", 9, "4.8", 9, "10.2", orientation="cw")
-PLAN = SamplingPlan.of(2, "cosine", 1)
+TERMS = PathTerms.of(samples=2)
 SLICES = [("innocenti", "27", 8), ("innocenti", "28.1", 10), ("fourteen-cusps", "5.96", 14)]
 
 
@@ -76,7 +76,7 @@ def check(path: Path, table: SliceTable, steps: int = 400) -> None:
 @pytest.mark.parametrize("cusp", [5])
 def test_loop_goes_round_one_cusp_to_another_pose(cusp: int) -> None:
     eliminant, table = slice_of(FIRST, "27")
-    loop = loop_in_slice(eliminant, table, cusp, PLAN, 15)
+    loop = loop_in_slice(eliminant, table, cusp, TERMS)
     assert (loop.cusp, loop.winding) == (cusp, 1)
     check(loop, table)
 
@@ -84,8 +84,8 @@ def test_loop_goes_round_one_cusp_to_another_pose(cusp: int) -> None:
 @pytest.mark.parametrize(("name", "length", "count"), SLICES[:1])
 def test_every_cusp_has_a_loop(name: str, length: str, count: int) -> None:
     eliminant, table = slice_of(EXAMPLES[name], length)
-    plan = SamplingPlan.of(2, "constant", 1)
-    loops = [loop_in_slice(eliminant, table, k, plan, 15) for k in range(1, count + 1)]
+    terms = PathTerms.of(samples=2, timing="constant")
+    loops = [loop_in_slice(eliminant, table, k, terms) for k in range(1, count + 1)]
     assert [loop.winding for loop in loops] == [1] * table.count
 
 
@@ -93,7 +93,7 @@ def test_every_cusp_has_a_loop(name: str, length: str, count: int) -> None:
 def test_a_loop_goes_round_twin_cusps_and_names_them(cusp: int) -> None:
     """The cusps of congruent triangles share their leg lengths in pairs."""
     eliminant, table = slice_of(TWINS, "21.01")
-    loop = loop_in_slice(eliminant, table, cusp, PLAN, 15)
+    loop = loop_in_slice(eliminant, table, cusp, TERMS)
     [twin] = loop.twins
     assert table.cusps[twin - 1].coordinates[2:] == table.cusps[cusp - 1].coordinates[2:]
     assert (loop.to_json()["winding"], loop.to_json()["twins"]) == (1, [twin])
@@ -102,7 +102,7 @@ def test_a_loop_goes_round_twin_cusps_and_names_them(cusp: int) -> None:
 
 
 def test_a_cusp_without_a_twin_has_none() -> None:
-    loop = loop_in_slice(*slice_of(FIRST, "27"), 2, PLAN, 15)
+    loop = loop_in_slice(*slice_of(FIRST, "27"), 2, TERMS)
     assert loop.twins == ()
     assert "twins" not in loop.to_json()
 
@@ -112,7 +112,7 @@ def test_a_cusp_without_a_twin_has_none() -> None:
 def test_every_loop_is_what_it_claims(name: str, length: str, count: int) -> None:
     eliminant, table = slice_of(EXAMPLES[name], length)
     for cusp in range(1, count + 1):
-        check(loop_in_slice(eliminant, table, cusp, PLAN, 15), table)
+        check(loop_in_slice(eliminant, table, cusp, TERMS), table)
 
 
 @pytest.mark.long
@@ -130,7 +130,7 @@ def test_every_cusp_of_a_hundred_random_slices_has_a_loop() -> None:
             continue
         slices += 1
         for cusp in range(1, table.count + 1):
-            loop = loop_in_slice(eliminant, table, cusp, PLAN, 15)
+            loop = loop_in_slice(eliminant, table, cusp, TERMS)
             assert loop.winding == 1
             check(loop, table)
             loops += 1
@@ -143,7 +143,7 @@ def test_scaling_by_a_power_of_ten_scales_the_loop(power: int, cusp: int) -> Non
     factor = Fraction(10) ** power
     sizes = [factor * getattr(FIRST, name) for name in ("a2x", "a3x", "a3y", "d1", "d2", "d3")]
     loop, scaled = (
-        loop_in_slice(*slice_of(manipulator, length), cusp, PLAN, 15)
+        loop_in_slice(*slice_of(manipulator, length), cusp, TERMS)
         for manipulator, length in ((FIRST, Fraction(27)), (Manipulator(*sizes), 27 * factor))
     )
     assert scaled.lengths == tuple(factor * length for length in loop.lengths)
@@ -159,17 +159,17 @@ def test_lengths_of_many_digits_have_a_loop() -> None:
     """Their squares, scaled to integers, are beyond the range of a double."""
     sides = Fraction("17.04") + Fraction(1, 10**160), FIRST.d2, FIRST.d3
     eliminant, table = slice_of(Manipulator(FIRST.a2x, FIRST.a3x, FIRST.a3y, *sides), "27")
-    check(loop_in_slice(eliminant, table, 2, PLAN, 15), table)
+    check(loop_in_slice(eliminant, table, 2, TERMS), table)
 
 
 @given(st.integers(1, 8))
 @examples(2)
 def test_a_mirrored_manipulator_has_the_mirrored_loop(cusp: int) -> None:
     sizes = FIRST.to_dict() | {"a3y": -FIRST.a3y, "orientation": "cw"}
-    loop = loop_in_slice(*slice_of(FIRST, "27"), cusp, PLAN, 15)
+    loop = loop_in_slice(*slice_of(FIRST, "27"), cusp, TERMS)
     eliminant, table = slice_of(Manipulator(**sizes), "27")
     # the table is sorted by θ, which changes its sign
-    mirrored = loop_in_slice(eliminant, table, 9 - cusp, PLAN, 15)
+    mirrored = loop_in_slice(eliminant, table, 9 - cusp, TERMS)
     assert (mirrored.lengths, mirrored.sign, mirrored.winding) == (loop.lengths, loop.sign, loop.winding)
     for one, other in ((loop.start, mirrored.start), (loop.stop, mirrored.stop)):
         alpha, theta = angles_of(one)
@@ -179,7 +179,7 @@ def test_a_mirrored_manipulator_has_the_mirrored_loop(cusp: int) -> None:
 @pytest.mark.parametrize("leg", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_any_leg_may_be_fixed(leg: int) -> None:
     eliminant, table = slice_of(FIRST, "20", leg)
-    check(loop_in_slice(eliminant, table, 1, PLAN, 15), table)
+    check(loop_in_slice(eliminant, table, 1, TERMS), table)
 
 
 def test_a_cusp_is_named_by_its_number_or_its_letter() -> None:

@@ -12,9 +12,8 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, cusp_loop
 from rpr_solver.contract import letter, number_of
-from rpr_solver.paths.path import path_of
+from rpr_solver.paths.path import PathTerms, path_of
 from rpr_solver.paths.proofs import PROOF_BITS, prove
-from rpr_solver.paths.samples import SamplingPlan
 
 LOOP = cusp_loop(EXAMPLES["innocenti"], 27, "B", samples=5)
 
@@ -71,9 +70,9 @@ def test_a_route_and_its_proof_make_the_path() -> None:
     route = FOURTH.route
     proof = prove(route.slice_map, route.at(PROOF_BITS), FOURTH.sign)
     assert proof is not None
-    plan = SamplingPlan.of(2, "cosine", 1)
-    path = path_of(FOURTH.manipulator, route, proof, plan, 15)
+    terms = PathTerms.of(samples=2)
+    path = path_of(FOURTH.manipulator, (route, proof), terms)
     assert (path.cusp, path.winding) == (None, None)
     assert (path.start, path.stop, path.lengths) == (FOURTH.start, FOURTH.stop, FOURTH.lengths)
-    again = path_of(FOURTH.manipulator, route, proof, plan, 15, (4, 1, ()))
+    again = path_of(FOURTH.manipulator, (route, proof), terms, round_cusp=(4, 1, ()))
     assert again.samples == FOURTH.samples

@@ -11,6 +11,7 @@ from math import pi
 from random import Random
 
 import pytest
+from flint import ctx
 
 from rpr_solver import (
     EXAMPLES,
@@ -27,9 +28,9 @@ from rpr_solver import (
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import within_limits
-from rpr_solver.paths.between_poses import isolated
 from rpr_solver.paths.boxes import Boxes, Place
-from rpr_solver.paths.proofs import PathLimits
+from rpr_solver.paths.others import isolated
+from rpr_solver.paths.proofs import PROOF_BITS, PathLimits
 from rpr_solver.paths.within_limits import search
 from tests.rpr_solver.paths.test_joint_paths import a_pair, joined_on_a_grid
 from tests.support.motions import Mover, arrives
@@ -160,10 +161,13 @@ def test_limits_that_exclude_the_cusp_are_refused(limits: object, message: str) 
 
 SLICE = SliceMap.of(FIRST)
 TABLE = poses(FIRST, 27, 20, 20, digits=20)
+LEGS = (27 * SLICE.scale, 20 * SLICE.scale, 20 * SLICE.scale)
 
 
 def place(number: int) -> Place:
-    return *isolated(SLICE, TABLE, number).angles, 27 * SLICE.scale
+    with ctx.workprec(PROOF_BITS):
+        pose = isolated(SLICE, LEGS, TABLE, number)
+    return *pose.angles, pose.legs[0]
 
 
 def boxes_of(maximum: int, low: int = 27, high: int = 27) -> Boxes:
