@@ -23,7 +23,7 @@ Exception
 ├── TooManyCallbacksError   (the worker's) worker.jobs.callbacks: a job has as many as it may have
 ├── ServiceError            errors: the service refused, failed, or cannot be reached
 ├── UnreachableError        (the worker's) worker.connection: nobody answers at the address of Redis
-└── WorkerError             (the worker's) worker.process.start: the worker cannot start
+└── WorkerError             (the worker's) worker.process.worker: the worker cannot start
 """
 
 from rpr_solver import __version__

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from worker.jobs.lanes import DUTIES
 from worker.logs import log_uncaught, told
-from worker.process.start import WorkerError, run_worker
+from worker.process.worker import WorkerError, run_worker
 from worker.settings import settings_problem
 
 

@@ -22,9 +22,9 @@ from service.errors import ServiceError
 from service.stack.serve import ServeSettings, serve
 from worker.jobs.lanes import DUTIES
 from worker.logs import log_uncaught, told
-from worker.process.child import python_program
 from worker.process.os_limits import die_with_parent, end_process
-from worker.process.start import WorkerError, run_worker
+from worker.process.pool import python_program
+from worker.process.worker import WorkerError, run_worker
 
 _SERVE = """\
 Run the whole service: the HTTP API, worker processes and, unless a Redis URL is given, an embedded Valkey.

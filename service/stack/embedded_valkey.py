@@ -29,8 +29,8 @@ from service.stack.data_dir import DirectoryLock, default_data_dir, make_private
 from service.stack.errors import EmbeddedError
 from service.stack.health import ValkeyPing
 from worker.connection import UnreachableError, check
-from worker.process.child import Child, Say, end_all
 from worker.process.os_limits import usable_memory
+from worker.process.pool import Child, Say, end_all
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.service")

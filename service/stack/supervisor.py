@@ -14,8 +14,7 @@ from pydantic_settings import BaseSettings, SettingsConfigDict
 from service.stack.embedded_valkey import ValkeyChild
 from service.stack.health import Pulse
 from service.stack.output import announce
-from worker.process.child import Child, Process, Say, end_all, python_program
-from worker.process.pool import WorkerPool
+from worker.process.pool import Child, Process, Say, WorkerPool, end_all, python_program
 
 
 class SupervisorSettings(BaseSettings):

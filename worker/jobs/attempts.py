@@ -59,6 +59,7 @@ class Attempts:
             "start",
             ref,
             beat=self.keys.beat(ref.rq_id),
+            rq_job=Job.key_for(ref.rq_id),
             worker=worker,
             ttl=self._beat_ms,
             asking=_asking(ref.job_id),

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import json
+import logging
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import Literal, cast
 
 from redis import Redis
 from redis.client import Pipeline
+from redis.exceptions import RedisError
 from rq import Queue
 from rq.command import send_command
-from rq.exceptions import DuplicateJobError
+from rq.exceptions import DequeueTimeout, DuplicateJobError, NoSuchJobError
 from rq.job import Job
 from rq.serializers import JSONSerializer
 
@@ -22,6 +24,8 @@ from worker.answers.requests import JobRequest
 from worker.jobs.keys import Keys
 from worker.jobs.lanes import LANES, Lane, queue_name
 from worker.settings import WorkerSettings
+
+log = logging.getLogger("rpr_cusps.worker")
 
 Lost = Literal["", "horses", "workers"]
 """What a chunk has lost: its work horse while its worker lived, its worker too, or nothing."""
@@ -140,13 +144,43 @@ class ChunkQueue:
             kwargs=asdict(ref),
             job_id=ref.rq_id,
             unique=is_again,  # at once; the pipeline then notes the queue's name only
-            timeout=-1,  # RQ's own timeout cannot end a C call; see process/worker.py
+            timeout=-1,  # RQ's own timeout cannot end a C call
             result_ttl=0,
             failure_ttl=600,
             description=ref.rq_id,
             at_front=is_first,
             pipeline=pipe,
         )
+
+    def pop(self, lanes: Sequence[Lane], seconds: int | None = None) -> str | None:
+        """Take the first RQ job that waits in one of the lanes; returns its id, or None.
+
+        `seconds`: how long to wait for one; None not at all.
+        """
+        keys = [self.queues[lane].key for lane in lanes]
+        with suppress(DequeueTimeout):
+            taken = Queue.lpop(keys, seconds, connection=self.redis)
+            return None if taken is None else cast(bytes, taken[1]).decode()
+        return None
+
+    def read(self, rq_id: str) -> tuple[ChunkRef, str] | None:
+        """Returns the chunk of an RQ job, and the name of the function that runs it.
+
+        None if the job is gone, or does not carry a chunk.
+        """
+        try:
+            job = Job.fetch(rq_id, connection=self.redis, serializer=JSONSerializer)
+            ref = ChunkRef(**job.kwargs)
+            if ref.rq_id == rq_id:
+                return ref, str(job.func_name)
+        except NoSuchJobError:
+            return None
+        except RedisError:
+            raise
+        except Exception as error:
+            log.debug("the RQ job %r cannot be read: %s", rq_id, error)
+        log.warning("skipped the RQ job %r, which is not a chunk", rq_id)
+        return None
 
     def waiting(self) -> set[str]:
         """Returns the RQ ids of all chunks in the queues."""

@@ -7,6 +7,7 @@ import json
 import logging
 import os
 import resource
+import select
 import signal
 import sys
 from collections.abc import Callable, Iterable, Mapping
@@ -27,6 +28,7 @@ from worker.process.os_limits import (
     on_stop_signals,
     signal_name,
     signal_of,
+    stop_signals_held,
 )
 from worker.settings import WorkerSettings
 
@@ -148,16 +150,14 @@ class Horse:
     """A work horse, as its worker sees it.
 
     It waits for tasks. After each that ends well it stays for another one, until it has run many or its
-    memory has grown. Otherwise it exits, so that what spoiled it concerns no other chunk.
+    memory has grown. Otherwise it exits, so that a corrupted process
+    runs no other chunk.
     """
 
-    def __init__(
-        self, set_signals: Callable[[], None], settings: WorkerSettings, others: Iterable[Horse] = ()
-    ) -> None:
+    def __init__(self, settings: WorkerSettings, others: Iterable[Horse] = ()) -> None:
         """Fork the process; call it while stop signals are held.
 
         Args:
-            set_signals: how it takes signals; they are held until then.
             settings: its limits.
             others: the other horses of the worker, whose pipes it does not keep open.
 
@@ -178,7 +178,7 @@ class Horse:
                 die_with_parent(parent)
                 os.setpgid(0, 0)
                 on_stop_signals(signal.SIG_DFL)
-                set_signals()
+                signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the worker, which decides
                 signal.pthread_sigmask(signal.SIG_UNBLOCK, STOP_SIGNALS)
                 for horse in (self, *others):
                     horse.close()
@@ -228,7 +228,7 @@ class Horse:
 
 
 def _serve(orders: int, answers: int, seconds: float) -> int:
-    """Run tasks in this process, a work horse, until one spoils it; returns its exit status."""
+    """Run tasks in this process, a work horse, until one corrupts it; returns its exit status."""
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     limit = _peak_memory() + _MOST_GROWTH
     with os.fdopen(orders, "rb") as lines:
@@ -259,6 +259,47 @@ def _perform(task: Task) -> tuple[int, bool]:
 def _peak_memory() -> int:
     """Returns the most memory that this process has had, in bytes."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _MAXRSS_UNIT
+
+
+class IdleHorse:
+    """The work horse of a worker that waits for a chunk, if there is one."""
+
+    def __init__(self, settings: WorkerSettings) -> None:
+        self.settings = settings
+        self.expects_tables = False
+        """Whether the next horse is to have numpy from the start."""
+        self._horse: Horse | None = None
+
+    def take(self, others: Iterable[Horse]) -> Horse:
+        """Returns it, or a new one if there is none or it has exited since its last chunk.
+
+        Raises:
+            OSError: there can be no more processes.
+        """
+        if self._horse is not None and select.select([self._horse], [], [], 0)[0]:
+            self.end()
+        if self._horse is None:
+            with stop_signals_held():  # until it is known here, so that a stop finds it
+                if self.expects_tables:
+                    load_numpy()
+                self._horse = Horse(self.settings, others)
+        horse, self._horse = self._horse, None
+        return horse
+
+    def keep(self, horse: Horse) -> None:
+        """Let a horse wait for the next chunk, unless another one does."""
+        if self._horse is None:
+            self._horse = horse
+        else:
+            horse.kill()
+            horse.collect()
+
+    def end(self) -> None:
+        """End it."""
+        if self._horse is not None:
+            self._horse.kill()
+            self._horse.collect()
+            self._horse = None
 
 
 class BeatAlarm:

@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import contextlib
 import logging
-import select
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from math import inf
-from typing import Any
 
 from redis.exceptions import RedisError
 
@@ -29,21 +27,21 @@ from worker.process.horse import (
     BeatAlarm,
     GivenUp,
     Horse,
+    IdleHorse,
     Outcome,
     RunAgain,
     Task,
     judge_exit,
-    load_numpy,
 )
-from worker.process.os_limits import processor_seconds, stop_signals_held
+from worker.process.os_limits import processor_seconds
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 
-SHORT = 0.1
+SHORT_SECONDS = 0.1
 """Seconds after which a chunk no longer holds up the next small one; most small ones take less."""
 
-MOST = 9
+MAX_RUNNING = 9
 """Chunks that run at once on a worker that is kept for short work."""
 
 _WAITS_AFTER = 5  # floors: what takes so long without a processor's time has overrun too
@@ -104,6 +102,28 @@ class Run:
         self.ended_for = self.ended_for or reason
         self.horse.kill()
 
+    def read_estimate(self, attempts: Attempts) -> None:
+        """Read its estimate, unless that is done or Redis cannot be reached."""
+        if self.estimate is None:
+            with contextlib.suppress(RedisError):
+                self.estimate = attempts.estimate(self.ref) or Estimate(inf)
+
+    def told(self) -> contextlib.AbstractContextManager[None]:
+        """A block whose log lines name its job and request."""
+        request_id = "" if self.estimate is None else self.estimate.request_id
+        return about(job=self.ref.job_id, request_id=request_id)
+
+    def warn(self, what: str) -> None:
+        """Log something unusual, with the time that was estimated."""
+        kind, estimate = kind_of_job(self.ref.job_id), self.estimate
+        name = "unknown" if kind is None else kind.name
+        estimated = f"{estimate.seconds:.2f} s" if estimate and estimate.seconds < inf else "unknown"
+        with self.told():
+            log.warning(
+                "chunk %d (%s): %s; it has run for %.1f s, the estimate was %s",
+                *(self.ref.index, name, what, self.age, estimated),
+            )
+
 
 @dataclass
 class Runs:
@@ -111,7 +131,6 @@ class Runs:
 
     Attributes:
         worker: its name.
-        set_signals: how its horses take signals.
         is_light: whether it is kept for short work.
     """
 
@@ -119,14 +138,12 @@ class Runs:
     chunks: ChunkQueue
     settings: WorkerSettings
     worker: str
-    set_signals: Callable[[], None]
     is_light: bool = False
     running: list[Run] = field(default_factory=list)
-    _idle: Horse | None = None
-    _has_had_tables: bool = False
 
     def __post_init__(self) -> None:
         settings = self.settings
+        self._idle = IdleHorse(settings)
         self._interruptions = Interruptions(self.attempts.redis, settings)
         # sooner than another worker may take a chunk over
         self._alarm = BeatAlarm(settings.beat_ttl + settings.lost_grace / 2, lambda: self.end("silence"))
@@ -134,41 +151,43 @@ class Runs:
     @property
     def may_begin_another(self) -> bool:
         """Whether another small chunk may run beside those that run, none of which is short."""
-        patience = SHORT if len(self.running) == 1 else SHORT / 2  # several in a row promise nothing good
+        patience = (
+            SHORT_SECONDS if len(self.running) == 1 else SHORT_SECONDS / 2
+        )  # several in a row promise nothing good
         return self.is_light and not self.is_full and self.running[-1].age >= patience
 
     @property
     def is_full(self) -> bool:
         """Whether as many chunks run as may at once."""
-        return len(self.running) >= MOST
+        return len(self.running) >= MAX_RUNNING
 
-    def begin(self, ref: ChunkRef, function: str, arguments: Mapping[str, Any]) -> None:
+    def begin(self, ref: ChunkRef, function: str) -> None:
         """Have a work horse run a chunk; those that run already leave it the processor.
 
         None of RQ's records of executions are kept: the record of the job and the heartbeat hold the state.
         """
         before = self.attempts.items_done(ref)
-        horse = self._ready_horse()
+        horse = self._idle.take([run.horse for run in self.running])
         for run in self.running:
             run.horse.yield_to_others()
             run.is_aside = True
         if not self.running:
             self._alarm.set()
         self.running.append(Run(ref, horse, time.monotonic(), before, processor_seconds(horse.pid)))
-        horse.run(Task(ref.rq_id, function, arguments))
-        self._has_had_tables = self._has_had_tables or kind_of_job(ref.job_id) is CUSP_TABLE
+        horse.run(Task(ref.rq_id, function, vars(ref)))
+        self._idle.expects_tables |= kind_of_job(ref.job_id) is CUSP_TABLE
 
     def next_look(self, next_beat: float) -> float:
         """Returns when to attend to the chunks again, unless something happens before."""
         if self.is_light:  # to look for small ones
-            return min(next_beat, time.monotonic() + SHORT / 4)
+            return min(next_beat, time.monotonic() + SHORT_SECONDS / 4)
         ends = (run.start + self.settings.deadline for run in self.running if run.ended_for is None)
         return min([next_beat, *ends])
 
-    def attend(self, ready: Collection[int], stopped: str | None) -> None:
+    def attend(self, ready: Collection[int], stopped: Collection[str]) -> None:
         """Record what became of the chunks whose horses can be read, and end others whose time is over.
 
-        `stopped`: the chunk that is to be stopped by a command.
+        `stopped`: the RQ ids of chunks that are to be stopped by a command.
         """
         settings = self.settings
         for run in [*self.running]:
@@ -176,14 +195,14 @@ class Runs:
                 self._close(run)
             elif run.ended_for is not None:
                 continue
-            elif stopped == run.ref.rq_id:
+            elif run.ref.rq_id in stopped:
                 run.end("canceled")
             elif run.age >= settings.deadline:
                 run.end("deadline")
             elif not run.has_overrun and run.has_taken(settings.overrun_factor, settings.overrun_floor):
                 self._note_overrun(run)
-            elif run.estimate is None and run.age >= SHORT and self.is_light:
-                self._read_estimate(run)
+            elif run.age >= SHORT_SECONDS and self.is_light:
+                run.read_estimate(self.attempts)
 
     def beat(self) -> None:
         """Send the heartbeats of all chunks, and end those that are not to be run any more.
@@ -196,10 +215,10 @@ class Runs:
                 run.end("canceled")
             elif run.ended_for is not None:
                 run.horse.kill()
-            elif run.estimate is None:
-                self._read_estimate(run)
             elif run.has_overrun and self.is_light:  # there was no worker to give it back to
                 self._note_overrun(run)
+            else:
+                run.read_estimate(self.attempts)
         self._alarm.reset()
 
     def relieve(self) -> None:
@@ -221,11 +240,7 @@ class Runs:
         if self.running:
             self.running.clear()
             self._alarm.clear()
-        self._end_idle()
-
-    def _read_estimate(self, run: Run) -> None:
-        with contextlib.suppress(RedisError):
-            run.estimate = self.attempts.estimate(run.ref) or Estimate(inf)
+        self._idle.end()
 
     def _note_overrun(self, run: Run) -> None:
         is_new, run.has_overrun = not run.has_overrun, True
@@ -240,23 +255,8 @@ class Runs:
             run.end("overrun")
         if is_new or following:
             where = f"; given back to the lane {following[1]}" if following else ""
-            self._warn(run, f"overran{where}")
-
-    def _warn(self, run: Run, what: str) -> None:
-        kind, estimate = kind_of_job(run.ref.job_id), run.estimate
-        name = "unknown" if kind is None else kind.name
-        estimated = f"{estimate.seconds:.2f} s" if estimate and estimate.seconds < inf else "unknown"
-        with self._about(run):
-            log.warning(
-                "chunk %d (%s): %s; it has run for %.1f s, the estimate was %s",
-                *(run.ref.index, name, what, run.age, estimated),
-            )
-
-    def _about(self, run: Run) -> contextlib.AbstractContextManager[None]:
-        if run.estimate is None:
-            self._read_estimate(run)
-        request_id = "" if run.estimate is None else run.estimate.request_id
-        return about(job=run.ref.job_id, request_id=request_id)
+            run.read_estimate(self.attempts)
+            run.warn(f"overran{where}")
 
     # -- the end of a chunk ------------------------------------------------------------------------
 
@@ -272,16 +272,17 @@ class Runs:
             status = run.horse.collect()
         elif not run.horse.has_stayed():
             status = run.horse.collect()
-        elif run.is_aside or self._idle is not None:
+        elif run.is_aside:
             run.horse.kill()
             run.horse.collect()
         else:
-            self._idle = run.horse
+            self._idle.keep(run.horse)
         has_advanced = ended_for == "deadline" and self._has_advanced(run)
         outcome = judge_exit(status, ended_for, self.settings, has_advanced=has_advanced)
         if outcome is not None:  # else the horse has logged it
             how = f"stopped ({ended_for})" if ended_for else "lost its work horse"
-            with self._about(run):
+            run.read_estimate(self.attempts)
+            with run.told():
                 log.info("chunk %d: %s after %.2f s", run.ref.index, how, run.age)
         self._settle(run, outcome)
 
@@ -308,28 +309,9 @@ class Runs:
             self._interruptions.run_again(run.ref, outcome.lost, outcome.kind, outcome.detail)
             return
         if outcome.kind == "timeout":
-            self._warn(run, "timeout")
+            run.read_estimate(self.attempts)
+            run.warn("timeout")
         if isinstance(outcome, GivenUp) or (outcome.kind and is_batch(run.ref.job_id)):
             self._interruptions.give_up(run.ref, outcome.kind, outcome.detail)
         elif outcome.kind:
             self._interruptions.fail(run.ref, outcome.kind, outcome.detail)
-
-    # -- the work horses ---------------------------------------------------------------------------
-
-    def _ready_horse(self) -> Horse:
-        """Returns the idle work horse, a new one if there is none or it has exited since its last chunk."""
-        if self._idle is not None and select.select([self._idle], [], [], 0)[0]:
-            self._end_idle()
-        if self._idle is None:
-            with stop_signals_held():  # until it is known here, so that a stop finds it
-                if self._has_had_tables:
-                    load_numpy()
-                self._idle = Horse(self.set_signals, self.settings, [run.horse for run in self.running])
-        horse, self._idle = self._idle, None
-        return horse
-
-    def _end_idle(self) -> None:
-        if self._idle is not None:
-            self._idle.kill()
-            self._idle.collect()
-            self._idle = None

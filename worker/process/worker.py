@@ -1,51 +1,108 @@
-"""The worker process: an RQ worker that has chunks run by work horses, which it forks and supervises."""
+"""The worker process: it has chunks run by work horses, which it forks and supervises.
+
+RQ's own worker is not used: it ends on a timeout of Redis, and on any error outside the wait for a job. What
+others see of a worker by RQ's means is in `presence`.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import gc
 import itertools
 import logging
 import os
+import random
 import secrets
 import select
 import signal
 import socket
 import threading
 import time
+from math import inf
 from types import FrameType
-from typing import cast
 
 from redis import Redis
-from redis.client import Pipeline, PubSub, PubSubWorkerThread
 from redis.exceptions import RedisError
-from rq import Worker, worker_registration
-from rq.exceptions import StopRequested
-from rq.job import Job
-from rq.serializers import JSONSerializer
-from rq.utils import now
 from rq.worker import WorkerStatus
 
-from worker.connection import address
+from worker import tracing
+from worker.connection import UnreachableError, address, connect, eviction_warning, wait_for
 from worker.jobs.attempts import Attempts
-from worker.jobs.chunks import ChunkQueue, ChunkRef
-from worker.jobs.installation import Roster
+from worker.jobs.chunks import ChunkQueue
 from worker.jobs.lanes import Duty, lanes_of
 from worker.jobs.recovery import Sweeper
-from worker.process.os_limits import on_stop_signals
-from worker.process.outage import Outage
+from worker.logs import set_up
+from worker.process.horse import load_solver
+from worker.process.os_limits import die_with_parent, on_stop_signals
+from worker.process.presence import Commands, Presence
 from worker.process.runs import Runs
+from worker.process.tasks import Context, set_context
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.worker")
 
-_REGISTER_TTL = 15
-_QUEUE_PATIENCE = 1  # seconds to block on empty queues; heartbeats and the sweep need short rounds
-_GOODBYE_PATIENCE = 2.0
-_LISTEN_PAUSE = 1.0
+_QUEUE_WAIT = 1  # seconds to block on empty queues; heartbeats and the sweep need short rounds
+_SIGN_OFF_TIMEOUT = 2.0
+_FORCED_STOP_PAUSE = 1.0
+_SHORTEST_PAUSE, _LONGEST_PAUSE = 0.1, 10.0
 
 
-class CuspWorker(Worker):
-    """A forking RQ worker that
+class StopWhileIdle(BaseException):
+    """A stop signal came while no chunk runs, so that the worker can end at once."""
+
+
+class Outage:
+    """A run of errors without any success in between."""
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._since = 0.0
+        self._told = ""
+
+    def note(self, error: Exception) -> float:
+        """Tell of an error, unless it is the last one again; returns how long to wait, in seconds."""
+        if self._count == 0:
+            self._since = time.monotonic()
+        if (text := f"{type(error).__name__}: {error}") != self._told:
+            self._told = text
+            unforeseen = None if isinstance(error, RedisError) else error
+            log.warning("no work is possible (%s); trying again and again", text, exc_info=unforeseen)
+        pause = min(_LONGEST_PAUSE, _SHORTEST_PAUSE * 2.0 ** min(self._count, 10))
+        self._count += 1
+        return pause * random.uniform(0.5, 1.0)  # not all workers of a machine at the same time
+
+    def end(self) -> None:
+        """Work is possible; tell it if it was not before."""
+        if self._count:
+            log.warning("work is possible again after %.1f s", time.monotonic() - self._since)
+            self._count, self._told = 0, ""
+
+
+class Wakeup:
+    """A pipe by which signals and other threads end the wait of the worker's loop."""
+
+    def __init__(self) -> None:
+        self._reader, self._writer = os.pipe()
+        for end in (self._reader, self._writer):
+            os.set_blocking(end, False)
+
+    def fileno(self) -> int:
+        """Returns the file that can be read once the loop is to wake."""
+        return self._reader
+
+    def wake(self) -> None:
+        """Wake the loop."""
+        with contextlib.suppress(BlockingIOError):
+            os.write(self._writer, b"w")
+
+    def drain(self) -> None:
+        """Forget what has woken it."""
+        with contextlib.suppress(BlockingIOError):
+            os.read(self._reader, 64)
+
+
+class Worker:
+    """A process that takes chunks from the queue and supervises the horses that run them. It
 
     - kills a work horse at the deadline, even inside C code, and records the deadline as the reason,
     - puts its running chunk back in the queue when it stops,
@@ -63,54 +120,36 @@ class CuspWorker(Worker):
         parent_pid: int | None = None,
         duty: Duty = "all",
     ) -> None:
+        self.redis = redis
         self.settings = settings
-        self.chunks = ChunkQueue(redis, settings)
-        orders = [[self.chunks.queues[lane] for lane in order] for order in lanes_of(duty)]
-        super().__init__(
-            orders[0],
-            name=name or f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(3)}",
-            connection=redis,
-            serializer=JSONSerializer,
-            worker_ttl=_REGISTER_TTL,
-        )
-        self.attempts = Attempts(redis, settings)
-        self.sweeper = Sweeper(redis, settings)
-        self.roster = Roster(redis, settings)
-        self._runs = Runs(
-            *(self.attempts, self.chunks, settings, self.name, self.setup_work_horse_signals),
-            is_light=duty == "light",
-        )
+        self.name = name or f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(3)}"
+        is_light = duty == "light"
+        orders = lanes_of(duty)
         self._orders = itertools.cycle(orders)
         self._parent_pid = parent_pid
-        self._current: str | None = None
-        self._hurry = False
-        self._is_announced = False
+        self._chunks = ChunkQueue(redis, settings)
+        queues = [self._chunks.queues[lane] for lane in orders[0]]
+        self._presence = Presence(redis, settings, self.name, queues, is_light=is_light)
+        self._wakeup = Wakeup()
+        self._commands = Commands(redis, self._presence.channel, self._wakeup.wake)
+        self._sweeper = Sweeper(redis, settings)
+        self._runs = Runs(Attempts(redis, settings), self._chunks, settings, self.name, is_light=is_light)
+        self._is_announced = self._is_suspended = self._is_busy = False
+        self._stop_requested = self._forced_stop = False
         self._next_sign_on = self._next_beat = 0.0
-        self._stop_at = float("inf")
-        self._wake_r, self._wake_w = os.pipe()
-        for end in (self._wake_r, self._wake_w):
-            os.set_blocking(end, False)
-
-    @property
-    def connection_timeout(self) -> int:
-        """RQ would raise the limit on the time of an answer to this; ours is longer than any wait here."""
-        return 0
+        self._stop_at = inf
 
     def run(self) -> None:
-        """Run chunks until a signal comes, whatever happens to Redis.
-
-        RQ's own loop (`work`) ends on a timeout, and on any error outside the wait for a job.
-        """
-        self.birth_date = now()
-        with contextlib.suppress(StopRequested):
-            on_stop_signals(self.request_stop)
+        """Run chunks until a signal comes, whatever happens to Redis."""
+        with contextlib.suppress(StopWhileIdle):
+            on_stop_signals(self._request_stop)
             self._loop()
         # neither another signal nor a Redis that hangs must hold up the last steps of the process
         on_stop_signals(signal.SIG_IGN)
         self._runs.abandon()
-        goodbye = threading.Thread(target=self._sign_off, daemon=True)
-        goodbye.start()
-        goodbye.join(_GOODBYE_PATIENCE)
+        sign_off = threading.Thread(target=self._sign_off, daemon=True)
+        sign_off.start()
+        sign_off.join(_SIGN_OFF_TIMEOUT)
 
     def _loop(self) -> None:
         outage = Outage()
@@ -118,182 +157,177 @@ class CuspWorker(Worker):
             try:
                 self._round()
                 outage.end()
-            except StopRequested:
-                raise
             except Exception as error:
                 self._runs.abandon()
-                select.select([self._wake_r], [], [], outage.note(error))
-                self._calm()
+                self._wait(outage.note(error))
 
     def _round(self) -> None:
         """Begin a chunk if there is one, or attend to those that run; at every beat, register and search for
         lost chunks before."""
-        if self._runs.running:
+        self._is_busy = bool(self._runs.running)
+        if self._is_busy:
             self._attend()
             if self._runs.running and self._runs.is_light and not self.is_stopping:
                 self._give_way()
             return
         if time.monotonic() >= self._next_sign_on:
-            self.check_for_suspension(burst=False)
             self._sign_on()
-            self.sweeper.sweep()
+            self._sweeper.sweep()
             self._next_sign_on = time.monotonic() + self.settings.beat_interval
-        taken = self.connection.blpop([queue.key for queue in next(self._orders)], timeout=_QUEUE_PATIENCE)
-        if taken is None:
+        if self._is_suspended:
+            self._wait(self.settings.beat_interval)
             return
-        job = self._job_of_chunk(cast("tuple[bytes, bytes]", taken)[1].decode())
-        if job is not None:
+        rq_id = self._chunks.pop(next(self._orders), _QUEUE_WAIT)
+        self._is_busy = rq_id is not None  # from now on a signal lets the chunk finish
+        if rq_id is not None and (taken := self._chunks.read(rq_id)) is not None:
             self._next_beat = time.monotonic() + self.settings.beat_interval
-            self._begin(job)
+            self._runs.begin(*taken)
 
     def _sign_on(self) -> None:
         """Register again, in case Redis was emptied, and listen for commands."""
-        self._register(WorkerStatus.IDLE)
-        if self.pubsub_thread is None:
-            self.subscribe()  # type: ignore[no-untyped-call]
+        self._is_suspended = self._presence.is_suspended()
+        self._presence.beat(WorkerStatus.SUSPENDED if self._is_suspended else WorkerStatus.IDLE)
+        self._commands.listen()
         if not self._is_announced:
             self._is_announced = True
-            for queue in self.queues:
-                worker_registration.clean_worker_registry(queue)
-            log.info("worker %s ready on %s", self.name, address(self.connection))
+            self._presence.tidy()
+            log.info("worker %s ready on %s", self.name, address(self.redis))
 
     def _sign_off(self) -> None:
         with contextlib.suppress(RedisError):
-            self.roster.leave(self.name)
-            self.register_death()  # type: ignore[no-untyped-call]
-            self.unsubscribe()
+            self._presence.leave()
+            self._commands.end()
 
-    def _job_of_chunk(self, rq_id: str) -> Job | None:
-        """Returns the RQ job of a chunk; None if it is gone, or is not a chunk."""
-        with self.connection.pipeline(transaction=False) as pipe:
-            self.set_state(WorkerStatus.BUSY, pipe)  # from now on a signal lets the chunk finish
-            pipe.hgetall(Job.key_for(rq_id))
-            *_, fields = pipe.execute()
-        if not fields:
-            return None
-        try:
-            job = Job(rq_id, connection=self.connection, serializer=JSONSerializer)
-            job.restore(fields)
-            if ChunkRef(**job.kwargs).rq_id == rq_id:
-                return job
-        except Exception as error:
-            log.debug("the RQ job %r cannot be read: %s", rq_id, error)
-        log.warning("skipped the RQ job %r, which is not a chunk", rq_id)
-        return None
+    def _wait(self, seconds: float) -> bool:
+        """Wait, unless something wakes the worker; returns whether it did."""
+        is_woken = bool(select.select([self._wakeup], [], [], seconds)[0])
+        self._wakeup.drain()
+        return is_woken
 
-    def _register(self, state: WorkerStatus) -> None:
-        """Register here and with RQ: each time, since Redis may have been emptied, and for seconds only."""
-        self.last_heartbeat = now()
-        self.roster.beat(self.name, is_light=self._runs.is_light)
-        with self.connection.pipeline(transaction=False) as pipe:
-            self.set_state(state, pipe)
-            pipe.hset(self.key, mapping=self.serialize())
-            pipe.expire(self.key, _REGISTER_TTL)
-            worker_registration.register(self, pipe)
-            pipe.execute()
-
-    def kill_horse(self, _sig: signal.Signals = signal.SIGKILL) -> None:
-        """Have the work horse of a stopped chunk killed.
-
-        RQ's thread that listens for commands calls this. By the time it does, the horse may run the next
-        chunk, so that the loop decides.
-        """
-        self._wake()
-
-    def get_current_job_id(self, pipeline: Pipeline | None = None) -> str | None:  # noqa: ARG002
-        """Returns the RQ id of the chunk begun last; RQ would ask Redis."""
-        return self._current
-
-    def _pubsub_exception_handler(
-        self, exc: Exception, _pubsub: PubSub, _pubsub_thread: PubSubWorkerThread
-    ) -> None:
-        """Keep listening for commands; RQ's thread would end on a timeout."""
-        log.debug("cannot listen for commands: %s", exc)
-        time.sleep(_LISTEN_PAUSE)
-
-    def _is_orphan(self) -> bool:
-        return self._parent_pid is not None and os.getppid() != self._parent_pid
-
-    # -- chunks ------------------------------------------------------------------------------------
-
-    def _begin(self, job: Job) -> None:
-        self._current = job.id
-        self._runs.begin(ChunkRef(**job.kwargs), str(job.func_name), job.kwargs)
+    # -- chunks that run ---------------------------------------------------------------------------
 
     def _attend(self) -> None:
         """Wait until something happens to the chunks that run, and see to it."""
         settings, runs = self.settings, self._runs
-        if self._stop_requested and self._stop_at == float("inf"):
+        if self._stop_requested and self._stop_at == inf:
             self._stop_at = time.monotonic() + settings.shutdown_grace
-        if self._hurry:
+        if self._forced_stop:
             self._stop_at = min(self._stop_at, time.monotonic())
         look = min(runs.next_look(self._next_beat), self._stop_at)
-        files = [run.horse.fileno() for run in runs.running]
-        ready, _, _ = select.select([*files, self._wake_r], [], [], max(0.0, look - time.monotonic()))
-        if self._wake_r in ready:
-            self._calm()
-        runs.attend(ready, self._stopped_job_id)
+        horses = [run.horse.fileno() for run in runs.running]
+        ready, _, _ = select.select(
+            [*horses, self._wakeup.fileno()], [], [], max(0.0, look - time.monotonic())
+        )
+        self._wakeup.drain()
+        runs.attend(ready, self._commands.stopped_chunks())
         if time.monotonic() >= self._stop_at:
             runs.end("shutdown")
-            self._stop_at, self._hurry = time.monotonic() + 1.0, False
+            self._stop_at, self._forced_stop = time.monotonic() + _FORCED_STOP_PAUSE, False
         if time.monotonic() >= self._next_beat:
             self._next_beat = time.monotonic() + settings.beat_interval
-            self._stop_requested = self._stop_requested or self._is_orphan()
+            self._stop_requested = self.is_stopping
             self._send_beats()
 
     def _send_beats(self) -> None:
         try:
             self._runs.beat()
-            self._register(WorkerStatus.BUSY)
-            self.sweeper.sweep()
+            self._presence.beat(WorkerStatus.BUSY)
+            self._sweeper.sweep()
         except RedisError as error:
             log.warning("heartbeat failed: %s", error)
 
     def _give_way(self) -> None:
         """Begin a small chunk beside those that take longer, if one waits."""
-        small = self.chunks.queues["small"].key
         try:
             if self._runs.may_begin_another:
-                taken = cast("bytes | None", self.connection.lpop(small))
-                job = taken and self._job_of_chunk(taken.decode())
-                if job:
-                    self._begin(job)
-            elif self._runs.is_full and self.connection.llen(small):
+                rq_id = self._chunks.pop(["small"])
+                taken = None if rq_id is None else self._chunks.read(rq_id)
+                if taken is not None:
+                    self._runs.begin(*taken)
+            elif self._runs.is_full and self._chunks.depths()["small"]:
                 self._runs.relieve()
         except (RedisError, OSError) as error:  # no process can be forked, either
             log.warning("no other chunk can be begun: %s", error)
 
     # -- stopping ----------------------------------------------------------------------------------
 
-    def request_stop(self, _signum: int, _frame: FrameType | None) -> None:
-        """First signal: finish the chunk or put it back, then end."""
-        on_stop_signals(self.request_force_stop)
-        self._stop_requested = True
-        self._wake()
-        if self.get_state() != WorkerStatus.BUSY:
-            raise StopRequested
-
-    def request_force_stop(self, _signum: int, _frame: FrameType | None) -> None:
-        """Second signal: the same without a grace period."""
-        self._hurry = True
-        self._wake()
-
     @property
     def is_stopping(self) -> bool:
-        """Whether the worker is stopping, on a signal or as an orphan."""
-        return self._stop_requested or self._is_orphan()
+        """Whether the worker is stopping, on a signal or since its parent is gone."""
+        return self._stop_requested or self._parent_pid not in (None, os.getppid())
 
-    def unsubscribe(self) -> None:
-        """Stop listening for commands, without the extra second of sleep that RQ's order of steps costs."""
-        if self.pubsub_thread is not None and self.pubsub is not None:
-            self.pubsub_thread.stop()
-            self.pubsub.unsubscribe()
-            self.pubsub_thread.join(timeout=1)
+    def _request_stop(self, _signum: int, _frame: FrameType | None) -> None:
+        """First signal: finish the chunk or put it back, then end."""
+        on_stop_signals(self._force_stop)
+        self._stop_requested = True
+        self._wakeup.wake()
+        if not self._is_busy:
+            raise StopWhileIdle
 
-    def _wake(self) -> None:
-        with contextlib.suppress(BlockingIOError):
-            os.write(self._wake_w, b"s")
+    def _force_stop(self, _signum: int, _frame: FrameType | None) -> None:
+        """Second signal: the same without a grace period."""
+        self._forced_stop = True
+        self._wakeup.wake()
 
-    def _calm(self) -> None:
-        with contextlib.suppress(BlockingIOError):
-            os.read(self._wake_r, 64)
+
+class WorkerError(Exception):
+    """The worker cannot start; the message is for the user."""
+
+
+def run_worker(
+    redis_url: str, *, name: str | None = None, parent_pid: int | None = None, duty: Duty = "all"
+) -> int:
+    """Run one worker until it is stopped; returns the exit status.
+
+    With light duty it takes short chunks only. With `parent_pid`, it ends at once when that parent process is
+    gone. If Redis is not there yet, it waits for it.
+
+    Raises:
+        ValidationError: a setting is invalid.
+        WorkerError: Redis cannot be used, and will not be by waiting.
+    """
+    settings = WorkerSettings()
+    level = (settings.log_level or "INFO").upper()
+    set_up(level, settings.log_format)
+    tracing.prepare("worker")
+    # at INFO, a chunk is one line of ours and several of RQ's
+    logging.getLogger("rq.worker").setLevel("WARNING" if level == "INFO" else level)
+    if parent_pid is not None:
+        die_with_parent(parent_pid)
+    try:
+        if not _reached(redis_url, parent_pid):
+            return 0
+        redis = connect(redis_url)
+        warning = None if parent_pid else eviction_warning(redis)  # else its parent says so
+        worker = Worker(redis, settings, name, parent_pid, duty)
+    except UnreachableError as error:
+        raise WorkerError(str(error)) from error
+    except RedisError as error:
+        raise WorkerError(f"lost the connection to Redis: {error}") from error
+    if warning is not None:
+        log.warning("%s", warning)
+    set_context(Context(redis, settings, worker.name))
+    load_solver()
+    gc.collect()
+    gc.freeze()  # the horses share this memory, and a collection would copy it
+    worker.run()
+    return 0
+
+
+def _reached(redis_url: str, parent_pid: int | None) -> bool:
+    """Wait for Redis; returns False if a stop signal comes, or the parent ends, before it is there.
+
+    Raises:
+        UnreachableError: waiting is of no use.
+    """
+    stop = threading.Event()
+    before = on_stop_signals(lambda *_: stop.set())
+    try:
+        return wait_for(
+            redis_url,
+            lambda: not stop.is_set() and parent_pid in (None, os.getppid()),
+            log.warning if parent_pid is None else log.debug,  # the parent says so itself
+        )
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -267,3 +267,13 @@ def test_nothing_is_left_to_do_of_a_job_that_ended(queue: JobQueue, table_reques
     assert queue.redis.llen(key) == 2
     finish(queue)
     assert not queue.redis.exists(key)
+
+
+def test_a_worker_that_dies_after_its_last_slice_leaves_no_rq_job(queue: JobQueue) -> None:
+    """Nobody would look for it: the chunk is done, so it is neither missing nor in the record."""
+    queue.submit(a_request("1", "2"))
+    assert queue.chunks.pop(["small"]) == refs(queue)[0].rq_id
+    work(queue, refs(queue)[0])  # and no `end_beat`
+    view = queue.submit(a_request("1", "2"))
+    assert view.status == "succeeded"
+    assert queue.redis.keys("rq:job:*") == []

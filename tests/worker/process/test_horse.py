@@ -29,7 +29,7 @@ def horses() -> Iterator[list[Horse]]:
 
 
 def forked(horses: list[Horse], settings: WorkerSettings = SETTINGS) -> Horse:
-    horse = Horse(lambda: None, settings)
+    horse = Horse(settings)
     horses.append(horse)
     return horse
 

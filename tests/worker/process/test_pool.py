@@ -1,22 +1,145 @@
-"""The workers of a machine: started together, replaced, heard of and stopped."""
+"""Child processes and the workers of a machine: started, replaced, heard of and stopped."""
 
 from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
-from tests.support.processes import until
+from tests.support.processes import is_running, until
 from worker.jobs.installation import Roster
 from worker.jobs.keys import Keys
 from worker.process import pool
-from worker.process.pool import Attendance, WorkerPool
+from worker.process.pool import Attendance, Child, Process, WorkerPool, end_all
 from worker.settings import WorkerSettings
+
+SLEEP = [sys.executable, "-c", "import time; time.sleep(600)"]
+STUBBORN = [
+    sys.executable,
+    "-c",
+    "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(flush=True); time.sleep(600)",
+]
+
+
+class Launcher:
+    """Starts processes, after some failures."""
+
+    def __init__(self, *failures: Exception, command: list[str] = SLEEP) -> None:
+        self.failures, self.command = list(failures), command
+        self.processes: list[Process] = []
+
+    def __call__(self) -> Process:
+        if self.failures:
+            raise self.failures.pop(0)
+        self.processes.append(subprocess.Popen(self.command))
+        return self.processes[-1]
+
+
+@contextmanager
+def kept(launcher: Launcher, patience: float = 60) -> Iterator[tuple[Child, list[str]]]:
+    said: list[str] = []
+    kept_child = Child("a child", launcher, said.append, patience)
+    try:
+        yield kept_child, said
+    finally:
+        for process in launcher.processes:
+            process.kill()
+            process.wait()
+
+
+def test_a_start_that_fails_is_told_once_and_tried_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pool, "_LONGEST_DELAY", 0.2)
+    launcher = Launcher(OSError(24, "Too many open files"), OSError(24, "Too many open files"), MemoryError())
+    with kept(launcher) as (it, said):
+        it.start()
+        assert it.process is None
+        until(lambda: it.look_after(0.0) or it.process)
+        text = "cannot start a child: [Errno 24] Too many open files; trying again"
+        assert said == [text, "cannot start a child: out of memory; trying again"]
+
+
+def test_one_that_dies_again_and_again_is_started_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pool, "_LONGEST_DELAY", 0.2)
+    launcher = Launcher(command=["false"])
+    with kept(launcher) as (it, said):
+        it.start()
+        start = time.monotonic()
+        until(lambda: it.look_after(0.0) or len(said) == 4)
+        assert said == ["a child died (exit status 1); starting another"] * 4
+        assert time.monotonic() - start >= 0.4  # the second and the third were started after a pause
+
+
+def test_one_without_signs_of_life_is_killed() -> None:
+    launcher = Launcher()
+    with kept(launcher, patience=0.5) as (it, said):
+        it.start()
+        sign = time.monotonic()
+        until(lambda: it.look_after(sign) or len(launcher.processes) == 2)
+        assert time.monotonic() - sign >= 0.5
+        assert launcher.processes[0].returncode == -signal.SIGKILL
+        assert said == ["a child gives no sign of life for 1 s; starting another"]
+
+
+def test_one_that_nobody_can_judge_lives() -> None:
+    launcher = Launcher()
+    with kept(launcher, patience=0.1) as (it, said):
+        it.start()
+        time.sleep(0.2)
+        it.look_after(None)
+        it.look_after(0.0)  # it has not yet given a sign, and may still be starting
+        assert said == []
+
+
+def test_whoever_did_not_look_does_not_judge(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pool, "_BLINK", 0.1)
+    launcher = Launcher()
+    with kept(launcher, patience=0.2) as (it, said):
+        it.start()
+        sign = time.monotonic()
+        time.sleep(0.5)
+        it.look_after(sign)
+        assert said == []
+
+
+def test_one_that_lost_what_it_needs_is_killed_at_once() -> None:
+    launcher = Launcher()
+    with kept(launcher) as (it, said):
+        it.start()
+        it.look_after(0.0, lost="lost its socket")  # it never had one
+        assert said == []
+        until(lambda: it.look_after(time.monotonic(), lost="lost its socket") or len(launcher.processes) == 2)
+        assert said == ["a child lost its socket; starting another"]
+
+
+def a_stubborn_one() -> Process:
+    process = subprocess.Popen(STUBBORN, stdout=subprocess.PIPE)
+    assert process.stdout is not None
+    with process.stdout as ready:
+        ready.readline()
+    return process
+
+
+def test_all_end_together_each_in_its_time() -> None:
+    obedient, stopped, stubborn = subprocess.Popen(SLEEP), subprocess.Popen(SLEEP), a_stubborn_one()
+    os.kill(stopped.pid, signal.SIGSTOP)
+    end_all([(obedient, 60), (stopped, 60), (stubborn, 0.3)])
+    codes = [process.returncode for process in (obedient, stopped, stubborn)]
+    assert codes == [-signal.SIGTERM, -signal.SIGTERM, -signal.SIGKILL]
+    assert not is_running(stubborn.pid)
+
+
+def test_in_a_hurry_nobody_has_much_time() -> None:
+    stubborn = a_stubborn_one()
+    end_all([(stubborn, 600)], is_hurried=lambda: True)
+    assert stubborn.returncode == -signal.SIGKILL
 
 
 def test_a_dead_worker_is_reported_and_replaced(
