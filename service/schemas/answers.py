@@ -76,7 +76,7 @@ class TransitionEvent(Point):
 
 
 class Degeneracy(Model):
-    """Degenerate poses that every slice of an interval has, or a whole curve of degenerate poses."""
+    """Degenerate poses in every slice of a range of lengths, or a whole curve of degenerate poses."""
 
     kind: str = Field(
         description="The kind of the poses, such as `node` or `quadruple`; `curve` for a curve."
@@ -90,8 +90,8 @@ class Degeneracy(Model):
 
 
 DEGENERATE: Any = Field(
-    description="What is degenerate in every slice of an interval, or along a whole curve of poses of a "
-    "slice, as for flat or congruent triangles: curves, then poses by interval. Mostly empty."
+    description="What is degenerate in every slice of a range of lengths, or along a whole curve of poses "
+    "of a slice, as for flat or congruent triangles: curves, then poses by range. Usually empty."
 )
 """The field of documents over a range of lengths."""
 
@@ -114,17 +114,17 @@ class DocumentHead(Model):
 
 
 class Interval(ClosedRange):
-    """An interval without transitions; all its slices have the same number of cusps."""
+    """A window, an interval without transitions; all its slices have the same number of cusps."""
 
     count: int
 
 
 class FieldError(Model):
-    """A faulty field."""
+    """An invalid field."""
 
     field: str = Field(description="The dotted name of the field, for example geometry.d1.")
     pointer: str | None = optional("The JSON pointer to it (RFC 6901), if it is in the body: /geometry/d1.")
-    message: str = Field(description="The fault, and a valid alternative.")
+    message: str = Field(description="The error, and a valid alternative.")
 
 
 class LimitInfo(Model):
@@ -139,7 +139,7 @@ class ProblemDocument(Model):
 
     model_config = ConfigDict(extra="allow", title="Problem")
 
-    type: str = Field(description="Identifies the type of problem; the address documents it.")
+    type: str = Field(description="Identifies the type of problem; the URL documents it.")
     title: str
     status: int
     detail: str

@@ -44,12 +44,12 @@ class Transition(FixedLength):
 
 
 class CensusInterval(Interval):
-    """An interval without transitions, with the number of cusps and of aspects of its slices."""
+    """A window, an interval without transitions, with the number of cusps and of aspects of its slices."""
 
     aspects: int | None = Field(
         default=None,
-        description="The number of aspects: connected regions of poses without a singularity, of one sign of "
-        "J. null: it is not proved to be the same in all slices of the interval.",
+        description="The number of aspects, the connected sets of poses with one sign of J; null if it is "
+        "not proved to be the same in all slices of the window.",
     )
 
 
@@ -73,7 +73,7 @@ class EventSystem(Model):
 
 
 class FullCensusCertificate(Model):
-    """What somebody else needs to check a census; present with `certificate` `full`."""
+    """What an independent checker of a census needs; present with `certificate` `full`."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -93,7 +93,7 @@ class CensusCertificate(Model):
     method: str = Field(
         description="`events` if the degenerate poses of all slices are isolated, else `components`."
     )
-    lengths_examined: int = Field(description="The number of lengths at which cusps may be born or die.")
+    lengths_examined: int = Field(description="The number of lengths at which cusps may be born or vanish.")
     counts_by: str
     full: FullCensusCertificate | None = optional("Present with `certificate` `full`.")
 
@@ -135,8 +135,9 @@ class RequirementDocument(Document):
     )
     degenerate: Literal["allowed", "refused"] = Field(
         default="allowed",
-        description="With `refused` a manipulator fails if every slice of an interval has degenerate poses, "
-        "or a slice a whole curve of them, within the limits or not. The report lists them in any case.",
+        description="With `refused`, a manipulator fails if every slice of a range of lengths has "
+        "degenerate poses, or a slice has a whole curve of them, whether within the limits or not. The "
+        "report lists them in any case.",
     )
 
     def to_requirement(self) -> Requirement:
@@ -159,7 +160,7 @@ class Example(FixedLength):
 
 
 class Violation(Interval):
-    """An interval whose slices violate the requirement, and one of these slices."""
+    """A window whose slices violate the requirement, and one of these slices."""
 
     example: Example
 
@@ -175,7 +176,7 @@ class CheckReport(Model):
     min_cusps_found: int
     intervals: list[Interval]
     violations: list[Violation] = Field(
-        description="The intervals with too many or too few cusps, ascending; empty if there are none."
+        description="The windows with too many or too few cusps, ascending; empty if there are none."
     )
     degenerate: list[Degeneracy] = DEGENERATE
     solver_version: str
@@ -192,8 +193,8 @@ class CensusRequest(Question):
     tag = ("censuses", "Where the number of cusps changes.")
     summary = "Every length at which the number of cusps changes"
     description = """\
-The census of a manipulator: all transitions of its slices, proved complete rather than sampled, each with
-its kind and its degenerate poses, and the numbers of cusps and of aspects in every interval between.
+The census of a manipulator: all transitions of its slices, each with its kind and its degenerate poses, and
+the numbers of cusps and of aspects in every window between them. The list of transitions is proved complete.
 
 The whole census is computed once, by a job of a few seconds, and kept; ranges of it, or fewer digits, are
 then answered immediately. `Prefer: wait=N` waits for the job.
@@ -209,7 +210,7 @@ then answered immediately. `Prefer: wait=N` waits for the job.
             {"digits": 30, "range": {"from": 28, "to": "31"}},
         ),
         "full": (
-            "With all that a checker of the proof needs",
+            "With everything that an independent checker needs",
             {"digits": 30, "range": {"from": 28, "to": "31"}, "certificate": "full"},
         ),
     }
@@ -220,9 +221,9 @@ then answered immediately. `Prefer: wait=N` waits for the job.
 
     certificate: Literal["short", "full"] = Field(
         default="short",
-        description="`full` adds to the certificate what somebody else needs to check it: the eliminants of "
+        description="`full` adds to the certificate what an independent checker needs: the eliminants of "
         "the transitions, isolating intervals of all their real roots, a box of each event, and the length "
-        "at which the cusps of each interval were counted.",
+        "at which the cusps of each window were counted.",
     )
 
     @property
@@ -253,7 +254,8 @@ Proves or refutes a requirement: a maximum or minimum number of cusps in every s
 strictly within the joint limits of the other legs.
 
 The report lists the intervals of the range with their numbers of cusps and, for each interval that violates
-the requirement, a slice with its cusps. A violated requirement is an answer too: 200 with `passed` false.
+the requirement, a slice with its cusps. If the requirement is violated, the response is 200 with `passed`
+false.
 """
     answer = CheckReport
     known = "The report."

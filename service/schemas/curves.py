@@ -49,7 +49,7 @@ class CurveEnd(Model):
     l3: Decimal | None = Field(default=None, description="The length, with `fixed_leg` 3.")
     kind: str = Field(
         description="The kind of the transition; `open` at length 0 and at infinity; `undecided` where "
-        "curves are cut at a degenerate pose, since it is not proved which cusps pass through it."
+        "curves are cut at a degenerate pose, because it is not proved which cusps pass through it."
     )
     joins: str | None = Field(
         description="The curve that is proved to meet this one here; both are parts of one smooth curve that "
@@ -97,17 +97,17 @@ class Chain(Model):
 
     start: dict[str, str] = Field(alias="from", description="The curve, and the fixed length, of the point.")
     stop: dict[str, str] = Field(alias="to")
-    tubes: list[Tube] = Field(description="Each begins, with r = 0, on the curve in the one before.")
+    tubes: list[Tube] = Field(description="Each starts, with r = 0, on the curve in the previous one.")
 
 
 class Chains(Model):
-    """What joins the points."""
+    """The proof that joins the points."""
 
     chains: list[Chain]
 
 
 class CurvesCertificate(Model):
-    """What somebody else needs to check the curves."""
+    """What an independent checker of the curves needs."""
 
     full: Chains
 
@@ -122,10 +122,8 @@ class CuspCurves(DocumentHead):
 
 
 class CuspCurvesRequest(SlicesOfOneLeg, Question):
-    """A manipulator, the leg whose length is the parameter, and the requested points.
-
-    Lengths are given for the fixed leg alone: as `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg`
-    3.
+    """A manipulator, the leg whose length is the parameter, and the requested points. Give lengths for the
+    fixed leg only: as `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg` 3.
     """
 
     expected = "send an object with geometry"
@@ -135,13 +133,13 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     tag = ("cusp curves", "How cusps move as the length of the fixed leg varies.")
     summary = "Each cusp followed from the transition where it appears to the one where it vanishes"
     description = """\
-The curves of cusps over the length of the fixed leg, each named and followed by proof: α, the fixed leg's
-angle and the lengths of the other two legs as functions of the fixed length.
+The cusp curves over the length of the fixed leg, each named and followed by proof: α, the fixed leg's angle
+and the lengths of the other two legs as functions of the fixed length.
 
-A name depends on the manipulator and the fixed leg alone, not on the requested range or points. Points are
-given at the lengths `l1`, and with `samples` at that many lengths in every interval between transitions,
-however narrow; without either, in one slice of each interval. The whole curves are computed once, by a job
-of a few seconds, and kept.
+A name depends only on the manipulator and the fixed leg, not on the requested range or points. Points are
+given at the lengths `l1`, and with `samples` at that number of lengths in every window, however narrow;
+without either, in one slice of each window. The whole curves are computed once, by a job of a few seconds,
+and kept.
 """
     answer = CuspCurves
     known = "The curves."
@@ -157,11 +155,11 @@ of a few seconds, and kept.
             },
         ),
         "samples": (
-            "Four points of each curve in every interval between transitions",
+            "Four points of each curve in every window",
             {"digits": 15, "samples": 4},
         ),
         "full": (
-            "With all that a checker of the proof needs",
+            "With everything that an independent checker needs",
             {"digits": 15, "range": {"from": 27, "to": 29}, "certificate": "full"},
         ),
     }
@@ -179,14 +177,15 @@ of a few seconds, and kept.
     l3: Slices = slices_field("The lengths, with `fixed_leg` 3.")
     samples: Samples = Field(
         default=None,
-        description="Number of sample points of each curve in every interval between transitions, however "
-        "narrow; at most max_samples of /v1/limits.",
+        description="Number of sample points of each curve in every window, however narrow; at most "
+        "max_samples of /v1/limits.",
     )
 
     certificate: Literal["short", "full"] = Field(
         default="short",
-        description="`full` adds what somebody else needs to check that the points of a curve are joined by "
-        "it, and that curves join at their ends: chains of tubes, each with one curve in it.",
+        description="`full` adds what an independent checker needs to prove that the points of a curve "
+        "belong to one curve, and that curves join at their ends: chains of tubes, each of which holds one "
+        "curve.",
     )
 
     @field_validator("l1", "l2", "l3")

@@ -68,7 +68,7 @@ class SliceRange(Document):
 
 
 class StartStopRange(SliceRange):
-    """The older spelling of a range of slices: `start` is `from`, and `stop` is `to`."""
+    """The older form of a range of slices: `start` is `from`, and `stop` is `to`."""
 
     start: Exact = Field(description="The first value.")
     stop: Exact = Field(description="The end of the range; >= `start`.")
@@ -324,7 +324,7 @@ class LegLimits(Model):
 
 
 class KeptLimits(Model):
-    """The joint limits that were asked for, by legs."""
+    """The requested joint limits, by leg."""
 
     l1: LegLimits | None = None
     l2: LegLimits | None = None

@@ -98,7 +98,7 @@ def _yes_or_no(value: object) -> bool:
 
 
 class Between(Document):
-    """The lengths between which the fixed leg may move."""
+    """The lengths between which the fixed leg may vary."""
 
     expected: ClassVar[str] = 'give an object with "from" and "to"'
 
@@ -150,25 +150,27 @@ class PathSample(_Angles, _Legs, _Timed):
     """A point of the path at its time."""
 
     determinant: Decimal = Field(
-        description="J / (L1 L2 L3), in the unit of the geometry: up to its sign the determinant of the "
-        "partial derivatives of L1, L2, L3 by a translation of the platform and its rotation in radians."
+        description="J / (L1 L2 L3), in the unit of the geometry: up to its sign, the determinant of the "
+        "partial derivatives of L1, L2, L3 by the translation of the platform and its rotation in radians."
     )
     clearance_deg: Decimal = Field(
         description="A proved lower bound, of 6 digits, of the distance to the nearest singular pose with "
-        "the same fixed length: as far α and the fixed leg's angle may change together, in degrees."
+        "the same fixed length: α and the fixed leg's angle may both change by less than this, in degrees."
     )
 
 
 class FoldPoint(_Angles, _Legs):
-    """Where a pose meets another one, and both end: a point of a singular curve."""
+    """A fold, where the pose meets another one and both vanish: a point of a singular curve."""
 
 
 class OtherPose(Model):
-    """Another pose of the joint vector, carried along by the leg lengths of the path."""
+    """Another pose of the joint vector, followed along the path."""
 
     start: PoseOnPath = Field(alias="from")
-    stop: PoseOnPath | None = Field(alias="to", description="null: it ends before, or is not followed.")
-    fold: FoldPoint | None = Field(description="Where it ends; null with `to` null: that is not decided.")
+    stop: PoseOnPath | None = Field(alias="to", description="null if it vanishes before, or is not followed.")
+    fold: FoldPoint | None = Field(
+        description="Where it vanishes. If this and `to` are null, neither is decided."
+    )
 
 
 class PathCertificate(Model):
@@ -180,7 +182,7 @@ class PathCertificate(Model):
         description="The control points of the Bézier arcs of the path, exact; `from` and `to` are its ends."
     )
     pieces: int = Field(description="Number of pieces on each of which balls prove the sign of J.")
-    least_determinant: Decimal = Field(description="The determinant is nowhere smaller in size.")
+    least_determinant: Decimal = Field(description="A lower bound of the absolute value of the determinant.")
     working_bits: int
 
 
@@ -198,29 +200,30 @@ class Path(DocumentHead):
     l2: str
     l3: str
     connected: bool | None = Field(
-        description="Whether there is a path: proved; null if neither a path nor an obstacle is proved."
+        description="Whether there is a path, proved; null if neither a path nor an obstacle is proved."
     )
     obstacle: str | None = optional(
         "Why there is no path: `opposite-signs` of J at both poses, so that no path exists in any slices; "
         "`other-aspect` of the slice, or of the range between the lengths of `between`; `outside-limits`: "
         "the joint vector itself exceeds the joint limits; `separated-by-limits`: every path meets a "
-        "singularity or exceeds a joint limit; or `undecided`: the singular curves at the ends of that range "
-        "are not supported, or the ways that the limits leave are too narrow for the `resolution`."
+        "singularity or exceeds a joint limit; or `undecided`: the singular curves at the ends of that "
+        "range are not supported, or the poses within the limits are too narrowly connected for the "
+        "`resolution`."
     )
     limits: KeptLimits | None = Field(
         default=None, description="The joint limits that the path keeps, proved; null if none were given."
     )
     resolution: PathResolution | None = Field(
         default=None,
-        description="Where joint limits separate the poses, or leave it undecided: the size of the smallest "
-        "boxes of poses that were examined.",
+        description="If joint limits separate the poses, or leave the answer undecided: the size of the "
+        "smallest boxes of poses that were examined.",
     )
     between: ClosedRange | None = Field(
-        default=None, description="The lengths between which the fixed leg was free, as asked."
+        default=None, description="The requested lengths between which the fixed leg was free."
     )
     connecting_range: ClosedRange | None = Field(
         default=None,
-        description="For another aspect: lengths of the fixed leg between which a path exists, found from "
+        description="With `other-aspect`: lengths of the fixed leg between which a path exists, found from "
         "the census; null if none was found.",
     )
     cusp: int | None = Field(default=None, description="The number of the cusp, from 1.")
@@ -228,20 +231,21 @@ class Path(DocumentHead):
     sign: int | None = optional("The sign of J along the path.")
     winding: int | None = Field(
         default=None,
-        description="How often the path goes round the cusp in the plane of the other two legs, "
-        "counter-clockwise.",
+        description="The number of counter-clockwise turns of the path round the cusp, in the plane of the "
+        "other two legs.",
     )
     twins: list[int] | None = optional(
-        "The numbers of the other cusps round which the loop goes as often, since they have the same joint "
-        "vector, as for congruent triangles; only where there are any."
+        "The numbers of the other cusps with the same joint vector, round which the loop goes as often, as "
+        "for congruent triangles; missing if there are none."
     )
     start: PoseOnPath = Field(alias="from")
     stop: PoseOnPath = Field(alias="to")
     others: list[OtherPose] | None = Field(
-        default=None, description="What becomes of the other poses meanwhile; null unless asked for."
+        default=None,
+        description="What happens to the other poses of the joint vector; null unless requested.",
     )
     duration: str | None = optional("The time of the last sample.")
-    timing: str | None = optional("The law of time.")
+    timing: str | None = optional("The time profile.")
     samples: list[PathSample]
     certificate: PathCertificate | None = optional("The proof of the path.")
 
@@ -264,20 +268,22 @@ class PathRequest(SlicesOfOneLeg, OneSlice):
     summary = "A motion from one pose to another of the same leg lengths, without a singularity"
     description = """\
 A loop begins and ends at one joint vector, where the manipulator has two poses of one sign of J. The platform
-follows the legs continuously, is nowhere singular, and yet arrives at the other pose. Proved along the whole
-path, not only at the samples: J keeps its sign, and the loop turns once round the cusp, counter-clockwise,
-and round no other cusp of the slice. This is one way to change the assembly mode, not the only one.
+follows the legs continuously, is never singular, and arrives at the other pose. It is proved for the whole
+path, not only for its samples, that J keeps its sign, and that the loop turns once round the cusp,
+counter-clockwise, and round no other cusp of the slice. This is one way to change the assembly mode, not the
+only one.
 
-From pose to pose, the answer is a path in the slice or, with `between`, with the fixed leg free to move; or
-the reason why there is none: J has different signs at both poses, or they lie in different aspects of the
-slice or of the range. For the latter the answer names a range of the fixed leg within which they are joined.
+From pose to pose, the answer is a path in the slice or, with `between`, a path on which the fixed leg may
+vary; or the reason why there is none: J has different signs at the two poses, or they belong to different
+aspects of the slice or of the range. In the latter case the answer has a range of the fixed leg within which
+they are joined.
 
-With `limits` the path or the loop keeps joint limits, proved as well. There may be no path that does, which
-is proved by subdivision, or left undecided at a `resolution` that is told.
+With `limits`, the path or the loop is proved to keep the joint limits. If there is no such path, this is
+proved by subdivision, or undecided at the reported `resolution`.
 
-Samples are points of that path at equal intervals of time, with the legs, the pose, the determinant and a
-bound of the distance to the nearest singular pose. A worker finds a path in a fraction of a second, so the
-response waits for it, up to 10 seconds unless `Prefer` says otherwise; after that it is 202 with a job.
+Samples are points of the path at equal intervals of time, with the legs, the pose, the determinant and the
+clearance. A worker finds a path in a fraction of a second, so the response waits for it, up to 10 seconds
+unless `Prefer` says otherwise; after that it is 202 with a job.
 """
     answer = Path
     known = "The path."
@@ -291,7 +297,7 @@ response waits for it, up to 10 seconds unless `Prefer` says otherwise; after th
             {"l1": 27, "cusp": "B", "samples": 5},
         ),
         "poses": (
-            "From one pose to another, leg 1 being free between 27 and 30",
+            "From one pose to another, with leg 1 free between 27 and 30",
             {
                 "l1": 27,
                 "l2": "25.7",
@@ -316,7 +322,7 @@ response waits for it, up to 10 seconds unless `Prefer` says otherwise; after th
         "The number of the pose at the start, from 1, in the answer of /v1/poses.", alias="from"
     )
     stop: PoseNumber = given("The number of the pose at the end.", alias="to")
-    between: Between = given("Lengths between which the fixed leg may move; without them it is held.")
+    between: Between = given("Lengths between which the fixed leg may vary; without them it is held.")
     limits: JointLimits = given(
         "Joint limits that the path keeps, of any legs: `min` and `max`, either of which may be missing."
     )
@@ -326,12 +332,13 @@ response waits for it, up to 10 seconds unless `Prefer` says otherwise; after th
     )
     timing: Literal["cosine", "trapezoid", "constant"] = Field(
         default=USUAL["timing"],
-        description="The law of time over the arc length in joint space: the speed rises and falls as half a "
-        "sine wave, or rises for a third of the time, stays, and falls for a third, or is constant.",
+        description="The time profile of the arc length in joint space. The speed follows half a sine wave "
+        "(`cosine`), rises, stays and falls for a third of the time each (`trapezoid`), or is constant.",
     )
     others: Annotated[bool, PlainValidator(_yes_or_no, json_schema_input_type=bool)] = Field(
         default=USUAL["others"],
-        description="Whether the other poses of the joint vector are followed too, as far as they live.",
+        description="Whether the other poses of the joint vector are followed, too, until the fold at "
+        "which they vanish.",
     )
     duration: Annotated[Fraction, PlainValidator(_duration, json_schema_input_type=Length)] = Field(
         default=Fraction(USUAL["duration"]), description="The time of the last sample; > 0."

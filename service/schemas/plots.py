@@ -53,19 +53,17 @@ class Plot(DocumentHead):
 
     plot: str = Field(description="What is drawn.")
     theme: str
-    title: str = Field(description="What it shows, in a line.")
-    description: str = Field(description="What is in it, in sentences, for those who do not see it.")
-    width: float = Field(description="In pixels, as the height.")
+    title: str = Field(description="A title in one line.")
+    description: str = Field(description="A text description, for readers who cannot see the picture.")
+    width: float = Field(description="In pixels, like the height.")
     height: float
     svg: str = Field(description="The picture as an SVG document.")
 
 
 class PlotRequest(OneSlice):
-    """A manipulator, and what is to be drawn of it.
-
-    `slice` and `torus` take the length of the fixed leg, `loop` also a `cusp`; `census` and `locus` take a
-    `range`; `mechanism` takes all three lengths and perhaps a `pose`, or the length of the fixed leg and a
-    `cusp`.
+    """A manipulator, and the picture to draw. `slice` and `torus` take the length of the fixed leg, `loop`
+    also a `cusp`; `census` and `locus` take a `range`; `mechanism` takes all three lengths and optionally a
+    `pose`, or the length of the fixed leg and a `cusp`.
     """
 
     model_config = ConfigDict(json_schema_extra=_SCHEMA)
@@ -75,15 +73,14 @@ class PlotRequest(OneSlice):
     path = "/v1/plots"
     name = "post_plot"
     tag = ("plots", "Pictures.")
-    summary = "A picture of a slice, a census, the curves of cusps, a loop, or the mechanism"
+    summary = "A picture of a slice, a census, the cusp curves, a loop, or the mechanism"
     description = """\
-Draws what other calls compute. The answer is JSON with the picture as SVG text, its title and a description
-in words, or the SVG alone with `Accept: image/svg+xml`; `/v1/plot.svg` gives the same by an address.
+Draws the answers of other calls. The response is JSON with the picture as SVG text, its title and a text
+description, or only the SVG with `Accept: image/svg+xml`; `/v1/plot.svg` gives the same by a URL.
 
 Equal questions give the same bytes. In the theme `auto` a picture follows its reader's setting, light or
-dark; a moving one stands still for readers who prefer less motion. A census or the curves of all cusps take a
-few seconds, anything else less than one; the response waits for it, up to 10 seconds unless `Prefer` says
-otherwise.
+dark; animations stop when reduced motion is requested. A census or the cusp curves take a few seconds,
+everything else less than one; the response waits for it, up to 10 seconds unless `Prefer` says otherwise.
 """
     answer = Plot
     known = "The picture."
@@ -103,9 +100,10 @@ otherwise.
 
     plot: Literal["slice", "torus", "census", "locus", "loop", "mechanism"] = Field(
         "slice",
-        description="What is drawn: a slice in the plane of the free legs, the same on the torus of the "
-        "angles, the number of cusps against the length of the fixed leg, the curves of cusps in joint "
-        "space, a loop round a cusp in motion, or the mechanism at a pose.",
+        description="The type of picture: a slice in the plane of the free legs (`slice`) or on the torus "
+        "of poses (`torus`), the number of cusps against the length of the fixed leg (`census`), the cusp "
+        "curves in joint space (`locus`), a loop round a cusp in motion (`loop`), or the mechanism at a "
+        "pose (`mechanism`).",
     )
     theme: Literal["auto", "light", "dark"] = Field(
         "auto", description="`auto` follows the reader's setting, light or dark."
@@ -177,7 +175,7 @@ otherwise.
 
 
 class PictureRequest(PlotRequest):
-    """A picture as an address."""
+    """A picture by its URL."""
 
     path = "/v1/plot.svg"
     forms: ClassVar[Forms] = {SVG: PlotRequest.forms[SVG]}

@@ -137,8 +137,8 @@ class Vertex(Point):
 class Strand(Samples):
     """A closed curve, or a piece of one from node to node. J > 0 lies on its left in the plane of α and θ.
 
-    Its angles are continuous, beyond ±180 degrees. The last sample of a closed strand is the first one again,
-    ahead by `turns`.
+    Its angles are continuous and may exceed ±180 degrees. The last sample of a closed strand repeats the
+    first, plus `turns` full turns.
     """
 
     closed: bool
@@ -176,7 +176,7 @@ class Aspect(Model):
     """A connected region of the torus of α and θ on which J has one sign."""
 
     sign: int
-    share: float = Field(description="The part of the torus that it covers, about.")
+    share: float = Field(description="The approximate share of the torus that it covers.")
     polygons: list[Samples] = Field(
         description="Polygons of α and θ in degrees, from −180 to 180, that together cover the aspect."
     )
@@ -187,13 +187,13 @@ class SingularCurves(DocumentHead, FixedLength):
 
     tolerance: str = Field(description="Exact, as asked.")
     components: list[SingularComponent]
-    regions: list[Region] = Field(description="By falling number of poses, then by falling area.")
+    regions: list[Region] = Field(description="By decreasing number of poses, then by decreasing area.")
     thin_regions: int = Field(
-        description="The number of faces of the drawing that are too thin, for the tolerance, to be regions "
-        "by proof."
+        description="The number of faces of the drawing that are too thin to be certified as regions at "
+        "this tolerance."
     )
     aspects: list[Aspect] = Field(
-        description="Those with J > 0 first, then by falling size. Their number is proved."
+        description="Those with J > 0 first, then by decreasing size. Their number is proved."
     )
 
 
@@ -202,10 +202,10 @@ class RangeAspect(Model):
 
     sign: int = Field(description="The sign of J.")
     at_start: int = Field(
-        description="How many aspects of the slice at the lower end belong to it; at an open end, of the "
-        "limit of slices there."
+        description="The number of aspects of the slice at the lower end that belong to it; at an open "
+        "end, of the limit of slices there."
     )
-    at_stop: int = Field(description="How many aspects of the slice at the upper end, likewise.")
+    at_stop: int = Field(description="The number of aspects of the slice at the upper end, likewise.")
 
 
 class RangeAspects(DocumentHead):
@@ -213,9 +213,8 @@ class RangeAspects(DocumentHead):
 
     range: ClosedRange
     aspects: list[RangeAspect] = Field(
-        description="Those with J > 0 first. Between two poses of one aspect there is a motion without a "
-        "singularity within the range, between those of different aspects there is none. Their number is "
-        "exact."
+        description="Those with J > 0 first. Within the range, a path without a singularity joins any two "
+        "poses of one aspect, and none joins poses of different aspects. Their number is exact."
     )
 
 
@@ -271,12 +270,12 @@ class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     tag = ("singular curves", "The curves J = 0 of a slice, its assembly modes and aspects.")
     summary = "The singular curves of a slice, the number of poses in each region, and the aspects"
     description = """\
-All components of the curve J = 0, in the plane of α and the fixed leg's angle and in that of the free legs.
-How they run between their special points (cusps, turning points, nodes, …) is proved, and these have proved
-digits. Samples between them are for drawing; they are as near to the true curve as `tolerance` says.
+All components of the curve J = 0, in the plane of α and the fixed leg's angle and in the plane of the free
+legs. The topology is proved, and special points (cusps, turning points, nodes, …) have proved digits. Samples
+between them are for drawing; they are within `tolerance` of the true curve.
 
-`regions` are the faces into which the curves cut the plane of the free legs, each with its number of poses,
-proved at a point of it; `aspects` are the connected regions of poses in which J has one sign.
+`regions` are the parts into which the curves divide the plane of the free legs. The number of poses of each
+is proved at one of its points. `aspects` are the connected sets of poses in which J has one sign.
 
 A worker draws a slice in a fraction of a second, so the response waits for it, up to 10 seconds unless
 `Prefer` says otherwise; after that it is 202 with a job.
@@ -298,8 +297,8 @@ A worker draws a slice in a fraction of a second, so the response waits for it, 
     l3: Length = given("The length, with `fixed_leg` 3.")
     tolerance: Annotated[Fraction, PlainValidator(_tolerance, json_schema_input_type=Length)] = Field(
         default=DEFAULT_TOLERANCE,
-        description="How far a drawn curve may be from the true one, relative to the size of the picture, in "
-        "the plane of the angles and in that of the free legs; 0.000001 to 0.1.",
+        description="The largest distance of a drawn curve from the true one, relative to the size of the "
+        "picture, in the plane of the angles and in the plane of the free legs; 0.000001 to 0.1.",
     )
     digits: Digits = digits_field(MIN_DIGITS)
 
@@ -326,11 +325,11 @@ class RangeAspectsRequest(Question):
     description = """\
 Aspects of different slices join if the fixed leg may vary, too. The answer has those of a range of lengths,
 each with its sign of J and the number of aspects of the slices at both ends that belong to it. An open end is
-the limit of slices, of length 0 or without bound.
+the limit of slices as the length approaches 0 or infinity.
 
-Their number is exact, and so two poses in different aspects are not joined by any motion without a
-singularity within the range. The response waits for a worker, which takes a fraction of a second, up to 10
-seconds unless `Prefer` says otherwise; after that it is 202 with a job.
+Their number is exact, so no path without a singularity within the range joins two poses of different aspects.
+The response waits for a worker, which takes a fraction of a second, up to 10 seconds unless `Prefer` says
+otherwise; after that it is 202 with a job.
 """
     answer = RangeAspects
     known = "The aspects."

@@ -28,7 +28,7 @@ Examples = Mapping[str, tuple[str, Mapping[str, Any]]]
 
 
 _NOTES = {
-    "name": "What the manipulator is called. It is no part of its identity.",
+    "name": "The name of the manipulator. It is not part of its identity.",
     "unit": "The unit of its lengths, for readers; nothing is converted.",
 }
 
@@ -136,14 +136,14 @@ class Question(Document):
         default=None,
         exclude=True,  # no part of the question: whoever asks the same shares the answer
         description="Seconds from now after which the answer is of no use. A job that is not done by then, "
-        "queued or running, fails as `job-timeout`; of several clients who wait for it, the one who waits "
-        "longest counts. Without it, a job may wait for as long as it must.",
+        "queued or running, fails as `job-timeout`; of several clients, the latest deadline counts. "
+        "Without it, a job may wait without limit.",
     )
     callback_url: CallbackUrl = Field(
         default=None,
         exclude=True,
-        description="Where to POST an event when the job ends, if the answer is not known yet; its host must "
-        "be one that the service allows.",
+        description="The URL to which an event is posted when the job ends, if the answer is not known "
+        "yet. The service must allow its host.",
     )
 
     @classmethod

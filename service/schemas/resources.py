@@ -22,8 +22,8 @@ ESTIMATE: Any = Field(
 
 OVERRUNS: Any = Field(
     default=0,
-    description="How many of its chunks took a few times their estimate. A worker that is kept for short "
-    "work has given them back to the others, without a loss; each is told by a `status` event.",
+    description="The number of its chunks that took several times their estimate. A worker reserved for "
+    "short work gave them back to the others, without a loss; a `status` event reports each.",
 )
 
 
@@ -42,18 +42,19 @@ class JobError(Model):
 
 
 class JobLinks(Model):
-    """The addresses of a job's resources."""
+    """The URLs of a job's resources."""
 
     self: str
     result: str
     events: str
     cancel: str | None = optional(
-        "In the answer to the question only: DELETE it to withdraw this question, and no other client's."
+        "Only in the answer to the question: DELETE this URL to withdraw this question, and no other "
+        "client's."
     )
 
 
 class Timings(Model):
-    """How long a job took, in seconds."""
+    """The times of a job, in seconds."""
 
     queued_seconds: float | None = Field(description="Until it started or ended; null while it is queued.")
     running_seconds: float | None = Field(description="From its start to its end; null before its end.")
@@ -65,7 +66,7 @@ class StreamEvent(Model):
     id: str = Field(description="Resumes the stream, as Last-Event-ID.")
     event: Literal["status", "slice", "progress", "item"]
     data: str = Field(
-        description="JSON. `status`: the job or batch as it was then; also when a chunk has overrun. "
+        description="JSON. `status`: the job or batch at that time; also when a chunk has overrun. "
         "`slice`: `l1`, `slice` and `progress`. `progress`: `progress`. `item`: `index`, `status` and "
         "`progress`.",
         json_schema_extra={"contentMediaType": "application/json", "contentSchema": {"type": "object"}},
@@ -73,10 +74,9 @@ class StreamEvent(Model):
 
 
 class Job(Model):
-    """The computation of an answer.
-
-    The states of a run go one way: queued, running, then one of the others, which stays. If the question is
-    asked again after a job has failed, was canceled or has expired, it begins a new run under the same id.
+    """The computation of an answer. A run is queued, then running, then in one of the other states, which is
+    final. Posting the question again after the job has failed, been canceled or expired starts a new run
+    under the same id.
     """
 
     id: str
@@ -100,7 +100,8 @@ class Job(Model):
         description="Jobs before it in its lane of the queue; null unless it is queued."
     )
     deadline_at: str | None = Field(
-        description="When it fails unless it is done, by the latest `deadline_s`; null without one."
+        description="The time at which it fails if it is not done, from the latest `deadline_s`; null "
+        "without one."
     )
     estimate_s: float | None = ESTIMATE
     overruns: int = OVERRUNS
@@ -124,11 +125,11 @@ class ListedJob(Model):
     started_at: str | None = Field(description="ISO 8601, UTC; null until it starts.")
     estimate_s: float | None = ESTIMATE
     runs_s: float | None = Field(
-        description="For how many seconds it has run, or ran; null before its start."
+        description="Its running time in seconds, so far or in total; null before its start."
     )
     overruns: int = OVERRUNS
     key: str | None = Field(
-        description="The name of the key that asked for it first; null if that was without a key."
+        description="The name of the key that asked for it first; null if that request had no key."
     )
 
 
@@ -137,7 +138,7 @@ class JobList(Model):
 
     items: list[ListedJob]
     next: str | None = Field(
-        description="The address of the next page, null after the last; any page may have few items."
+        description="The URL of the next page, null after the last; any page may have few entries."
     )
 
 
@@ -180,18 +181,18 @@ class BatchItem(Document):
     expected: ClassVar[str] = "give an object with kind and request"
 
     id: Annotated[str | None, PlainValidator(_id, json_schema_input_type=str | None)] = Field(
-        default=None, description="A name of your choice, which its result carries."
+        default=None, description="A name of your choice, which is repeated with the result."
     )
     kind: Annotated[
         str,
         PlainValidator(_kind, json_schema_input_type=Literal[KIND_NAMES]),
         Expected(f"give one of {', '.join(KIND_NAMES)}"),
-    ] = Field(description="The kind of the document that is asked for.")
+    ] = Field(description="The kind of the requested document.")
     request: Annotated[
         Mapping[str, Any],
         PlainValidator(_request, json_schema_input_type=dict[str, Any]),
         Expected("give the question, as posted alone"),
-    ] = Field(description="The question as it is posted alone, but without `deadline_s`.")
+    ] = Field(description="The question as in its own call, but without `deadline_s`.")
 
 
 class BatchRequest(Model):
@@ -202,37 +203,37 @@ class BatchRequest(Model):
     items: list[BatchItem] = Field(min_length=1)
     callback_url: str | None = Field(
         default=None,
-        description="Where to POST an event when the batch ends; its host must be one that the service "
-        "allows.",
+        description="The URL to which an event is posted when the batch ends. The service must allow its "
+        "host.",
     )
 
 
 class BatchLinks(Model):
-    """The addresses of a batch's resources."""
+    """The URLs of a batch's resources."""
 
     self: str
     results: str
     events: str
     cancel: str | None = optional(
-        "In the answer to its submission only: DELETE it to withdraw the batch, also without a key."
+        "Only in the answer to its submission: DELETE this URL to withdraw the batch, even without a key."
     )
 
 
 class Batch(Model):
-    """A batch, and the numbers of its items by state; those that are in none of them are not done yet."""
+    """A batch, and the numbers of its items by state; the remaining items are not done yet."""
 
     id: str
     status: Literal["queued", "running", "succeeded", "failed", "canceled"] = Field(
-        description="`succeeded` once every item is done, whether it has an answer or not; `failed` if the "
-        "batch could not go on."
+        description="`succeeded` once every item is done, with or without an answer; `failed` if the batch "
+        "could not continue."
     )
     total: int = Field(description="Number of items.")
     done: int = Field(description="Items that are done.")
     succeeded: int = Field(description="Items with an answer.")
-    failed: int = Field(description="Items with a problem in place of an answer.")
+    failed: int = Field(description="Items with a problem instead of an answer.")
     canceled: int = Field(description="Items that were not done when the batch was canceled.")
     created_at: str = Field(description="ISO 8601, UTC.", json_schema_extra={"format": "date-time"})
-    started_at: str | None = Field(description="ISO 8601, UTC; null until its first item is begun.")
+    started_at: str | None = Field(description="ISO 8601, UTC; null until its first item is started.")
     finished_at: str | None = Field(description="ISO 8601, UTC; null until it has ended.")
     expires_at: str | None = Field(
         description="ISO 8601, UTC: until when it can be fetched; null until it has ended."
@@ -255,12 +256,14 @@ class BatchResult(Model):
         default=None, description="The kind of the document; null for an item that names none."
     )
     status: Literal["succeeded", "failed", "canceled"]
-    result: dict[str, Any] | None = optional("The document, exactly as the question alone is answered.")
+    result: dict[str, Any] | None = optional(
+        "The document, exactly as for the same question outside a batch."
+    )
     problem: ProblemDocument | None = optional("Why there is none.")
 
 
 class JobEvent(Model):
-    """The news that a job has ended."""
+    """The event that a job has ended."""
 
     type: Literal["job.succeeded", "job.failed", "job.canceled"]
     timestamp: str = Field(description="ISO 8601, UTC: when it ended.")
@@ -268,7 +271,7 @@ class JobEvent(Model):
 
 
 class BatchEvent(Model):
-    """The news that a batch has ended."""
+    """The event that a batch has ended."""
 
     type: Literal["batch.succeeded", "batch.failed", "batch.canceled"]
     timestamp: str = Field(description="ISO 8601, UTC: when it ended.")
@@ -279,8 +282,8 @@ class DeliveryAttempt(Model):
     """One attempt to deliver an event."""
 
     at: str = Field(description="ISO 8601, UTC: when it began.")
-    status: int | None = Field(description="The HTTP status of the answer; null if none came.")
-    problem: str | None = Field(description="Why it did not succeed; null if it did, or is not over.")
+    status: int | None = Field(description="The HTTP status of the answer; null if there was none.")
+    problem: str | None = Field(description="Why it did not succeed; null if it succeeded or has not ended.")
 
 
 class Delivery(Model):
@@ -290,8 +293,8 @@ class Delivery(Model):
     type: str = Field(description="The type of the event.")
     host: str = Field(description="The host of the `callback_url`.")
     state: Literal["pending", "delivered", "gone", "refused", "exhausted"] = Field(
-        description="`gone`: the receiver answered 410; `refused`: its address may not be reached; "
-        "`exhausted`: the last attempt failed too."
+        description="`gone`: the receiver answered 410; `refused`: its address is not allowed; "
+        "`exhausted`: the last attempt failed, too."
     )
     next_attempt_at: str | None = Field(description="ISO 8601, UTC; null if there is none.")
     attempts: list[DeliveryAttempt]
@@ -316,8 +319,8 @@ class Readiness(Model):
     workers: int = Field(description="Number of live workers.")
     warnings: list[str] = Field(
         default=[],
-        description="What endangers jobs: a setting of Redis, or a lane of the queue that stands "
-        "still. Empty if nothing does.",
+        description="Dangers for jobs: a setting of Redis, or a lane of the queue that stands still. Empty "
+        "if there are none.",
     )
 
 

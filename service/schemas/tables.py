@@ -87,7 +87,7 @@ _TURNED = {**EXAMPLE_GEOMETRY, "d1": "426/25", "orientation": "ccw"}
 
 
 class DegeneratePoint(Point):
-    """A point or curve that satisfies the cusp equations without being an ordinary cusp."""
+    """A degenerate pose or a curve of them: J = E = 0, but not a cusp."""
 
     kind: str = Field(description="For example swallowtail, beak-to-beak, lips, node, quadruple.")
     equation: str | None = optional("The equation of a whole curve of such points.")
@@ -109,7 +109,7 @@ class Factor(Model):
 
 
 class FullCertificate(Model):
-    """What somebody else needs to check a slice; present with `certificate` `full`."""
+    """What an independent checker of a slice needs; present with `certificate` `full`."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -138,20 +138,18 @@ class Certificate(Model):
     method: str
     working_bits: int = Field(description="Working precision, in bits, at which every decision was proved.")
     proofs: list[dict[str, str]] = Field(
-        description="For each cusp the enclosing balls, none of which contains zero."
+        description="For each cusp, enclosing balls, none of which contains zero."
     )
     full: FullCertificate | None = optional("Present with `certificate` `full`.")
 
 
 class Slice(FixedLength):
-    """The cusps of one slice, sorted by the angle of the fixed leg, or an error that leaves the other slices
-    unaffected. The fixed length is exact."""
+    """The cusps of one slice, sorted by the angle of the fixed leg, or an error that does not affect the
+    other slices. The fixed length is exact."""
 
     count: int | None = optional("Number of cusps.")
     cusps: list[Cusp] | None = optional("The cusps.")
-    degenerate_points: list[DegeneratePoint] | None = optional(
-        "Points and curves that are not ordinary cusps."
-    )
+    degenerate_points: list[DegeneratePoint] | None = optional("Degenerate poses, and curves of them.")
     certificate: Certificate | None = optional("The proof of the answer.")
     method: Literal["article"] | None = optional("Present with method `article`.")
     audit: Audit | None = optional("Present with method `article`.")
@@ -196,7 +194,7 @@ Answers 200 with the table if every slice is already known. Otherwise answers 20
 the missing slices; follow its `Location`. With `Prefer: wait=N` the response waits up to N seconds for the
 job and is 200 if the job succeeds in that time.
 
-The answer's `Content-Location` is an address that works with GET: with `If-None-Match`, and in other forms.
+The `Content-Location` of the answer is a URL for GET, with `If-None-Match` and in other forms.
 `If-None-Match` has no meaning for POST and is ignored.
 
 Equal requests share one job, and slices that requests have in common are computed once. Numbers are exact:
@@ -221,15 +219,15 @@ Equal requests share one job, and slices that requests have in common are comput
             {"l1": 14.98, "digits": 30, "method": "article"},
         ),
         "full": (
-            "With all that a checker of the proof needs",
+            "With everything that an independent checker needs",
             {"l1": 14.98, "digits": 30, "certificate": "full"},
         ),
     }
 
     l1: Slices = slices_field(
-        "The slices: the fixed length L1 as a number, a list or a range. With `fixed_leg` 2 or 3 use `l2` or "
-        "`l3`. Duplicate values are removed. A length <= 0 among others has an error in place of its answer; "
-        "alone it is refused.",
+        "The slices: the fixed length L1 as a number, a list or a range. With `fixed_leg` 2 or 3 use `l2` "
+        "or `l3`. Duplicate values are removed. A length <= 0 has an error instead of an answer; a request "
+        "with no other lengths is refused.",
         examples=["14.98", ["14.98", 27], _SCAN],
     )
     l2: Slices = slices_field("The slices, with `fixed_leg` 2.")
@@ -244,9 +242,9 @@ Equal requests share one job, and slices that requests have in common are comput
 
     certificate: Literal["short", "full"] = Field(
         default="short",
-        description="`full` adds to the certificate of each slice what somebody else needs to check it: its "
-        "polynomial, a prime that proves this squarefree, isolating intervals of its real roots, boxes of "
-        "its cusps. Not with method `article`.",
+        description="`full` adds to the certificate of each slice what an independent checker needs: its "
+        "polynomial, a prime that proves it squarefree, isolating intervals of its real roots, and boxes "
+        "of its cusps. Not with method `article`.",
     )
 
     @field_validator("certificate")

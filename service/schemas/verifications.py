@@ -51,15 +51,15 @@ MOST_EFFORT = 100
 
 
 class VerifiedClaim(BaseModel):
-    """A claim of the document, and how it stands."""
+    """A claim of the document, and its status."""
 
     at: str = Field(description="The member that makes it, a JSON pointer (RFC 6901).")
     claim: str
     status: Literal["proved", "checked", "not checked", "refused"]
     reason: str
-    established: bool = Field(description="Proved, or wrong with no more than `error_probability`.")
+    established: bool = Field(description="Proved, or wrong with at most `error_probability`.")
     error_probability: str | None = optional(
-        "Of a claim that is checked by random numbers of the operating system: a bound, such as `2^-200`."
+        "For a claim checked by random numbers of the operating system: a bound, such as `2^-200`."
     )
 
 
@@ -72,7 +72,7 @@ class VerifiedDocument(BaseModel):
 
 
 class ClaimCounts(BaseModel):
-    """How many claims stand in which way."""
+    """The number of claims of each status."""
 
     proved: int
     checked: int
@@ -81,43 +81,44 @@ class ClaimCounts(BaseModel):
 
 
 class Verification(BaseModel):
-    """What an independent verification says of a document."""
+    """The result of an independent verification of a document."""
 
     geometry: GeometryText
     geometry_hash: str
     verdict: Literal["accepted", "refused"] = Field(
-        description="Accepted if no claim is refused; whether all are established, `outcome` says."
+        description="Accepted if no claim is refused; `outcome` says whether all are established."
     )
     outcome: Literal["established", "not established", "refused"] = Field(
-        description="`established`: every claim is. `not established`: none is refused, but those that "
-        "`summary` names are open, and nothing may rest on them."
+        description="`established`: every claim is. `not established`: none is refused, but the claims "
+        "named in `summary` are open; do not rely on them."
     )
     summary: str = Field(description="The outcome in one line, with all claims that are refused or open.")
     document: VerifiedDocument
     counts: ClaimCounts
     claims: list[VerifiedClaim]
     unread: list[str] = Field(
-        description="Members that were not read, of which nothing is said, with * for places in lists."
+        description="Members that were not read, so that the verdict does not cover them, with * for places "
+        "in lists."
     )
 
 
 class VerificationRequest(Question):
-    """A document to verify, as this service or the command line gave it."""
+    """A document to verify, as produced by this service or the command line."""
 
     expected = "send an object with document"
     kinds = (VERIFICATION,)
     path = "/v1/verifications"
     name = "post_verification"
     tag = ("verifications", "Documents checked by independent means.")
-    summary = "Whether a document is right, claim by claim"
+    summary = "Whether a document is correct, claim by claim"
     description = """\
 Checks a document of this service, or of the command line, without the solver and its libraries: the equations
 are derived from the legs by SymPy, and digits and counts are proved by exact integers and intervals.
 
 Every claim of the document is listed with its place and its status: `proved`, `checked` (short of a proof;
-the reason says how far), `not checked`, or `refused`. A refused document is an answer too: 200 with `verdict`
-`refused`. The response waits for it, up to 10 seconds unless `Prefer` says otherwise; after that it is 202
-with a job.
+the reason says how far), `not checked`, or `refused`. For a refused document the response is 200 with
+`verdict` `refused`. The response waits for it, up to 10 seconds unless `Prefer` says otherwise; after that it
+is 202 with a job.
 """
     answer = Verification
     known = "The verdict and its claims."
@@ -137,8 +138,8 @@ with a job.
 
     effort: Annotated[int, whole_from(1, MOST_EFFORT, "how many times the usual work, ")] = Field(
         default=1,
-        description="How many times the work is done that the length of the document allows: once it is "
-        "about ten seconds for each 100 kB. What is left then is not established.",
+        description="A factor for the work that the length of the document allows, which is about ten "
+        "seconds for each 100 kB. Claims that are left then are not established.",
     )
 
     @model_validator(mode="before")

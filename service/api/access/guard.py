@@ -137,7 +137,7 @@ class Guard:
         if not sent:
             raise ProblemError(
                 ProblemType.UNAUTHORIZED,
-                "This service asks for a key: send it as Authorization: Bearer rpr_….",
+                "This service requires a key: send it as Authorization: Bearer rpr_….",
                 headers={"WWW-Authenticate": CHALLENGE},
             )
         key = await self.ring.find(token)

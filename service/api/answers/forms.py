@@ -141,8 +141,8 @@ def _float_pieces(table: StoredTable) -> Iterator[bytes]:
 
 FLOATS = Form(
     lambda document: json_bytes(floats(document)),
-    "The same document with JSON numbers in place of text, rounded to double precision. Text is left in "
-    "proofs, and where a number is beyond that.",
+    "The same document with JSON numbers instead of texts, rounded to double precision. Numbers in proofs, "
+    "and numbers that a double cannot hold, remain texts.",
     pieces=_float_pieces,
     parameter="numbers=float",
 )

@@ -81,7 +81,7 @@ _LINKS = {
     name: {"operationId": operation, "parameters": {"batch_id": "$response.body#/id"}, "description": text}
     for name, operation, text in (
         ("batch", "get_batch", "The state of the batch."),
-        ("results", "get_results", "The results so far, or as they come."),
+        ("results", "get_results", "The results so far, or as they are computed."),
         ("events", "get_batch_events", "The events of the batch."),
         ("cancel", "cancel_batch", "Cancels the batch."),
     )
@@ -167,8 +167,8 @@ RESULTS_PARAMETERS: dict[str, Any] = {
             "name": "format",
             "in": "query",
             "required": False,
-            "description": "The form of the answer, for clients that cannot choose it by Accept: lines, or "
-            "one array of them.",
+            "description": "The form of the answer, for clients that cannot set Accept: lines, or one "
+            "array of them.",
             "schema": {"type": "string", "enum": list(RESULT_FORMATS)},
         },
         _header(

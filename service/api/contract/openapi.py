@@ -36,8 +36,8 @@ from service.schemas.resources import (
 )
 
 _WEBHOOK_HEADERS = {
-    "webhook-id": "The same at every attempt: whoever has seen it has the event already.",
-    "webhook-timestamp": "When the attempt was made, in seconds since 1970.",
+    "webhook-id": "The id of the event, the same at every attempt.",
+    "webhook-timestamp": "The time of the attempt, in seconds since 1970.",
     "webhook-signature": "`v1,` and the HMAC-SHA256 of `id.timestamp.body` in base64; one for each secret, "
     "separated by spaces.",
 }
@@ -60,7 +60,7 @@ def _event(what: str, model: str) -> dict[str, Any]:
             "requestBody": {"required": True, "content": {JSON: {"schema": ref(model)}}},
             "responses": {
                 "2XX": {"description": "Received."},
-                "410": {"description": "No more attempts, please."},
+                "410": {"description": "Stops further attempts."},
                 "default": {"description": "Sent again later; `Retry-After` is honoured."},
             },
         }
@@ -125,8 +125,8 @@ _SCHEME = {
     "type": "http",
     "scheme": "bearer",
     "bearerFormat": "rpr_ID_SECRET",
-    "description": "An API key, made by `rpr-cusps keys create`. A service on a loopback address asks for "
-    "one once a key was made.",
+    "description": "An API key, made by `rpr-cusps keys create`. A service on a loopback address requires "
+    "one as soon as a key exists.",
 }
 
 
@@ -144,7 +144,7 @@ def describe_access(contract: dict[str, Any]) -> None:
             kinds = [ProblemType.UNKNOWN_HOST]
             if needed is not None:
                 kinds += [ProblemType.UNAUTHORIZED, ProblemType.FORBIDDEN, ProblemType.TOO_MANY_REQUESTS]
-                operation["description"] += f"\n\nOn a service that asks for keys: scope `{needed}`."
+                operation["description"] += f"\n\nIf the service requires keys: scope `{needed}`."
             else:
                 operation["security"] = []
             answers: dict[str, Any] = {str(status): answer for status, answer in problems(*kinds).items()}
@@ -158,16 +158,16 @@ Post a manipulator and its slices L1 to `/v1/cusp-tables`. `/v1/censuses` finds 
 number of cusps changes, `/v1/cusp-curves` follows each cusp from one such length to another, `/v1/checks`
 proves or refutes a requirement on the number of cusps, `/v1/poses` computes all poses for three leg lengths,
 `/v1/singular-curves` draws the singular curves of a slice with the number of poses in each region,
-`/v1/aspects` tells which poses are joined while a leg varies, and `/v1/paths` leads to another pose without a
+`/v1/aspects` finds the aspects while a leg varies, and `/v1/paths` finds a path to another pose without a
 singularity. `/v1/batches` takes thousands of such questions at once. Known answers are returned immediately;
 all others are computed by a job. Every number in an answer is a decimal string with proved digits, and every
-number in a request is taken exactly as written.
+number in a request is exact as written.
 
-Errors are `application/problem+json` (RFC 9457); the `type` of a problem is an address that documents it.
+Errors are `application/problem+json` (RFC 9457); the `type` of a problem is a URL that documents it.
 """
 TAGS = [
     *(question.tag for question in questions()),
-    ("batches", "Many questions in one, with their results as they come."),
+    ("batches", "Many questions in one request, with results as they are computed."),
     ("jobs", "Follow, fetch and cancel computations."),
     ("webhooks", "Events that the service sends; see `callback_url`."),
     ("operations", "Health, versions, limits and metrics."),

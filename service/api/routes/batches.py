@@ -48,15 +48,15 @@ Subscription = Annotated[
 Force = Annotated[
     bool,
     Query(
-        description="Cancels the batch whoever submitted it; needs a key with scope `admin`, or on a "
-        "service without keys a call from its own computer."
+        description="Cancels the batch for all callers; needs a key with scope `admin`, or on a service "
+        "without keys a call from its own computer."
     ),
 ]
 CallbackUrl = Annotated[
     str,
     Query(
-        description="Where to POST an event when the batch ends, for bodies that are lines or CSV; in a JSON "
-        "object it is a member beside `items`. Its host must be one that the service allows."
+        description="The URL to which an event is posted when the batch ends, for NDJSON or CSV; in a JSON "
+        "object it is a member beside `items`. The service must allow its host."
     ),
 ]
 _BATCH_ID = re.compile(r"ba-[0-9a-f]{40}", re.ASCII)
@@ -71,8 +71,8 @@ _BATCH_ID = re.compile(r"ba-[0-9a-f]{40}", re.ASCII)
 )
 async def post_batch(request: Request, context: ContextDep, callback_url: CallbackUrl = "") -> Response:
     """Accepts a batch: as `{"items": […]}`, as lines of items (`application/x-ndjson`), or as CSV with one
-    geometry a row. An item that is not valid becomes a problem in its place; the others are computed.
-    Questions that several batches or jobs have in common are computed once.
+    geometry in each row. An invalid item becomes a problem in its place; the others are computed. Questions
+    that several batches or jobs have in common are computed once.
 
     With an `Idempotency-Key`, sending the same batch again within 24 hours gives the batch that was made
     first.
@@ -91,7 +91,7 @@ async def list_batches(
     before: Before = "",
     limit: MostItems = 50,
 ) -> Response:
-    """Returns batches, the newest first, to whom `/v1/jobs` returns jobs."""
+    """Returns batches, the newest first, by the same rules as `/v1/jobs`."""
     return await list_response(request, context, "batches", status, before, limit)
 
 
@@ -111,15 +111,15 @@ async def get_batch(batch_id: BatchId, context: ContextDep) -> Response:
 async def get_results(
     batch_id: BatchId, request: Request, context: ContextDep, after: After = -1
 ) -> Response:
-    """Returns a line for each item that is done, in the order of the batch; each `result` is, byte for byte,
-    the document with which the question alone is answered. While the batch is running, the items that are
-    not done are left out.
+    """Returns a line for each item that is done, in the order of the batch. Each `result` is, byte for byte,
+    the answer to the same question outside a batch. While the batch is running, items that are not done are
+    omitted.
 
     With `Prefer: wait=N` the response stays open for up to N seconds (see max_batch_wait_seconds in
     /v1/limits) and sends each line once all before it are sent; it ends with the batch. `after` resumes it.
     With `Prefer: wait=N, order=completion` the lines come in the order in which the items are done.
 
-    As `application/json` the lines are the elements of one array, for clients that read no lines.
+    As `application/json` the lines are the elements of one array, for clients that do not read NDJSON.
     """
     media_type = _form_of(request)
     view = await context.redis(_batch, context, batch_id)
@@ -174,8 +174,8 @@ async def cancel_batch(
     force: Force = False,
 ) -> Response:
     """Withdraws the caller's batch and returns its state. Items that are done can still be fetched; the
-    others are `canceled`. The batch of another caller is unchanged: a key withdraws what was submitted with
-    it, and without keys `links.cancel` of the answer to the submission withdraws it from anywhere.
+    others are `canceled`. The batch of another caller is unchanged: a key withdraws only batches submitted
+    with it. Without keys, `links.cancel` of the answer to the submission withdraws the batch from anywhere.
     """
     return _response(context, await end(request, context, _batch, batch_id, subscription, force))
 

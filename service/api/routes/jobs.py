@@ -42,15 +42,15 @@ Subscription = Annotated[
 Force = Annotated[
     bool,
     Query(
-        description="Cancels the job whoever wants it; needs a key with scope `admin`, or on a "
-        "service without keys a call from its own computer."
+        description="Cancels the job for all subscribers; needs a key with scope `admin`, or on a service "
+        "without keys a call from its own computer."
     ),
 ]
 Known = Annotated[
     bool,
     Query(
-        description="Begins with the slices that were known before the job started, as `slice` events "
-        "without ids; not after `Last-Event-ID`."
+        description="Starts the stream with the slices that were known before the job started, as `slice` "
+        "events without ids; not after `Last-Event-ID`."
     ),
 ]
 _JOB_ID = re.compile(r"[A-Za-z0-9_\-]{1,80}", re.ASCII)
@@ -64,9 +64,9 @@ async def list_jobs(
     before: Before = "",
     limit: MostItems = 50,
 ) -> Response:
-    """Returns jobs, the newest first: those that the caller's key has asked for; for a key with scope
-    `admin`, and on a service without keys for its own computer, all. Without a key it is what was asked for
-    from the same network address."""
+    """Returns jobs, the newest first: those asked for with the caller's key, or without a key those asked for
+    from the same network address. A key with scope `admin` gets all jobs, and so does the computer of a
+    service without keys."""
     return await list_response(request, context, "jobs", status, before, limit)
 
 
@@ -84,12 +84,12 @@ async def cancel_job(
     subscription: Subscription = "",
     force: Force = False,
 ) -> Response:
-    """Withdraws what the caller asked for, and returns the job: canceled if nobody else waits for it or has
-    asked for it, otherwise queued or running as before. A job that has ended is unchanged.
+    """Withdraws the caller's question, and returns the job: canceled if no other client has asked for it or
+    waits for it, otherwise queued or running as before. A job that has ended is unchanged.
 
-    Equal questions share a job, so no client ends it for another. A key withdraws whatever was asked with
-    it; without keys, `links.cancel` of the answer to a question withdraws that question, and the plain
-    address the newest one from the same network address that is not being waited for. A client that
+    Equal questions share a job, so no client ends it for another. A key withdraws all questions asked with
+    it. Without keys, `links.cancel` of the answer to a question withdraws that question, and the plain URL
+    withdraws the newest question from the same network address that no request is waiting for. A client that
     disconnects withdraws nothing. Computed slices are kept.
     """
     return _job_response(context, await end(request, context, _job, job_id, subscription, force))
@@ -113,7 +113,7 @@ async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Re
     (one cusp per line) or NDJSON (one slice per line); censuses and cusp curves as JSON or CSV; other
     documents as JSON.
 
-    The address is also the `Content-Location` of an answer to a question, with or without a job.
+    The URL is also the `Content-Location` of an answer to a question, with or without a job.
 
     A result never changes, so it has a strong `ETag` and may be cached indefinitely.
     """

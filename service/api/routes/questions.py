@@ -93,8 +93,11 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
         "Significant digits of every number in the answer.",
         {"type": "integer", "minimum": MIN_DIGITS, "maximum": MAX_DIGITS},
     ),
-    "plot": ("What is drawn; a slice if missing.", {"type": "string", "enum": list(PLOTS)}),
-    "theme": ("`auto`, as the reader's setting, if missing.", {"type": "string", "enum": list(THEMES)}),
+    "plot": ("The type of picture; a slice if missing.", {"type": "string", "enum": list(PLOTS)}),
+    "theme": (
+        "The colours; `auto`, the reader's setting, if missing.",
+        {"type": "string", "enum": list(THEMES)},
+    ),
     "cusp": (
         "Of a loop, or of the mechanism: the number or the letter of a cusp.",
         {"type": "string", "pattern": "^([A-Xa-x]|[1-9]|1[0-9]|2[0-4])$"},
@@ -182,7 +185,7 @@ for _question in queries():
         methods=["GET"],
         name=_question.name.replace("post_", "get_"),
         tags=[_question.tag[0]],
-        summary=f"{_question.summary}, as an address",
+        summary=f"{_question.summary}, as a URL",
         description="The question of POST as query parameters, for spreadsheets, `read_csv` and `webread`: "
         "the geometry, `l1` or `l1_from`, `l1_to` and `l1_step` (with `fixed_leg` 2 or 3 those of that leg), "
         "`digits`; `format=csv` for a table, `wait` for the time to wait. An answer may be cached.",

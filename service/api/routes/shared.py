@@ -31,10 +31,10 @@ Before = Annotated[
     str,
     Query(
         pattern=r"^(\d{1,12}(\.\d{1,6})?)?$",
-        description="Only those made before this time, in seconds since 1970; from `next` of a page.",
+        description="Only those created before this time, in seconds since 1970; from `next` of a page.",
     ),
 ]
-MostItems = Annotated[int, Query(ge=1, le=100, description="How many at most.", alias="limit")]
+MostItems = Annotated[int, Query(ge=1, le=100, description="The maximum number of entries.", alias="limit")]
 
 _STATES: Mapping[str | None, frozenset[Status]] = {
     **{status: frozenset({status}) for status in get_args(Status)},

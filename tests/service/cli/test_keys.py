@@ -92,7 +92,7 @@ def test_solve_sends_the_key_of_the_environment(run_here: Run, valkey: EmbeddedV
         with serving(Settings(redis_url=redis, require_keys="always")) as url:
             question = ("solve", "innocenti", "--l1", "14.98", "--digits", "15", "--url", url)
             refused = run_here(*question)
-            assert (refused.returncode, "This service asks for a key" in refused.stderr) == (2, True)
+            assert (refused.returncode, "This service requires a key" in refused.stderr) == (2, True)
             key = run_here("keys", "create", "solver", "--redis-url", redis).stdout.strip()
             assert run_here(*question, RPR_CUSPS_API_KEY=key).returncode == 0
     finally:
