@@ -16,14 +16,13 @@ from service.api.answers.responses import answer_response
 from service.api.context import Context
 from service.api.http.transport import CLIENT_ENDED
 from service.api.jobs.callbacks import call_back
-from service.api.jobs.views import job_json, retry_after
+from service.api.jobs.views import state_response
 from service.api.prefix import here
 from service.api.problems import ProblemError
-from service.schemas.answers import JSON, json_bytes
+from service.schemas.answers import JSON
 from service.schemas.questions import Question, check_price
 from service.webhooks.settings import target_of
 from worker.answers.kinds import Answer
-from worker.answers.requests import JobRequest
 from worker.jobs.clients import Subscriber
 from worker.jobs.views import JobView
 
@@ -91,53 +90,84 @@ async def answer_question(request: Request, context: Context, question: type[Que
 async def answer_asked(
     request: Request, context: Context, question: type[Question], asked: Asked, prefer: Preferences
 ) -> Response:
-    """Answer a question that was read."""
-    settings = context.settings
-    job_request, deadline_s, callback_url = asked
-    if callback_url is not None:
-        target_of(callback_url, settings.webhooks)
+    """Answer a question that was read: look the answer up or submit a job, wait, and respond."""
+    settings, queue = context.settings, context.queue
+    if asked.callback_url is not None:
+        target_of(asked.callback_url, settings.webhooks)
     choice = choice_of(request, question.forms)
     negotiate(choice.accept, tuple(dict.fromkeys((*choice.forms, JSON))))
-    waited, seconds = _patience(prefer, question.implied_wait, settings.limits.max_wait_seconds)
+    wanted, seconds = _patience(prefer, question.implied_wait, settings.limits.max_wait_seconds)
     caller = caller_of(request.scope)
     who = subscriber_of(caller)
 
-    def begin() -> tuple[Answer | JobView, bool]:
-        known = context.queue.known(job_request)
+    def look_up_or_submit() -> tuple[Answer | JobView, bool]:
+        known = queue.known(asked.request)
         if known is not None:
-            return known, context.queue.remember(job_request)
-        check_price(job_request, settings.limits)
-        admit(caller, job_request, context.queue.quotas, settings.limits)
-        view = context.queue.submit_for(who, job_request, seconds or 0, deadline_s, is_unknown=True)
-        call_back(context, view.id, who, callback_url)
-        outcome = _finished(context, view)
-        return (_placed(context, outcome) if seconds is None else outcome), True
+            return known, queue.remember(asked.request)
+        check_price(asked.request, settings.limits)
+        admit(caller, asked.request, queue.quotas, settings.limits)
+        view = queue.submit_for(who, asked.request, seconds or 0, asked.deadline_s, is_unknown=True)
+        call_back(context, view.id, who, asked.callback_url)
+        outcome = _outcome(view, queue.result(view.id) if view.status == "succeeded" else None)
+        return queue.placed(outcome) if isinstance(outcome, JobView) and seconds is None else outcome, True
 
-    outcome, is_kept = await context.redis(begin)
-    way = "cached"
+    outcome, is_kept = await context.redis(look_up_or_submit)
+    is_job = isinstance(outcome, JobView)
+    if isinstance(outcome, JobView) and seconds is not None:
+        outcome = await _wait(request, context, asked, outcome, who, seconds)
+    context.metrics.count_answer(asked.request.kind.name, "job" if is_job else "cached")
+    applied = prefer.applied(wanted if is_job else None, isinstance(outcome, JobView))
+    headers = {} if applied is None else {"Preference-Applied": applied}
     if isinstance(outcome, JobView):
-        way = "job"
-        if seconds is not None:
-            has_ended = await context.events.wait(outcome, seconds)
-            outcome = await context.redis(_waited, context, outcome, job_request if has_ended else None)
-            if isinstance(outcome, JobView):
-                is_gone = CLIENT_ENDED in request.scope or await request.is_disconnected()
-                outcome = await context.redis(_unanswered, context, outcome, who, is_gone)
-    else:
-        waited = None
-    context.metrics.count_answer(job_request.kind.name, way)
-    is_job, is_read = isinstance(outcome, JobView), request.method == "GET"
-    headers = {} if is_read and not is_job else {"Cache-Control": "no-store"}
-    if applied := prefer.applied(waited, isinstance(outcome, JobView)):
-        headers["Preference-Applied"] = applied
-    if isinstance(outcome, JobView):
-        headers |= {"Location": here(f"/v1/jobs/{outcome.id}"), **retry_after(outcome, settings)}
-        return Response(
-            json_bytes(job_json(outcome, context.queue.settings, who)), 202, headers, media_type=JSON
-        )
+        return state_response(outcome, settings, queue.settings, who, headers)
+    if request.method != "GET":
+        headers["Cache-Control"] = "no-store"
     if is_kept:
-        headers["Content-Location"] = here(f"/v1/jobs/{job_request.job_id}/result{choice.query}")
+        headers["Content-Location"] = here(f"/v1/jobs/{asked.request.job_id}/result{choice.query}")
     return await answer_response(context, request, outcome, choice, headers=headers)
+
+
+async def _wait(
+    request: Request, context: Context, asked: Asked, job: JobView, who: Subscriber, seconds: int
+) -> Answer | JobView:
+    """Returns the answer of a job, or how it stands after so many seconds.
+
+    Raises:
+        ProblemError: the job failed or was canceled.
+    """
+    queue = context.queue
+    has_ended = await context.events.wait(job, seconds)
+
+    def look_again() -> Answer | JobView:
+        known = queue.known(asked.request) if has_ended else None
+        if known is not None:  # as most often after the end
+            return known
+        view, answer = queue.outcome(job.id)
+        return _outcome(view or job, answer)
+
+    def keep_or_leave(view: JobView, is_gone: bool) -> JobView:
+        if is_gone:
+            queue.leave(view.id, who)
+        else:
+            queue.subscriptions.add(view.id, who)
+        return queue.placed(view)
+
+    outcome = await context.redis(look_again)
+    if not isinstance(outcome, JobView):
+        return outcome
+    is_gone = CLIENT_ENDED in request.scope or await request.is_disconnected()
+    return await context.redis(keep_or_leave, outcome, is_gone)
+
+
+def _outcome(view: JobView, answer: Answer | None) -> Answer | JobView:
+    """Returns the answer of a job, or the job if it has none yet.
+
+    Raises:
+        ProblemError: the job failed or was canceled.
+    """
+    if view.status in ("failed", "canceled"):
+        raise ProblemError.of_job(view)
+    return view if answer is None else answer
 
 
 def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[int | None, int | None]:
@@ -146,42 +176,3 @@ def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[i
     if wanted is not None or implied is None or prefer.respond_async:
         return wanted, wanted
     return None, min(implied, longest)
-
-
-def _waited(context: Context, before: JobView, ended: JobRequest | None) -> Answer | JobView:
-    """Returns the answer of a job that was waited for, or how it stands now; raises as `_finished` does.
-
-    `ended`: its question, if it has ended. Then most often the answer is there.
-    """
-    known = None if ended is None else context.queue.known(ended)
-    if known is not None:
-        return known
-    view, answer = context.queue.outcome(before.id)
-    return _judged(view or before, answer)
-
-
-def _unanswered(context: Context, view: JobView, who: Subscriber, is_gone: bool) -> JobView:
-    if is_gone:
-        context.queue.leave(view.id, who)
-    else:
-        context.queue.subscriptions.add(view.id, who)
-    return context.queue.placed(view)
-
-
-def _placed(context: Context, outcome: Answer | JobView) -> Answer | JobView:
-    return context.queue.placed(outcome) if isinstance(outcome, JobView) else outcome
-
-
-def _finished(context: Context, view: JobView) -> Answer | JobView:
-    """Returns the answer of a job that has succeeded, else the job.
-
-    Raises:
-        ProblemError: the job failed or was canceled.
-    """
-    return _judged(view, context.queue.result(view.id) if view.status == "succeeded" else None)
-
-
-def _judged(view: JobView, answer: Answer | None) -> Answer | JobView:
-    if view.status in ("failed", "canceled"):
-        raise ProblemError.of_job(view)
-    return view if answer is None else answer

@@ -16,7 +16,7 @@ from service.api.contract.operations import (
     problems,
     ref,
 )
-from service.api.jobs.views import batch_json
+from service.api.jobs.views import state_json
 from service.api.problems import ProblemType
 from service.schemas.answers import CSV, JSON, NDJSON, compact
 from service.schemas.questions import EXAMPLE_GEOMETRY
@@ -28,7 +28,7 @@ EXAMPLE_ID = "ba-5d41402abc4b2a76b9719d911017c592ae2f1b04"
 
 _TIMES = "2026-01-15T09:30:00.000Z", "2026-01-15T09:30:00.012Z", None
 _VIEW = JobView(EXAMPLE_ID, "running", 120, 500, *_TIMES, error=None, run="", failed=2)
-_BATCH = batch_json(_VIEW, WorkerSettings())
+_BATCH = state_json(_VIEW, WorkerSettings())
 _ITEMS = [
     {
         "id": "leg-27",

@@ -7,7 +7,7 @@ from typing import Any
 
 from service.api.answers.forms import FLOATS, FORMATS, IN_FLOATS, NUMBERS, format_names, media_type_of
 from service.api.jobs.tail import EVENT_ID
-from service.api.jobs.views import job_json
+from service.api.jobs.views import state_json
 from service.api.problems import MEDIA_TYPE, ProblemType
 from service.schemas.answers import JSON, Forms, compact
 from service.schemas.catalog import questions
@@ -108,7 +108,7 @@ Docs = dict[int | str, dict[str, Any]]
 EXAMPLE_JOB_ID = "ct-0f343b0931126a20f133d67c2b018a3b5c1f6d3e"
 
 _TIMES = "2026-01-15T09:30:00.000Z", "2026-01-15T09:30:00.012Z", None
-_JOB = job_json(
+_JOB = state_json(
     JobView(EXAMPLE_JOB_ID, "running", 120, 501, *_TIMES, error=None, run="5f2c01ab"), WorkerSettings()
 )
 RETRY_AFTER = {

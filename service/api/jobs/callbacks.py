@@ -6,12 +6,11 @@ from urllib.parse import urlsplit
 
 from rpr_solver.errors import InputError
 from service.api.context import Context
-from service.api.jobs.views import batch_json, job_json
+from service.api.jobs.views import state_json
 from service.api.prefix import prefixed
 from service.schemas.exact_json import JsonNumber, json_kind
 from service.webhooks.deliverer import Shown, event_type
 from service.webhooks.settings import FIELD, target_of
-from worker.answers.kinds import is_batch
 from worker.jobs.callbacks import MAX_CALLBACKS_PER_JOB, Delivery, TooManyCallbacksError
 from worker.jobs.clients import Subscriber
 from worker.jobs.views import JobView
@@ -61,7 +60,7 @@ def shown(settings: WorkerSettings, prefix: str = "") -> Shown:
 
     def document(view: JobView) -> dict[str, object]:
         with prefixed(prefix):
-            return batch_json(view, settings) if is_batch(view.id) else job_json(view, settings)
+            return state_json(view, settings)
 
     return document
 

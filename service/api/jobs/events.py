@@ -17,12 +17,12 @@ from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
 from service.api.jobs.tail import BLOCK, Tail, Tails, event_id, is_terminal
-from service.api.jobs.views import batch_json, job_json, state_then
+from service.api.jobs.views import state_json, state_then
 from service.api.prefix import here
 from service.api.settings import Settings
 from service.api.threads import RedisAccess, Refusals
 from service.schemas.answers import json_bytes
-from worker.answers.kinds import is_batch, kind_of_job
+from worker.answers.kinds import kind_of_job
 from worker.answers.store import dump
 from worker.answers.tables import CUSP_TABLE
 from worker.connection import password
@@ -208,7 +208,7 @@ class JobEvents:
             return {"id": job_id, "status": status}
         if view.status != status:
             return state_then(view, status)
-        return batch_json(view, settings) if is_batch(job_id) else job_json(view, settings)
+        return state_json(view, settings)
 
     def _slices(self, job_id: str, l1: Sequence[str]) -> dict[str, bytes]:
         queue = self.queue.of(job_id)

@@ -2,21 +2,60 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from datetime import datetime, timedelta
 from math import ceil
 
+from fastapi import Response
+
 from service.api.prefix import here
 from service.api.settings import Settings
-from worker.answers.kinds import kind_of_job
+from service.schemas.answers import compact
+from worker.answers.kinds import is_batch, kind_of_job
 from worker.jobs.clients import Subscriber
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 
-def job_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = None) -> dict[str, object]:
-    """Returns the job document; for a client that asks for the job, with the way to withdraw."""
+def address(job_id: str) -> str:
+    """Returns the path of a job or a batch."""
+    return f"/v1/{'batches' if is_batch(job_id) else 'jobs'}/{job_id}"
+
+
+def state_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = None) -> dict[str, object]:
+    """Returns the state of a job or a batch; for the client that asks for it, with the way to withdraw it."""
+    own = here(address(view.id))
+    cancel = {} if who is None else {"cancel": own if who.is_known else f"{own}?subscription={who.token}"}
+    return (_batch_json if is_batch(view.id) else _job_json)(view, settings, own, cancel)
+
+
+def state_response(
+    view: JobView,
+    settings: Settings,
+    kept: WorkerSettings,
+    who: Subscriber | None = None,
+    headers: Mapping[str, str] | None = None,
+) -> Response:
+    """Returns the response with the state of a job or a batch: 202 to the client that asks for it, else 200.
+
+    Args:
+        view: the job or the batch.
+        settings: how often clients may ask again.
+        kept: how long jobs are kept.
+        who: the client that asks for it.
+        headers: further header fields.
+    """
+    fields = {"Cache-Control": "no-store", **(headers or {})}
+    if who is not None:
+        fields["Location"] = here(address(view.id))
+    if not view.is_terminal:
+        fields |= retry_after(view, settings)
+    body = compact(state_json(view, kept, who)).encode()
+    return Response(body, 200 if who is None else 202, fields, media_type="application/json")
+
+
+def _job_json(view: JobView, settings: WorkerSettings, own: str, cancel: dict[str, str]) -> dict[str, object]:
     kind = kind_of_job(view.id)
-    own = here(f"/v1/jobs/{view.id}")
     return {
         "id": view.id,
         "kind": None if kind is None else kind.name,
@@ -27,7 +66,7 @@ def job_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = N
         "created_at": view.created_at,
         "started_at": view.started_at,
         "finished_at": view.finished_at,
-        "expires_at": expires_at(view, settings),
+        "expires_at": _expires_at(view, settings),
         "timings": {
             "queued_seconds": _seconds(view.created_at, view.started_at or view.finished_at),
             "running_seconds": _seconds(view.started_at, view.finished_at),
@@ -37,14 +76,35 @@ def job_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = N
         "deadline_at": view.deadline_at,
         "estimate_s": view.estimate_s,
         "overruns": view.overruns,
-        "links": {
-            **{"self": own, "result": f"{own}/result", "events": f"{own}/events"},
-            **({} if who is None else {"cancel": cancel_link(own, who)}),
-        },
+        "links": {"self": own, "result": f"{own}/result", "events": f"{own}/events", **cancel},
     }
 
 
-def expires_at(view: JobView, settings: WorkerSettings) -> str | None:
+def _batch_json(
+    view: JobView, settings: WorkerSettings, own: str, cancel: dict[str, str]
+) -> dict[str, object]:
+    left = view.total - view.done
+    return {
+        "id": view.id,
+        "status": view.status,
+        "total": view.total,
+        "done": view.done,
+        "succeeded": view.done - view.failed,
+        "failed": view.failed + (left if view.status == "failed" else 0),
+        "canceled": left if view.status == "canceled" else 0,
+        "created_at": view.created_at,
+        "started_at": view.started_at,
+        "finished_at": view.finished_at,
+        "expires_at": _expires_at(view, settings),
+        "error": view.error,
+        "position": None if view.place is None else view.place.position,
+        "estimate_s": view.estimate_s,
+        "overruns": view.overruns,
+        "links": {"self": own, "results": f"{own}/results", "events": f"{own}/events", **cancel},
+    }
+
+
+def _expires_at(view: JobView, settings: WorkerSettings) -> str | None:
     """Returns until when a job that has ended is kept."""
     if view.finished_at is None:
         return None
@@ -72,37 +132,7 @@ def _seconds(start: str | None, end: str | None) -> float | None:
     return round((datetime.fromisoformat(end) - datetime.fromisoformat(start)).total_seconds(), 3)
 
 
-def cancel_link(own: str, who: Subscriber) -> str:
-    """Returns the address at which a client withdraws what it has just asked for."""
-    return own if who.is_known else f"{own}?subscription={who.token}"
-
-
 def retry_after(view: JobView, settings: Settings) -> dict[str, str]:
     """Returns the header that says when to ask again for a job: sooner if it runs than if it waits."""
     seconds = 0 if view.place is None else min(ceil(view.place.seconds), settings.longest_poll_seconds)
     return {"Retry-After": str(max(settings.poll_seconds, seconds))}
-
-
-def batch_json(view: JobView, settings: WorkerSettings, who: Subscriber | None = None) -> dict[str, object]:
-    """Returns the state of a batch; for the client that submits it, with the way to withdraw it."""
-    own = here(f"/v1/batches/{view.id}")
-    left = view.total - view.done
-    cancel = {} if who is None else {"cancel": cancel_link(own, who)}
-    return {
-        "id": view.id,
-        "status": view.status,
-        "total": view.total,
-        "done": view.done,
-        "succeeded": view.done - view.failed,
-        "failed": view.failed + (left if view.status == "failed" else 0),
-        "canceled": left if view.status == "canceled" else 0,
-        "created_at": view.created_at,
-        "started_at": view.started_at,
-        "finished_at": view.finished_at,
-        "expires_at": expires_at(view, settings),
-        "error": view.error,
-        "position": None if view.place is None else view.place.position,
-        "estimate_s": view.estimate_s,
-        "overruns": view.overruns,
-        "links": {"self": own, "results": f"{own}/results", "events": f"{own}/events", **cancel},
-    }

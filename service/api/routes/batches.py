@@ -14,8 +14,7 @@ from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep
 from service.api.contract import batches as doc
 from service.api.http.transport import IS_HEAD, LARGE, LargeAnswer
-from service.api.jobs.views import batch_json, retry_after
-from service.api.prefix import here
+from service.api.jobs.views import state_response
 from service.api.problems import ProblemError, ProblemType
 from service.api.routes.shared import (
     LIST_RESPONSES,
@@ -27,9 +26,8 @@ from service.api.routes.shared import (
     follow,
     list_response,
 )
-from service.schemas.answers import JSON, NDJSON, json_bytes
+from service.schemas.answers import JSON, NDJSON
 from worker.answers.kinds import BATCH
-from worker.jobs.clients import Subscriber
 from worker.jobs.views import JobView
 
 router = APIRouter(tags=["batches"])
@@ -80,7 +78,8 @@ async def post_batch(request: Request, context: ContextDep, callback_url: Callba
     negotiate(request.headers.getlist("accept"), (JSON,))
     view, who = await accept_batch(request, context, callback_url or None)
     context.metrics.count_answer(BATCH.name, "job")
-    return _response(context, await context.redis(context.queue.placed, view), who)
+    view = await context.redis(context.queue.placed, view)
+    return state_response(view, context.settings, context.queue.settings, who)
 
 
 @router.get("/v1/batches", summary="The batches", responses=LIST_RESPONSES)
@@ -99,7 +98,8 @@ async def list_batches(
 async def get_batch(batch_id: BatchId, context: ContextDep) -> Response:
     """Returns the state with the numbers of items by state. Until the batch has ended, `Retry-After` says
     when to ask again."""
-    return _response(context, await context.redis(_batch, context, batch_id))
+    view = await context.redis(_batch, context, batch_id)
+    return state_response(view, context.settings, context.queue.settings)
 
 
 @router.get(
@@ -177,7 +177,8 @@ async def cancel_batch(
     others are `canceled`. The batch of another caller is unchanged: a key withdraws only batches submitted
     with it. Without keys, `links.cancel` of the answer to the submission withdraws the batch from anywhere.
     """
-    return _response(context, await end(request, context, _batch, batch_id, subscription, force))
+    view = await end(request, context, _batch, batch_id, subscription, force)
+    return state_response(view, context.settings, context.queue.settings)
 
 
 def _form_of(request: Request) -> str:
@@ -191,13 +192,3 @@ def _batch(context: Context, batch_id: str) -> JobView:
         detail = f"There is no batch {batch_id[:80]!r}, or it has expired."
         raise ProblemError(ProblemType.NOT_FOUND, detail)
     return context.queue.placed(view)
-
-
-def _response(context: Context, view: JobView, who: Subscriber | None = None) -> Response:
-    headers = {"Cache-Control": "no-store"}
-    if not view.is_terminal:
-        headers |= retry_after(view, context.settings)
-    if who is not None:
-        headers["Location"] = here(f"/v1/batches/{view.id}")
-    body = json_bytes(batch_json(view, context.queue.settings, who))
-    return Response(body, 200 if who is None else 202, headers, media_type=JSON)

@@ -11,7 +11,7 @@ from service.api.answers.forms import choice_of, negotiate
 from service.api.answers.responses import answer_response
 from service.api.context import Context, ContextDep
 from service.api.contract import operations as doc
-from service.api.jobs.views import job_json, retry_after
+from service.api.jobs.views import address, retry_after, state_response
 from service.api.prefix import here
 from service.api.problems import ProblemError, ProblemType
 from service.api.routes.shared import (
@@ -24,7 +24,7 @@ from service.api.routes.shared import (
     follow,
     list_response,
 )
-from service.schemas.answers import JSON, Forms, json_bytes
+from service.schemas.answers import Forms
 from service.schemas.catalog import questions
 from worker.answers.kinds import Answer, is_batch, kind_of_job
 from worker.jobs.views import JobView
@@ -73,7 +73,8 @@ async def list_jobs(
 @router.get("/v1/jobs/{job_id}", summary="The state of a job", responses=doc.JOB_RESPONSES)
 async def get_job(job_id: JobId, context: ContextDep) -> Response:
     """Returns the job's current state. Until it has ended, `Retry-After` says when to ask again."""
-    return _job_response(context, await context.redis(_job, context, job_id))
+    view = await context.redis(_job, context, job_id)
+    return state_response(view, context.settings, context.queue.settings)
 
 
 @router.delete("/v1/jobs/{job_id}", summary="Cancel a job", responses=doc.CANCEL_RESPONSES)
@@ -92,7 +93,8 @@ async def cancel_job(
     withdraws the newest question from the same network address that no request is waiting for. A client that
     disconnects withdraws nothing. Computed slices are kept.
     """
-    return _job_response(context, await end(request, context, _job, job_id, subscription, force))
+    view = await end(request, context, _job, job_id, subscription, force)
+    return state_response(view, context.settings, context.queue.settings)
 
 
 def _forms_of(job_id: str) -> Forms:
@@ -134,7 +136,7 @@ def _result(context: Context, job_id: str) -> Answer:
             ProblemType.JOB_NOT_FINISHED,
             f"The job is {view.status}: {view.done} of {view.total} {_unit(job_id)} are done.",
             headers=retry_after(view, context.settings),
-            extra={"job": here(f"/v1/jobs/{job_id}")},
+            extra={"job": here(address(job_id))},
         )
     if view.status != "succeeded":
         raise ProblemError.of_job(view)
@@ -163,29 +165,14 @@ async def get_deliveries(job_id: JobId, context: ContextDep) -> Response:
 
 def _job(context: Context, job_id: str) -> JobView:
     if is_batch(job_id):
-        raise ProblemError(
-            ProblemType.NOT_FOUND, f"This is a batch: see {here(f'/v1/batches/{job_id[:80]}')}."
-        )
+        raise ProblemError(ProblemType.NOT_FOUND, f"This is a batch: see {here(address(job_id[:80]))}.")
     view = context.queue.get(job_id) if _JOB_ID.fullmatch(job_id) else None
     if view is None:
-        raise _not_found(job_id)
+        detail = f"There is no job {job_id[:80]!r}, or it has expired; post the request again to start it."
+        raise ProblemError(ProblemType.NOT_FOUND, detail)
     return context.queue.placed(view)
-
-
-def _not_found(job_id: str) -> ProblemError:
-    return ProblemError(
-        ProblemType.NOT_FOUND,
-        f"There is no job {job_id[:80]!r}, or it has expired; post the request again to start it.",
-    )
 
 
 def _unit(job_id: str) -> str:
     kind = kind_of_job(job_id)
     return "parts" if kind is None else kind.unit
-
-
-def _job_response(context: Context, view: JobView) -> Response:
-    headers = {"Cache-Control": "no-store"}
-    if not view.is_terminal:
-        headers |= retry_after(view, context.settings)
-    return Response(json_bytes(job_json(view, context.queue.settings)), headers=headers, media_type=JSON)
