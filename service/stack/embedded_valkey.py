@@ -208,10 +208,8 @@ class EmbeddedValkey:
         with Redis(unix_socket_path=str(self._socket), socket_timeout=2.0, retry=once) as client:
             while time.monotonic() < end and is_wanted():
                 if process.poll() is not None:
-                    raise EmbeddedError(
-                        f"the embedded Valkey did not start: {self._last_words()} (log: {self.log_file})"
-                        f"{self._advice()}"
-                    )
+                    why = f"{_last_words(self.log_file)} (log: {self.log_file}){_advice(self.data_dir)}"
+                    raise EmbeddedError(f"the embedded Valkey did not start: {why}")
                 if self._socket.exists():
                     try:
                         client.ping()
@@ -225,18 +223,20 @@ class EmbeddedValkey:
             return
         raise EmbeddedError(f"the embedded Valkey does not answer; its log is {self.log_file}")
 
-    def _advice(self) -> str:
-        files = self.data_dir / DIRECTORY
-        if not files.exists():
-            return ""
-        return f"; if its data is damaged, restore {files} from a back-up, or move it away to start empty"
 
-    def _last_words(self) -> str:
-        try:
-            lines = [line for line in self.log_file.read_text(errors="replace").splitlines() if line.strip()]
-        except OSError:
-            lines = []
-        return lines[-1].rpartition(" # ")[2] if lines else "it left no message"
+def _advice(data_dir: Path) -> str:
+    files = data_dir / DIRECTORY
+    if not files.exists():
+        return ""
+    return f"; if its data is damaged, restore {files} from a back-up, or move it away to start empty"
+
+
+def _last_words(log_file: Path) -> str:
+    try:
+        lines = [line for line in log_file.read_text(errors="replace").splitlines() if line.strip()]
+    except OSError:
+        lines = []
+    return lines[-1].rpartition(" # ")[2] if lines else "it left no message"
 
 
 class ValkeyChild:

@@ -99,7 +99,7 @@ def test_redis_loses_the_items_of_a_batch(redis: Redis, workers: Workers) -> Non
     """Redis loses the items of a batch that waits. It fails with the reason, and the worker goes on."""
     queue = jobs(redis)
     view = submit_batch(queue, tables("1", "2"))
-    redis.delete(queue.records.keys.items(view.id))
+    redis.delete(queue.records.keys.job(view.id).items)
     workers.start()
     view = ended(queue, view.id)
     assert view.status == "failed"

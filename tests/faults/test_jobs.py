@@ -337,7 +337,7 @@ def test_no_job_hangs_when_redis_loses_a_key(
     (chunk,) = queue.records.open_chunks()
     keys = queue.records.keys
     names = {**keys.job(view.id)._asdict(), "active": keys.active, "suspects": keys.suspects}
-    names |= {"beat": keys.beat(chunk.ref.rq_id), "todo": keys.todo(view.id)}
+    names |= {"beat": keys.beat(chunk.ref.rq_id), "todo": keys.job(view.id).todo}
     redis.delete(*(names[name] for name in lost))
 
     def has_ended() -> bool:

@@ -26,10 +26,8 @@ _FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.05
 _MEASURED_AT_ONCE = 512
 
 
-class ResultStore(Store):
-    """Slices, eliminants and documents. All state is in Redis; an instance is cheap and may be shared."""
-
-    keeps = True
+class SliceStore(Store):
+    """The slices of tables, each under its content."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings, holder: str = "") -> None:
         """The store; `holder` is the chunk in whose name locks are taken."""
@@ -124,6 +122,23 @@ class ResultStore(Store):
             stored=slice_arguments(slices.items()),
         )
 
+    def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
+        return cast("list[bytes | None]", self.redis.mget(keys))
+
+    def _note_digits(self, pipe: Any, request: JobRequest) -> None:
+        key = self.keys.digits(request.geometry_hash, request.fixed_leg)
+        pipe.sadd(key, request.digits)
+        pipe.expire(key, self.settings.result_ttl)
+
+
+_encode = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False).encode
+
+
+class ResultStore(SliceStore):
+    """Slices, eliminants and documents. All state is in Redis; an instance is cheap and may be shared."""
+
+    keeps = True
+
     def get_eliminant(self, request: JobRequest) -> rpr_solver.Eliminant | None:
         """Returns the geometry's eliminant, or None if it is not known."""
         raw = self.redis.get(self.keys.eliminant(request.geometry_hash, request.fixed_leg))
@@ -208,17 +223,6 @@ class ResultStore(Store):
         finally:
             if held:
                 self._run("release_lock", keys, token=token)
-
-    def _mget(self, keys: Sequence[str]) -> list[bytes | None]:
-        return cast("list[bytes | None]", self.redis.mget(keys))
-
-    def _note_digits(self, pipe: Any, request: JobRequest) -> None:
-        key = self.keys.digits(request.geometry_hash, request.fixed_leg)
-        pipe.sadd(key, request.digits)
-        pipe.expire(key, self.settings.result_ttl)
-
-
-_encode = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False).encode
 
 
 def dump(value: object) -> str:

@@ -25,15 +25,13 @@ from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
 
-class Attempts:
-    """The attempts at the chunks of an installation."""
+class ChunkReader:
+    """Reads what the records of jobs say of their chunks."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
         self.redis = redis
         self.settings = settings
         self.keys = Keys.of(settings)
-        self.result_keys = ResultKeys(settings.key_prefix, settings.solver_version)
-        self._run = Scripts(redis)
 
     def lane(self, ref: ChunkRef) -> Lane:
         """Returns the lane of a chunk: its job's, unless it was given back to the heavy one."""
@@ -52,6 +50,38 @@ class Attempts:
         if run is None or run.decode() != ref.run or each is None:
             return None
         return Estimate(int(each) / 1000, json.loads(origin or b"{}").get("request_id", ""))
+
+    def current(self, ref: ChunkRef) -> tuple[ChunkEntry, Chunk] | None:
+        """Returns the entry of this attempt and its chunk, or None if the record has moved on."""
+        keys = self.keys.job(ref.job_id)
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.hget(keys.chunks, str(ref.index))
+            pipe.lindex(self.keys.job(ref.job_id).todo, ref.index)
+            pipe.hmget(keys.record, [_asking(ref.job_id), "chunk_size"])
+            raw, todo, fields = pipe.execute()
+        entry = raw and _entry(ref, raw)
+        if not entry or entry.ref != ref or None in (todo, *fields):
+            return None
+        return entry, chunk_of(entry, todo, *fields)
+
+    def is_ahead(self, ref: ChunkRef) -> bool:
+        """Whether the chunk solves slices of which it has not kept the one before."""
+        current = self.current(ref)
+        return current is not None and current[0].state == "ahead"
+
+    def items_done(self, ref: ChunkRef) -> int:
+        """Returns how many items of a chunk are done; 0 if it has none, or its record has moved on."""
+        current = self.current(ref) if is_batch(ref.job_id) else None
+        return 0 if current is None else current[0].offset
+
+
+class Attempts(ChunkReader):
+    """The attempts at the chunks of an installation."""
+
+    def __init__(self, redis: Redis, settings: WorkerSettings) -> None:
+        super().__init__(redis, settings)
+        self.result_keys = ResultKeys(settings.key_prefix, settings.solver_version)
+        self._run = Scripts(redis)
 
     def start(self, ref: ChunkRef, worker: str = "") -> Chunk | None:
         """Start a chunk, with the first heartbeat of its worker; returns None if it is out of date."""
@@ -105,29 +135,6 @@ class Attempts:
         error = slice_error(chunk.request, chunk.parts[entry.offset], kind, detail)
         self.put_slices(ref, chunk, entry.offset, [error])
         return True
-
-    def current(self, ref: ChunkRef) -> tuple[ChunkEntry, Chunk] | None:
-        """Returns the entry of this attempt and its chunk, or None if the record has moved on."""
-        keys = self.keys.job(ref.job_id)
-        with self.redis.pipeline(transaction=False) as pipe:
-            pipe.hget(keys.chunks, str(ref.index))
-            pipe.lindex(self.keys.todo(ref.job_id), ref.index)
-            pipe.hmget(keys.record, [_asking(ref.job_id), "chunk_size"])
-            raw, todo, fields = pipe.execute()
-        entry = raw and _entry(ref, raw)
-        if not entry or entry.ref != ref or None in (todo, *fields):
-            return None
-        return entry, chunk_of(entry, todo, *fields)
-
-    def is_ahead(self, ref: ChunkRef) -> bool:
-        """Whether the chunk solves slices of which it has not kept the one before."""
-        current = self.current(ref)
-        return current is not None and current[0].state == "ahead"
-
-    def items_done(self, ref: ChunkRef) -> int:
-        """Returns how many items of a chunk are done; 0 if it has none, or its record has moved on."""
-        current = self.current(ref) if is_batch(ref.job_id) else None
-        return 0 if current is None else current[0].offset
 
     def put_progress(self, ref: ChunkRef, done: int, total: int) -> bool:
         """Record the progress of the job of a document; returns False if this attempt is over."""

@@ -111,7 +111,7 @@ class Batches:
         """
         first, last = int(chunk.parts[0]), int(chunk.parts[-1])
         with self.redis.pipeline(transaction=False) as pipe:
-            pipe.lrange(self.keys.questions(ref.job_id), first, last)
+            pipe.lrange(self.keys.job(ref.job_id).questions, first, last)
             pipe.lrange(self._items(ref.job_id), first, last)
             whole, kept = cast("list[list[bytes]]", pipe.execute())
         whole = whole or [b""] * len(kept)  # of a batch that was made before there was such a list
@@ -167,11 +167,11 @@ class Batches:
         return [_stored(i, item_from_json(text, version), bits or b"", o) for i, text, o in found if text]
 
     def _items(self, job_id: str) -> str:
-        return self.keys.items(job_id)
+        return self.keys.job(job_id).items
 
     def _lists(self, token: str) -> tuple[str, str]:
         job_id = batch_request(token).job_id
-        return self._items(job_id), self.keys.questions(job_id)
+        return self._items(job_id), self.keys.job(job_id).questions
 
 
 def is_done(bits: bytes, index: int) -> bool:

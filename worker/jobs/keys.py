@@ -18,46 +18,20 @@ class JobKeys(NamedTuple):
     bits: str
     errors: str
     events: str
+    items: str
+    """The items of a batch; the scripts derive this and the next ones from the name of the record."""
+    questions: str
+    """The long questions of an active batch."""
+    todo: str
+    """What the chunks are to do."""
 
 
 @dataclass(frozen=True)
-class Keys:
-    """Key names with one prefix.
-
-    All that is of jobs carries the solver's version, as job ids do: nothing of one version touches a job of
-    another. Shared are the counts of ends, the deliveries (also those of a version that no API is left of),
-    API keys and Idempotency-Keys.
-    """
+class SharedKeys:
+    """The keys that the versions of the solver share: the counts of ends, the deliveries (also those of a
+    version that no API is left of), and what has the id of a chunk in it."""
 
     prefix: str
-    version: str = SOLVER_VERSION
-
-    @classmethod
-    def of(cls, settings: WorkerSettings) -> Keys:
-        """Returns those of an installation and the version of the solver that is meant."""
-        return cls(settings.key_prefix, settings.solver_version)
-
-    def job(self, job_id: str) -> JobKeys:
-        """Returns the keys of the job `job_id`."""
-        base = f"{self.prefix}:{kind_of('job', self.version)}:{job_id}"
-        return JobKeys(base, f"{base}:chunks", f"{base}:bits", f"{base}:errors", f"{base}:events")
-
-    def names(self, job_id: str) -> dict[str, str]:
-        """Returns the keys that the scripts of a job may take, by their names there."""
-        common = {"active": self.active, "ends": self.ends, "workers": self.workers}
-        return self.job(job_id)._asdict() | common
-
-    def items(self, job_id: str) -> str:
-        """Returns the key of the items of a batch; the scripts derive it from the record's."""
-        return f"{self.job(job_id).record}:items"
-
-    def questions(self, job_id: str) -> str:
-        """Returns the key of the long questions of an active batch; the scripts derive it in the same way."""
-        return f"{self.job(job_id).record}:questions"
-
-    def todo(self, job_id: str) -> str:
-        """Returns the key of what the chunks of a job are to do; the scripts derive it in the same way."""
-        return f"{self.job(job_id).record}:todo"
 
     def delivery(self, delivery_id: str) -> str:
         """Returns the key of a delivery; the scripts derive it in the same way."""
@@ -67,22 +41,9 @@ class Keys:
         """Returns the key of the list of a job's deliveries; the scripts derive it in the same way."""
         return f"{self.deliveries}-of:{job_id}"
 
-    def client(self, client: str) -> str:
-        """Returns the key of what a client holds."""
-        return f"{self.prefix}:{kind_of('client', self.version)}:{client}"
-
-    def kept(self, client: str) -> str:
-        """Returns the key of the ledger of a client's bytes."""
-        return f"{self.prefix}:{kind_of('kept', self.version)}:{client}"
-
     def beat(self, chunk_id: str) -> str:
         """Returns the key of a running chunk's heartbeat."""
         return f"{self.prefix}:beat:{chunk_id}"
-
-    @property
-    def active(self) -> str:
-        """The sorted set of queued and running jobs."""
-        return f"{self.prefix}:active:{self.version}"
 
     @property
     def ends(self) -> str:
@@ -98,6 +59,56 @@ class Keys:
     def delivery_counts(self) -> str:
         """The number of attempts by their outcome."""
         return f"{self.prefix}:delivery-counts"
+
+    @property
+    def versions(self) -> str:
+        """The set of the versions of the solver that have worked here."""
+        return f"{self.prefix}:versions"
+
+    @property
+    def trial(self) -> str:
+        """Written to find out whether Redis accepts data."""
+        return f"{self.prefix}:trial"
+
+
+@dataclass(frozen=True)
+class Keys(SharedKeys):
+    """Key names with one prefix.
+
+    All that is of jobs carries the solver's version, as job ids do: nothing of one version touches a job of
+    another. Shared are `SharedKeys`, API keys and Idempotency-Keys.
+    """
+
+    version: str = SOLVER_VERSION
+
+    @classmethod
+    def of(cls, settings: WorkerSettings) -> Keys:
+        """Returns those of an installation and the version of the solver that is meant."""
+        return cls(settings.key_prefix, settings.solver_version)
+
+    def job(self, job_id: str) -> JobKeys:
+        """Returns the keys of the job `job_id`."""
+        base = f"{self.prefix}:{kind_of('job', self.version)}:{job_id}"
+        return JobKeys(base, *(f"{base}:{name}" for name in JobKeys._fields[1:]))
+
+    def names(self, job_id: str) -> dict[str, str]:
+        """Returns the keys that the scripts of a job may take, by their names there."""
+        job = dict(zip(JobKeys._fields[:5], self.job(job_id), strict=False))  # the others are derived
+        common = {"active": self.active, "ends": self.ends, "workers": self.workers}
+        return job | common
+
+    def client(self, client: str) -> str:
+        """Returns the key of what a client holds."""
+        return f"{self.prefix}:{kind_of('client', self.version)}:{client}"
+
+    def kept(self, client: str) -> str:
+        """Returns the key of the ledger of a client's bytes."""
+        return f"{self.prefix}:{kind_of('kept', self.version)}:{client}"
+
+    @property
+    def active(self) -> str:
+        """The sorted set of queued and running jobs."""
+        return f"{self.prefix}:active:{self.version}"
 
     @property
     def queued(self) -> str:
@@ -123,16 +134,6 @@ class Keys:
     def walk(self) -> str:
         """How far the search for active jobs among all keys has come."""
         return f"{self.prefix}:walk:{self.version}"
-
-    @property
-    def versions(self) -> str:
-        """The set of the versions of the solver that have worked here."""
-        return f"{self.prefix}:versions"
-
-    @property
-    def trial(self) -> str:
-        """Written to find out whether Redis accepts data."""
-        return f"{self.prefix}:trial"
 
     @property
     def sweep_lock(self) -> str:

@@ -86,7 +86,7 @@ class JobRecords:
         """Returns the parts of a job that were known when it was made, in their order."""
         with self.redis.pipeline(transaction=False) as pipe:
             pipe.hget(self.keys.job(job_id).record, "request")
-            pipe.lrange(self.keys.todo(job_id), 0, -1)
+            pipe.lrange(self.keys.job(job_id).todo, 0, -1)
             request, todo = pipe.execute()
         if request is None or not todo:
             return []

@@ -68,7 +68,7 @@ def test_from_queued_to_succeeded(queue: JobQueue, batches: Batches) -> None:
     view = begin(batches, items)
     assert view.id.startswith("ba-")
     assert (view.status, view.done, view.total, view.failed) == ("queued", 1, 5, 1)
-    assert queue.redis.ttl(batches.keys.items(view.id)) == -1
+    assert queue.redis.ttl(batches.keys.job(view.id).items) == -1
     first, second = (entry.ref for entry in entries(queue))
     chunk = queue.attempts.start(first)
     assert chunk is not None
@@ -86,7 +86,7 @@ def test_from_queued_to_succeeded(queue: JobQueue, batches: Batches) -> None:
     assert stored[0].outcome == FAILED
     assert stored[1] == StoredItem(2, BAD, "failed", Outcome())
     assert stored[2].outcome.slices == {"3": {"l1": "3", "error": {}}}
-    for key in (*batches.keys.job(view.id)[2:], batches.keys.items(view.id)):
+    for key in batches.keys.job(view.id)[2:6]:
         assert queue.redis.ttl(key) > 0
 
 
@@ -146,7 +146,7 @@ def test_items_that_are_missing(queue: JobQueue, batches: Batches) -> None:
     batches.drop(token)
     assert queue.redis.keys("cusps:job:*") == []
     view = begin(batches, questions("1"))
-    queue.redis.delete(batches.keys.items(view.id))
+    queue.redis.delete(batches.keys.job(view.id).items)
     chunk = queue.attempts.start(entries(queue)[0].ref)
     assert chunk is not None
     with pytest.raises(ItemsLostError):
@@ -229,7 +229,7 @@ def test_long_questions_go_with_the_end(queue: JobQueue, batches: Batches, is_ca
     long = [JobRequest(POSES, {"l1": f"{n}{'9' * 100_000}"}) for n in range(3)]
     items = [*questions("1"), BAD, *(Item(f"long {n}", request) for n, request in enumerate(long))]
     view = begin(batches, items)
-    keys = batches.keys.questions(view.id), batches.keys.items(view.id)
+    keys = batches.keys.job(view.id).questions, batches.keys.job(view.id).items
     assert [queue.redis.ttl(key) for key in keys] == [-1, -1]
     for ref in [entry.ref for entry in entries(queue)]:
         chunk = queue.attempts.start(ref)
@@ -255,7 +255,7 @@ def test_long_questions_go_with_the_end(queue: JobQueue, batches: Batches, is_ca
 
 def test_a_batch_that_lost_its_long_questions(queue: JobQueue, batches: Batches) -> None:
     view = begin(batches, [Item("long", JobRequest(POSES, {"l1": "9" * 5000}))])
-    queue.redis.delete(batches.keys.questions(view.id))
+    queue.redis.delete(batches.keys.job(view.id).questions)
     [entry] = entries(queue)
     chunk = queue.attempts.start(entry.ref)
     assert chunk is not None

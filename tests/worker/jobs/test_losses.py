@@ -252,7 +252,7 @@ def test_a_chunk_that_has_not_started_cannot_be_lost(queue: JobQueue, lost: Lost
 def test_a_job_that_lost_its_parts_fails(queue: JobQueue, table_request: JobRequest) -> None:
     """Redis has evicted what the chunks are to do: none of them can be given up or done."""
     view = queue.submit(table_request)
-    queue.redis.delete(queue.records.keys.todo(view.id))
+    queue.redis.delete(queue.records.keys.job(view.id).todo)
     chunk = queue.attempts.start(refs(queue)[0])
     assert chunk is not None
     assert chunk.parts == ()
@@ -263,7 +263,7 @@ def test_a_job_that_lost_its_parts_fails(queue: JobQueue, table_request: JobRequ
 
 
 def test_nothing_is_left_to_do_of_a_job_that_ended(queue: JobQueue, table_request: JobRequest) -> None:
-    key = queue.records.keys.todo(queue.submit(table_request).id)
+    key = queue.records.keys.job(queue.submit(table_request).id).todo
     assert queue.redis.llen(key) == 2
     finish(queue)
     assert not queue.redis.exists(key)
