@@ -98,7 +98,7 @@ def add_digits(parser: argparse.ArgumentParser, default: int) -> None:
 
 def add_certificate(parser: argparse.ArgumentParser) -> None:
     """Add `--certificate`."""
-    text = f"full: with all that a checker needs, see verify; in JSON only (default: {SHORT})"
+    text = f"full: with what an independent checker needs, see verify; in JSON only (default: {SHORT})"
     parser.add_argument("--certificate", choices=CERTIFICATES, default=SHORT, help=text)
 
 

@@ -31,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     arguments.add_options(parser, "--l{}", "lengths", "X", "a length at which to compute points; repeatable")
     parser.add_argument(
-        "--samples", metavar="N", help="number of points of each curve in every interval between transitions"
+        "--samples", metavar="N", help="number of points of each curve in every window between transitions"
     )
     arguments.add_digits(parser, 90)
     arguments.add_format(parser, "csv")

@@ -63,8 +63,8 @@ def _configure_verify(parser: argparse.ArgumentParser) -> None:
         "--effort",
         metavar="N",
         default="1",
-        help="do N times the work that the length of the document allows, about ten seconds for each 100 kB; "
-        "what is left then is not established (default: 1)",
+        help="allow N times the usual work, which is about ten seconds for each 100 kB of the document; "
+        "claims that are left then are not established (default: 1)",
     )
     remote.add_url(parser)
 

@@ -56,7 +56,7 @@ examples:
 def _configure_cancel(parser: argparse.ArgumentParser) -> None:
     """Add the options of `cancel`."""
     remote.add_job(parser)
-    text = "end it for all: with a key of scope admin, or on the computer of a service without keys"
+    text = "end it for all subscribers; needs a key of scope admin, or the computer of a service without keys"
     parser.add_argument("--force", action="store_true", help=text)
 
 
@@ -85,13 +85,13 @@ _TITLES = ("ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "OVERRUNS", "K
 
 def _configure_jobs(parser: argparse.ArgumentParser) -> None:
     """Add the options of `jobs`."""
-    parser.add_argument("--all", action="store_true", help="also those that have ended")
+    parser.add_argument("--all", action="store_true", help="include those that have ended")
     parser.add_argument(
         "--limit",
         type=whole("a number of jobs", 10**6),
         default=100,
         metavar="N",
-        help="the newest N at most (default: 100)",
+        help="print at most the newest N (default: 100)",
     )
     parser.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
     remote.add_service(parser)
@@ -149,13 +149,13 @@ def _configure_fetch(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-wait",
         action="store_true",
-        help="of a batch: print the answers that there are, in the order asked",
+        help="of a batch: print the answers so far, in the order of the questions",
     )
     parser.add_argument(
         "--after",
         type=whole("a number of an item", 10**9 - 1),
         metavar="N",
-        help="of a batch: only the items after number N, which count from 0",
+        help="of a batch: only the items after number N; numbers start at 0",
     )
 
 

@@ -35,7 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the actions and their options."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     create = actions.add_parser(
-        "create", help="make a key and print it", description="Make a key and print it."
+        "create", help="make a key and print it", description="Create a key and print it."
     )
     create.add_argument("name", metavar="NAME", help="name of the new key")
     create.add_argument(
@@ -53,7 +53,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     show = actions.add_parser("list", help="list all keys", description="List all keys, never their secrets.")
     show.add_argument("--format", choices=("table", "json"), default="table", help="default: table")
-    revoke = actions.add_parser("revoke", help="revoke a key", description="Revoke a key, for good.")
+    revoke = actions.add_parser("revoke", help="revoke a key", description="Revoke a key permanently.")
     revoke.add_argument("name", metavar="NAME", help="name or id of the key")
     for action in (create, show, revoke):
         add_source(action)

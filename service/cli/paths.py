@@ -35,20 +35,31 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
     arguments.add_slice(parser, "the length of the fixed leg, or all three")
-    parser.add_argument("--from", dest="start", metavar="POSE", help="its number in the table of poses")
-    parser.add_argument("--to", dest="stop", metavar="POSE", help="likewise")
     parser.add_argument(
-        "--between", metavar="FROM:TO", help="lengths between which the fixed leg may move (default: held)"
+        "--from", dest="start", metavar="POSE", help="the number of the first pose in the table of poses"
     )
-    arguments.add_options(parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of a leg on the way")
+    parser.add_argument("--to", dest="stop", metavar="POSE", help="the number of the last pose")
     parser.add_argument(
-        "--cusp", metavar="CUSP", help="its number in the table of the slice, or its letter (default: A)"
+        "--between",
+        metavar="FROM:TO",
+        help="lengths between which the fixed leg may vary (default: it is held)",
+    )
+    arguments.add_options(
+        parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of a leg, along the whole path"
+    )
+    parser.add_argument(
+        "--cusp",
+        metavar="CUSP",
+        help="the number or letter of the cusp in the table of the slice (default: A)",
     )
     parser.add_argument("--samples", metavar="N", help=f"number of samples (default: {DEFAULT_SAMPLES})")
-    parser.add_argument("--timing", choices=tuple(TIMINGS), help="the law of time (default: cosine)")
+    parser.add_argument("--timing", choices=tuple(TIMINGS), help="the time profile (default: cosine)")
     parser.add_argument("--duration", metavar="T", help="the time of the last sample (default: 1)")
     parser.add_argument(
-        "--others", action="store_true", default=None, help="follow the other poses too, as far as they live"
+        "--others",
+        action="store_true",
+        default=None,
+        help="follow the other poses, too, until the folds at which they vanish",
     )
     arguments.add_digits(parser, PATH_DIGITS)
     arguments.add_format(parser, "csv")

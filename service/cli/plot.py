@@ -36,20 +36,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
         dest="plot",
         choices=PLOTS,
         default="slice",
-        help="what is drawn: a slice in the plane of the free legs (default), the same on the torus of the "
-        "angles, the census, the curves of cusps in joint space, a loop in motion, or the mechanism",
+        help="the type of picture: a slice in the plane of the free legs (default) or on the torus of "
+        "poses, the census, the cusp curves in joint space, a loop in motion, or the mechanism",
     )
     arguments.add_options(parser, "--l{}", "lengths", "X", "the length of a leg")
     arguments.add_ranges(parser, "the range of lengths of a census or a locus (default: all)")
     parser.add_argument(
-        "--cusp", metavar="CUSP", help="its number in the table of the slice, or its letter (default: A)"
+        "--cusp",
+        metavar="CUSP",
+        help="the number or letter of the cusp in the table of the slice (default: A)",
     )
     parser.add_argument(
         "--pose", metavar="N", help="the number of the pose with these three lengths (default: 1)"
     )
-    parser.add_argument(
-        "--theme", choices=THEMES, default="auto", help="default: auto, as the reader's setting"
-    )
+    parser.add_argument("--theme", choices=THEMES, default="auto", help="default: auto, the reader's setting")
     parser.add_argument("-o", "--output", metavar="FILE", help="a file that ends in .svg, .png or .pdf")
     remote.add_url(parser)
 

@@ -32,9 +32,9 @@ LOCAL = "http://127.0.0.1:8000"
 
 def add_url(parser: argparse.ArgumentParser) -> None:
     """Add `--url` and `--deadline`."""
-    parser.add_argument("--url", help=f"compute by the service at this address, for example {LOCAL}")
+    parser.add_argument("--url", help=f"compute with the service at this URL, for example {LOCAL}")
     parser.add_argument(
-        "--deadline", metavar="SECONDS", help="with --url: give up if the answer is not there by then"
+        "--deadline", metavar="SECONDS", help="with --url: fail if the answer is not ready after this time"
     )
 
 
@@ -46,7 +46,7 @@ def add_job(parser: argparse.ArgumentParser) -> None:
 
 def add_service(parser: argparse.ArgumentParser) -> None:
     """Add the address of a service, without which there is nothing to do."""
-    parser.add_argument("--url", default=LOCAL, help=f"address of the service (default: {LOCAL})")
+    parser.add_argument("--url", default=LOCAL, help=f"URL of the service (default: {LOCAL})")
 
 
 def deadline_of(args: argparse.Namespace) -> dict[str, object]:

@@ -46,9 +46,12 @@ def _configure_serve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--host",
         default="127.0.0.1",
-        help="address or name to listen on (default: 127.0.0.1); one that other computers reach needs a key",
+        help="address or name to listen on (default: 127.0.0.1); an address that other computers reach "
+        "requires a key",
     )
-    parser.add_argument("--insecure", action="store_true", help="let everyone in who reaches the address")
+    parser.add_argument(
+        "--insecure", action="store_true", help="give access to everyone who reaches the address"
+    )
     parser.add_argument(
         "--port",
         type=whole("a port", 65535),
@@ -66,7 +69,7 @@ def _configure_serve(parser: argparse.ArgumentParser) -> None:
         "--root-path",
         type=_prefix,
         metavar="PATH",
-        help="path under which a reverse proxy shows the service, such as /cusps",
+        help="path under which a reverse proxy serves the service, such as /cusps",
     )
     add_redis_url(parser, "the Redis or Valkey server to use (default: an embedded one)")
     parser.add_argument(
@@ -117,8 +120,8 @@ def _configure_worker(parser: argparse.ArgumentParser) -> None:
         "--duty",
         choices=DUTIES,
         default="all",
-        help="light: only chunks of about a second, so that short questions never wait for long ones; at "
-        "least one worker must do all (default: all)",
+        help="light: take only chunks of about a second, so that short questions never wait for long ones; "
+        "at least one worker must have the duty all (default: all)",
     )
 
 

@@ -27,7 +27,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     arguments.add_geometry(parser)
     arguments.add_slice(parser, "the length of the fixed leg")
     parser.add_argument(
-        "--tolerance", metavar="X", help="deviation of the curves, relative to the picture (default: 0.001)"
+        "--tolerance",
+        metavar="X",
+        help="largest deviation of the drawn curves, relative to the size of the picture (default: 0.001)",
     )
     arguments.add_digits(parser, rpr_solver.MIN_DIGITS)
     arguments.add_format(parser, "csv")

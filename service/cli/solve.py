@@ -40,7 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     arguments.add_geometry(parser)
     text = "the fixed length of a slice; repeatable (--l2: leg 2 is fixed, …)"
     arguments.add_options(parser, "--l{}", "slices", "X", text)
-    text = "slices from FROM to TO in steps of STEP; TO is included if a step meets it"
+    text = "slices from FROM to TO in steps of STEP; TO is included if a step reaches it"
     arguments.add_options(parser, "--l{}-range", "slices", "FROM:TO:STEP", text)
     arguments.add_digits(parser, 90)
     parser.add_argument(

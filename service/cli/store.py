@@ -46,21 +46,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--older-than",
         type=_duration,
         metavar="AGE",
-        help="remove what is older, as 90s, 30m, 12h or 30d, since it was computed or last found",
+        help="remove what was neither computed nor found for this time, such as 90s, 30m, 12h or 30d",
     )
     prune.add_argument(
         "--max-bytes",
         type=_size,
         metavar="SIZE",
-        help="remove the oldest until all keys take no more, as 500MB or 2GiB",
+        help="remove the oldest until all keys together take at most this size, such as 500MB or 2GiB",
     )
     text = (
-        "Write all that is kept to a new file, which only its owner can read: it has questions, answers and "
-        "API keys, as a data directory does. The service must be stopped."
+        "Write the whole store to a new file that only its owner can read: questions, answers and API "
+        "keys, as in a data directory. The service must be stopped."
     )
     out = actions.add_parser("export", help="write all to a file", description=text)
-    out.add_argument("file", type=Path, metavar="FILE", help="a file that is not there yet")
-    text = "Read such a file into a Redis or Valkey that has nothing of this service yet."
+    out.add_argument("file", type=Path, metavar="FILE", help="a file that does not exist yet")
+    text = "Read such a file into a Redis or Valkey without data of this service."
     back = actions.add_parser("import", help="read all from a file", description=text)
     back.add_argument("file", type=Path, metavar="FILE", help="written by store export")
     for action in (status, prune, out, back):

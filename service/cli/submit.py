@@ -123,17 +123,21 @@ def _configure_submit(parser: argparse.ArgumentParser) -> None:
         "--format",
         choices=FORMS,
         default=FORMS[0],
-        help="ndjson: an answer a line; csv: of cusp tables, a cusp a line (default: ndjson)",
+        help="ndjson: one answer in each line; csv: cusp tables with one cusp in each line (default: ndjson)",
     )
     parser.add_argument(
-        "--as-done", action="store_true", help="print each answer once it is done, not in the order asked"
+        "--as-done",
+        action="store_true",
+        help="print each answer as soon as it is done, not in the order of the questions",
     )
     parser.add_argument("--no-wait", action="store_true", help="print the id of the batch, and do not wait")
     parser.add_argument(
         "--key",
-        help="a name for this submission, such as a UUID: repeated within a day, it is the same batch",
+        help="a name for this submission, such as a UUID: repeating it within a day gives the same batch",
     )
-    parser.add_argument("--callback-url", metavar="URL", help="where the service tells the end of the batch")
+    parser.add_argument(
+        "--callback-url", metavar="URL", help="URL that the service calls at the end of the batch"
+    )
 
 
 def _run_submit(args: argparse.Namespace) -> int:

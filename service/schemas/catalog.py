@@ -43,18 +43,18 @@ def _own(place: str, command: str, summary: str) -> Entry:
 QUESTIONS: tuple[Entry, ...] = (
     _own("tables:CuspTableRequest", "solve", "compute cusp tables and print them"),
     _own("censuses:CensusRequest", "census", "find every length at which the number of cusps changes"),
-    _own("curves:CuspCurvesRequest", "curves", "follow each cusp from where it appears to where it vanishes"),
+    _own("curves:CuspCurvesRequest", "curves", "follow each cusp from its birth to its end"),
     _own("censuses:CheckRequest", "check", "prove or refute a requirement on the number of cusps"),
     _own("poses:PosesRequest", "poses", "compute all poses for given leg lengths"),
-    _own("paths:PathRequest", "paths", "find a motion to another pose without a singularity"),
+    _own("paths:PathRequest", "paths", "find a path to another pose without a singularity"),
     _own(
         "poses:SingularCurvesRequest",
         "singular",
         "draw the singular curves of a slice, its regions and aspects",
     ),
     _own("poses:RangeAspectsRequest", "aspects", "find the aspects while a leg varies within a range"),
-    _own("plots:PlotRequest", "plot", "draw slices, censuses, curves of cusps, loops and poses"),
-    _own("verifications:VerificationRequest", "verify", "check a document by independent means"),
+    _own("plots:PlotRequest", "plot", "draw slices, censuses, cusp curves, loops and poses"),
+    _own("verifications:VerificationRequest", "verify", "verify a document by independent means"),
 )
 """All questions, in the order of the contract."""
 

@@ -349,7 +349,7 @@ def test_a_server_error_and_another_try(base_url: str, open_page: Open, inspect:
     page = open_page("about:blank", expected="500")
     problem = {
         "type": "/problems/internal-error",
-        "title": "Something went wrong here",
+        "title": "Internal error",
         "status": 500,
         "detail": "Oh.",
     }

@@ -55,7 +55,7 @@ _FILES: Mapping[str, Callable[[Sequence[Outcome]], str]] = {"junit": junit_xml, 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser, "a JSON file, a folder", nargs="+")
-    text = "ignore files without a geometry also where they are named, as pre-commit does"
+    text = "ignore files without a geometry even if they are named, for pre-commit"
     parser.add_argument("--ignore-others", action="store_true", help=text)
     arguments.add_ranges(parser, "the range of lengths to check; either end may be omitted")
     text = "a single slice to check, with --expect-cusps; repeatable"
@@ -67,12 +67,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     text = "number of cusps in each slice of --l1 (--l2, …), or in every slice of the range"
     parser.add_argument("--expect-cusps", metavar="N", help=text)
     arguments.add_options(parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of another leg")
-    text = "allowed (and said) or refused: degenerate poses in every slice, or along a whole curve of one"
+    text = (
+        "allowed (and reported) or refused: degenerate poses in every slice, or along a whole curve in a "
+        "slice"
+    )
     parser.add_argument("--degenerate", metavar="WORD", default=ALLOWED, help=text)
     arguments.add_digits(parser, CHECK_DIGITS)
     arguments.add_format(parser)
-    parser.add_argument("--junit", metavar="FILE", help="write JUnit XML, with a test case per geometry")
-    parser.add_argument("--sarif", metavar="FILE", help="write SARIF, as code scanning reads it")
+    parser.add_argument("--junit", metavar="FILE", help="write JUnit XML, with a test case for each geometry")
+    parser.add_argument("--sarif", metavar="FILE", help="write SARIF, for code scanning")
     parser.add_argument(
         "--github", action="store_true", help="print GitHub annotations (default on GitHub Actions)"
     )
