@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import ipaddress
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
+from typing import Annotated
 
 from pydantic import (
+    AfterValidator,
     Field,
     NonNegativeFloat,
     NonNegativeInt,
@@ -20,10 +25,44 @@ from worker.limits import DEADLINE, Deadline
 from worker.logs import LogFormat
 
 
-class ConnectionSettings(BaseSettings):
-    """What every connection to Redis needs beside the address."""
+class EnvironmentSettings(BaseSettings):
+    """Settings that come from the variables `RPR_CUSPS_…`, or are given in code."""
 
     model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
+
+
+def listed(text: str) -> tuple[str, ...]:
+    """Returns the parts of a comma-separated setting."""
+    return tuple(part for raw in text.split(",") if (part := raw.strip()))
+
+
+def each(is_valid: Callable[[str], object], message: str) -> AfterValidator:
+    """Returns a check of a comma-separated setting; a part is not valid if `is_valid` says so or fails."""
+
+    def check(text: str) -> str:
+        for part in listed(text):
+            with suppress(ValueError):
+                if is_valid(part):
+                    continue
+            raise ValueError(f"{part[:60]!r} {message}")
+        return text
+
+    return AfterValidator(check)
+
+
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
+
+Networks = Annotated[str, each(ipaddress.ip_network, "is not an address or network such as 10.1.0.0/16")]
+"""A comma-separated setting; `networks_of` reads it."""
+
+
+def networks_of(text: str) -> tuple[Network, ...]:
+    """Returns the networks in a setting."""
+    return tuple(map(ipaddress.ip_network, listed(text)))
+
+
+class ConnectionSettings(EnvironmentSettings):
+    """What every connection to Redis needs beside the address."""
 
     redis_password_file: Path | None = Field(
         default=None,
@@ -31,13 +70,11 @@ class ConnectionSettings(BaseSettings):
     )
 
 
-class WorkerSettings(BaseSettings):
+class WorkerSettings(EnvironmentSettings):
     """Settings of the queue, the store and the worker processes.
 
     The API processes and workers of one installation must agree on `key_prefix` and `queue_name`.
     """
-
-    model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
 
     key_prefix: str = Field(default="cusps", description="prefix of every Redis key")
     queue_name: str = Field(

@@ -14,11 +14,11 @@ from contextvars import ContextVar
 
 from starlette.types import Scope
 
+from worker.settings import Network
+
 HEADER = "x-forwarded-prefix"
 PEER = "rpr_cusps.peer"
 """In the scope of a request: the address at the other end of its connection, whoever it is forwarded for."""
-
-Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 _FORM = re.compile(r"(/(?!\.\.?(/|$))[A-Za-z0-9._~-]+)*", re.ASCII)
 _LONGEST = 200

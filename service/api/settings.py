@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-import ipaddress
 import re
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt, field_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import AfterValidator, Field, NonNegativeInt, PositiveFloat, PositiveInt
 
-from service.api.prefix import Network, read_prefix
+from service.api.prefix import read_prefix
 from service.schemas.limits import Limits
 from service.webhooks.settings import WebhookSettings
+from worker.settings import EnvironmentSettings, Network, Networks, each, listed, networks_of
 
-_ORIGIN = re.compile(r"https?://[^\s/?#@,*]+", re.ASCII)
+_ORIGIN = re.compile(r"https?://[^\s/?#@,*]+|\*", re.ASCII)
+_SUCH_AS = "write one such as https://tools.example.com, or *"
 
 KeysPolicy = Literal["auto", "always", "never"]
 """Whether calls need a key."""
 
 
-class Settings(BaseSettings):
+class Settings(EnvironmentSettings):
     """How one API process runs."""
-
-    model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
 
     redis_url: str = Field(
         default="redis://127.0.0.1:6379/0",
@@ -71,7 +69,7 @@ class Settings(BaseSettings):
         description="names of the service, comma-separated, that a Host header may have beside addresses and "
         "localhost; `*.example.com` for those below a name, `*` for all",
     )
-    cors_origins: str = Field(
+    cors_origins: Annotated[str, each(_ORIGIN.fullmatch, f"is no origin; {_SUCH_AS}")] = Field(
         default="",
         description="origins of web pages that may call the service, comma-separated, such as "
         "`https://tools.example.com`; `*` for all; none if empty",
@@ -105,11 +103,11 @@ class Settings(BaseSettings):
     large_answer_bytes: PositiveInt = Field(
         default=256 << 20, description="maximum memory of large results that are sent, in bytes, about"
     )
-    root_path: str = Field(
+    root_path: Annotated[str, AfterValidator(read_prefix)] = Field(
         default="",
         description="path under which a reverse proxy shows the service, such as `/cusps`; links begin so",
     )
-    trusted_proxies: str = Field(
+    trusted_proxies: Networks = Field(
         default="",
         description="addresses and networks of reverse proxies whose `X-Forwarded-Prefix` counts, "
         "comma-separated, such as `127.0.0.1,10.1.0.0/16`; none if empty",
@@ -117,46 +115,17 @@ class Settings(BaseSettings):
     limits: Limits = Field(default_factory=Limits.of_environment)
     webhooks: WebhookSettings = Field(default_factory=WebhookSettings)
 
-    @field_validator("cors_origins")
-    @classmethod
-    def _are_origins(cls, text: str) -> str:
-        for origin in _listed(text):
-            if origin != "*" and not _ORIGIN.fullmatch(origin):
-                raise ValueError(
-                    f"{origin!r} is no origin; write one such as https://tools.example.com, or *"
-                )
-        return text
-
-    @field_validator("root_path")
-    @classmethod
-    def _is_prefix(cls, text: str) -> str:
-        return read_prefix(text)
-
-    @field_validator("trusted_proxies")
-    @classmethod
-    def _are_networks(cls, text: str) -> str:
-        for part in _listed(text):
-            try:
-                ipaddress.ip_network(part)
-            except ValueError:
-                raise ValueError(f"{part[:60]!r} is no address or network such as 10.1.0.0/16") from None
-        return text
-
     @property
     def proxies(self) -> tuple[Network, ...]:
         """The networks in `trusted_proxies`."""
-        return tuple(map(ipaddress.ip_network, _listed(self.trusted_proxies)))
+        return networks_of(self.trusted_proxies)
 
     @property
     def origins(self) -> tuple[str, ...]:
         """The origins in `cors_origins`."""
-        return _listed(self.cors_origins)
+        return listed(self.cors_origins)
 
     @property
     def host_names(self) -> tuple[str, ...]:
         """The names in `allowed_hosts`."""
-        return _listed(self.allowed_hosts)
-
-
-def _listed(text: str) -> tuple[str, ...]:
-    return tuple(name for part in text.split(",") if (name := part.strip()))
+        return listed(self.allowed_hosts)

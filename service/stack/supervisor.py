@@ -9,18 +9,16 @@ import time
 from collections.abc import Callable, Mapping
 
 from pydantic import Field
-from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from service.stack.embedded_valkey import ValkeyChild
 from service.stack.health import Pulse
 from service.stack.output import announce
 from worker.process.pool import Child, Process, Say, WorkerPool, end_all, python_program
+from worker.settings import EnvironmentSettings
 
 
-class SupervisorSettings(BaseSettings):
+class SupervisorSettings(EnvironmentSettings):
     """How the processes of one machine are looked after."""
-
-    model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
 
     hang_seconds: float = Field(
         default=10.0,

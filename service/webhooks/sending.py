@@ -16,7 +16,8 @@ from email.utils import parsedate_to_datetime
 import httpcore
 
 from service import __version__
-from service.webhooks.settings import Network, Target, WebhookSettings, is_allowed
+from service.webhooks.settings import Target, WebhookSettings, is_allowed
+from worker.settings import Network
 
 _MOST_ADDRESSES = 6
 

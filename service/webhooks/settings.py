@@ -8,29 +8,39 @@ import ipaddress
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 from urllib.parse import urlsplit
 
 from pydantic import Field, PositiveFloat, ValidationInfo, field_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from rpr_solver.errors import InputError
-
-Network = ipaddress.IPv4Network | ipaddress.IPv6Network
+from worker.settings import EnvironmentSettings, Network, Networks, each, listed, networks_of
 
 _PREFIX = "whsec_"
 _LEAST_SECRET = 24  # bytes, as the specification asks for
+
+
+_HOST = re.compile(r"(\*\.)?[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*|\[?[0-9A-Fa-f:.]+\]?")
+_PAUSE = re.compile(r"[0-9]+(\.[0-9]+)?")
+_LONGEST_PAUSE, _MAX_PAUSES = 86400.0, 20
 
 
 class SecretError(ValueError):
     """The file of secrets cannot be used; the message does not quote it."""
 
 
-class WebhookSettings(BaseSettings):
+def _is_pause(text: str) -> bool:
+    return _PAUSE.fullmatch(text) is not None and float(text) <= _LONGEST_PAUSE
+
+
+Hosts = Annotated[str, each(_HOST.fullmatch, "is not the name of a host, or *. and a name")]
+Pauses = Annotated[str, each(_is_pause, "is not a number of seconds up to 86400")]
+
+
+class WebhookSettings(EnvironmentSettings):
     """Who may be called, and how."""
 
-    model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
-
-    webhook_hosts: str = Field(
+    webhook_hosts: Hosts = Field(
         default="",
         description="hosts that a `callback_url` may name, comma-separated; `*.example.com` for those below "
         "a name; without it there are no webhooks",
@@ -42,7 +52,7 @@ class WebhookSettings(BaseSettings):
         "more in base64; each of them signs",
     )
     webhook_allow_http: bool = Field(default=False, description="whether a `callback_url` may be http://")
-    webhook_networks: str = Field(
+    webhook_networks: Networks = Field(
         default="",
         description="private networks that webhooks may reach, comma-separated, such as `10.1.0.0/16`; all "
         "public addresses are allowed",
@@ -50,7 +60,7 @@ class WebhookSettings(BaseSettings):
     webhook_timeout_seconds: PositiveFloat = Field(
         default=10.0, le=60, description="time for one attempt to deliver a webhook, in seconds"
     )
-    webhook_retry_seconds: str = Field(
+    webhook_retry_seconds: Pauses = Field(
         default="5,30,120,600,3600,14400,28800",
         description="pauses between the attempts to deliver a webhook, comma-separated, in seconds",
     )
@@ -63,17 +73,17 @@ class WebhookSettings(BaseSettings):
     @property
     def hosts(self) -> tuple[str, ...]:
         """The hosts that may be named, in lower case."""
-        return tuple(host.lower() for host in _parts(self.webhook_hosts))
+        return tuple(host.lower() for host in listed(self.webhook_hosts))
 
     @property
     def networks(self) -> tuple[Network, ...]:
         """The private networks that may be reached."""
-        return tuple(map(ipaddress.ip_network, _parts(self.webhook_networks)))
+        return networks_of(self.webhook_networks)
 
     @property
     def pauses(self) -> tuple[float, ...]:
         """The pauses between the attempts, in seconds."""
-        return tuple(map(float, _parts(self.webhook_retry_seconds)))
+        return tuple(map(float, listed(self.webhook_retry_seconds)))
 
     def secrets(self) -> tuple[bytes, ...]:
         """Read the secrets, so that new ones count without a restart.
@@ -83,32 +93,11 @@ class WebhookSettings(BaseSettings):
         """
         return _read(self.webhook_secret_file)
 
-    @field_validator("webhook_hosts")
-    @classmethod
-    def _hosts(cls, value: str) -> str:
-        for host in _parts(value):
-            if not re.fullmatch(r"(\*\.)?[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*|\[?[0-9A-Fa-f:.]+\]?", host):
-                raise ValueError(f"{host[:60]!r} is not the name of a host, or *. and a name")
-        return value
-
-    @field_validator("webhook_networks")
-    @classmethod
-    def _networks(cls, value: str) -> str:
-        for part in _parts(value):
-            try:
-                ipaddress.ip_network(part)
-            except ValueError:
-                raise ValueError(f"{part[:60]!r} is not a network such as 10.1.0.0/16") from None
-        return value
-
     @field_validator("webhook_retry_seconds")
     @classmethod
-    def _pauses(cls, value: str) -> str:
-        for part in _parts(value):
-            if not re.fullmatch(r"[0-9]+(\.[0-9]+)?", part) or float(part) > 86400:
-                raise ValueError(f"{part[:60]!r} is not a number of seconds up to 86400")
-        if len(_parts(value)) > 20:
-            raise ValueError("has more than 20 pauses")
+    def _are_few(cls, value: str) -> str:
+        if len(listed(value)) > _MAX_PAUSES:
+            raise ValueError(f"has more than {_MAX_PAUSES} pauses")
         return value
 
     @field_validator("webhook_secret_file")
@@ -130,10 +119,6 @@ def _read(path: Path | None) -> tuple[bytes, ...]:
     if not lines:
         raise SecretError(f"{str(path)!r} is empty")
     return tuple(_secret(line, number, path) for number, line in enumerate(lines, 1))
-
-
-def _parts(text: str) -> tuple[str, ...]:
-    return tuple(part for raw in text.split(",") if (part := raw.strip()))
 
 
 def _secret(line: str, number: int, path: Path) -> bytes:
