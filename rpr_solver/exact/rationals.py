@@ -55,26 +55,32 @@ def parse_exact(value: Exact, field: str, *, max_digits: int = MAX_DIGITS) -> Fr
     text = str(value).strip()
     if len(text) > 2 * max_digits + 16:
         raise _too_long(field, max_digits)
-    if quotient := _QUOTIENT.fullmatch(text):
-        numerator, denominator = (_integer(part) for part in quotient.groups())
-        if denominator == 0:
-            raise InputError.of(field, f"{shown(text)} has the denominator 0")
-        return _bounded(Fraction(numerator, denominator), field, max_digits)
+    number = _quotient(text, field) if _QUOTIENT.fullmatch(text) else _decimal(text, field, max_digits)
+    return _bounded(number, field, max_digits)
+
+
+def _quotient(text: str, field: str) -> Fraction:
+    numerator, denominator = (_integer(part) for part in text.split("/"))
+    if denominator == 0:
+        raise InputError.of(field, f"{shown(text)} has the denominator 0")
+    return Fraction(numerator, denominator)
+
+
+def _decimal(text: str, field: str, max_digits: int) -> Fraction:
     decimal = _DECIMAL.fullmatch(text)
     if decimal is None or not (decimal[2] or decimal[3]):
         hint = 'write a decimal such as "17.04" or a quotient "426/25"'
         if _DECIMAL.fullmatch(pointed := text.replace(",", ".")):
             hint = f'write a decimal point, "{pointed}"'
         raise InputError.of(field, f"{shown(text)} is not a finite number; {hint}")
-    sign, whole, part, exponent = decimal[1], decimal[2] or "", decimal[3] or "", int(decimal[4] or 0)
-    significand = _integer(whole + part)
-    shift = exponent - len(part)
+    sign, whole, part, exponent = decimal.groups(default="")
+    significand = _integer(f"{sign}{whole}{part}")
+    shift = int(exponent or 0) - len(part)
     if significand == 0:
         return Fraction(0)
     if abs(shift) > 2 * max_digits:
         raise _too_long(field, max_digits)
-    magnitude = Fraction(significand * 10**shift) if shift >= 0 else Fraction(significand, 10**-shift)
-    return _bounded(-magnitude if sign == "-" else magnitude, field, max_digits)
+    return Fraction(significand * 10**shift) if shift >= 0 else Fraction(significand, 10**-shift)
 
 
 def parse_positive(

@@ -88,17 +88,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         status = command.run(args)
         output.flush()
         return status
-    except InputError as error:
-        name_of = parser.option_of if parser else str
-        named = InputError([FieldProblem(name_of(p.field), p.message) for p in error.problems])
-        return _fail(name, str(named), BAD_INPUT)
-    except SolverError as error:
-        return _fail(name, f"no answer (solver-error): {error}", NO_ANSWER)
-    except ServiceError as error:
-        return _fail(name, str(error), BAD_INPUT if error.is_input else NO_SERVICE)
-    except output.OutputError as error:
-        output.discard()
-        return _fail(name, str(error), NO_ANSWER)
+    except (InputError, SolverError, ServiceError, output.OutputError, ValueError) as error:
+        message, status = _failure(error, parser)
+        return _fail(name, message, status)
     except JobInterrupted as interrupt:
         return _fail(name, str(interrupt), INTERRUPTED) if str(interrupt) else INTERRUPTED
     except KeyboardInterrupt:
@@ -106,14 +98,30 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         output.discard()
         return BROKEN_PIPE
-    except ValueError as error:
-        from pydantic import ValidationError  # imported here to keep the start quick
 
-        from worker.settings import settings_problem
 
-        if not isinstance(error, ValidationError):
-            raise
-        return _fail(name, settings_problem(error), BAD_INPUT)
+def _failure(error: Exception, parser: Parser | None) -> tuple[str, int]:
+    """The message and the exit status for a command that ended with an error; any other error is raised."""
+    match error:
+        case InputError():
+            name_of = parser.option_of if parser else str
+            return str(
+                InputError([FieldProblem(name_of(p.field), p.message) for p in error.problems])
+            ), BAD_INPUT
+        case SolverError():
+            return f"no answer (solver-error): {error}", NO_ANSWER
+        case ServiceError():
+            return str(error), BAD_INPUT if error.is_input else NO_SERVICE
+        case output.OutputError():
+            output.discard()
+            return str(error), NO_ANSWER
+    from pydantic import ValidationError  # imported here to keep the start quick
+
+    from worker.settings import settings_problem
+
+    if not isinstance(error, ValidationError):
+        raise error
+    return settings_problem(error), BAD_INPUT
 
 
 def _as_option(argv: Sequence[str]) -> Sequence[str]:

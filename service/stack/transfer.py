@@ -10,9 +10,10 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -212,20 +213,12 @@ def _commands(redis: Redis, key: bytes, kind: bytes, start: bytes) -> Iterator[C
         value = start if len(start) < _SHORT else cast("bytes | None", redis.get(key))
         if value is not None:
             yield b"SET", key, value
-    elif kind == b"list":
-        for values in _pages(redis, key):
-            yield b"RPUSH", key, *values
-    elif kind == b"set":
-        for members in _groups(redis.sscan_iter(key, count=_PAGE)):
-            yield b"SADD", key, *members
-    elif kind == b"hash":
-        for fields in _groups(redis.hscan_iter(key, count=_PAGE)):
-            yield b"HSET", key, *(part for field in fields for part in field)
-    elif kind == b"zset":
-        for pairs in _groups(redis.zscan_iter(key, count=_PAGE, score_cast_func=bytes)):
-            yield b"ZADD", key, *(part for member, score in pairs for part in (score, member))
     elif kind == b"stream":
         yield from _entries(redis, key)
+    elif kind in _PARTS:
+        command, parts_of = _PARTS[kind]
+        for group in parts_of(redis, key):
+            yield command, key, *group
     elif kind != b"none":
         raise TransferError(f"{key!r} has the type {kind.decode()}, which cannot be exported")
 
@@ -256,6 +249,25 @@ def _groups(items: Iterable[Any]) -> Iterator[list[Any]]:
             group = []
     if group:
         yield group
+
+
+def _hash_parts(redis: Redis, key: bytes) -> Iterator[Iterable[bytes]]:
+    for fields in _groups(redis.hscan_iter(key, count=_PAGE)):
+        yield chain.from_iterable(fields)
+
+
+def _sorted_set_parts(redis: Redis, key: bytes) -> Iterator[Iterable[bytes]]:
+    for pairs in _groups(redis.zscan_iter(key, count=_PAGE, score_cast_func=bytes)):
+        yield (part for member, score in pairs for part in (score, member))
+
+
+_PARTS: Mapping[bytes, tuple[bytes, Callable[[Redis, bytes], Iterator[Iterable[bytes]]]]] = {
+    b"list": (b"RPUSH", _pages),
+    b"set": (b"SADD", lambda redis, key: _groups(redis.sscan_iter(key, count=_PAGE))),
+    b"hash": (b"HSET", _hash_parts),
+    b"zset": (b"ZADD", _sorted_set_parts),
+}
+"""Type of a key → the command that adds to it, and its contents in groups of bounded size."""
 
 
 def _packed(command: Command) -> bytes:

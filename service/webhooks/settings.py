@@ -185,23 +185,29 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
         raise InputError.of(FIELD, f"has {len(url)} characters; at most {LONGEST} are allowed")
     if not _FORM.fullmatch(url) or "\\" in url:
         raise InputError.of(FIELD, f"is {shown}; give a URL such as https://example.com/hooks/cusps")
+    target = _parts_of(url)
+    if target is None:
+        raise InputError.of(FIELD, f"is {shown}; its host or port cannot be read")
+    if target.scheme == "http" and not settings.webhook_allow_http:
+        raise InputError.of(FIELD, f"is {shown}; it must be https:// (RPR_CUSPS_WEBHOOK_ALLOW_HTTP)")
+    if "@" in urlsplit(url).netloc or "#" in url:
+        raise InputError.of(FIELD, f"is {shown}; it must have no user, password or fragment")
+    if not any(fits(target.host, pattern) for pattern in settings.hosts):
+        raise InputError.of(
+            FIELD, f"names the host {target.host[:80]!r}, which RPR_CUSPS_WEBHOOK_HOSTS does not allow"
+        )
+    return target
+
+
+def _parts_of(url: str) -> Target | None:
     try:
         parts = urlsplit(url)
         port = {"http": 80, "https": 443}[parts.scheme] if parts.port is None else parts.port
         host = (parts.hostname or "").lower()
-        is_host = port > 0 and _is_host(host, parts.netloc)
+        if port == 0 or not _is_host(host, parts.netloc):
+            return None
     except ValueError:
-        is_host = False
-    if not is_host:
-        raise InputError.of(FIELD, f"is {shown}; its host or port cannot be read")
-    if parts.scheme == "http" and not settings.webhook_allow_http:
-        raise InputError.of(FIELD, f"is {shown}; it must be https:// (RPR_CUSPS_WEBHOOK_ALLOW_HTTP)")
-    if "@" in parts.netloc or "#" in url:
-        raise InputError.of(FIELD, f"is {shown}; it must have no user, password or fragment")
-    if not any(fits(host, pattern) for pattern in settings.hosts):
-        raise InputError.of(
-            FIELD, f"names the host {host[:80]!r}, which RPR_CUSPS_WEBHOOK_HOSTS does not allow"
-        )
+        return None
     path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
     return Target(parts.scheme, host, port, path)
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import difflib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, get_origin
+
+from pydantic.fields import FieldInfo
 
 from rpr_solver.errors import InputError
 from service.api.answers.request_body import json_of
@@ -102,31 +104,41 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
     {'from': '1', 'to': '3', 'step': '1'}
     """
     cells = dict(row)
-    kind = cells.pop("kind", CUSP_TABLE.name)
+
+    def taken(names: Iterable[str]) -> dict[str, str]:
+        return {name: cells.pop(name) for name in names if name in cells}
+
+    kind, name = cells.pop("kind", CUSP_TABLE.name), taken(["id"])
     fields = question_of(kind).model_fields if kind in KIND_NAMES else {}
-    name = {"id": cells.pop("id")} if "id" in cells else {}
-    request: dict[str, Any] = {"geometry": {x: cells.pop(x) for x in GEOMETRY if x in cells}}
-    parts = {
-        own: [*model.model_fields]
-        for own, info in fields.items()
-        if info.is_required() and isinstance(model := info.annotation, type) and issubclass(model, Document)
-    }
+    parts = _parts_of(fields)
+    has_range = any("range" in members for members in (fields, *parts.values()))
+    request: dict[str, Any] = {"geometry": taken(GEOMETRY)}
     for leg in LEGS:
-        ends = {end: cells.pop(f"{leg}_{end}") for end in ENDS if f"{leg}_{end}" in cells}
-        if ends:
-            request["range" if any("range" in members for members in (fields, *parts.values())) else leg] = (
-                ends
-            )
+        if ends := taken(f"{leg}_{end}" for end in ENDS):
+            request["range" if has_range else leg] = {x.removeprefix(f"{leg}_"): ends[x] for x in ends}
         if leg in cells:
-            lengths = cells.pop(leg)
-            is_list = leg in fields and get_origin(fields[leg].annotation) is tuple
-            request[leg] = lengths.split(";") if is_list else lengths
-    request |= {x: JsonNumber(cells.pop(x)) for x in _NUMBERS if x in cells}
+            request[leg] = _lengths(cells.pop(leg), fields.get(leg))
+    request |= {x: JsonNumber(number) for x, number in taken(_NUMBERS).items()}
     request |= cells
     for own, members in parts.items():
         moved = [x for x in members if x in request and x not in fields]
         request[own] = {x: request.pop(x) for x in moved}
     return {**name, "kind": kind, "request": request}
+
+
+def _lengths(text: str, field: FieldInfo | None) -> str | list[str]:
+    is_list = field is not None and get_origin(field.annotation) is tuple
+    return text.split(";") if is_list else text
+
+
+def _parts_of(fields: Mapping[str, FieldInfo]) -> Mapping[str, Sequence[str]]:
+    """Required parts of a question that are documents themselves → their members."""
+    models = {name: info.annotation for name, info in fields.items() if info.is_required()}
+    return {
+        name: [*model.model_fields]
+        for name, model in models.items()
+        if isinstance(model, type) and issubclass(model, Document)
+    }
 
 
 def _checked(sent: Sequence[str]) -> Sequence[str]:

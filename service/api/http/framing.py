@@ -109,24 +109,27 @@ class _StrictBuffer(ReceiveBuffer):
 def _check(lines: Sequence[bytes | bytearray]) -> None:
     """Refuse a head whose body could end at two places (RFC 9112, 5.2, 6.1 and 6.3)."""
     request, *fields = lines
-    lengths, codings = [], []
-    for line in fields:
-        if line[:1] in (b" ", b"\t"):
-            _refuse("a line of the head begins with white space")
-        name, _, value = line.partition(b":")
-        if name.lower() == b"content-length":
-            lengths.append(value.strip(b" \t"))
-        elif name.lower() == b"transfer-encoding":
-            codings += [coding.strip(b" \t").lower() for coding in value.split(b",")]
+    if any(line[:1] in (b" ", b"\t") for line in fields):
+        _refuse("a line of the head begins with white space")
     version = request.rpartition(b" ")[2]
     if version.startswith(b"HTTP/") and not version.startswith(b"HTTP/1."):
         _refuse("its version of HTTP is not 1.1 or 1.0")
+    lengths = _values_of(b"content-length", fields)
     if len(lengths) > 1 or not all(length.isdigit() for length in lengths):
         _refuse("Content-Length is not one number")
-    if not codings:
-        return
-    if lengths:
+    codings = [x for value in _values_of(b"transfer-encoding", fields) for x in value.split(b",")]
+    if codings and lengths:
         _refuse("it has both Content-Length and Transfer-Encoding")
+    if codings:
+        _check_codings([coding.strip(b" \t").lower() for coding in codings], bytes(version))
+
+
+def _values_of(name: bytes, fields: Sequence[bytes | bytearray]) -> Sequence[bytes | bytearray]:
+    parts = (line.partition(b":") for line in fields)
+    return [value.strip(b" \t") for sent, _, value in parts if sent.lower() == name]
+
+
+def _check_codings(codings: Sequence[bytes | bytearray], version: bytes) -> None:
     if version == b"HTTP/1.0":
         _refuse("HTTP/1.0 has no Transfer-Encoding")
     if codings[-1] != b"chunked" or codings.count(b"chunked") > 1:

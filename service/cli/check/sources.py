@@ -68,20 +68,23 @@ def find(sources: Sequence[str], *, ignore_others: bool = False) -> Found:
     geometries: list[Geometry] = []
     ignored: list[str] = []
     for source in sources:
-        if not folders[source]:
-            names, is_named = [source], not ignore_others
-        else:
-            names, is_named = [file for file in _files(source) if file not in known], False
-            known.update(names)
-        found = [(name, _geometry(name, is_named=is_named)) for name in names]
-        inside = [geometry for _, geometry in found if geometry is not None]
-        others = [_shown(name) for name, geometry in found if geometry is None]
-        if folders[source] and not inside and not _holds_any(source, known - set(names)):
+        is_folder = folders[source]
+        names = [file for file in _files(source) if file not in known] if is_folder else [source]
+        inside, others = _read(names, is_named=not is_folder and not ignore_others)
+        if is_folder and not inside and not _holds_any(source, known):
             what = f"no geometry in its JSON files: {listed(others)}" if others else "no *.json files"
             raise InputError.of("GEOMETRY", f"the folder {source!r} has {what}")
+        known.update(names)
         geometries += inside
         ignored += others
     return Found(geometries, ignored, sum(g.line is not None for g in geometries) + len(ignored))
+
+
+def _read(names: Sequence[str], *, is_named: bool) -> tuple[list[Geometry], list[str]]:
+    """Returns the geometries of files, and the names of the files that hold none."""
+    found = [(name, _geometry(name, is_named=is_named)) for name in names]
+    inside = [geometry for _, geometry in found if geometry is not None]
+    return inside, [_shown(name) for name, geometry in found if geometry is None]
 
 
 def listed(names: Sequence[str], most: int = 5) -> str:
