@@ -10,13 +10,15 @@ from pathlib import Path
 import pytest
 from redis import Redis
 
-import worker.lua
+import worker
 from worker.lua import Scripts, library, source
 
-FOLDER = Path(worker.lua.__file__).parent
-NAMES = sorted(path.stem for path in FOLDER.glob("*.lua"))
+ROOT = Path(worker.__file__).parents[1]
+FILES = sorted(path for package in ("worker", "service") for path in (ROOT / package).rglob("*.lua"))
 LIBRARIES = {"accounts", "announcements", "ends", "jobs", "kept", "listing", "now", "quotas", "slices"}
-SCRIPTS = sorted({*NAMES} - LIBRARIES)
+SCRIPTS = [
+    (path.stem, ".".join(path.relative_to(ROOT).parts[:-1])) for path in FILES if path.stem not in LIBRARIES
+]
 
 
 @pytest.fixture
@@ -31,22 +33,30 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     source.cache_clear()
 
 
-@pytest.mark.parametrize("name", SCRIPTS)
-def test_redis_takes_every_script(redis: Redis, name: str) -> None:
-    assert redis.script_load(source(name).text)
+@pytest.mark.parametrize(("name", "package"), SCRIPTS)
+def test_redis_takes_every_script(redis: Redis, name: str, package: str) -> None:
+    assert redis.script_load(source(name, package).text)
 
 
-@pytest.mark.parametrize("name", SCRIPTS)
-def test_every_declared_name_is_used(name: str) -> None:
-    script = source(name)
-    body = script.text.split("-- args:")[-1] + "".join(library("quotas") if "quotas" in script.text else "")
+@pytest.mark.parametrize(("name", "package"), SCRIPTS)
+def test_every_declared_name_is_used(name: str, package: str) -> None:
+    script = source(name, package)
+    body = script.text.split("-- args:")[-1]
+    if name in ("admit", "receive"):  # what they share stands there, with their names
+        body += library("quotas")
     for declared in (*script.keys, *script.args):
         assert re.search(rf"\b{declared.removesuffix('...')}\b", body), declared
 
 
 def test_no_script_takes_keys_or_arguments_by_their_places() -> None:
-    for name in NAMES:
-        assert not re.search(r"\b(KEYS|ARGV)\b", (FOLDER / f"{name}.lua").read_text()), name
+    for path in FILES:
+        assert not re.search(r"\b(KEYS|ARGV)\b", path.read_text()), path
+
+
+def test_no_script_stands_in_python() -> None:
+    for package in ("worker", "service"):
+        for path in (ROOT / package).rglob("*.py"):
+            assert "redis.call(" not in path.read_text(), path
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import cast
 
 from redis import Redis
 from redis.exceptions import RedisError
@@ -19,23 +18,10 @@ from service.api.access.keys import KeyStore
 from service.api.context import Context
 from service.api.http.errors import problem_of
 from service.api.problems import ProblemError, ProblemType
+from worker.lua import Scripts
 
 WINDOW = 60
 """Seconds in which an empty allowance is full again."""
-
-# The generic cell rate algorithm. The key has the time at which the allowance is full again.
-# Returns whether the request is allowed, the milliseconds until one is, and until the allowance is full.
-_TAKE = """
-local key, limit, window = KEYS[1], tonumber(ARGV[1]), tonumber(ARGV[2])
-
-local time = redis.call('TIME')
-local now = time[1] + time[2] / 1e6
-local full = math.max(now, tonumber(redis.call('GET', key) or 0)) + window / limit
-local wait = full - now - window
-if wait > 1e-6 then return {0, math.ceil(wait * 1000), math.ceil((window + wait - window / limit) * 1000)} end
-redis.call('SET', key, string.format('%.6f', full), 'PX', math.ceil((full - now) * 1000))
-return {1, 0, math.ceil((full - now) * 1000)}
-"""
 
 
 @dataclass(frozen=True)
@@ -77,12 +63,13 @@ class RateLimit:
     def __init__(self, redis: Redis, prefix: str, limit: int) -> None:
         self.limit = limit
         self._prefix = prefix
-        self._take = redis.register_script(_TAKE)
+        self._run = Scripts(redis, "service.api.access")
 
     def take(self, caller_id: str) -> Allowance:
         """Take one request from the allowance of a caller."""
         key = f"{self._prefix}:rate:{caller_id}"
-        allowed, retry_ms, full_ms = cast("list[int]", self._take(keys=[key], args=[self.limit, WINDOW]))
+        reply = self._run("take_request", allowance=key, limit=self.limit, window=WINDOW)
+        allowed, retry_ms, full_ms = reply
         return Allowance(self.limit, not allowed, retry_ms / 1000, full_ms / 1000)
 
 
