@@ -22,7 +22,7 @@ Exception
 ├── RefusedError            webhooks.sending: the address of a callback may not be reached
 ├── TooManyCallbacksError   (the worker's) worker.jobs.callbacks: a job has as many as it may have
 ├── ServiceError            errors: the service refused, failed, or cannot be reached
-├── UnreachableError        (the worker's) worker.connection: nobody answers at the address of Redis
+├── UnreachableError        (the worker's) worker.connection: Redis does not answer at its URL
 └── WorkerError             (the worker's) worker.process.worker: the worker cannot start
 """
 

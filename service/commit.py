@@ -22,7 +22,7 @@ _PATIENCE = 5.0
 
 @cache
 def commit() -> str | None:
-    """Returns the commit, with `-dirty` if files were changed after it; None if nobody knows it."""
+    """Returns the commit, with `-dirty` if files were changed after it; None if it is unknown."""
     noted = note_of(ROOT)
     return None if noted is None else noted.partition(" ")[0]
 

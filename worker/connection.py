@@ -58,7 +58,7 @@ class UnreachableError(Exception):
 
 
 class _Retry(Retry):
-    """Tries again several times when the connection is lost, but only so often when no answer comes."""
+    """Retries `lost` times after a lost connection, and `unanswered` times after a time-out."""
 
     def __init__(self, lost: int, unanswered: int) -> None:
         super().__init__(ExponentialBackoff(cap=0.5, base=0.02), lost)
@@ -186,7 +186,7 @@ def _may_pass(error: Exception, url: str) -> bool:
 def wait_for(url: str, is_wanted: Callable[[], bool], tell: Callable[[str], object]) -> bool:
     """Wait until the server at `url` answers, with growing pauses; says once that it waits.
 
-    Each try is made in a thread, so that whoever is no longer wanted need not wait for its end.
+    Each try is made in a thread, so that a process that is to stop need not wait for its end.
 
     Returns False if it is no longer wanted.
 
@@ -284,7 +284,7 @@ def address(redis: Redis) -> str:
 
 
 def check_address(url: str) -> None:
-    """Refuse what redis-py would misread in silence, or quote with a part of the password."""
+    """Refuse URLs that redis-py would silently misread, or quote with a part of the password."""
     try:
         parts = urlsplit(url)
         _ = parts.port

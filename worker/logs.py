@@ -45,8 +45,8 @@ def subject(name: str) -> str:
 def set_up(level: str, form: LogFormat, *, in_background: bool = False) -> None:
     """Send all log lines of this process to stderr.
 
-    With `in_background`, a thread writes them, so that whoever logs never waits for the reader of stderr; if
-    that reader hangs, lines are dropped and counted. A process that forks must not use it.
+    With `in_background`, a thread writes them, so that logging never waits for the reader of stderr; if that
+    reader hangs, lines are dropped and counted. A process that forks must not use it.
     """
     handler: logging.Handler = _Background(sys.stderr) if in_background else logging.StreamHandler()
     handler.setFormatter(_formatter(form))
@@ -71,7 +71,7 @@ def told(program: str, message: str, level: int = logging.ERROR) -> str:
 
 
 def log_uncaught(program: str) -> None:
-    """If lines are to be objects, let warnings and errors be such that nobody catches or logs otherwise."""
+    """If lines are JSON objects, log warnings and uncaught errors as objects, too."""
     if asked_form() == "text":
         return
     logger, form = f"rpr_cusps.{program.split()[-1]}", _Json()
@@ -157,7 +157,7 @@ class _Background(logging.Handler):
         try:
             if self._dropped:
                 dropped = logging.makeLogRecord({**record.__dict__, "args": None, "exc_info": None})
-                dropped.msg = f"{self._dropped} log lines were dropped, since nobody read them"
+                dropped.msg = f"{self._dropped} log lines were dropped, because they were not read"
                 self._lines.put_nowait(self.format(dropped))
                 self._dropped = 0
             self._lines.put_nowait(self.format(record))

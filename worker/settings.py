@@ -26,7 +26,7 @@ from worker.logs import LogFormat
 
 
 class EnvironmentSettings(BaseSettings):
-    """Settings that come from the variables `RPR_CUSPS_…`, or are given in code."""
+    """Settings from the variables `RPR_CUSPS_…`, or given in code."""
 
     model_config = SettingsConfigDict(env_prefix="RPR_CUSPS_", frozen=True, extra="ignore")
 

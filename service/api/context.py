@@ -35,7 +35,7 @@ class Context:
     Attributes:
         settings: how the process runs.
         queue: the jobs and results.
-        callbacks: who is told of the ends of jobs.
+        callbacks: the URLs to call at the end of jobs.
         events: the event streams of jobs.
         metrics: counts and times.
         redis: runs what uses Redis, outside the event loop.
@@ -89,7 +89,7 @@ class Context:
         )
 
     async def check_redis(self) -> None:
-        """Log what is wrong with Redis, if it can be reached; requests will tell if it cannot."""
+        """Log problems of a Redis that can be reached; requests report one that cannot."""
         with suppress(RedisError):
             warning = await self.redis(eviction_warning, self.queue.redis)
             if warning is not None:

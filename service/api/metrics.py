@@ -121,7 +121,7 @@ class QueueCollector(Collector):
         try:
             load = read_load(self.queue.redis, self.queue.settings)
         except RedisError as error:
-            log.warning("metrics without a queue: %s", error)
+            log.warning("no metrics of the queue: %s", error)
             yield _gauge_of(UP, {(): 0})
             return
         yield _gauge_of(UP, {(): 1})

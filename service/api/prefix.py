@@ -1,7 +1,7 @@
 """The path prefix under which a reverse proxy shows the service, as in https://example.com/cusps/.
 
-It is a setting, or what a trusted proxy says in `X-Forwarded-Prefix`. Requests come with it or without, as
-the proxy has it; inside, paths have none, and every link in an answer has it.
+It is a setting, or the `X-Forwarded-Prefix` of a trusted proxy. Requests come with it or without, as the
+proxy has it; inside, paths have none, and every link in an answer has it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from worker.settings import Network
 
 HEADER = "x-forwarded-prefix"
 PEER = "rpr_cusps.peer"
-"""In the scope of a request: the address at the other end of its connection, whoever it is forwarded for."""
+"""In the scope of a request: the address of the peer, even if the request is forwarded for another client."""
 
 _FORM = re.compile(r"(/(?!\.\.?(/|$))[A-Za-z0-9._~-]+)*", re.ASCII)
 _LONGEST = 200

@@ -38,7 +38,8 @@ _REMEMBERED = 50
 
 
 class Breaker:
-    """Whether Redis may be asked: after a time-out nobody asks for a moment, then one at a time."""
+    """A circuit breaker for Redis: open for a moment after a time-out, then half-open (one request at a
+    time)."""
 
     def __init__(self, pause: float = _PAUSE) -> None:
         self._pause = pause

@@ -1,4 +1,4 @@
-"""Batches: their submission, and their results on stdout, each as soon as it is there."""
+"""Batches: their submission, and their results on stdout, each as soon as it is done."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _TABLE = "cusp-table"
 
 
 def print_results(name: str, results: Generator[ItemResult, None, None], form: str) -> int:
-    """Print results as they come, and how many are no answers on stderr; returns the exit status.
+    """Print results as they arrive, and the number of failures on stderr; returns the exit status.
 
     Ctrl-C never cuts a line; it is handed on to the iterator, which knows what becomes of the batch.
 
@@ -100,7 +100,7 @@ def _csv(rows: Sequence[Sequence[str]]) -> str:
 
 
 _SUBMIT = """\
-Send many questions to a service as one batch, and print their answers in the order asked, as they come.
+Send many questions to a service as one batch, and print their answers in order, as they arrive.
 
 FILE is a JSON array of items, NDJSON with an item a line, or CSV with a geometry a row; - is standard input.
 An item is {"id": …, "kind": …, "request": …}; docs/batches.md has the kinds and the columns."""

@@ -1,4 +1,4 @@
-"""What is sent as a batch: items as lines, or a file as it is."""
+"""The body of a batch: items as lines, or a file unchanged."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def body_of_items(items: Iterable[Item]) -> Body:
 
 
 def body_of_file(file: Path | BinaryIO) -> Body:
-    """Returns a file as the body of a batch: a JSON array, NDJSON, or CSV, which its beginning tells.
+    """Returns a file as the body of a batch: a JSON array, NDJSON, or CSV, recognised by its beginning.
 
     Raises:
         InputError: it cannot be read.

@@ -75,7 +75,7 @@ class AsyncServiceClient:
         return Job.model_validate(conversation.job)
 
     async def slices(self, asked: Asked[CuspTable]) -> AsyncGenerator[Mapping[str, Any], None]:
-        """Yields the slices of a table in the order asked, each as soon as those before it are there.
+        """Yields the slices of a table in the order of the question, each as soon as all before it are known.
 
         An interruption, or the end of the iteration before all came, withdraws the question.
 
@@ -159,12 +159,13 @@ class AsyncServiceClient:
         as_done: bool = False,
         after: int = -1,
     ) -> AsyncGenerator[ItemResult, None]:
-        """Yields the results of a batch, as they come, whoever submitted it; one that failed has a problem.
+        """Yields the results of a batch as they are computed, even if another client submitted it; a failed
+        item has a problem.
 
         Args:
             batch_id: the id of the batch.
             on_progress: called as `on_progress(received, total)`.
-            wait: until all are there; otherwise what is done now.
+            wait: until all are done; otherwise only those that are done now.
             as_done: in the order in which they are done, instead of that of the items.
             after: only items after this position, in the order of the items.
 

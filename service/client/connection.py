@@ -86,7 +86,7 @@ class Connection:
 
     @asynccontextmanager
     async def stream(self, call: Call) -> AsyncIterator[tuple[httpx.Response, Lines]]:
-        """Send a request; gives the response, and the lines of its body as they come if it is a success."""
+        """Send a request; gives the response and, on success, the lines of its body as they arrive."""
         async with self._http.stream(**call.options) as response:
             if not response.is_success:
                 await response.aread()
@@ -127,7 +127,7 @@ class BlockingConnection(Connection):
 
     @asynccontextmanager
     async def stream(self, call: Call) -> AsyncIterator[tuple[httpx.Response, Lines]]:
-        """Send a request; gives the response, and the lines of its body as they come if it is a success."""
+        """Send a request; gives the response and, on success, the lines of its body as they arrive."""
         with self._blocking.stream(**call.options) as response:
             if not response.is_success:
                 response.read()

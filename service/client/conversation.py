@@ -29,7 +29,7 @@ _IN_PROGRESS, _IN_PROGRESS_PAUSE = "submission-in-progress", 2.0
 
 
 def silent(_done: int, _total: int) -> None:
-    """Progress that nobody follows."""
+    """Ignores progress."""
 
 
 def address(job_id: str) -> str:
@@ -82,7 +82,7 @@ class Conversation:
         return response
 
     async def submit(self, body: Body, key: str, callback_url: str | None) -> Batch:
-        """Submit a batch. Whatever breaks, it is made once: it is known by its key."""
+        """Submit a batch. It is created only once, even if connections break, because it has a key."""
         self._outcome_unknown = (
             f"the batch may not have been accepted; sent again with the key {key} it is the same"
         )

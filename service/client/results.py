@@ -1,4 +1,4 @@
-"""Answers that come piece by piece: the results of a batch, and the slices of a table."""
+"""Answers that are read piece by piece: the results of a batch, and the slices of a table."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class ResultReader:
         connection: the connection to the service.
         batch_id: the id of the batch.
         on_progress: called as `on_progress(received, total)`.
-        wait: read until all are there; otherwise what is done now.
+        wait: read until all are done; otherwise only those that are done now.
         as_done: in the order in which they are done, instead of that of the items.
         after: only items after this position, in the order of the items.
     """
@@ -119,7 +119,7 @@ class ResultReader:
         self._tries = self._looks = _TRIES
 
     async def results(self) -> AsyncGenerator[ItemResult, None]:
-        """Yields the results as they come.
+        """Yields the results as they arrive.
 
         Raises:
             ServiceError: the service refused or failed, cannot be reached any more, or does not have all.
@@ -187,7 +187,7 @@ class ResultReader:
 async def slices_of(
     conversation: Conversation, asked: Asked[CuspTable]
 ) -> AsyncGenerator[Mapping[str, Any], None]:
-    """Yields the slices of a table in the order asked, each as soon as those before it are there.
+    """Yields the slices of a table in the order of the question, each as soon as all before it are known.
 
     Raises:
         ServiceError: the service refused, failed, or cannot be reached.
@@ -231,7 +231,7 @@ async def _events(conversation: Conversation) -> AsyncGenerator[tuple[str, Mappi
 
 
 class InOrder:
-    """Holds slices back until those before them are there.
+    """Holds slices back until all before them are known.
 
     >>> slices = InOrder(["1", "2", "3"])
     >>> [list(slices.take(length, {"l1": length})) for length in ("2", "1", "3")]

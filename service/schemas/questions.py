@@ -93,7 +93,7 @@ CallbackUrl = Annotated[
     str | None,
     PlainValidator(_url, json_schema_input_type=str | None),
 ]
-"""Where the end of a job is to be told, or None; the service checks whether it may go there."""
+"""The callback URL of the question, or None; the service checks whether it is allowed."""
 
 
 class Question(Document):
@@ -134,7 +134,7 @@ class Question(Document):
     geometry: GeometryField
     deadline_s: DeadlineSeconds = Field(
         default=None,
-        exclude=True,  # no part of the question: whoever asks the same shares the answer
+        exclude=True,  # not part of the question: equal questions share the answer
         description="Seconds from now after which the answer is of no use. A job that is not done by then, "
         "queued or running, fails as `job-timeout`; of several clients, the latest deadline counts. "
         "Without it, a job may wait without limit.",
@@ -175,7 +175,7 @@ class Question(Document):
 
 
 def check_price(request: JobRequest, limits: Limits) -> None:
-    """Refuse a question whose answer takes too long, whatever is known already.
+    """Refuse a question whose answer takes too long, even if parts of it are known.
 
     Raises:
         LimitError: naming what to reduce: whatever suffices alone, or else what saves most.

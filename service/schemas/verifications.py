@@ -145,7 +145,7 @@ is 202 with a job.
     @model_validator(mode="before")
     @classmethod
     def _with_its_geometry(cls, value: Any) -> Any:
-        """The geometry is that of the document; whatever is wrong with it, the document's validation says."""
+        """The geometry is that of the document; the document's validation reports any fault in it."""
         document = value.get("document")
         geometry = document.get("geometry") if isinstance(document, Mapping) else None
         try:

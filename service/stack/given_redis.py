@@ -19,7 +19,7 @@ class GivenRedis:
         url: its address.
         check: judges it once it answers; raises StackError if the service cannot run with it.
         is_wanted: whether to look on.
-        tell: says that it is waited for.
+        tell: reports that `serve` waits for Redis.
     """
 
     def __init__(

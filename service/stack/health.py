@@ -32,7 +32,7 @@ class Pulse:
                 time.sleep(_PAUSE)
 
     def _ask(self) -> bool:
-        """Ask, and hear an answer, if only a late one to an earlier question; False once nobody is there."""
+        """Ping, and read an answer, even a late one to an earlier ping; False if nothing listens."""
         try:
             self._socket.sendall(_HEALTH)
             answer = self._socket.recv(1 << 16)

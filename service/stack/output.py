@@ -31,7 +31,7 @@ def announce(text: str) -> None:
 
 
 def _write(fd: int, form: Callable[[str], str], text: str) -> None:
-    """A full disk, a reader that is gone or one that no longer reads loses the line, not the service."""
+    """A full disk, or a reader that has ended or hangs, costs the line, not the service."""
     text = " ".join(text.split())
     while len(whole := f"{form(text)}\n".encode(errors="backslashreplace")) > select.PIPE_BUF:
         text = f"… {text[len(text) // 4 :]}"  # its end says why

@@ -196,7 +196,7 @@ def _announcement(settings: ServeSettings, listener: socket.socket, where: str) 
 
 
 def _check_keys(policy: KeysPolicy, settings: ServeSettings, listener: socket.socket, url: str) -> None:
-    """Refuse to ask for keys if there is none; say it if strangers are let in.
+    """Refuse to start if keys are required and there is none; warn if anyone has access.
 
     Raises:
         StackError: there is none.
@@ -205,4 +205,7 @@ def _check_keys(policy: KeysPolicy, settings: ServeSettings, listener: socket.so
         where = "" if settings.data_dir is None else f" --data-dir {settings.data_dir}"
         check_keys(listener, url, where if settings.redis_url is None else " --redis-url …")
     if policy == "never" and not is_loopback(listener):
-        say(f"without keys: whoever reaches {settings.host} port {listener.getsockname()[1]} may use it")
+        say(
+            f"no keys are required: anyone who reaches {settings.host} port {listener.getsockname()[1]} may "
+            "use it"
+        )

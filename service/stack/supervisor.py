@@ -40,7 +40,7 @@ class ApiChild:
     Args:
         listener: the listening socket.
         settings: those of the API that differ from the environment.
-        say: tells what happens to the process.
+        say: reports what happens to the process.
         hang_seconds: how long it may be silent.
     """
 
@@ -106,7 +106,7 @@ class Supervisor:
         self._announce_at = float("inf")
 
     def run(self, is_wanted: Callable[[], bool], is_reached: Callable[[], bool] = lambda: True) -> None:
-        """Start the API and the workers, and keep everything running as long as it is wanted.
+        """Start the API and the workers, and keep everything running until a stop signal.
 
         It is announced once Redis is reached.
         """

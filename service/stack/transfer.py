@@ -63,7 +63,7 @@ def export_store(redis: Redis, settings: WorkerSettings, path: Path) -> Moved:
     partial = path.with_name(f"{path.name}.partial")
     try:
         if path.exists():
-            raise TransferError(f"{path} is there already; choose another name")
+            raise TransferError(f"{path} exists already; choose another name")
         partial.unlink(missing_ok=True)  # of an export that was cut off
         fd = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
         try:
@@ -111,7 +111,7 @@ def import_store(redis: Redis, settings: WorkerSettings, path: Path) -> Moved:
 
 
 def _mark(settings: WorkerSettings) -> str:
-    """The key that is there while an import is not complete."""
+    """The key that exists while an import is incomplete."""
     return f"{settings.key_prefix}:import"
 
 
@@ -202,7 +202,7 @@ def _queues(redis: Redis, settings: WorkerSettings) -> Iterator[bytes]:
 
 
 def _commands(redis: Redis, key: bytes, kind: bytes, start: bytes) -> Iterator[Command]:
-    """Yields the commands that make a key, a bounded part of it at a time; none if it is gone.
+    """Yields the commands that create a key, a bounded part at a time; none if the key no longer exists.
 
     `start`: the first bytes of a string, all if they are few.
 

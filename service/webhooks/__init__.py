@@ -1,1 +1,1 @@
-"""Webhooks: the news that a job or a batch has ended, sent to the callers who asked for it."""
+"""Webhooks: events at the end of jobs and batches, sent to the clients' URLs."""

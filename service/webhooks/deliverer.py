@@ -35,7 +35,7 @@ log = logging.getLogger("rpr_cusps.service")
 
 _SENDERS = 8
 _OF_ONE_HOST = 2
-_OF_ONE_PATTERN = 4  # whoever owns a domain has as many names in it as wanted
+_OF_ONE_PATTERN = 4  # the owner of a domain can create any number of names in it
 _REST = 3.0  # of a host that did not answer in time, in time-outs
 _LOOK = 0.5  # seconds between two looks at what is due
 _LONGEST_WISH = 86400.0  # of a Retry-After
@@ -56,7 +56,7 @@ class Deliverer:
         settings: who may be called, and how.
         worker_settings: of the installation.
         shown: what gives the document of a job or a batch.
-        margin: how long nobody else repeats an attempt after its time-out, in seconds.
+        margin: seconds after the time-out of an attempt during which nothing repeats it.
     """
 
     def __init__(
@@ -155,14 +155,14 @@ def judged(answer: Answer) -> tuple[State, str | None]:
     if 200 <= answer.status < 300:
         return "delivered", None
     if answer.status == 410:
-        return "gone", "the receiver wants no more (410)"
+        return "gone", "the receiver declined further attempts (410)"
     if 300 <= answer.status < 400:
         return "pending", "redirects are not followed"
     return "pending", f"the receiver answered {answer.status}"
 
 
 def pause(seconds: float, wish: float | None) -> float:
-    """Returns the time until the next attempt: a little longer than planned, or as the receiver wishes."""
+    """Returns the time until the next attempt: a little more than planned, or `Retry-After`."""
     return max(seconds * random.uniform(1, 1 + _JITTER), min(wish or 0.0, _LONGEST_WISH))
 
 

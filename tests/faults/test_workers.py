@@ -64,7 +64,7 @@ def test_redis_is_killed_and_comes_back(own_valkey: EmbeddedValkey, own_workers:
     with connect(own_valkey.url) as redis:
         until(lambda: JobQueue(redis).workers() == 1)
         assert succeeds(redis)
-    until(lambda: "work is possible again" in own_workers.log.read_text())
+    until(lambda: "working again after" in own_workers.log.read_text())
     assert worker.poll() is None
 
 

@@ -40,7 +40,7 @@ def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
 
 
 def solved(request: JobRequest, _store: Store, progress: Progress, certificate: str = SHORT) -> Document:
-    """The census of a range, computed anew.
+    """The census of a range, computed from scratch.
 
     Raises:
         SolverError: a transition could not be decided.

@@ -1,10 +1,10 @@
 """What an answer costs, estimated from the sizes of its numbers before anything is computed.
 
-Sizes are taken from the texts of a question alone. Every number counts, in whatever member it stands, so that
-a new kind of question has sizes too; a kind may correct them (`Kind.measure`). The estimates are seconds of
-one core. They grow with each size, and take as long as it takes to read the question once. Here are those of
-what several kinds need. `python -m benchmarks.cost` searches for the questions that take longest for their
-estimate; docs/worker.md has the outcome.
+Sizes are read from the texts of a question. Every number counts, in any member, so that a new kind of
+question has sizes too; a kind may correct them (`Kind.measure`). The estimates are seconds of one core. They
+grow with each size, and take as long as it takes to read the question once. Here are those of what several
+kinds need. `python -m benchmarks.cost` searches for the questions that take longest for their estimate;
+docs/worker.md has the outcome.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Cost:
     each: float
 
     def of(self, parts: int) -> float:
-        """Returns the seconds for so many parts."""
+        """Returns the seconds for this number of parts."""
         return self.once + self.each * parts
 
 
@@ -119,7 +119,7 @@ def fewer_parts(content: Mapping[str, Any], size: Sizes) -> Mapping[str, tuple[S
 
 
 def digits_of_bits(bits: int) -> int:
-    """Returns the decimal digits of a number of so many bits."""
+    """Returns the decimal digits of a number with this number of bits."""
     return int(bits * 0.30103) + 1
 
 
@@ -136,7 +136,7 @@ def exact_bits(document: Mapping[str, Any], longest: int, digits: int) -> int:
 
 
 def elimination(size: Sizes) -> float:
-    """In balls at so many lengths, whose precision grows with the coefficients."""
+    """In balls at this number of lengths, whose precision grows with the coefficients."""
     return 0.02 + 0.003 * size.geometry + 4e-6 * size.geometry**2
 
 

@@ -64,7 +64,7 @@ def verification(request: JobRequest, _store: Store, progress: Progress) -> Docu
 
 
 def parts_to_verify(document: Mapping[str, Any]) -> int:
-    """Returns how many slices a verification solves anew: those listed, or one in each interval.
+    """Returns the number of slices that a verification solves: those listed, or one in each interval.
 
     Ten tubes of a full certificate cost as much as one.
     """

@@ -23,7 +23,7 @@ def new_batch() -> str:
 
 
 def batch_request(token: str, count: int = 0) -> JobRequest:
-    """Returns the request for the job of a batch; a batch is one submission, whatever its items are."""
+    """Returns the request for the job of a batch; a batch is one submission, even with equal items."""
     return JobRequest(BATCH, {"batch": token, "count": count})
 
 
@@ -62,7 +62,7 @@ class Item:
     kind: str | None = None
 
     def to_json(self) -> str:
-        """Returns the item as it is kept."""
+        """Returns the item as stored."""
         parts: dict[str, Any] = {} if self.id is None else {"id": self.id}
         if self.kind is not None:
             parts["kind"] = self.kind
@@ -73,7 +73,8 @@ class Item:
         return json.dumps(parts, separators=(",", ":"))  # ASCII: what it quotes may not be encodable
 
     def to_texts(self) -> tuple[str, str]:
-        """Returns the item as it is kept beside its result, and the whole of it if that is more, or empty."""
+        """Returns the item as stored beside its result, and the whole item if that is longer, otherwise
+        empty."""
         whole = self.to_json()
         if self.request is None or len(whole) <= KEPT_WHOLE:
             return whole, ""
@@ -102,7 +103,7 @@ class Outcome:
     slices: Mapping[str, Any] = field(default_factory=dict)
 
     def to_json(self) -> str:
-        """Returns the outcome as it is kept; empty if there is nothing to keep."""
+        """Returns the outcome as stored; empty if there is nothing to store."""
         if self.failure is not None:
             return dump({"failure": self.failure})
         return dump({"slices": self.slices}) if self.slices else ""

@@ -59,7 +59,7 @@ def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
 
 
 def figure(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.Figure:
-    """Draw the same, to be had in any form of a picture."""
+    """Draw the same, for any format of a picture."""
     from worker.answers.pictures import figure_of  # by those who draw: a service starts sooner
 
     content = request.content

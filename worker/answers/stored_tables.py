@@ -19,7 +19,7 @@ BATCH_BYTES = 256 << 10
 """The size of a batch; only a batch of one slice may be larger."""
 
 _BATCH_SLICES = 64
-_FEW = 8  # so many slices are read at once, instead of measured first
+_FEW = 8  # up to this number, slices are read at once instead of measured first
 
 
 class ResultLostError(Exception):

@@ -133,7 +133,7 @@ class Group(Generic[T]):
 
     Args:
         keep: keeps slices in the order in which they were added; gives False if the others are not wanted.
-        one_by_one: whether each slice is kept as soon as it is solved.
+        one_by_one: whether each slice is stored as soon as it is solved.
     """
 
     def __init__(self, keep: Callable[[Sequence[T]], bool], *, one_by_one: bool = False) -> None:

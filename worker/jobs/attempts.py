@@ -164,7 +164,7 @@ class Attempts(ChunkReader):
         """Note that an attempt takes a few times its estimate, the first time if it `is_new`.
 
         A worker that is kept for short work gives such a chunk back, once, to a lane from which it takes
-        nothing. The next attempt goes on where this one was, and no loss is counted.
+        nothing. The next attempt continues where this one stopped, and no loss is counted.
 
         Returns the next attempt and its lane if this one is to be given back, which its worker then ends.
         """
@@ -181,7 +181,7 @@ class Attempts(ChunkReader):
         return bool(self._step("beat", ref, **self._beat_keys(ref), worker=worker, ttl=self._beat_ms))
 
     def end_beat(self, ref: ChunkRef) -> bool:
-        """Record that nobody runs this attempt any more: free its locks, and delete its RQ job.
+        """Record that this attempt no longer runs: release its locks, and delete its RQ job.
 
         Returns whether it is still open, as for `beat`.
         """

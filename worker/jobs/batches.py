@@ -26,7 +26,7 @@ from worker.lua import Scripts
 from worker.settings import WorkerSettings
 
 INTAKE_TTL = 120
-"""Seconds for which the items of a batch are kept until more come, or the batch begins."""
+"""Seconds for which the items of a batch are kept until more arrive or the batch starts."""
 
 ItemState = Literal["open", "succeeded", "failed"]
 

@@ -1,6 +1,6 @@
-"""Callbacks: who is called when a job ends, and the deliveries of that news.
+"""Callbacks: the URLs to call when a job ends, and the deliveries of these events.
 
-Whoever claims a delivery takes a lease: its entry moves to the time at which another may claim it, so that a
+To claim a delivery is to take a lease: its entry moves to the time at which another may claim it, so that a
 delivery survives those who make it.
 """
 
@@ -28,7 +28,7 @@ _READY_SECONDS = 60
 _MAX_AT_ONCE = 1000
 
 State = Literal["pending", "delivered", "gone", "refused", "exhausted"]
-"""How a delivery stands: `gone` if the receiver answered 410, `refused` if its address is not allowed,
+"""The state of a delivery: `gone` if the receiver answered 410, `refused` if its address is not allowed,
 `exhausted` after the last attempt."""
 
 
@@ -64,7 +64,7 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Delivery:
-    """The news of one end of a job for one receiver.
+    """The event of one end of a job for one receiver.
 
     Attributes:
         id: the same at every attempt.
@@ -111,7 +111,7 @@ class Callbacks:
             raise TooManyCallbacksError(job_id)
 
     def claim(self, lease: float, must_wait: Iterable[str] = ()) -> Delivery | None:
-        """Begin an attempt at a delivery that is due; nobody else does for `lease` seconds.
+        """Start an attempt at a due delivery; no other process does for `lease` seconds.
 
         Args:
             lease: how long.

@@ -102,7 +102,7 @@ class Bytes:
     Attributes:
         whole: while its job is active.
         kept: after its end.
-        client: who is to have them counted; nobody if empty.
+        client: the client for whom they are counted; none if empty.
     """
 
     whole: int
@@ -162,7 +162,7 @@ class Quotas:
             self._ask("admit", client, job_id, size, quota, bounds)
 
     def receive(self, client: str, job_id: str, size: int, quota: Quota, seconds: float) -> None:
-        """Count a question of which so many bytes have come; more will within so many seconds.
+        """Count the received bytes of a question; more are expected within the given seconds.
 
         Raises:
             QuotaError: it is more than its quota.
@@ -175,7 +175,7 @@ class Quotas:
         self.redis.hdel(self.keys.client(client), job_id)
 
     def forget_received(self, client: str, job_id: str) -> None:
-        """Count no longer what has come of a question."""
+        """Stop counting the received part of a question."""
         self.redis.hdel(self.keys.kept(client), job_id)
 
     def _ask(

@@ -203,7 +203,7 @@ def read_load(redis: Redis, settings: WorkerSettings) -> Load:
 _TRIAL_TTL = 1000  # milliseconds
 
 STILL = 60.0
-"""Seconds after which a small job should have begun, whatever else there is to do."""
+"""Seconds after which a small job should have started, however much other work there is."""
 
 
 @dataclass(frozen=True)
@@ -228,7 +228,7 @@ def readiness(redis: Redis, settings: WorkerSettings) -> Readiness:
 
 
 def _stalled(redis: Redis, settings: WorkerSettings) -> Iterator[str]:
-    """Yields a warning for each lane that nobody empties, although workers are alive."""
+    """Yields a warning for each lane that stands still although workers are alive."""
     roster, queues = Roster(redis, settings), ChunkQueue(redis, settings).queues
     heavy: tuple[Lane, ...] = ("heavy", "heavy-batch")
     with redis.pipeline(transaction=False) as pipe:

@@ -132,7 +132,7 @@ class Keys(SharedKeys):
 
     @property
     def walk(self) -> str:
-        """How far the search for active jobs among all keys has come."""
+        """The position of the search for active jobs among all keys."""
         return f"{self.prefix}:walk:{self.version}"
 
     @property

@@ -75,7 +75,7 @@ class QueueFullError(Exception):
 
 
 def plan(cost: Cost, parts: int, settings: WorkerSettings) -> Plan:
-    """Returns the plan of a job of so many parts.
+    """Returns the plan of a job with this number of parts.
 
     A chunk is about `chunk_seconds` of work, without what is computed once for all chunks. A chunk that may
     take much longer, since a single part or what is computed once does, is heavy.
@@ -93,7 +93,7 @@ def plan(cost: Cost, parts: int, settings: WorkerSettings) -> Plan:
 
 
 def plan_batch(costs: Sequence[float], settings: WorkerSettings) -> Plan:
-    """Returns the plan of a batch whose items are estimated to take so many seconds each.
+    """Returns the plan of a batch from the estimated seconds of each item.
 
     A chunk is about `chunk_seconds` of work, and stays far below the deadline if all its items are as long as
     the longest one.

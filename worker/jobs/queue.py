@@ -32,7 +32,7 @@ _REMEMBERED = 10_000
 
 
 class JobLookup:
-    """Finds jobs, of whatever version of the solver, and their answers."""
+    """Finds jobs of any version of the solver, and their answers."""
 
     def __init__(self, redis: Redis, settings: WorkerSettings | None = None) -> None:
         self.redis = redis
@@ -50,7 +50,7 @@ class JobLookup:
         return known_answer(request, self.store)
 
     def get(self, job_id: str) -> JobView | None:
-        """Returns the current state of a job, of whatever version of the solver, or None if there is none."""
+        """Returns the current state of a job of any version of the solver, or None if there is none."""
         view = self.records.view(job_id)
         if view is None and (other := self._other(job_id)) is not None:
             return other.records.view(job_id)
@@ -197,7 +197,7 @@ class JobQueue(JobLookup):
         return None if view is None else replace(view, event=created.event)
 
     def plan(self, request: JobRequest, parts: int) -> Plan:
-        """Returns the lane and the chunks of a job that computes so many parts of a request."""
+        """Returns the lane and the chunks of a job that computes this number of parts of a request."""
         whole = request.kind.cost_of(request.sizes)
         is_long = request.kind.by_slices and whole.once > self.settings.chunk_seconds
         if is_long and self.store.has_eliminant(request):
@@ -233,12 +233,12 @@ class JobQueue(JobLookup):
         return self.get(job_id)
 
     def leave(self, job_id: str, who: Subscriber) -> None:
-        """Note that a client that waited is gone. Its job goes on, unless all have withdrawn."""
+        """Record that a waiting client has disconnected. Its job continues unless all have withdrawn."""
         self.subscriptions.leave(job_id, who)
         self.chunks.withdraw(self.records.cancel(job_id, if_unwanted=True) or [])
 
     def cancel(self, job_id: str) -> JobView | None:
-        """Cancel a queued or running job, whoever wants it; a job that has ended is unchanged."""
+        """Cancel a queued or running job for all subscribers; a job that has ended is unchanged."""
         entries = self.records.cancel(job_id)
         if entries:
             self.chunks.withdraw(entries)

@@ -37,7 +37,7 @@ _OVERDUE = "The job was not done by the deadline of its request (deadline_s)."
 
 @dataclass(frozen=True)
 class Created:
-    """The chunks of a new job, and the event that told of it."""
+    """The chunks of a new job, and its first event."""
 
     refs: Sequence[ChunkRef]
     event: str
@@ -197,7 +197,7 @@ class JobRecords:
     def adopt(self, count: int) -> None:
         """Search about `count` of all keys for active jobs that are missing in the set of active jobs.
 
-        Each call continues where the previous one stopped, in whatever process. Jobs of other versions of the
+        Each call continues where the previous one stopped, in any process. Jobs of other versions of the
         solver have other names, so none of them is found.
         """
         before = cast("bytes | None", self.redis.get(self.keys.walk))
@@ -236,7 +236,7 @@ def _of_any_run(job_id: str) -> dict[str, str]:
 
 
 def _origin() -> dict[str, str]:
-    """Returns the id of the HTTP request that is being answered, and where its trace goes on."""
+    """Returns the id of the current HTTP request, and the context of its trace."""
     known = {"request_id": subject("request_id")} if subject("request_id") else {}
     if trace := tracing.carrier():
         known |= {**trace, "submitted": str(time.time_ns())}

@@ -31,7 +31,7 @@ class JobView:
         failed: the items of a batch that are done without an answer.
         estimate_s: its estimated work, in seconds of one core; None if it is not known.
         overruns: how many of its chunks took a few times their estimate.
-        event: the event that told of the state, if it is known: those that are waited for come after it.
+        event: the event of this state, if known: events to wait for follow it.
     """
 
     id: str

@@ -49,7 +49,7 @@ def load_numpy() -> None:
 
 
 class ExpectedSlices:
-    """Counts the slices that a work horse is asked for, in whatever tables, until they repay numpy."""
+    """Counts the slices that a work horse solves, in all tables, until the import of numpy pays off."""
 
     def __init__(self) -> None:
         self._count = 0
@@ -222,7 +222,7 @@ class Horse:
         os.close(self._ends)
 
     def yield_to_others(self) -> None:
-        """Leave it only what time of the processors nobody else wants."""
+        """Give it only the idle time of the processors."""
         with contextlib.suppress(OSError):
             os.setpriority(os.PRIO_PGRP, self.pid, _LAST)
 
@@ -244,7 +244,7 @@ def _serve(orders: int, answers: int, seconds: float) -> int:
 
 
 def _perform(task: Task) -> tuple[int, bool]:
-    """Run a task; returns the exit status that tells of it, and whether the process may run another."""
+    """Run a task; returns its exit status, and whether the process may run another."""
     try:
         is_sound = import_attribute(task.function)(**task.arguments)
     except RedisError as error:
@@ -318,7 +318,7 @@ class BeatAlarm:
         self.reset()
 
     def reset(self) -> None:
-        """Begin to wait anew: a heartbeat has succeeded."""
+        """Restart the wait, because a heartbeat has succeeded."""
         signal.setitimer(signal.ITIMER_REAL, self._seconds)
 
     def clear(self) -> None:

@@ -51,7 +51,7 @@ def stop_signals_held() -> Iterator[None]:
 def die_with_parent(parent_pid: int, signum: int = signal.SIGKILL) -> None:
     """Have the kernel end this process with the thread that started it (Linux; no effect elsewhere).
 
-    If `parent_pid` is gone already, the process ends at once.
+    If `parent_pid` has already ended, the process ends at once.
     """
     if _libc is None:
         return
@@ -121,7 +121,7 @@ def usable_memory(root: Path = Path("/")) -> int:
 
 
 def processor_seconds(pid: int) -> float | None:
-    """Returns the time that a child process has had of a processor; None where the system does not tell."""
+    """Returns the processor time of a child process; None where the system does not report it."""
     if sys.platform != "linux":
         return None
     try:

@@ -48,8 +48,8 @@ def python_program(module: str, *arguments: str) -> list[str]:
 class Child:
     """A process, judged by its signs of life, not by the process table alone.
 
-    Whatever goes wrong in starting it is told, and tried again. Processes that end with the thread that
-    started them need all calls in one thread.
+    A failed start is reported and repeated. Processes that end with the thread that started them need all
+    calls in one thread.
     """
 
     def __init__(self, what: str, launch: Callable[[], Process], say: Say, patience: float) -> None:
@@ -157,7 +157,7 @@ _PAUSE, _FIRST_PAUSE = 1.0, 0.1
 _TIMEOUT = 2.0
 _OUTAGE = 4.0  # seconds without an answer of Redis from which on workers cannot be judged by it
 _FORGOTTEN = 3600.0
-_RETURN = 30.0  # seconds that workers have to come back after such an outage
+_RETURN = 30.0  # seconds that workers have to return after such an outage
 
 
 class Attendance:
@@ -184,7 +184,7 @@ class Attendance:
         return names <= self._heard.keys()
 
     def sign(self, name: str) -> float | None:
-        """When a worker was last heard of (`time.monotonic()`, 0 for never); None if nobody can tell."""
+        """When a worker was last heard of (`time.monotonic()`, 0 for never); None if it is unknown."""
         if time.monotonic() - self._answered > _OUTAGE:
             return None
         return max(self._heard.get(name, 0.0), self._returned)

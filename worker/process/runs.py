@@ -55,12 +55,12 @@ class Run:
     Attributes:
         start: the time of its start.
         items_done: the items of a batch that were done before.
-        had: the processor's time that its horse had before, if the system tells.
+        had: the processor time that its horse had used before, if the system reports it.
         estimate: its estimate, once it is read.
         is_aside: whether other chunks go before it.
         has_overrun: whether it has been noted that it takes a few times its estimate.
         ended_for: why the worker ended its horse, if it did.
-        following: where it goes on if it was given back.
+        following: where it continues if it was given back.
     """
 
     ref: ChunkRef
@@ -81,7 +81,7 @@ class Run:
 
     @property
     def took(self) -> float:
-        """The processor's time that it has had; where the system does not tell, its age."""
+        """The processor time that it has used; its age where the system does not report this."""
         now = processor_seconds(self.horse.pid)
         return self.age if now is None or self.had is None else now - self.had
 

@@ -66,15 +66,15 @@ class Outage:
         if (text := f"{type(error).__name__}: {error}") != self._told:
             self._told = text
             unforeseen = None if isinstance(error, RedisError) else error
-            log.warning("no work is possible (%s); trying again and again", text, exc_info=unforeseen)
+            log.warning("cannot work (%s); retrying", text, exc_info=unforeseen)
         pause = min(_LONGEST_PAUSE, _SHORTEST_PAUSE * 2.0 ** min(self._count, 10))
         self._count += 1
         return pause * random.uniform(0.5, 1.0)  # not all workers of a machine at the same time
 
     def end(self) -> None:
-        """Work is possible; tell it if it was not before."""
+        """Work is possible; log it if it was not before."""
         if self._count:
-            log.warning("work is possible again after %.1f s", time.monotonic() - self._since)
+            log.warning("working again after %.1f s", time.monotonic() - self._since)
             self._count, self._told = 0, ""
 
 
@@ -140,7 +140,7 @@ class Worker:
         self._stop_at = inf
 
     def run(self) -> None:
-        """Run chunks until a signal comes, whatever happens to Redis."""
+        """Run chunks until a signal, through any outage of Redis."""
         with contextlib.suppress(StopWhileIdle):
             on_stop_signals(self._request_stop)
             self._loop()
@@ -247,13 +247,13 @@ class Worker:
             elif self._runs.is_full and self._chunks.depths()["small"]:
                 self._runs.relieve()
         except (RedisError, OSError) as error:  # no process can be forked, either
-            log.warning("no other chunk can be begun: %s", error)
+            log.warning("cannot start another chunk: %s", error)
 
     # -- stopping ----------------------------------------------------------------------------------
 
     @property
     def is_stopping(self) -> bool:
-        """Whether the worker is stopping, on a signal or since its parent is gone."""
+        """Whether the worker is stopping, on a signal or because its parent has ended."""
         return self._stop_requested or self._parent_pid not in (None, os.getppid())
 
     def _request_stop(self, _signum: int, _frame: FrameType | None) -> None:

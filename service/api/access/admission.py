@@ -26,7 +26,7 @@ def admit(caller: Caller | None, request: JobRequest, quotas: Quotas, limits: Li
 def admit_work(
     caller: Caller | None, job_id: str, work: float, size: int, quotas: Quotas, limits: Limits
 ) -> None:
-    """Count a job of so many seconds of estimated work and so many bytes as one of the caller's.
+    """Count a job, with its estimated work in seconds and its size in bytes, for the caller.
 
     Raises:
         ProblemError: the caller has as many as it may have, or may not compute.
@@ -34,7 +34,7 @@ def admit_work(
     """
     if caller is None or not caller.is_limited:
         return
-    check_scope(caller, "submit")  # whatever the way that led here
+    check_scope(caller, "submit")  # independent of the route
     quota = _quota(limits, size)
     try:
         quotas.admit(caller.id, job_id, work, quota, size)
@@ -45,7 +45,8 @@ def admit_work(
 def admit_bytes(
     caller: Caller | None, job_id: str, size: int, quotas: Quotas, limits: Limits, seconds: float
 ) -> None:
-    """Count what has come of a question as kept for the caller; more will come within so many seconds.
+    """Count the received part of a question as kept for the caller; more is expected within the given
+    seconds.
 
     Raises:
         ProblemError: as much is kept for the caller as may be.

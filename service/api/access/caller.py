@@ -104,7 +104,7 @@ class Caller:
 def oversees(scope: MutableMapping[str, Any]) -> bool:
     """Whether the caller of an ASGI request may see and end what others have asked for.
 
-    A key with scope `admin` may; on an open service, whoever calls from the same computer and by no proxy.
+    A key with scope `admin` may; on an open service, a client on the same computer without a proxy.
     """
     caller = caller_of(scope)
     if caller is None or not caller.is_anonymous:
@@ -158,7 +158,7 @@ class Rules:
     """The scopes of all routes of an application, found by the patterns by which it finds the routes.
 
     Raises:
-        LookupError: a route has no scope; the service does not start with one that nobody thought of.
+        LookupError: a route has no scope; the service does not start with such a route.
     """
 
     def __init__(self, routes: Sequence[BaseRoute]) -> None:
@@ -171,7 +171,7 @@ class Rules:
                 self._rules.append((method, route.path_regex, NEEDED[call]))
 
     def scope_needed(self, method: str, path: str) -> Scope | None:
-        """Returns the scope that a call needs: `read` where nothing is, so that nobody can look around."""
+        """Returns the scope that a call needs: `read` for unknown paths, so that they cannot be probed."""
         fitting = (scope for known, pattern, scope in self._rules if known == method and pattern.match(path))
         return next(fitting, "read")
 

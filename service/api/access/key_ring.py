@@ -17,7 +17,7 @@ _LONGEST_AGE = 2.0
 """Seconds after which a revoked key opens nothing any more, in any process."""
 
 _PAUSE = 0.2
-"""A key that is not known may have just been made, so we look again; strangers make us look no more often."""
+"""At most one reload in this time for unknown keys, which may have just been created."""
 
 _USE_INTERVAL = 60.0
 

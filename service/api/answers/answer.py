@@ -130,7 +130,7 @@ async def answer_asked(
 async def _wait(
     request: Request, context: Context, asked: Asked, job: JobView, who: Subscriber, seconds: int
 ) -> Answer | JobView:
-    """Returns the answer of a job, or how it stands after so many seconds.
+    """Returns the answer of a job, or its state after this number of seconds.
 
     Raises:
         ProblemError: the job failed or was canceled.
@@ -171,7 +171,7 @@ def _outcome(view: JobView, answer: Answer | None) -> Answer | JobView:
 
 
 def _patience(prefer: Preferences, implied: int | None, longest: int) -> tuple[int | None, int | None]:
-    """Returns the time to wait for a job as the client wants it, and as it is, in seconds."""
+    """Returns the time to wait for a job, as the client asked and as limited by the service, in seconds."""
     wanted = None if prefer.wait is None else min(prefer.wait, longest)
     if wanted is not None or implied is None or prefer.respond_async:
         return wanted, wanted

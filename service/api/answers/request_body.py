@@ -101,7 +101,7 @@ _MOST_PARTS_KEPT = 50
 
 
 class Asked(NamedTuple):
-    """A question, its deadline in seconds, and where its end is to be told."""
+    """A question, its deadline in seconds, and its callback URL."""
 
     request: JobRequest
     deadline_s: float | None

@@ -69,8 +69,8 @@ class Lines:
 class Elements:
     """The elements of `{"items": […]}`, or of an array alone.
 
-    However the body is cut into pieces, each byte is looked at once: it remembers how far it has come, within
-    a string too.
+    Each byte is read once, however the body is split into pieces: it remembers its position, within a string
+    too.
 
     Attributes:
         callback_url: the member of that name beside the items, as it was sent; None without one.
@@ -107,7 +107,7 @@ class Elements:
         """Yields nothing: the last element ends before the array does.
 
         Raises:
-            ProblemError: the body is not complete, or goes on after the items.
+            ProblemError: the body is incomplete, or continues after the items.
         """
         if self._state == "before":
             raise _no_items()
@@ -122,7 +122,7 @@ class Elements:
         if self._is_object and rest.startswith(b","):
             detail = 'has members beside "items" and one "callback_url"; leave them out'
             raise ProblemError.of_input(InputError.of("body", detail))
-        raise _invalid("it goes on after the items, or ends before their object does")
+        raise _invalid("it continues after the items, or ends before their object does")
 
     def _begin(self) -> None:
         mark = self._next_mark()
@@ -161,12 +161,12 @@ class Elements:
         self._drop(start)
 
     def _next_mark(self) -> bytes:
-        """Returns the next mark outside strings, and goes behind it; empty if none has come yet."""
+        """Returns the next mark outside strings, and moves past it; empty if none was received yet."""
         while True:
             if self._is_in_string:
                 inside = _IN_STRING.match(self._text, self._at)
                 self._at = self._at if inside is None else inside.end()
-                # at the end of what has come, or at a backslash without what follows it
+                # at the end of the received bytes, or at a backslash without its next character
                 if self._text[self._at : self._at + 1] != b'"':
                     return b""
                 self._at += 1

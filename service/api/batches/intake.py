@@ -89,7 +89,7 @@ class Intake:
         return False
 
     def check_size(self, size: int) -> None:
-        """Refuse a next item of so many bytes, or more.
+        """Refuse the next item if it has this number of bytes or more.
 
         Raises:
             LimitError: it is too long.
@@ -150,7 +150,7 @@ async def accept_batch(
     url = allowed_url(context, callback_url)
     caller = caller_of(request.scope)
     key = key_of(request, caller)
-    # whoever sends the same again can withdraw it
+    # a client that sends the same batch again can withdraw it
     who = subscriber_of(caller, None if key is None else key[:24])
     intake = Intake(Batches(queue.redis, queue.settings), context.settings.limits, caller, queue.quotas)
     idempotency = Idempotency(queue.redis, queue.settings.key_prefix)

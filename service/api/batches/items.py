@@ -36,7 +36,7 @@ COLUMNS = (
 """All columns that there are."""
 
 _SEPARATORS = (",", ";", "\t")
-"""What may stand between columns, as the first line tells; with all but the comma go decimal commas."""
+"""Separators of columns, chosen by the first line; all but the comma go with decimal commas."""
 
 _WORDS = ("id", "kind", "orientation", "method", "plot", "theme", "cusp", "degenerate")
 """Columns whose cells are no numbers."""

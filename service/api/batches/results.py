@@ -154,7 +154,7 @@ class _Positions:
 
 
 class _Completions:
-    """Items in the order in which they were done, as the events of the batch tell."""
+    """Items in the order in which they were done, according to the events of the batch."""
 
     def __init__(self, results: BatchResults) -> None:
         self._results = results
@@ -169,7 +169,7 @@ class _Completions:
         bits = self._results.look()
         told = [i for i in self._told() if not self._sent[i]]
         known = set(told)
-        # those that were not valid, of which no event tells, or the event is gone
+        # invalid items, which have no event, and items whose event was removed
         others = [i for i, sent in enumerate(self._sent) if not sent and i not in known and is_done(bits, i)]
         never = []
         if self._results.view.is_terminal:

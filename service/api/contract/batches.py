@@ -159,7 +159,7 @@ DELIVERIES_RESPONSES: Docs = {
     **problems(ProblemType.NOT_FOUND, UNAVAILABLE),
 }
 RESULT_FORMATS = ("ndjson", "json")
-"""How results can be had, as `format` names it."""
+"""The values of `format` for results."""
 
 RESULTS_PARAMETERS: dict[str, Any] = {
     "parameters": [

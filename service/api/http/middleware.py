@@ -37,7 +37,7 @@ _requests = logging.getLogger("rpr_cusps.access")
 
 
 class AccessLog:
-    """Logs the requests that are wanted, whatever the level of other lines."""
+    """Logs requests according to the setting, independent of the level of other lines."""
 
     def __init__(self, wanted: Literal["all", "errors", "off"]) -> None:
         self._least_status = {"all": 0, "errors": 400, "off": 1000}[wanted]
@@ -206,7 +206,7 @@ class RequestEnvelope:
 
 
 def _span(scope: Scope) -> AbstractContextManager[object]:
-    """The span of a request, which goes on with the trace of its client."""
+    """The span of a request, which continues the trace of its client."""
     if not tracing.is_on() or UNCOUNTED in scope:
         return nullcontext()
     method, headers = scope["method"], Headers(scope=scope)

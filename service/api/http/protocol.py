@@ -120,7 +120,7 @@ class TimedProtocol(H11Protocol):
         return self.conn.their_state in (h11.SEND_BODY, h11.ERROR)
 
     def _is_discarded(self) -> bool:
-        """Whether what comes now belongs to a request that has its answer."""
+        """Whether incoming bytes belong to a request that has been answered."""
         is_answered = self.cycle is not None and self.cycle.response_complete
         return self.transport.is_closing() or (is_answered and self.conn.their_state is h11.SEND_BODY)
 
@@ -168,7 +168,7 @@ class LimitedProtocol(TimedProtocol):
             self._limit_time()
 
     def eof_received(self) -> bool:  # type: ignore[override]
-        """The client sends no more. It may be gone, or wait for the answer to what it has sent."""
+        """The client sends no more. It may have disconnected, or wait for the answer to its request."""
         self._has_client_ended = True
         if self.transport.is_closing():
             return False

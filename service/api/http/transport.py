@@ -18,10 +18,10 @@ from service.api.threads import RedisAccess
 from worker.answers.stored_tables import BATCH_BYTES, ResultLostError
 
 CLIENT_ENDED = "rpr_cusps.client_ended"
-"""In the scope of a request whose client has ended its half of the connection; it may be gone altogether."""
+"""In the scope of a request whose client has closed its half of the connection, or the whole connection."""
 
 FOLLOWS = "rpr_cusps.follows"
-"""In the scope of a request for a stream; a client that ends its half while it is sent is taken as gone."""
+"""In the scope of a request for a stream; a client that closes its half is treated as disconnected."""
 
 _SENT_AT_ONCE = 64 << 10
 
@@ -131,7 +131,7 @@ class Places:
 
     @contextmanager
     def one(self, held: int) -> Iterator[None]:
-        """Count an answer that holds so many bytes, as long as the block.
+        """Count the bytes of an answer during the block.
 
         Raises:
             ProblemError: 503, there are enough.
@@ -196,7 +196,7 @@ class LargeAnswer(LongAnswer):
     """
 
     async def stream_response(self, send: Send) -> None:
-        """Send the pieces as they come; only the first one if nobody reads them."""
+        """Send the pieces as they are produced; only the first one if the client does not read."""
         await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
         try:
             async for piece in self.body_iterator:
@@ -204,7 +204,7 @@ class LargeAnswer(LongAnswer):
                 if self._is_head:
                     break
         except (ResultLostError, RedisError) as error:
-            log.warning("the answer of %s is cut off: %s", self._path, error)
+            log.warning("the response of %s was truncated: %s", self._path, error)
             return  # without its end, for which the server closes the connection
         await send({"type": "http.response.body", "body": b"", "more_body": False})
 

@@ -140,7 +140,7 @@ class JobEvents:
             async with aclosing(self._follow(view, last_id)) as parts:
                 async for part in parts:
                     yield part
-                    await asyncio.sleep(0)  # so that a client that is gone is noticed
+                    await asyncio.sleep(0)  # so that the end of a connection is noticed
         except RedisError as error:
             self.refusals.tell(error)
 
@@ -225,11 +225,11 @@ class JobEvents:
 
 
 _Place = tuple[str, str, str, str]
-"""The run of a job, the job, an event of it, and the prefix of the links of those who are there."""
+"""The run of a job, the job, an event of it, and the prefix of the links of its readers."""
 
 
 class _Batches:
-    """The events after a place, each read once for all who are there at about the same time."""
+    """The events after a place, each read once for all readers at about the same place."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[_Place, Sequence[Event]] = OrderedDict()

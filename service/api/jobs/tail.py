@@ -32,7 +32,7 @@ class Tail:
 
     Attributes:
         newest: the id of the newest event.
-        is_over: nothing comes any more: the job ended, or the reader did.
+        is_over: no more events follow, because the job or the reader ended.
         has_ended: the job ended.
     """
 

@@ -139,7 +139,7 @@ def _located(outcome: Outcome, rule: str, level: str, message: str) -> dict[str,
 
 
 def _fingerprint(outcome: Outcome, rule: str) -> str:
-    """Returns what is the same for one complaint about one file and requirement, whatever the numbers are."""
+    """Returns a fingerprint of one result for one file and requirement, independent of its numbers."""
     requirement = None if outcome.report is None else outcome.report["requirement"]
     parts = [PurePath(outcome.source).as_posix(), rule, requirement]
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()

@@ -17,7 +17,7 @@ from service.cli.pages import Page, Section, counted, counted_range
 
 _DIGITS = 6
 _PLAIN = 15
-"""Numbers of up to so many places are written without an exponent."""
+"""The largest number of places for which numbers are written without an exponent."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ class Outcome:
 
 
 def short(text: str, digits: int = _DIGITS) -> str:
-    """Returns a number with at most so many significant digits, without an exponent unless it is long.
+    """Returns a number with at most this number of significant digits, without an exponent unless it is long.
 
     >>> short("426/25"), short("-69.1293760614882"), short("10.00"), short("1e-30")
     ('17.04', '-69.1294', '10', '1e-30')

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Expectation:
-    """So many cusps in each of these slices.
+    """A number of cusps in each of these slices.
 
     Attributes:
         fixed_leg: the leg whose length is fixed.

@@ -16,7 +16,7 @@ from service.schemas.exact_json import JsonError, parse_json
 
 _LENGTHS = frozenset(("a2x", "a3x", "a3y", "d1", "d2", "d3"))
 _TELLING = 2
-"""So many lengths of a geometry tell that an object is meant to be one."""
+"""The number of lengths from which on an object counts as a geometry."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def _files(folder: str) -> Iterator[str]:
         folders[:] = sorted(name for name in folders if is_new and not name.startswith("."))
         for name in sorted(files) if is_new else ():
             path = Path(root, name)
-            is_file = path.is_file() or not path.exists()  # a link that leads nowhere is told
+            is_file = path.is_file() or not path.exists()  # a broken link is reported
             if path.suffix.lower() == ".json" and not name.startswith(".") and is_file:
                 yield os.path.normpath(path)
 
