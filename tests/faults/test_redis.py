@@ -262,7 +262,7 @@ def test_redis_hangs_under_a_worker(server: EmbeddedValkey, worker: Workers, api
     """Redis hangs for longer than a worker waits. The worker says so within seconds, and goes on after it."""
     with stopped(server.pid):
         begin = time.monotonic()
-        until(lambda: "no work is possible (TimeoutError" in worker.log.read_text())
+        until(lambda: "cannot work (TimeoutError" in worker.log.read_text())
         assert time.monotonic() - begin < 30
     until(lambda: api.get("/readyz").status_code == 200)
     assert api.post("/v1/poses", json={**KNOWN, "l1": "15"}).status_code == 200

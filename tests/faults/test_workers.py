@@ -58,7 +58,7 @@ def test_redis_is_killed_and_comes_back(own_valkey: EmbeddedValkey, own_workers:
     """Redis is killed and started again. The worker waits for it and goes on."""
     worker = own_workers.start()
     os.kill(own_valkey.pid, signal.SIGKILL)
-    until(lambda: "no work is possible (ConnectionError" in own_workers.log.read_text())
+    until(lambda: "cannot work (ConnectionError" in own_workers.log.read_text())
     until(lambda: not own_valkey.is_alive())
     own_valkey.launch()
     with connect(own_valkey.url) as redis:
@@ -71,7 +71,7 @@ def test_redis_is_killed_and_comes_back(own_valkey: EmbeddedValkey, own_workers:
 def test_redis_answers_too_late(redis: Redis, workers: Workers) -> None:
     """Redis answers later than the worker waits. The worker tries again and goes on."""
     worker = workers.start_odd(ODD, "0.7")  # less than it waits for a chunk
-    until(lambda: "no work is possible (TimeoutError" in workers.log.read_text())
+    until(lambda: "cannot work (TimeoutError" in workers.log.read_text())
     assert succeeds(redis)
     assert worker.poll() is None
     assert "Traceback" not in workers.log.read_text()
@@ -102,7 +102,7 @@ def test_redis_is_gone_when_the_worker_is_stopped(own_valkey: EmbeddedValkey, ow
     """A worker is told to stop while Redis is away. It ends at once, with exit status 0."""
     worker = own_workers.start()
     own_valkey.stop()
-    until(lambda: "no work is possible" in own_workers.log.read_text())
+    until(lambda: "cannot work" in own_workers.log.read_text())
     worker.terminate()
     assert worker.wait(PATIENCE) == 0
     assert "Traceback" not in own_workers.log.read_text()
@@ -113,7 +113,7 @@ def test_redis_takes_no_more_data(redis: Redis, workers: Workers) -> None:
     worker = workers.start()
     redis.config_set("maxmemory", 1)
     try:
-        until(lambda: "no work is possible (OutOfMemoryError" in workers.log.read_text())
+        until(lambda: "cannot work (OutOfMemoryError" in workers.log.read_text())
     finally:
         redis.config_set("maxmemory", 0)
     assert succeeds(redis)
