@@ -11,13 +11,13 @@ from itertools import accumulate, pairwise
 from typing import Any
 
 from rpr_solver.figures.axes import Frame
-from rpr_solver.figures.labels import Room
-from rpr_solver.figures.sheet import WIDTH, box_of, letters, listed, number, sheet, short, width
-from rpr_solver.figures.strands import Angles, SliceFloats, cusps_of, drawn, strands_of
+from rpr_solver.figures.labels import OccupancyGrid, names_inside
+from rpr_solver.figures.sheet import WIDTH, letters, listed, number, sheet, short, swatches
+from rpr_solver.figures.strands import CIRCLE, Angles, SliceCurves, cusp_mark, cusp_marks, smooth
+from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import (
     Box,
-    Disc,
     Group,
     Line,
     Paint,
@@ -29,7 +29,6 @@ from rpr_solver.notebook.scene import (
     clipped,
     distance,
     off_segment,
-    simplified,
 )
 
 CLEAR = 13.0
@@ -148,9 +147,6 @@ def _along(line: Line, index: int) -> list[float]:
 HEIGHT = 656.0
 _PLOT = Box(72, 46, WIDTH - 24, HEIGHT - 108)
 _INSET, _COLUMN = 168.0, 200.0
-_CIRCLE = 6.5
-_CURVE = Paint(stroke="curve", width=1.7)
-_RING = Paint(stroke="cusp", width=2)
 _LEVELS = (0, 2, 4, 6)
 
 
@@ -166,54 +162,49 @@ def joint_figure(document: Mapping[str, Any]) -> Figure:
 class _JointPlane:
     def __init__(self, document: Mapping[str, Any]) -> None:
         self._document = document
-        leg = document["fixed_leg"]
-        self._leg, self._length = leg, document[f"l{leg}"]
-        self._names = [f"l{k}" for k in (1, 2, 3) if k != leg]
-        self._strands = strands_of(document)
-        self._floats = SliceFloats.of(document["geometry"], leg, self._length)
-        self._cusps = cusps_of(self._strands)
-        values = _range([point for strand in self._strands for point in strand.points])
-        self._frame = Frame.of(_PLOT, values)
-        self._lines = [self._frame.line(strand.points) for strand in self._strands]
-        self._posed = [[self._pose(pose) for pose in strand.poses] for strand in self._strands]
-        self._places = [self._frame.place(self._point(cusp)) for cusp in self._cusps]
+        self._curves = SliceCurves.of(document)
+        self._names = [f"l{k}" for k in (1, 2, 3) if k != self._curves.leg]
+        strands = self._curves.strands
+        self._frame = Frame.of(_PLOT, _range([point for strand in strands for point in strand.points]))
+        self._lines = [self._frame.line(strand.points) for strand in strands]
+        self._posed = [[self._pose(pose) for pose in strand.poses] for strand in strands]
+        self._places = [self._frame.place(self._point(cusp)) for cusp in self._curves.cusps]
 
     def figure(self) -> Figure:
         """The picture."""
-        curves = [
-            line
-            for strand, places in zip(self._strands, self._posed, strict=True)
-            for line in drawn(strand, self._floats, self._pose, places=places)
-        ]
-        room = Room(_PLOT.grown(-4))
+        curves = self._curves.lines(self._pose, places=self._posed)
+        room = OccupancyGrid(_PLOT.grown(-4))
         for line in curves:
             room.add_line(line)
-        for x, y in self._places:
-            room.add_box(Box(x - 8, y - 8, x + 8, y + 8))
+        for place in self._places:
+            room.add_point(place)
         parted = windows(self._lines, self._spots(), self._corners(), _INSET)
         labels = list(self._letters(room, parted))
         insets, wide = self._placed(parted, room)
         regions = list(self._regions())
-        counts = list(_counts(regions, room))
+        counts = list(names_inside(((path.lines, str(poses)) for poses, path in regions), room, 26))
+        legend = [
+            (_role(poses), f"{poses} poses" if poses else "no pose")
+            for poses in sorted({poses for poses, _ in regions})
+        ]
         names = [title.upper() for title in self._names]
         shapes = [
             Group(tuple(shape for _, shape in regions), clip=_PLOT),
             *self._frame.shapes(names[0], names[1]),
-            Group((_smooth(curves),), "singular curves", _PLOT),
+            Group((smooth(curves),), "singular curves", _PLOT),
             *counts,
-            *(Group((Disc(p, _CIRCLE, _RING),), f"cusp {letters(k)}") for k, p in enumerate(self._places, 1)),
+            *cusp_marks(self._places),
             *labels,
             *(shape for inset in insets for shape in inset),
-            *_legend({count for count, _ in regions}),
+            *swatches(legend, _PLOT.centre[0], HEIGHT - 44),
         ]
-        count = len(self._cusps)
-        cusps = "no cusp" if count == 0 else "1 cusp" if count == 1 else f"{count} cusps"
-        title = f"Singular curves at L{self._leg} = {short(self._length, 8)}: {cusps}"
+        leg, cusps = self._curves.leg, counted(len(self._places), "cusp") if self._places else "no cusp"
+        title = f"Singular curves at L{leg} = {short(self._document[f'l{leg}'], 8)}: {cusps}"
         return sheet(title, self._document["geometry"], self._facts(names), shapes, HEIGHT, wide)
 
     def _pose(self, pose: Angles) -> Point:
         """The place of a pose in the picture."""
-        return self._frame.place(self._floats.lengths(pose))
+        return self._frame.place(self._curves.floats.lengths(pose))
 
     def _point(self, vertex: Mapping[str, str]) -> Point:
         x, y = (number(vertex[name]) for name in self._names)
@@ -222,7 +213,7 @@ class _JointPlane:
     def _spots(self) -> list[Spot]:
         found = {
             vertex["cusp"]: Spot(k, vertex["index"])
-            for k, strand in enumerate(self._strands)
+            for k, strand in enumerate(self._curves.strands)
             for vertex in strand.vertices
             if vertex["kind"] == "cusp"
         }
@@ -231,25 +222,25 @@ class _JointPlane:
     def _corners(self) -> list[Point]:
         return [
             self._frame.place(self._point(vertex))
-            for strand in self._strands
+            for strand in self._curves.strands
             for vertex in strand.vertices
             if vertex["kind"] not in ("cusp", "turning")
         ]
 
-    def _letters(self, room: Room, parted: Sequence[Window]) -> Iterator[Shape]:
+    def _letters(self, room: OccupancyGrid, parted: Sequence[Window]) -> Iterator[Shape]:
         """The letters of the cusps; those that share a window are named together, at its box."""
         groups: list[list[int]] = []
         for window in parted:
             joined = [group for group in groups if set(group) & set(window.members)]
             groups = [group for group in groups if group not in joined]
             groups.append(sorted({*window.members, *(k for group in joined for k in group)}))
-        single = [[k] for k in range(len(self._cusps)) if not any(k in group for group in groups)]
+        single = [[k] for k in range(len(self._places)) if not any(k in group for group in groups)]
         for group in (*single, *groups):
             box = Box.around([self._places[k] for k in group])
             words = ", ".join(letters(k + 1) for k in group)
             yield room.near(box.centre, words, 15, 16 + max(box.width, box.height) / 2, "cusp")
 
-    def _placed(self, parted: Sequence[Window], room: Room) -> tuple[list[list[Shape]], float]:
+    def _placed(self, parted: Sequence[Window], room: OccupancyGrid) -> tuple[list[list[Shape]], float]:
         """The insets, in the plot where they hide nothing, else beside it; and the picture's width."""
         insets, column = [], 0
         for window in parted:
@@ -278,30 +269,21 @@ class _JointPlane:
         yield Path(tuple(_leaders(marked, box)), Paint(stroke="ghost", width=0.9, dash=(4, 3)))
         yield Path((marked.corners,), Paint(stroke="soft", width=1.2), closed=True)
         yield Path((box.corners,), Paint("paper"), closed=True)
-        curves = [
-            piece
-            for strand, places in zip(self._strands, self._posed, strict=True)
-            for line in drawn(
-                strand,
-                self._floats,
-                lambda pose: zoomed(self._pose(pose)),
-                box,
-                [zoomed(place) for place in places],
-            )
-            for piece in clipped(line, box)
-        ]
-        inside = Room(box.grown(-3))
+        places = [[zoomed(place) for place in line] for line in self._posed]
+        lines = self._curves.lines(lambda pose: zoomed(self._pose(pose)), box, places)
+        curves = [piece for line in lines for piece in clipped(line, box)]
+        inside = OccupancyGrid(box.grown(-3))
         for line in curves:
             inside.add_line(line)
         spots = [(k, zoomed(place)) for k, place in enumerate(self._places)]
-        spots = [(k, spot) for k, spot in spots if spot in box.grown(-_CIRCLE)]
-        for _, (x, y) in spots:
-            inside.add_box(Box(x - 8, y - 8, x + 8, y + 8))
-        crowd = {k for k, a in spots for i, b in spots if i != k and distance(a, b) < _CIRCLE}
-        yield _smooth(curves)
+        spots = [(k, spot) for k, spot in spots if spot in box.grown(-CIRCLE)]
+        for _, spot in spots:
+            inside.add_point(spot)
+        crowd = {k for k, a in spots for i, b in spots if i != k and distance(a, b) < CIRCLE}
+        yield smooth(curves)
         yield Path((box.corners,), Paint(stroke="soft", width=1.4), closed=True)
         for k, spot in spots:
-            yield Group((Disc(spot, _CIRCLE, _RING),), f"cusp {letters(k + 1)}")
+            yield cusp_mark(k + 1, spot)
             if k not in crowd or k in window.members:
                 yield inside.near(spot, letters(k + 1), 14, 14, "cusp")
         scale = Text((box.x0 + 6, box.y1 - 10), f"× {short(zoom, 2)}", 11.5, "soft", halo="paper")
@@ -318,21 +300,21 @@ class _JointPlane:
             if not region["bounded"]:
                 rings.insert(0, list(_PLOT.corners))
             rings = [ring if (area(ring) > 0) == (k == 0) else ring[::-1] for k, ring in enumerate(rings)]
-            level = max(n for n in _LEVELS if n <= region["poses"])
-            yield region["poses"], Path(tuple(rings), Paint(f"poses{level}"), closed=True)
+            yield region["poses"], Path(tuple(rings), Paint(_role(region["poses"])), closed=True)
 
     def _facts(self, names: Sequence[str]) -> str:
         cusps = [
             f"{letters(k)} at {names[0]} = {short(cusp[self._names[0]], 6)}, {names[1]} = "
             f"{short(cusp[self._names[1]], 6)}"
-            for k, cusp in enumerate(self._cusps, 1)
+            for k, cusp in enumerate(self._curves.cusps, 1)
         ]
         listing = f" Cusps: {'; '.join(cusps)}." if cusps else ""
         return f"Singular curves in the plane of {listed(names)}.{listing}"
 
 
-def _smooth(lines: Sequence[Sequence[Point]]) -> Path:
-    return Path(tuple(simplified(line, 0.06) for line in lines), _CURVE)
+def _role(poses: int) -> str:
+    """The shade of a number of poses."""
+    return f"poses{max(level for level in _LEVELS if level <= poses)}"
 
 
 def _range(points: Sequence[Point]) -> Box:
@@ -366,28 +348,3 @@ def _leaders(source: Box, target: Box) -> Iterator[list[Point]]:
 
 def _crosses(a: Point, b: Point, box: Box) -> bool:
     return any(True for _ in clipped([a, b], box))
-
-
-def _counts(regions: Sequence[tuple[int, Path]], room: Room) -> Iterator[Shape]:
-    """The numbers of poses, written in the regions that have room for them."""
-    for count, path in regions:
-        spot = room.inside(path.lines, 26)
-        if spot is not None:
-            text = Text(spot, str(count), 14, "ink", "middle")
-            room.add_box(box_of(text))
-            yield text
-
-
-def _legend(counts: set[int]) -> Iterator[Shape]:
-    """What the shades say, below the plot."""
-    if not counts:
-        return
-    names = [(n, f"{n} poses" if n else "no pose") for n in sorted(counts)]
-    x = _PLOT.centre[0] - sum(34 + width(words, 12.5) for _, words in names) / 2
-    for n, words in names:
-        level = max(k for k in _LEVELS if k <= n)
-        y = HEIGHT - 44
-        ring = Box(x, y - 7, x + 16, y + 7).corners
-        yield Path((ring,), Paint(f"poses{level}", "soft", 0.8), closed=True)
-        yield Text((x + 21, y), words, 12.5, "soft")
-        x += 34 + width(words, 12.5)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import reduce
 from itertools import pairwise
 from math import ceil, cos, floor, hypot, pi, sin
@@ -16,7 +16,7 @@ _MARGIN = 2
 _TAKEN = 10
 
 
-class Room:
+class OccupancyGrid:
     """What is taken of a picture's area, in cells of a few pixels.
 
     Lines take the cells that they cross; boxes of labels and marks take theirs for good. Each row of cells is
@@ -42,6 +42,10 @@ class Room:
                 row = int((ay + (by - ay) * k / steps) // _CELL) - top
                 if 0 <= row < len(crossed) and 0 <= column < columns:
                     crossed[row] |= 1 << column
+
+    def add_point(self, at: Point) -> None:
+        """Take the place of a mark at a point."""
+        self.add_box(Box.around([at]).grown(8))
 
     def add_box(self, box: Box) -> None:
         """Take a box, for a label or a mark."""
@@ -170,6 +174,18 @@ class Room:
     def _holds(self, box: Box) -> bool:
         outer = self.box
         return outer.x0 <= box.x0 and box.x1 <= outer.x1 and outer.y0 <= box.y0 and box.y1 <= outer.y1
+
+
+def names_inside(
+    areas: Iterable[tuple[Sequence[Line], str]], room: OccupancyGrid, least: float
+) -> Iterator[Text]:
+    """The names of areas, each given by its rings, written in those that have room for them."""
+    for rings, words in areas:
+        spot = room.inside(rings, least)
+        if spot is not None:
+            text = Text(spot, words, 14, "ink", "middle")
+            room.add_box(box_of(text))
+            yield text
 
 
 def _shifts(start: float, first: int) -> set[int]:

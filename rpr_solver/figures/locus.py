@@ -10,7 +10,7 @@ from typing import Any
 
 from rpr_solver.figures.axes import EDGE, GRID, SMALL, ticks
 from rpr_solver.figures.census import mark
-from rpr_solver.figures.labels import Room
+from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.sheet import WIDTH, degenerate_facts, degenerate_remark, number, sheet, width
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import Box, Group, Paint, Path, Point, Shape, Text, simplified
@@ -41,7 +41,7 @@ def locus_figure(document: Mapping[str, Any]) -> Figure:
     ]
     view = _View.of([spots for _, spots, _ in curves], number(document["range"]["from"]))
     drawn = [(name, view.line(spots)) for name, spots, _ in curves]
-    room = Room(Box(10, 70, WIDTH - 10, HEIGHT - 40))
+    room = OccupancyGrid(Box(10, 70, WIDTH - 10, HEIGHT - 40))
     for _, line in drawn:
         room.add_line(line)
     titles = [f"L{k}" for k in (leg, *others)]
@@ -235,7 +235,7 @@ def _ends(
                 yield Group((mark(end["kind"], view.place(spot), 5),), f"{end['kind']} at {end[names[0]]}")
 
 
-def _names(drawn: Sequence[tuple[str, Sequence[Point]]], room: Room) -> Iterator[Shape]:
+def _names(drawn: Sequence[tuple[str, Sequence[Point]]], room: OccupancyGrid) -> Iterator[Shape]:
     for k, (name, line) in enumerate(drawn):
         far = sum(abs(b[0] - a[0]) + abs(b[1] - a[1]) for a, b in pairwise(line))
         if far > 40:

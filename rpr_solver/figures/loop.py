@@ -12,10 +12,10 @@ from math import atan2, ceil, cos, degrees, radians, sin
 from typing import Any
 
 from rpr_solver.figures.axes import Frame
-from rpr_solver.figures.labels import Room
+from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.mechanism import Triangles, Triple, View, base_shapes, joint, platform_shape
 from rpr_solver.figures.sheet import letters, number, sheet, short
-from rpr_solver.figures.strands import Angles, SliceFloats, cusps_of, drawn, strands_of
+from rpr_solver.figures.strands import Angles, SliceCurves, cusp_mark, smooth
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import (
     Box,
@@ -28,7 +28,6 @@ from rpr_solver.notebook.scene import (
     Shape,
     clipped,
     distance,
-    simplified,
 )
 
 WIDTH, HEIGHT = 980.0, 500.0
@@ -37,7 +36,7 @@ _STAGE = Box(520, 60, 950, 430)
 _FRAMES, _REST = 36, 6
 _SECONDS = 9.0
 
-Place = tuple[float, float, float, float]
+Keyframe = tuple[float, float, float, float]
 
 
 def loop_figure(path: Mapping[str, Any], curves: Mapping[str, Any] | None = None) -> Figure:
@@ -106,40 +105,33 @@ def _joint_plane(course: _Course, curves: Mapping[str, Any] | None) -> Iterator[
     x0, y0 = max(bounds.x0 - margin, 0.0), max(bounds.y0 - margin, 0.0)
     frame = Frame.of(_PLOT, Box(x0, y0, bounds.x1 + margin, bounds.y1 + margin))
     loop = frame.line(course.route)
-    room = Room(_PLOT.grown(-4))
+    room = OccupancyGrid(_PLOT.grown(-4))
     room.add_line(loop)
     yield from frame.shapes(names[0], names[1])
     if curves is not None:
-        yield from _curves(course, curves, frame, room)
+        yield from _curves(curves, frame, room)
     yield Group((Path((loop,), Paint(stroke="mark", width=2.4)), *_arrow(loop)), "path of the leg lengths")
     point = (Disc((0, 0), 6.5, Paint("mark", "paper", 1.5)),)
     moves = [(x, y, 0.0, 1.0) for x, y in frame.line(course.joints)]
     yield Group(point, "leg lengths", motion=_motion(moves))
 
 
-def _curves(course: _Course, document: Mapping[str, Any], frame: Frame, room: Room) -> Iterator[Shape]:
+def _curves(document: Mapping[str, Any], frame: Frame, room: OccupancyGrid) -> Iterator[Shape]:
     """Yields the singular curves in the frame, and the cusps there."""
-    leg = course.fixed_leg
-    floats = SliceFloats.of(document["geometry"], leg, document[f"l{leg}"])
+    slice_curves = SliceCurves.of(document)
 
     def place(pose: Angles) -> Point:
-        return frame.place(floats.lengths(pose))
+        return frame.place(slice_curves.floats.lengths(pose))
 
-    strands = strands_of(document)
-    lines = [
-        simplified(piece, 0.06)
-        for strand in strands
-        for line in drawn(strand, floats, place, _PLOT)
-        for piece in clipped(line, _PLOT)
-    ]
-    for line in lines:
+    lines = [piece for line in slice_curves.lines(place, _PLOT) for piece in clipped(line, _PLOT)]
+    shape = smooth(lines)
+    for line in shape.lines:
         room.add_line(line)
-    yield Group((Path(tuple(lines), Paint(stroke="curve", width=1.7)),), "singular curves")
-    for k, cusp in enumerate(cusps_of(strands), 1):
-        at = place((number(cusp["alpha_deg"]), number(cusp[f"theta{leg}_deg"])))
+    yield Group((shape,), "singular curves")
+    for k, at in enumerate(map(place, slice_curves.poses), 1):
         if at in _PLOT.grown(-8):
-            room.add_box(Box.around([at]).grown(8))
-            yield Group((Disc(at, 6.5, Paint(stroke="cusp", width=2)),), f"cusp {letters(k)}")
+            room.add_point(at)
+            yield cusp_mark(k, at)
             yield room.near(at, letters(k), 15, 16, "cusp")
 
 
@@ -157,7 +149,7 @@ def _mechanism(course: _Course, start: int, stop: int) -> Iterator[Shape]:
     view = View(points, _STAGE)
     base = view.line(course.shape.base)
     rings = [view.line(platform) for platform in course.platforms]
-    room = Room(Box(500, 46, WIDTH - 8, HEIGHT - 30))
+    room = OccupancyGrid(Box(500, 46, WIDTH - 8, HEIGHT - 30))
     for ring in (base, rings[0], rings[-1]):
         room.add_line([*ring, ring[0]])
     for (x, y), head in zip(base, rings[0], strict=True):
@@ -193,7 +185,7 @@ def _leg(foot: Point, heads: Sequence[Point]) -> Iterator[Shape]:
     yield Group((cylinder,), motion=_motion([(*foot, turn, 1.0) for turn in turns]))
 
 
-def _motion(places: Sequence[Place]) -> Motion:
+def _motion(places: Sequence[Keyframe]) -> Motion:
     """There, a rest, and back."""
     rest = [places[-1]] * _REST
     back = list(reversed(places))

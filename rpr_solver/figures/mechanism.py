@@ -9,7 +9,7 @@ from math import cos, hypot, radians, sin
 from typing import Any
 
 from rpr_solver.errors import InputError
-from rpr_solver.figures.labels import Room
+from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.sheet import WIDTH, exact, number, sheet, short
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Shape, between, distance
@@ -196,7 +196,7 @@ def _drawing(
 
 
 def _labels(a: Sequence[Point], b: Sequence[Point], lengths: Sequence[str]) -> Iterator[Shape]:
-    room = Room(Box(8, 44, WIDTH - 8, HEIGHT - 28))
+    room = OccupancyGrid(Box(8, 44, WIDTH - 8, HEIGHT - 28))
     legs = list(zip(a, b, strict=True))
     for line in (*(bar(*leg, _CYLINDER + 4) for leg in legs), (*a, a[0]), (*b, b[0])):
         room.add_line(line)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
 from math import isinf
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 from rpr_solver.errors import InputError
 from rpr_solver.notebook import degenerate_words
 from rpr_solver.notebook.figure import Figure
-from rpr_solver.notebook.scene import Box, Scene, Shape, Text
+from rpr_solver.notebook.scene import Box, Paint, Path, Scene, Shape, Text
 
 _NARROW = {**dict.fromkeys("ijl'|", 0.28), **dict.fromkeys(" .,:;!()[]ft-/r", 0.38)}
 _WIDE = {**dict.fromkeys("mwMW@%", 0.97), **dict.fromkeys("+=<>−≤≥∞→≠±", 0.84)}
@@ -112,6 +112,16 @@ def sheet(
     )
     facts = f"{description} Geometry: {caption}."
     return Figure(Scene(width, height, title, facts.strip(), (*shapes, *around)))
+
+
+def swatches(items: Iterable[tuple[str, str]], centre: float, y: float) -> Iterator[Shape]:
+    """A legend of colours: for each its role, and what it says."""
+    shown = [(role, words, 34 + width(words, 12.5)) for role, words in items]
+    x = centre - sum(wide for *_, wide in shown) / 2
+    for role, words, wide in shown:
+        yield Path((Box(x, y - 7, x + 16, y + 7).corners,), Paint(role, "soft", 0.8), closed=True)
+        yield Text((x + 21, y), words, 12.5, "soft")
+        x += wide
 
 
 def caption_of(geometry: Mapping[str, str]) -> str:

@@ -2,16 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import cos, hypot, radians, sin
 from typing import Any
 
 from rpr_solver.figures.mechanism import Triangles
-from rpr_solver.notebook.scene import Box, Point, distance, off_segment
+from rpr_solver.figures.sheet import letters, number
+from rpr_solver.notebook.scene import (
+    Box,
+    Disc,
+    Group,
+    Paint,
+    Path,
+    Point,
+    distance,
+    off_segment,
+    simplified,
+)
+
+CIRCLE = 6.5
+"""The radius of the circle round a cusp."""
+_DEGREE = 57.29577951308232
 
 Angles = tuple[float, float]
 """α and the angle of the fixed leg, in degrees."""
+
+
+_DEPTH = 10
+_FINE = 0.1
+"""The deviation of a drawn curve, in pixels."""
+
+Projection = Callable[[Angles], Point]
 
 
 @dataclass(frozen=True)
@@ -82,16 +104,6 @@ class SliceFloats:
         return (rx, ry, px + rx - ax, py + ry - ay), (sx, sy, px + sx - bx, py + sy - by), (px, py)
 
 
-_DEGREE = 57.29577951308232
-
-
-_DEPTH = 10
-_FINE = 0.1
-"""The deviation of a drawn curve, in pixels."""
-
-Place = Callable[[Angles], Point]
-
-
 @dataclass(frozen=True)
 class Strand:
     """A piece of a singular curve.
@@ -107,68 +119,92 @@ class Strand:
     vertices: tuple[Mapping[str, Any], ...]
 
 
-def strands_of(document: Mapping[str, Any]) -> list[Strand]:
-    """The strands of a document of singular curves."""
-    leg = document["fixed_leg"]
-    first, second = (f"l{k}" for k in (1, 2, 3) if k != leg)
-    return [
-        Strand(
-            tuple(zip(strand["alpha_deg"], strand[f"theta{leg}_deg"], strict=True)),
-            tuple(zip(strand[first], strand[second], strict=True)),
-            tuple(strand["vertices"]),
-        )
-        for component in document["components"]
-        for strand in component["strands"]
-    ]
+@dataclass(frozen=True)
+class SliceCurves:
+    """The singular curves of a document, with their slice in floats.
 
-
-def drawn(
-    strand: Strand,
-    floats: SliceFloats,
-    place: Place,
-    window: Box | None = None,
-    places: Sequence[Point] | None = None,
-) -> Iterator[list[Point]]:
-    """Yields a strand in a picture as polylines that are smooth at the picture's scale.
-
-    Args:
-        strand: a strand.
-        floats: its slice.
-        place: the place of a pose in the picture.
-        window: a box of the picture; pieces far outside it are left out. None: all.
-        places: those of the strand's poses, if they are known.
+    Attributes:
+        leg: the fixed leg.
+        floats: the slice.
+        strands: of all components.
+        cusps: the vertices that are cusps, in the order of the table.
     """
-    if places is None:
-        places = [place(pose) for pose in strand.poses]
-    line: list[Point] = []
-    for p, q, a, b in zip(strand.poses, strand.poses[1:], places, places[1:], strict=False):
-        if window is not None and not _is_near(a, b, window):
-            if line:
-                yield line
-            line = []
-            continue
-        if not line:
-            line = [a]
-        line += _between(p, q, a, b, floats, place)
-    if line:
-        yield line
 
+    leg: int
+    floats: SliceFloats
+    strands: tuple[Strand, ...]
+    cusps: tuple[Mapping[str, Any], ...]
 
-def _between(
-    p: Angles, q: Angles, a: Point, b: Point, floats: SliceFloats, place: Place, depth: int = 0
-) -> list[Point]:
-    """The curve from one pose to the next in the picture, without its start."""
-    middle = (p[0] + q[0]) / 2, (p[1] + q[1]) / 2
-    pose = floats.onto_curve(middle)
-    if depth == _DEPTH or distance(pose, middle) > 0.5 * distance(p, q):
-        return [b]
-    m = place(pose)
-    if off_segment(m, a, b) < _FINE and (depth > 0 or distance(a, b) < 20):
-        return [b]
-    return [
-        *_between(p, pose, a, m, floats, place, depth + 1),
-        *_between(pose, q, m, b, floats, place, depth + 1),
-    ]
+    @classmethod
+    def of(cls, document: Mapping[str, Any]) -> SliceCurves:
+        """The curves of a document of singular curves."""
+        leg = document["fixed_leg"]
+        floats = SliceFloats.of(document["geometry"], leg, document[f"l{leg}"])
+        first, second = (f"l{k}" for k in (1, 2, 3) if k != leg)
+        strands = tuple(
+            Strand(
+                tuple(zip(strand["alpha_deg"], strand[f"theta{leg}_deg"], strict=True)),
+                tuple(zip(strand[first], strand[second], strict=True)),
+                tuple(strand["vertices"]),
+            )
+            for component in document["components"]
+            for strand in component["strands"]
+        )
+        cusps = {v["cusp"]: v for strand in strands for v in strand.vertices if v["kind"] == "cusp"}
+        return cls(leg, floats, strands, tuple(cusps[number] for number in sorted(cusps)))
+
+    @property
+    def poses(self) -> list[Angles]:
+        """The cusps, by their angles."""
+        return [(number(cusp["alpha_deg"]), number(cusp[f"theta{self.leg}_deg"])) for cusp in self.cusps]
+
+    def lines(
+        self, place: Projection, window: Box | None = None, places: Sequence[Sequence[Point]] | None = None
+    ) -> list[list[Point]]:
+        """The strands in a picture as polylines that are smooth at the picture's scale.
+
+        Args:
+            place: the place of a pose in the picture.
+            window: a box of the picture; pieces far outside it are left out. None: all.
+            places: those of the poses of each strand, if they are known.
+        """
+        return [
+            line
+            for k, strand in enumerate(self.strands)
+            for line in self._drawn(strand, place, window, None if places is None else places[k])
+        ]
+
+    def _drawn(
+        self, strand: Strand, place: Projection, window: Box | None, places: Sequence[Point] | None
+    ) -> Iterator[list[Point]]:
+        if places is None:
+            places = [place(pose) for pose in strand.poses]
+        line: list[Point] = []
+        for p, q, a, b in zip(strand.poses, strand.poses[1:], places, places[1:], strict=False):
+            if window is not None and not _is_near(a, b, window):
+                if line:
+                    yield line
+                line = []
+                continue
+            if not line:
+                line = [a]
+            line += self._between((p, a), (q, b), place)
+        if line:
+            yield line
+
+    def _between(
+        self, first: tuple[Angles, Point], last: tuple[Angles, Point], place: Projection, depth: int = 0
+    ) -> list[Point]:
+        """The curve from one pose, with its place, to the next in the picture, without its start."""
+        (p, a), (q, b) = first, last
+        middle = (p[0] + q[0]) / 2, (p[1] + q[1]) / 2
+        pose = self.floats.onto_curve(middle)
+        if depth == _DEPTH or distance(pose, middle) > 0.5 * distance(p, q):
+            return [b]
+        at = pose, place(pose)
+        if off_segment(at[1], a, b) < _FINE and (depth > 0 or distance(a, b) < 20):
+            return [b]
+        return [*self._between(first, at, place, depth + 1), *self._between(at, last, place, depth + 1)]
 
 
 def _is_near(a: Point, b: Point, window: Box) -> bool:
@@ -183,7 +219,16 @@ def _is_near(a: Point, b: Point, window: Box) -> bool:
     )
 
 
-def cusps_of(strands: Sequence[Strand]) -> list[Mapping[str, Any]]:
-    """The cusps among the vertices of strands, in the order of the table."""
-    cusps = {v["cusp"]: v for strand in strands for v in strand.vertices if v["kind"] == "cusp"}
-    return [cusps[number] for number in sorted(cusps)]
+def cusp_mark(number: int, place: Point) -> Group:
+    """The circle round a cusp, named by its letter."""
+    return Group((Disc(place, CIRCLE, Paint(stroke="cusp", width=2)),), f"cusp {letters(number)}")
+
+
+def cusp_marks(places: Sequence[Point]) -> list[Group]:
+    """The circles round all cusps, in order."""
+    return [cusp_mark(k, place) for k, place in enumerate(places, 1)]
+
+
+def smooth(lines: Iterable[Sequence[Point]]) -> Path:
+    """Singular curves as a shape."""
+    return Path(tuple(simplified(line, 0.06) for line in lines), Paint(stroke="curve", width=1.7))

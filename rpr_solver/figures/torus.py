@@ -8,27 +8,22 @@ from math import ceil, floor
 from typing import Any
 
 from rpr_solver.figures.axes import Frame, angle_ticks
-from rpr_solver.figures.labels import Room
-from rpr_solver.figures.sheet import WIDTH, box_of, letters, number, sheet, short, width
-from rpr_solver.figures.strands import Angles, Place, SliceFloats, cusps_of, drawn, strands_of
+from rpr_solver.figures.labels import OccupancyGrid, names_inside
+from rpr_solver.figures.sheet import WIDTH, letters, sheet, short, swatches
+from rpr_solver.figures.strands import Angles, Projection, SliceCurves, cusp_marks, smooth
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import (
     Box,
-    Disc,
     Group,
     Line,
     Paint,
     Path,
     Point,
-    Shape,
-    Text,
     clipped,
-    simplified,
 )
 
 HEIGHT = 736.0
 _PLOT = Box(86, 46, WIDTH - 40, HEIGHT - 108)
-_CIRCLE = 6.5
 _SHADES = 3
 
 
@@ -38,39 +33,35 @@ def torus_figure(document: Mapping[str, Any]) -> Figure:
     Args:
         document: as :meth:`SingularCurves.to_json` gives it.
     """
-    leg = document["fixed_leg"]
-    length = document[f"l{leg}"]
-    strands = strands_of(document)
-    floats = SliceFloats.of(document["geometry"], leg, length)
+    slice_curves = SliceCurves.of(document)
+    leg, length = slice_curves.leg, document[f"l{slice_curves.leg}"]
     frame = Frame.of(_PLOT, Box(-180, -180, 180, 180))
 
     def place(pose: Angles) -> Point:
         return frame.place((pose[1], pose[0]))
 
-    curves = [line for strand in strands for line in drawn(strand, floats, place)]
     aspects = [_Area.of(aspect, f"theta{leg}_deg", place) for aspect in document["aspects"]]
-    lines = [piece for line in curves for piece in _wrapped(line, _PLOT)]
-    cusps = [place((number(c["alpha_deg"]), number(c[f"theta{leg}_deg"]))) for c in cusps_of(strands)]
-    room = Room(_PLOT.grown(-4))
+    lines = [piece for line in slice_curves.lines(place) for piece in _wrapped(line, _PLOT)]
+    cusps = [place(pose) for pose in slice_curves.poses]
+    room = OccupancyGrid(_PLOT.grown(-4))
     for line in lines:
         room.add_line(line)
-    for x, y in cusps:
-        room.add_box(Box(x - 8, y - 8, x + 8, y + 8))
+    for cusp in cusps:
+        room.add_point(cusp)
     names = [room.near(cusp, letters(k), 15, 16, "cusp") for k, cusp in enumerate(cusps, 1)]
+    roles = list(_roles(aspects))
+    legend = {role: f"{area.words}{'' if role.endswith('1') else ', another aspect'}" for area, role in roles}
     shapes = [
         *(
             Group((Path(area.rings, Paint(role), closed=True),), f"aspect with {area.words}")
-            for area, role in _roles(aspects)
+            for area, role in roles
         ),
         *frame.shapes(f"θ{leg}", "α", angle_ticks(), angle_ticks()),
-        Group((Path(tuple(simplified(x, 0.06) for x in lines), Paint(stroke="curve", width=1.7)),), "curves"),
-        *_signs(aspects, room),
-        *(
-            Group((Disc(cusp, _CIRCLE, Paint(stroke="cusp", width=2)),), f"cusp {letters(k)}")
-            for k, cusp in enumerate(cusps, 1)
-        ),
+        Group((smooth(lines),), "curves"),
+        *names_inside(((area.rings, area.words) for area in aspects), room, 40),
+        *cusp_marks(cusps),
         *names,
-        *_legend(aspects),
+        *swatches(legend.items(), _PLOT.centre[0], HEIGHT - 44),
     ]
     signs = [area.sign for area in aspects]
     numbers = {word: signs.count(sign) for word, sign in (("> 0", 1), ("< 0", -1))}
@@ -91,7 +82,7 @@ class _Area:
     rings: tuple[Line, ...]
 
     @classmethod
-    def of(cls, aspect: Mapping[str, Any], theta: str, place: Place) -> _Area:
+    def of(cls, aspect: Mapping[str, Any], theta: str, place: Projection) -> _Area:
         """The area of an aspect of the document."""
         rings = tuple(
             [place(pose) for pose in zip(polygon["alpha_deg"], polygon[theta], strict=True)]
@@ -123,26 +114,3 @@ def _wrapped(line: Line, box: Box) -> Iterator[list[Point]]:
         for k in down:
             moved = [(x - i * box.width, y - k * box.height) for x, y in line]
             yield from clipped(moved, box)
-
-
-def _signs(aspects: Sequence[_Area], room: Room) -> Iterator[Shape]:
-    """The signs of J, written in the aspects that have room for them."""
-    for area in aspects:
-        spot = room.inside(area.rings, 40)
-        if spot is not None:
-            text = Text(spot, area.words, 14, "ink", "middle")
-            room.add_box(box_of(text))
-            yield text
-
-
-def _legend(aspects: Sequence[_Area]) -> Iterator[Shape]:
-    items = [
-        (role, f"{area.words}{'' if role.endswith('1') else ', another aspect'}")
-        for area, role in _roles(aspects)
-    ]
-    shown = dict(items)
-    x, y = _PLOT.centre[0] - sum(34 + width(words, 12.5) for words in shown.values()) / 2, HEIGHT - 44
-    for role, words in shown.items():
-        yield Path((Box(x, y - 7, x + 16, y + 7).corners,), Paint(role, "soft", 0.8), closed=True)
-        yield Text((x + 21, y), words, 12.5, "soft")
-        x += 34 + width(words, 12.5)

@@ -24,7 +24,7 @@ from rpr_solver.paths.proofs import PathLimits
 
 Box = tuple[int, int, int, int]
 """The level, and the numbers of the box along α, θ and L; a level higher, the box is half as wide."""
-Place = tuple[arb, arb, Fraction]
+PosePoint = tuple[arb, arb, Fraction]
 """α and θ in radians, and the scaled length, exact."""
 
 FIRST_LEVEL = 3
@@ -114,7 +114,7 @@ class Boxes:
         turn = Fraction(1, 1 << box[0])
         return turn, turn, (self.high - self.low) / self.lengths(box[0])
 
-    def holding(self, place: Place, level: int) -> Box | None:
+    def holding(self, place: PosePoint, level: int) -> Box | None:
         """A box of a level that holds a place; None if it is too near to an edge."""
         numbers = []
         for angle, start in ((place[0], _ALPHA), (place[1], _THETA)):

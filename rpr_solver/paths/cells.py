@@ -9,11 +9,11 @@ proposal in floats, which is then proved.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import atan, ceil, floor, pi, tan
+from math import atan, ceil, floor, pi
 
 from flint import arb, ctx
 
@@ -26,6 +26,7 @@ from rpr_solver.paths.proofs import prove
 from rpr_solver.paths.route import Arc
 from rpr_solver.singular.charts import Turn
 from rpr_solver.singular.sweep import Sweep, sweep
+from rpr_solver.singular.tracing import angle_of, arcs_at
 
 Cell = tuple[int, int]
 """A slab and the number of a gap in it."""
@@ -164,9 +165,25 @@ class Cells:
         steps: list[_Step] = []
         while (step := before[last if not steps else steps[-1].before]) is not None:
             steps.append(step)
+        return _Ways(self).through(start, steps[::-1], stop, last)
+
+
+@dataclass(frozen=True)
+class _Ways:
+    """Ways through cells, in floats; angles are those of the chart."""
+
+    cells: Cells
+
+    @property
+    def sweep(self) -> Sweep:
+        """The sweep of the cells."""
+        return self.cells.sweep
+
+    def through(self, start: Spot, steps: Sequence[_Step], stop: Spot, last: Cell) -> list[Spot]:
+        """The spots of a way by these steps to the last cell; its ends are not angles of the chart."""
         turn = self.sweep.chart.alpha.angle, self.sweep.chart.theta.angle
         spots = [(start[0] - turn[0], start[1] - turn[1])]
-        for step in reversed(steps):
+        for step in steps:
             near, far = self._crossing(step, spots[-1][1])
             spots += self._inside(step.before, spots[-1], near[1])
             alpha = self._beside(step.before, spots[-1], near[0])
@@ -181,9 +198,7 @@ class Cells:
         """The angles of the lines at the ends of a slab, about an angle inside it."""
         if not self.sweep.lines:
             return theta - pi, theta + pi
-        low, high = (
-            2 * atan(float(self.sweep.lines[k].root.ball.mid())) for k in (slab, self.sweep.line_after(slab))
-        )
+        low, high = (angle_of(self.sweep.lines[k].root) for k in (slab, self.sweep.line_after(slab)))
         high += 2 * pi if slab == len(self.sweep.lines) - 1 else 0.0
         turns = 2 * pi * round((theta - (low + high) / 2) / (2 * pi))
         return low + turns, high + turns
@@ -198,13 +213,13 @@ class Cells:
         own = self.sweep.lines[step.line]
         left, right = (step.before, step.after) if step.rightwards else (step.after, step.before)
         gaps = [
-            _gap([2 * atan(float(root.ball.mid())) for root in arcs], gap)
+            _gap([angle_of(root) for root in arcs], gap)
             for arcs, (_, gap) in zip(own.sides, (left, right), strict=True)
         ]
         thetas = [2 * atan(float(u)) for u in own.around]
         low, high = self._range(step.before[0], theta)
         line = high if step.rightwards else low
-        base = 2 * pi * round((line - 2 * atan(float(own.root.ball.mid()))) / (2 * pi))
+        base = 2 * pi * round((line - angle_of(own.root)) / (2 * pi))
         for start, stop in _common(*gaps):
             for level in _LEVELS:
                 alpha = start + level * (stop - start)
@@ -215,12 +230,12 @@ class Cells:
 
     def _is_free(self, alpha: float, thetas: list[float]) -> bool:
         with ctx.workprec(_FIRST_BITS):
-            turn, length = self.sweep.chart, ball_of(self.length)
+            turn, length = self.sweep.chart, ball_of(self.cells.length)
             points = [
                 (arb(alpha + turn.alpha.angle), arb(theta + turn.theta.angle), length) for theta in thetas
             ]
             arc = Arc.over(points)
-            return any(prove(self.slice_map, [arc], sign, most_pieces=200) for sign in (1, -1))
+            return any(prove(self.cells.slice_map, [arc], sign, most_pieces=200) for sign in (1, -1))
 
     def _inside(self, cell: Cell, start: Spot, stop: float) -> Iterator[Spot]:
         """Spots in the middle of a gap from a spot to a θ, so close that lines between them stay in it."""
@@ -253,19 +268,7 @@ class Cells:
         return (low + high) / 2, theta
 
     def _gap_at(self, cell: Cell, theta: float) -> Spot:
-        u = self._clamped(cell[0], Fraction(tan(theta / 2)))
-        arcs = [2 * atan(float(root.ball.mid())) for root in real_roots(self.sweep.chart.above(u))]
-        return _gap(arcs, cell[1])
-
-    def _clamped(self, slab: int, u: Fraction) -> Fraction:
-        """u, or the nearest rational that is known to lie in the slab."""
-        lines = self.sweep.lines
-        if not lines:
-            return u
-        low, high = lines[slab].around[1], lines[self.sweep.line_after(slab)].around[0]
-        if low <= high:
-            return min(max(u, low), high)
-        return u if u >= low or u <= high else min((low, high), key=lambda end: abs(end - u))
+        return _gap(arcs_at(self.sweep, cell[0], theta), cell[1])
 
 
 def _ball_angle(turn: Turn) -> arb:

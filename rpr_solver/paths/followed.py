@@ -14,7 +14,7 @@ pose meets another one, and both end (mathematics.md#followed-poses).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from flint import arb, arb_mat, arb_poly, ctx
@@ -25,7 +25,7 @@ from rpr_solver.paths.route import Arc, Expansion, bounded, expanded
 
 _NEWTON_STEPS = 12
 
-Place = tuple[arb, arb, arb]
+Triple = tuple[arb, arb, arb]
 """α, θ and τ; or a direction in their space."""
 Two = tuple[arb, arb]
 
@@ -37,7 +37,7 @@ class Carrier:
     slice_map: SliceMap
     arc: Arc
 
-    def slopes(self, box: Place) -> tuple[Place, Place, Place]:
+    def slopes(self, box: Triple) -> tuple[Triple, Triple, Triple]:
         """The derivatives of F(p) − F(q(τ)) and of J(p) / L by α, θ and τ, over a box."""
         alpha, theta, tau = box
         length = self.arc.length(tau)
@@ -61,7 +61,7 @@ class Carrier:
         """The pose along a curve."""
         return Arc(hat[0], hat[1], self.arc.length(hat[2]))
 
-    def singularity(self, place: Place) -> arb:
+    def singularity(self, place: Triple) -> arb:
         """J at a place."""
         length = self.arc.length(place[2])
         return local_map(self.slice_map, length, (place[0], place[1]), 1).singularity().value
@@ -70,41 +70,29 @@ class Carrier:
         """The pose at τ = 1 near a place, as a small ball; None without a proof."""
         at = expanded(self.slice_map, self.arc, arb(1), 0)
         image, length = (at.first[0], at.second[0]), self.arc.length(arb(1))
-        angles = near[0].mid(), near[1].mid()
-        for _ in range(_NEWTON_STEPS):
-            new = newton_step(self.slice_map, length, image, angles)
-            if new is None or any(abs(x - y) > 1 for x, y in zip(new, near, strict=True)):
-                return None
-            angles = new[0].mid(), new[1].mid()
-        box = _around(angles)
-        inner = newton_step(self.slice_map, length, image, (box[0], box[1]))
-        return inner if inner is not None and _inside(inner, box) else None
 
-    def fold(self, ends: tuple[Place, Place]) -> Place | None:
+        def step(_: Sequence[arb], box: Sequence[arb]) -> Sequence[arb] | None:
+            return newton_step(self.slice_map, length, image, (box[0], box[1]))
+
+        found = _proved_zero(step, near, (arb(1), arb(1)))
+        return None if found is None else (found[0], found[1])
+
+    def fold(self, ends: tuple[Triple, Triple]) -> Triple | None:
         """A fold between two places of the curve, as a small ball; None without a proof."""
         first, last = (self.singularity(place) for place in ends)
         share = first / (first - last)
-        middle = [(x + share * (y - x)).mid() for x, y in zip(*ends, strict=True)]
-        for _ in range(_NEWTON_STEPS):
-            new = self._fold_step(middle, middle)
-            if new is None or any(abs(x - y) > 1 for x, y in zip(new, middle, strict=True)):
-                return None
-            middle = [x.mid() for x in new]
-        box = _around(middle)
-        inner = self._fold_step(middle, box)
-        return (inner[0], inner[1], inner[2]) if inner is not None and _inside(inner, box) else None
 
-    def _fold_step(self, middle: Sequence[arb], box: Sequence[arb]) -> list[arb] | None:
-        """One interval Newton step for F(p) = F(q(τ)), J(p) = 0."""
-        still, leading = self._both((middle[0], middle[1], middle[2]), 0)
-        values = [
-            still.first[0] - leading.first[0],
-            still.second[0] - leading.second[0],
-            still.singularity[0],
-        ]
-        return solved(self.slopes((box[0], box[1], box[2])), values, middle)
+        def step(middle: Sequence[arb], box: Sequence[arb]) -> Sequence[arb] | None:
+            """For F(p) = F(q(τ)), J(p) = 0."""
+            still, leading = self._both(_triple(middle), 0)
+            gap = still.first[0] - leading.first[0], still.second[0] - leading.second[0]
+            return solved(self.slopes(_triple(box)), (*gap, still.singularity[0]), middle)
 
-    def _both(self, place: Place, order: int) -> tuple[Expansion, Expansion]:
+        start = [x + share * (y - x) for x, y in zip(*ends, strict=True)]
+        found = _proved_zero(step, start, (arb(1), arb(1), arb(1)))
+        return None if found is None else _triple(found)
+
+    def _both(self, place: Triple, order: int) -> tuple[Expansion, Expansion]:
         """The expansions at τ of a pose whose angles stay, and of the path."""
         alpha, theta, tau = place
         still = Arc(arb_poly([alpha]), arb_poly([theta]), self.arc.length(arb_poly([tau, 1])))
@@ -113,33 +101,43 @@ class Carrier:
             expanded(self.slice_map, self.arc, tau, order),
         )
 
-    def image_gap(self, place: Place) -> Image:
+    def image_gap(self, place: Triple) -> Image:
         """F(p) − F(q(τ))."""
         still, leading = self._both(place, 0)
         return still.first[0] - leading.first[0], still.second[0] - leading.second[0]
 
 
-def within(carrier: Carrier, origin: Place, across: tuple[Place, Place], radii: Two) -> Place | None:
+def within(carrier: Carrier, origin: Triple, across: tuple[Triple, Triple], radii: Two) -> Triple | None:
     """The point of the curve in a plane near a place, as a small ball; None without a proof or outside."""
-    w: Sequence[arb] = [arb(0), arb(0)]
 
-    def at(w: Sequence[arb]) -> Place:
-        x, y, z = (o + w[0] * a + w[1] * b for o, a, b in zip(origin, *across, strict=True))
-        return x, y, z
+    def at(w: Sequence[arb]) -> Triple:
+        return _triple(o + w[0] * a + w[1] * b for o, a, b in zip(origin, *across, strict=True))
 
-    def step(middle: Sequence[arb], box: Sequence[arb]) -> list[arb] | None:
-        rows = carrier.slopes(at(box))[:2]
-        slopes = [[sum((x * y for x, y in zip(row, n, strict=True)), arb(0)) for n in across] for row in rows]
+    def step(middle: Sequence[arb], box: Sequence[arb]) -> Sequence[arb] | None:
+        slopes = [[_dot(row, n) for n in across] for row in carrier.slopes(at(box))[:2]]
         return solved(slopes, carrier.image_gap(at(middle)), middle)
 
+    found = _proved_zero(step, (arb(0), arb(0)), radii)
+    return None if found is None else at(found)
+
+
+Step = Callable[[Sequence[arb], Sequence[arb]], Sequence[arb] | None]
+"""An interval Newton step: from a point, with the slopes over a box round it."""
+
+
+def _proved_zero(step: Step, start: Sequence[arb], radii: Sequence[arb]) -> Sequence[arb] | None:
+    """The zero to which Newton's method leads, as a small ball; None without a proof, or if it goes farther
+    from the start than the radii."""
+    first = middle = [x.mid() for x in start]
     for _ in range(_NEWTON_STEPS):
-        new = step(w, w)
-        if new is None or not all(abs(x) < radius for x, radius in zip(new, radii, strict=True)):
+        new = step(middle, middle)
+        if new is None or not all(abs(x - y) < r for x, y, r in zip(new, first, radii, strict=True)):
             return None
-        w = [x.mid() for x in new]
-    box = _around(w)
-    inner = step(w, box)
-    return at(inner) if inner is not None and _inside(inner, box) else None
+        middle = [x.mid() for x in new]
+    box = [arb(x, arb(2) ** -(ctx.prec // 2)) for x in middle]
+    inner = step(middle, box)
+    is_inside = inner is not None and all(abs(y - x.mid()) < x.rad() for x, y in zip(box, inner, strict=True))
+    return inner if is_inside else None
 
 
 def solved(slopes: Sequence[Sequence[arb]], values: Sequence[arb], middle: Sequence[arb]) -> list[arb] | None:
@@ -150,14 +148,6 @@ def solved(slopes: Sequence[Sequence[arb]], values: Sequence[arb], middle: Seque
         return None
     new = [x + move[i, 0] for i, x in enumerate(middle)]
     return new if all(x.is_finite() for x in new) else None
-
-
-def _around(middle: Sequence[arb]) -> list[arb]:
-    return [arb(x, arb(2) ** -(ctx.prec // 2)) for x in middle]
-
-
-def _inside(inner: Sequence[arb], box: Sequence[arb]) -> bool:
-    return all(abs(y - x.mid()) < x.rad() for x, y in zip(box, inner, strict=True))
 
 
 _FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.125, 0.5, 2.0**-20
@@ -175,7 +165,7 @@ class Followed:
     """
 
     end: Angles | None = None
-    fold: tuple[int, Place] | None = None
+    fold: tuple[int, Triple] | None = None
 
 
 def follow(slice_map: SliceMap, arcs: Sequence[Arc], start: Angles) -> Followed:
@@ -198,12 +188,12 @@ def follow(slice_map: SliceMap, arcs: Sequence[Arc], start: Angles) -> Followed:
 class _Outcome:
     """The end of an arc, or a fold before it."""
 
-    place: Place
+    place: Triple
     is_fold: bool
 
 
 def _along(carrier: Carrier, angles: Angles) -> _Outcome | None:
-    place: Place = (*angles, arb(0))
+    place: Triple = (*angles, arb(0))
     step, backwards = _FIRST_STEP, None
     for _ in range(_MOST_PIECES):
         tube = _Tube.built(carrier, place, arb(step), backwards)
@@ -226,27 +216,25 @@ class _Tube:
 
     carrier: Carrier
     hat: tuple[arb_poly, arb_poly, arb_poly]
-    tangent: Place
-    across: tuple[Place, Place]
+    tangent: Triple
+    across: tuple[Triple, Triple]
     reach: arb
     radii: Two
     lives: bool
     """Whether J ≠ 0 everywhere in the tube."""
 
     @classmethod
-    def built(cls, carrier: Carrier, place: Place, reach: arb, last: Place | None) -> _Tube | None:
+    def built(cls, carrier: Carrier, place: Triple, reach: arb, last: Triple | None) -> _Tube | None:
         """The tube from a place on, in the direction of the last tangent, or else of increasing τ."""
-        origin = place[0].mid(), place[1].mid(), place[2].mid()
+        origin = _triple(x.mid() for x in place)
         rows = carrier.slopes(origin)[:2]
         tangent = _cross(rows[0], rows[1])
-        size = sum((x * x for x in tangent), arb(0)).sqrt()
-        along = (
-            tangent[2] if last is None else sum((x * y for x, y in zip(tangent, last, strict=True)), arb(0))
-        )
+        size = _dot(tangent, tangent).sqrt()
+        along = tangent[2] if last is None else _dot(tangent, last)
         if size.contains(0) or along.contains(0):
             return None
         size = size if along > 0 else -size
-        t = (tangent[0] / size).mid(), (tangent[1] / size).mid(), (tangent[2] / size).mid()
+        t = _triple((x / size).mid() for x in tangent)
         across = _across(t, rows)
         columns = [[_dot(row, n) for n in across] for row in rows]
         det = columns[0][0] * columns[1][1] - columns[0][1] * columns[1][0]
@@ -271,8 +259,8 @@ class _Tube:
         cls,
         carrier: Carrier,
         hat: tuple[arb_poly, arb_poly, arb_poly],
-        tangent: Place,
-        across: tuple[Place, Place],
+        tangent: Triple,
+        across: tuple[Triple, Triple],
         inverse: arb_mat,
         reach: arb,
     ) -> _Tube | None:
@@ -322,7 +310,7 @@ class _Tube:
         j = bounded(at.singularity, over.singularity, half) + arb(0, slack.abs_upper())
         return cls(carrier, hat, tangent, across, reach, radii, not j.contains(0))
 
-    def outcome(self, start: Place) -> _Outcome | None:
+    def outcome(self, start: Triple) -> _Outcome | None:
         """What follows: the end of the arc, a fold, or another place; None if it is not decided."""
         if not self.contains(start):
             return None
@@ -345,47 +333,46 @@ class _Tube:
         arrived = *pose, arb(1)
         return _Outcome(arrived, False) if self.contains(arrived) else None
 
-    def contains(self, place: Place) -> bool:
+    def contains(self, place: Triple) -> bool:
         """Proof that a small ball lies in the tube."""
-        away = [x - p[0] for x, p in zip(place, self.hat, strict=True)]
-        r = sum((x * t for x, t in zip(away, self.tangent, strict=True)), arb(0))
+        r = _dot(_triple(x - p[0] for x, p in zip(place, self.hat, strict=True)), self.tangent)
         slack = arb(2) ** -(ctx.prec // 2)
         if not (r > -slack and r < self.reach + slack):
             return False
-        aside = [x - p(r) for x, p in zip(place, self.hat, strict=True)]
-        return all(
-            abs(sum((x * y for x, y in zip(aside, n, strict=True)), arb(0))) < radius
-            for n, radius in zip(self.across, self.radii, strict=True)
-        )
+        aside = _triple(x - p(r) for x, p in zip(place, self.hat, strict=True))
+        return all(abs(_dot(aside, n)) < radius for n, radius in zip(self.across, self.radii, strict=True))
 
-    def _at(self, r: arb) -> Place | None:
+    def _at(self, r: arb) -> Triple | None:
         """The point of the curve at one r, as a small ball."""
         return within(
             self.carrier, _place(self.hat, self.across, r, (arb(0), arb(0))), self.across, self.radii
         )
 
 
-def _place(hat: Sequence[arb_poly], across: tuple[Place, Place], r: arb, w: Two) -> Place:
-    x, y, z = (p(r) + w[0] * a + w[1] * b for p, a, b in zip(hat, *across, strict=True))
+def _place(hat: Sequence[arb_poly], across: tuple[Triple, Triple], r: arb, w: Two) -> Triple:
+    return _triple(p(r) + w[0] * a + w[1] * b for p, a, b in zip(hat, *across, strict=True))
+
+
+def _triple(numbers: Iterable[arb]) -> Triple:
+    x, y, z = numbers
     return x, y, z
 
 
-def _cross(p: Place, q: Place) -> Place:
+def _cross(p: Triple, q: Triple) -> Triple:
     (a, b, c), (d, e, f) = p, q
     return b * f - c * e, c * d - a * f, a * e - b * d
 
 
-def _dot(p: Place, q: Place) -> arb:
+def _dot(p: Triple, q: Triple) -> arb:
     return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
 
 
-def _across(t: Place, rows: Sequence[Place]) -> tuple[Place, Place]:
+def _across(t: Triple, rows: Sequence[Triple]) -> tuple[Triple, Triple]:
     """Two directions nearly orthogonal to a unit vector: that in which the rows change most, and another.
 
     With the steepest apart, the slower one does not suffer from its errors, as near a cusp it would.
     """
     row = max(rows, key=lambda row: _dot(row, row).mid())
     size = _dot(row, row).sqrt()
-    first = (row[0] / size).mid(), (row[1] / size).mid(), (row[2] / size).mid()
-    n = _cross(t, first)
-    return first, (n[0].mid(), n[1].mid(), n[2].mid())
+    first = _triple((x / size).mid() for x in row)
+    return first, _triple(x.mid() for x in _cross(t, first))

@@ -14,7 +14,7 @@ from rpr_solver.exact.decimals import digit_bits, round_all
 from rpr_solver.kinematics.pose_table import PlatformPose, PoseTable
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import shortened
-from rpr_solver.paths.followed import Place, follow
+from rpr_solver.paths.followed import Triple, follow
 from rpr_solver.paths.isolated import Angles, IsolatedPose, Legs, by_leg, local_map
 from rpr_solver.paths.route import Arc, Route
 from rpr_solver.paths.samples import wrapped
@@ -197,7 +197,7 @@ def _arrived(route: Route, angles: Angles, table: PoseTable) -> PathPose | None:
     return None if pose is None else numbered(pose, table, route.slice_map.fixed_leg)
 
 
-def _fold_point(route: Route, arc: Arc, place: Place, digits: int) -> FoldPoint | None:
+def _fold_point(route: Route, arc: Arc, place: Triple, digits: int) -> FoldPoint | None:
     alpha, theta, tau = place
     length, scale = arc.length(tau), route.slice_map.scale_ball()
     first, second = (

@@ -23,7 +23,7 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.lengths import Bounds
-from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, Place, Verdict
+from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, PosePoint, Verdict
 from rpr_solver.paths.isolated import IsolatedPose, Legs
 from rpr_solver.paths.joint_paths import Corner, straightened
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove
@@ -77,7 +77,7 @@ class Outcome:
     boxes: int
 
 
-def search(boxes: Boxes, start: Place, stop: Place) -> Outcome:
+def search(boxes: Boxes, start: PosePoint, stop: PosePoint) -> Outcome:
     """Looks for a way between two allowed poses.
 
     Raises:
@@ -95,7 +95,7 @@ class _Search:
         self.verdicts: dict[Box, Verdict | None] = {box: boxes.verdict(box) for box in boxes.first()}
         self.near: dict[Box, list[Box]] = {}
 
-    def outcome(self, start: Place, stop: Place) -> Outcome:
+    def outcome(self, start: PosePoint, stop: PosePoint) -> Outcome:
         first, last = self.settled(start), self.settled(stop)
         done = FIRST_LEVEL
         for level in _LEVELS[len(self.boxes.axes)]:
@@ -130,7 +130,7 @@ class _Search:
         for part in self.boxes.parts(box):
             self.verdicts[part] = self.boxes.verdict(part)
 
-    def settled(self, place: Place) -> Box:
+    def settled(self, place: PosePoint) -> Box:
         """An allowed box round a pose, cut out if need be."""
         for level in range(FIRST_LEVEL, _DEEPEST):
             box = self.boxes.holding(place, level)
@@ -208,7 +208,7 @@ class _Search:
             if part[axis + 1] == side:
                 yield from self._uncut(part, axis, step)
 
-    def way(self, start: Place, chain: Sequence[Box], stop: Place) -> list[Spot]:
+    def way(self, start: PosePoint, chain: Sequence[Box], stop: PosePoint) -> list[Spot]:
         """A polyline through the faces between boxes; its first spot is the start, no turns added."""
         at = _turns(start)
         corner = _near(self.boxes.middle(chain[0]), at)
@@ -225,7 +225,7 @@ _Point = tuple[Fraction, Fraction, Fraction]
 """α and θ in turns, and the scaled length."""
 
 
-def _turns(place: Place) -> _Point:
+def _turns(place: PosePoint) -> _Point:
     """About where a place is."""
     alpha, theta = (Fraction(float(angle) / tau) for angle in place[:2])
     return alpha, theta, place[2]
@@ -340,7 +340,7 @@ class LimitedSearch:
         return fixed, free[0], free[1]
 
 
-def _place(pose: IsolatedPose) -> Place:
+def _place(pose: IsolatedPose) -> PosePoint:
     return *pose.angles, pose.legs[0]
 
 

@@ -18,8 +18,8 @@ from rpr_solver.singular.regions import Regions, regions_of
 from rpr_solver.singular.sweep import Meeting, Sweep
 from rpr_solver.singular.tracing import TURN, Course, Mark, Sample, Tracer
 from rpr_solver.singular.vertices import (
+    ArcPlace,
     NotPlacedError,
-    Place,
     Vertex,
     closed_legs,
     cusp_place,
@@ -236,7 +236,7 @@ class Drawing:
             self._courses[key] = self._tracer.course(slab, arc, self._marks.get(key, ()))
         return self._courses[key]
 
-    def _mark(self, vertex: Vertex, place: Place) -> None:
+    def _mark(self, vertex: Vertex, place: ArcPlace) -> None:
         self._marks.setdefault((place.slab, place.arc), []).append(Mark(place, vertex))
 
     def _place_cusp(
@@ -246,9 +246,9 @@ class Drawing:
         vertex = Vertex(PoseKind.CUSP, cusp, number)
         place = cusp_place(self.sweep, cusp)
         for more in _MORE_DIGITS:
-            if not isinstance(place, Place) and more > digits:
+            if not isinstance(place, ArcPlace) and more > digits:
                 place = cusp_place(self.sweep, finer(number, more))
-        if isinstance(place, Place):
+        if isinstance(place, ArcPlace):
             self._mark(vertex, place)
             return
         here = []
@@ -265,11 +265,13 @@ class Drawing:
     @property
     def extent(self) -> float:
         """The extent of the curves in the joint plane, in the user's unit."""
-        return self._tracer.extent / self._tracer.floats.unit
+        return self._tracer.extent / self._tracer.points.floats.unit
 
     def aspects(self) -> list[Aspect]:
         """The aspects of the slice."""
-        return drawn_aspects(self.sweep, lambda slab, arc: self.course(slab, arc).samples, self._tracer.span)
+        return drawn_aspects(
+            self.sweep, lambda slab, arc: self.course(slab, arc).samples, self._tracer.points.span
+        )
 
     def regions(self, length: Fraction, parts: Sequence[tuple[Chain, Strand]]) -> Regions:
         """The regions of the joint plane between the strands; ``length`` is in the user's unit."""
@@ -302,7 +304,7 @@ class Drawing:
         vertices: list[tuple[int, Vertex]] = []
         if not chain.steps:
             [(line, number)] = chain.cells
-            samples.append(self._tracer.at_meeting(line, self.sweep.lines[line].meetings[number]))
+            samples.append(self._tracer.points.at_meeting(line, self.sweep.lines[line].meetings[number]))
             vertices += ((0, vertex) for vertex in self._at(chain.cells[0]))
         for k, step in enumerate(chain.steps):
             course = self.course(step.slab, step.arc)
@@ -317,7 +319,7 @@ class Drawing:
             samples += own[1:] if samples else own
         if chain.steps and not chain.closed and chain.cells:
             vertices += ((len(samples) - 1, vertex) for vertex in self._at(chain.cells[-1]))
-        return _strand(samples, vertices, self._tracer.floats.unit, closed=chain.closed)
+        return _strand(samples, vertices, self._tracer.points.floats.unit, closed=chain.closed)
 
     def _at(self, cell: MeetingIndex) -> Iterator[Vertex]:
         if cell in self._at_cells:

@@ -18,8 +18,8 @@ from math import acos, atan, cos, hypot, pi, tan
 
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 from rpr_solver.model.float_slice import FloatSlice
-from rpr_solver.singular.sweep import Line, Meeting, Sweep
-from rpr_solver.singular.vertices import Place, Vertex
+from rpr_solver.singular.sweep import Meeting, Sweep
+from rpr_solver.singular.vertices import ArcPlace, Vertex
 
 TURN = 2 * pi
 _FIRST = (0.25, 0.5, 0.75)
@@ -43,7 +43,7 @@ class Sample:
 class Mark:
     """A point on an arc that must be a sample: a cusp, or a pose with a leg of length 0."""
 
-    place: Place
+    place: ArcPlace
     vertex: Vertex
 
 
@@ -55,50 +55,24 @@ class Course:
     marks: tuple[tuple[int, Mark], ...]
 
 
-class Tracer:
-    """Draws the arcs of a sweep.
+Node = tuple[float, Sample]
+"""A parameter of an arc, and the sample there."""
 
-    Args:
+
+class ArcPoints:
+    """The points of the arcs of a sweep in floats, by slab, arc and parameter.
+
+    Attributes:
         sweep: the topology.
-        tolerance: the largest deviation of a chord, relative to a full turn, and to the extent of the
-            picture in the joint plane.
-        cusps: cusps, near which the curve is drawn as finely as the distance to the next cusp needs.
+        floats: the slice.
     """
 
-    def __init__(self, sweep: Sweep, tolerance: float, cusps: Sequence[Place] = ()) -> None:
+    def __init__(self, sweep: Sweep) -> None:
         self.sweep = sweep
         self.floats = FloatSlice.of(sweep.chart.slice_map, sweep.chart.length)
-        self.tolerance = tolerance
         self._alpha0, self._theta0 = sweep.chart.alpha.angle, sweep.chart.theta.angle
         self._lines = [angle_of(line.root) for line in sweep.lines]
         self._roots: dict[tuple[int, float], list[float]] = {}
-        self._cusps = list(self._focused([self._at_place(place) for place in cusps]))
-
-    @cached_property
-    def extent(self) -> float:
-        """The larger side of the box round the first samples, in the joint plane."""
-        points = [x for slab in self._first for arc in slab for _, x in arc]
-        if not points:
-            return 1.0
-        firsts, seconds = [x.first for x in points], [x.second for x in points]
-        return max(max(firsts) - min(firsts), max(seconds) - min(seconds)) or 1.0
-
-    def course(self, slab: int, arc: int, marks: Sequence[Mark] = ()) -> Course:
-        """The samples of one arc."""
-        placed = [(self._parameter(slab, mark.place.u), self._at_mark(mark), mark) for mark in marks]
-        own = sorted([*self._first[slab][arc], *((tau, x) for tau, x, _ in placed)], key=lambda x: x[0])
-        samples = [own[0][1]]
-        for (start, first), (stop, last) in pairwise(own):
-            if stop > start:
-                self._refine(slab, arc, start, first, stop, last, samples, 0)
-                samples.append(last)
-            else:
-                samples[-1] = last
-        places = {id(x): k for k, x in enumerate(samples)}
-        found = sorted(
-            ((places[id(x)], mark) for _, x, mark in placed if id(x) in places), key=lambda y: y[0]
-        )
-        return Course(tuple(samples), tuple(found))
 
     def span(self, slab: int) -> tuple[float, float]:
         """θ at the ends of a slab."""
@@ -114,22 +88,47 @@ class Tracer:
         alpha, theta = alpha + self._alpha0, theta + self._theta0
         return Sample(alpha, theta, *self.floats.joints(alpha, theta))
 
-    @cached_property
-    def _first(self) -> list[list[list[tuple[float, Sample]]]]:
-        """By slab and arc: both ends and a few samples between, with their parameters."""
-        return [
-            [
-                sorted(
-                    [
-                        *self._ends(slab, arc),
-                        *((tau, self._on_arc(slab, arc, tau, None)) for tau in _FIRST),
-                    ],
-                    key=lambda x: x[0],
-                )
-                for arc in range(len(self.sweep.slabs[slab].arcs))
-            ]
-            for slab in range(len(self.sweep.slabs))
-        ]
+    def at_mark(self, mark: Mark) -> Sample:
+        """The sample of a mark; a leg of length 0 has it exactly."""
+        x = self.at_place(mark.place)
+        first, second = (
+            0.0 if text == "0" else length
+            for text, length in zip(mark.vertex.point.coordinates[2:], (x.first, x.second), strict=True)
+        )
+        return Sample(x.alpha, x.theta, first, second)
+
+    def at_place(self, place: ArcPlace) -> Sample:
+        """The point at a place inside a slab."""
+        return self.sample(2 * atan(place.t), self._angle_in(place.slab, place.u))
+
+    def ends(self, slab: int, arc: int) -> list[Node]:
+        """Both ends of an arc."""
+        if not self._lines:
+            [start] = self._solved(slab, -pi)[arc : arc + 1]
+            return [(0.0, self.sample(start, -pi)), (1.0, self.sample(start, pi))]
+        ends = []
+        for tau, line, side in ((0.0, slab, 1), (1.0, self.sweep.line_after(slab), 0)):
+            meeting = next(m for m in self.sweep.lines[line].meetings if arc in (m.left, m.right)[side])
+            alpha = self._alpha_at(line, meeting, side, arc)
+            ends.append((tau, self.sample(alpha, self._angle(slab, tau))))
+        return ends
+
+    def on_arc(self, slab: int, arc: int, tau: float, guess: float | None = None) -> Sample:
+        """The point at a parameter, perhaps with an α near it."""
+        theta = self._angle(slab, tau)
+        if guess is not None and not self.sweep.chart.repeated:
+            j = self.floats.on_line(theta + self._theta0)
+            alpha = j.root(guess)
+            if alpha is not None and j.value_and_slope(alpha)[1] * self.sweep.slabs[slab].signs[arc] > 0:
+                first, second = self.floats.joints(alpha, theta + self._theta0)
+                return Sample(alpha, theta + self._theta0, first, second)
+        return self.sample(self._solved(slab, theta)[arc], theta)
+
+    def parameter(self, slab: int, u: float) -> float:
+        """The parameter of a half tangent in a slab."""
+        low, high = self._limits(slab)
+        part = min(max((self._angle_in(slab, u) - low) / (high - low or 1.0), 0.0), 1.0)
+        return acos(1 - 2 * part) / pi if self._lines else part
 
     def _limits(self, slab: int) -> tuple[float, float]:
         if not self._lines:
@@ -148,49 +147,6 @@ class Tracer:
         angle = 2 * atan(u)
         return angle + TURN if angle < low and high > pi else angle
 
-    def _parameter(self, slab: int, u: float) -> float:
-        low, high = self._limits(slab)
-        part = min(max((self._angle_in(slab, u) - low) / (high - low or 1.0), 0.0), 1.0)
-        return acos(1 - 2 * part) / pi if self._lines else part
-
-    def _at_place(self, place: Place) -> Sample:
-        return self.sample(2 * atan(place.t), self._angle_in(place.slab, place.u))
-
-    def _at_mark(self, mark: Mark) -> Sample:
-        """The sample of a mark; a leg of length 0 has it exactly."""
-        x = self._at_place(mark.place)
-        first, second = (
-            0.0 if text == "0" else length
-            for text, length in zip(mark.vertex.point.coordinates[2:], (x.first, x.second), strict=True)
-        )
-        return Sample(x.alpha, x.theta, first, second)
-
-    def _focused(self, cusps: Sequence[Sample]) -> Iterator[tuple[float, float, float]]:
-        """The joints of each cusp that is near another one, and its distance from the nearest."""
-        for k, x in enumerate(cusps):
-            others = (y for i, y in enumerate(cusps) if i != k)
-            nearest = min((hypot(x.first - y.first, x.second - y.second) for y in others), default=1.0)
-            if nearest * _PART < self.tolerance * self.extent:
-                yield x.first, x.second, nearest
-
-    def _allowed(self, x: Sample) -> float:
-        """The deviation of a chord that is allowed at a sample, in the joint plane."""
-        allowed = self.tolerance * self.extent
-        for first, second, nearest in self._cusps:
-            allowed = min(allowed, _PART * max(hypot(x.first - first, x.second - second), nearest))
-        return max(allowed, FINEST * self.extent)
-
-    def _ends(self, slab: int, arc: int) -> list[tuple[float, Sample]]:
-        if not self._lines:
-            [start] = self._solved(slab, -pi)[arc : arc + 1]
-            return [(0.0, self.sample(start, -pi)), (1.0, self.sample(start, pi))]
-        ends = []
-        for tau, line, side in ((0.0, slab, 1), (1.0, self.sweep.line_after(slab), 0)):
-            meeting = next(m for m in self.sweep.lines[line].meetings if arc in (m.left, m.right)[side])
-            alpha = self._alpha_at(line, meeting, side, arc)
-            ends.append((tau, self.sample(alpha, self._angle(slab, tau))))
-        return ends
-
     def _alpha_at(self, line: int, meeting: Meeting, side: int, arc: int | None = None) -> float:
         """α of the chart at a meeting; at t = ∞ the sign is that of the arc."""
         if meeting.point is not None:
@@ -208,51 +164,100 @@ class Tracer:
         found = j.root(near + self._alpha0)
         return near if found is None else found - self._alpha0
 
-    def _on_arc(self, slab: int, arc: int, tau: float, guess: float | None) -> Sample:
-        theta = self._angle(slab, tau)
-        if guess is not None and not self.sweep.chart.repeated:
-            j = self.floats.on_line(theta + self._theta0)
-            alpha = j.root(guess)
-            if alpha is not None and j.value_and_slope(alpha)[1] * self.sweep.slabs[slab].signs[arc] > 0:
-                first, second = self.floats.joints(alpha, theta + self._theta0)
-                return Sample(alpha, theta + self._theta0, first, second)
-        return self.sample(self._solved(slab, theta)[arc], theta)
-
     def _solved(self, slab: int, theta: float) -> list[float]:
         """α of the chart of all arcs at one θ, isolated at a rational u within the slab."""
         if (slab, theta) not in self._roots:
-            u = Fraction(tan(theta / 2))
-            if self.sweep.lines:
-                low, high = self.sweep.lines[slab], self.sweep.lines[self.sweep.line_after(slab)]
-                u = _clamped(u, low, high, theta)
-            self._roots[slab, theta] = [angle_of(root) for root in real_roots(self.sweep.chart.above(u))]
+            self._roots[slab, theta] = arcs_at(self.sweep, slab, theta)
         return self._roots[slab, theta]
 
-    def _refine(
-        self,
-        slab: int,
-        arc: int,
-        start: float,
-        first: Sample,
-        stop: float,
-        last: Sample,
-        into: list[Sample],
-        depth: int,
-    ) -> None:
-        tau = (start + stop) / 2
-        middle = self._on_arc(slab, arc, tau, (first.alpha + last.alpha) / 2)
-        if depth < _DEEPEST and self._coarse(first, middle, last):
-            self._refine(slab, arc, start, first, tau, middle, into, depth + 1)
-            into.append(middle)
-            self._refine(slab, arc, tau, middle, stop, last, into, depth + 1)
-        else:
-            into.append(middle)
 
-    def _coarse(self, a: Sample, x: Sample, b: Sample) -> bool:
+class Tracer:
+    """Draws the arcs of a sweep.
+
+    Args:
+        sweep: the topology.
+        tolerance: the largest deviation of a chord, relative to a full turn, and to the extent of the
+            picture in the joint plane.
+        cusps: cusps, near which the curve is drawn as finely as the distance to the next cusp needs.
+    """
+
+    def __init__(self, sweep: Sweep, tolerance: float, cusps: Sequence[ArcPlace] = ()) -> None:
+        self.points = ArcPoints(sweep)
+        self.tolerance = tolerance
+        self._cusps = list(self._focused([self.points.at_place(place) for place in cusps]))
+
+    @cached_property
+    def extent(self) -> float:
+        """The larger side of the box round the first samples, in the joint plane."""
+        points = [x for slab in self._first for arc in slab for _, x in arc]
+        if not points:
+            return 1.0
+        firsts, seconds = [x.first for x in points], [x.second for x in points]
+        return max(max(firsts) - min(firsts), max(seconds) - min(seconds)) or 1.0
+
+    def course(self, slab: int, arc: int, marks: Sequence[Mark] = ()) -> Course:
+        """The samples of one arc."""
+        placed = [
+            (self.points.parameter(slab, mark.place.u), self.points.at_mark(mark), mark) for mark in marks
+        ]
+        own = sorted([*self._first[slab][arc], *((tau, x) for tau, x, _ in placed)], key=lambda x: x[0])
+        samples = [own[0][1]]
+        for low, high in pairwise(own):
+            if high[0] > low[0]:
+                samples += self._between((slab, arc), low, high)
+                samples.append(high[1])
+            else:
+                samples[-1] = high[1]
+        places = {id(x): k for k, x in enumerate(samples)}
+        found = sorted(
+            ((places[id(x)], mark) for _, x, mark in placed if id(x) in places), key=lambda y: y[0]
+        )
+        return Course(tuple(samples), tuple(found))
+
+    @cached_property
+    def _first(self) -> list[list[list[Node]]]:
+        """By slab and arc: both ends and a few samples between."""
+        return [
+            [self._first_of(slab, arc) for arc in range(len(part.arcs))]
+            for slab, part in enumerate(self.points.sweep.slabs)
+        ]
+
+    def _first_of(self, slab: int, arc: int) -> list[Node]:
+        inner = ((tau, self.points.on_arc(slab, arc, tau)) for tau in _FIRST)
+        return sorted([*self.points.ends(slab, arc), *inner], key=lambda x: x[0])
+
+    def _between(self, arc: tuple[int, int], low: Node, high: Node, depth: int = 0) -> Iterator[Sample]:
+        """Yields the samples that are needed between two."""
+        (start, first), (stop, last) = low, high
+        tau = (start + stop) / 2
+        middle = self.points.on_arc(*arc, tau, (first.alpha + last.alpha) / 2)
+        is_coarse = depth < _DEEPEST and self._is_coarse(first, middle, last)
+        if is_coarse:
+            yield from self._between(arc, low, (tau, middle), depth + 1)
+        yield middle
+        if is_coarse:
+            yield from self._between(arc, (tau, middle), high, depth + 1)
+
+    def _is_coarse(self, a: Sample, x: Sample, b: Sample) -> bool:
         """Whether the sample between two others is too far from their chord, in either plane."""
         if _from_chord(a.alpha, a.theta, x.alpha, x.theta, b.alpha, b.theta) > TURN * self.tolerance:
             return True
         return _from_chord(a.first, a.second, x.first, x.second, b.first, b.second) > self._allowed(x)
+
+    def _focused(self, cusps: Sequence[Sample]) -> Iterator[tuple[float, float, float]]:
+        """The joints of each cusp that is near another one, and its distance from the nearest."""
+        for k, x in enumerate(cusps):
+            others = (y for i, y in enumerate(cusps) if i != k)
+            nearest = min((hypot(x.first - y.first, x.second - y.second) for y in others), default=1.0)
+            if nearest * _PART < self.tolerance * self.extent:
+                yield x.first, x.second, nearest
+
+    def _allowed(self, x: Sample) -> float:
+        """The deviation of a chord that is allowed at a sample, in the joint plane."""
+        allowed = self.tolerance * self.extent
+        for first, second, nearest in self._cusps:
+            allowed = min(allowed, _PART * max(hypot(x.first - first, x.second - second), nearest))
+        return max(allowed, FINEST * self.extent)
 
 
 def angle_of(root: RealRoot) -> float:
@@ -260,12 +265,16 @@ def angle_of(root: RealRoot) -> float:
     return 2 * atan(float(root.ball.mid()))
 
 
-def _clamped(u: Fraction, low: Line, high: Line, theta: float) -> Fraction:
-    """u, or the nearest rational that is known to lie in the slab between two lines."""
-    start, stop = low.around[1], high.around[0]
-    if start <= stop:
-        return min(max(u, start), stop)
-    return u if u >= start or u <= stop else (start if theta > 0 else stop)
+def arcs_at(sweep: Sweep, slab: int, theta: float) -> list[float]:
+    """α of all arcs of a slab at one θ, both of the chart, isolated at a rational u that lies in the slab."""
+    u = Fraction(tan(theta / 2))
+    if sweep.lines:
+        low, high = sweep.lines[slab].around[1], sweep.lines[sweep.line_after(slab)].around[0]
+        if low <= high:
+            u = min(max(u, low), high)
+        elif high < u < low:
+            u = min((low, high), key=lambda end: abs(end - u))
+    return [angle_of(root) for root in real_roots(sweep.chart.above(u))]
 
 
 def _from_chord(ax: float, ay: float, px: float, py: float, bx: float, by: float) -> float:

@@ -78,7 +78,7 @@ class Vertex:
 
 
 @dataclass(frozen=True)
-class Place:
+class ArcPlace:
     """A point inside a slab: the slab, the arc, and u and t of the chart in floats."""
 
     slab: int
@@ -215,7 +215,7 @@ def _over(x: Any, n: int) -> Any:
     return x / n if isinstance(x, arb) else x * x.field(Fraction(1, n))
 
 
-def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> Place | int | None:
+def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> ArcPlace | int | None:
     """The place of a point of the curve that is given by balls to so many bits.
 
     If these do not decide it, the number of the line on which it may lie, or None where the arc is open.
@@ -238,7 +238,7 @@ def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> Place | in
     if slab is None:
         return line
 
-    def attempt(bits: int) -> Place | None:
+    def attempt(bits: int) -> ArcPlace | None:
         at, across = u(bits), t(bits)
         if not (at.is_finite() and across.is_finite()):
             return None
@@ -253,12 +253,12 @@ def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> Place | in
             cell = ball_of(low).union(ball_of(high))
             near = [k for k, t in enumerate(arcs) if t.overlaps(cell)]
             sure = len(near) == 1 and ball_of(low) < arcs[near[0]] < ball_of(high)
-        return Place(slab, near[0], float(middle), float(across.mid())) if sure else None
+        return ArcPlace(slab, near[0], float(middle), float(across.mid())) if sure else None
 
     return decided_or_none(attempt, _FIRST_BITS, most)
 
 
-def cusp_place(sweep: Sweep, cusp: JointPoint) -> Place | int | None:
+def cusp_place(sweep: Sweep, cusp: JointPoint) -> ArcPlace | int | None:
     """The place of a cusp from its printed coordinates, as :func:`placed` gives it."""
     chart = sweep.chart
     alpha, theta = (
@@ -285,7 +285,7 @@ def _half_of_degrees(text: str, turn: Turn) -> Ball:
     return ball
 
 
-def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, Place]]:
+def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, ArcPlace]]:
     """The poses in which a free leg has length 0, unless it closes while stretched along its base line.
 
     Raises:
@@ -303,7 +303,7 @@ def closed_legs(sweep: Sweep, digits: int) -> Iterator[tuple[Vertex, Place]]:
                 place = placed(sweep, root.refined, pose.half_alpha)
                 if place is None:
                     raise NotPlacedError("a pose with a leg of length 0 could not be placed on its arc")
-                if isinstance(place, Place):
+                if isinstance(place, ArcPlace):
                     yield Vertex(VertexKind.CLOSED_LEG, pose.point(digits)), place
 
 

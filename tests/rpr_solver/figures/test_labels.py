@@ -1,12 +1,12 @@
 """Labels and boxes go where they hide nothing."""
 
-from rpr_solver.figures.labels import Room
+from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.sheet import box_of
 from rpr_solver.notebook.scene import Box
 
 
 def test_labels_near_one_point_do_not_cover_each_other_or_lines() -> None:
-    room = Room(Box(0, 0, 200, 200))
+    room = OccupancyGrid(Box(0, 0, 200, 200))
     line = [(0.0, 100.0), (200.0, 100.0)]
     room.add_line(line)
     boxes = [box_of(room.near((100, 100), name, 14, 12)) for name in "ABC"]
@@ -16,18 +16,18 @@ def test_labels_near_one_point_do_not_cover_each_other_or_lines() -> None:
 
 
 def test_a_label_in_a_corner_stays_inside() -> None:
-    room = Room(Box(0, 0, 200, 200))
+    room = OccupancyGrid(Box(0, 0, 200, 200))
     box = box_of(room.near((1, 1), "L1 = 20", 14, 10))
     assert box.x0 >= 0
     assert box.y0 >= 0
 
 
 def test_a_label_without_any_room_is_at_its_point() -> None:
-    assert Room(Box(0, 0, 5, 5)).near((2, 2), "L1 = 20", 14, 10).at == (2, 2)
+    assert OccupancyGrid(Box(0, 0, 5, 5)).near((2, 2), "L1 = 20", 14, 10).at == (2, 2)
 
 
 def test_a_free_box_is_the_nearest_one() -> None:
-    room = Room(Box(0, 0, 300, 300))
+    room = OccupancyGrid(Box(0, 0, 300, 300))
     room.add_box(Box(0, 0, 300, 100))
     box = room.free_box(80, 60, (150, 0))
     assert box is not None
@@ -40,7 +40,7 @@ def test_a_free_box_is_the_nearest_one() -> None:
 
 
 def test_the_middle_of_a_ring_with_a_hole_is_beside_the_hole() -> None:
-    room = Room(Box(0, 0, 400, 300))
+    room = OccupancyGrid(Box(0, 0, 400, 300))
     ring, hole = Box(100, 50, 300, 250).corners, Box(110, 60, 220, 240).corners
     for line in (ring, hole):
         room.add_line([*line, line[0]])

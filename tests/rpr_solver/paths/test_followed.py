@@ -9,7 +9,7 @@ import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES, Path, cusp_loop, poses
-from rpr_solver.paths.followed import Carrier, Followed, Place, follow
+from rpr_solver.paths.followed import Carrier, Followed, Triple, follow
 from rpr_solver.paths.isolated import IsolatedPose
 from tests.support.motions import Mover, apart, legs_of
 
@@ -53,7 +53,7 @@ def carrier() -> Carrier:
     return Carrier(LOOP.route.slice_map, LOOP.route.at(200)[0])
 
 
-def balls(place: tuple[float, ...]) -> Place:
+def balls(place: tuple[float, ...]) -> Triple:
     alpha, theta, tau = map(arb, place)
     return alpha, theta, tau
 
@@ -64,7 +64,7 @@ def test_slopes_are_those_of_differences() -> None:
         rows = own.slopes(balls(PLACE))
         for k in range(3):
             moved = [[x + s * arb(STEP) * (i == k) for i, x in enumerate(balls(PLACE))] for s in (1, -1)]
-            places: list[Place] = [(p[0], p[1], p[2]) for p in moved]
+            places: list[Triple] = [(p[0], p[1], p[2]) for p in moved]
             gaps = [own.image_gap(place) for place in places]
             for row, (high, low) in zip(rows, zip(*gaps, strict=True), strict=False):
                 difference = (high - low) / (2 * arb(STEP))

@@ -28,7 +28,7 @@ from rpr_solver import (
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths import within_limits
-from rpr_solver.paths.boxes import Boxes, Place
+from rpr_solver.paths.boxes import Boxes, PosePoint
 from rpr_solver.paths.others import isolated
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits
 from rpr_solver.paths.within_limits import search
@@ -164,7 +164,7 @@ TABLE = poses(FIRST, 27, 20, 20, digits=20)
 LEGS = (27 * SLICE.scale, 20 * SLICE.scale, 20 * SLICE.scale)
 
 
-def place(number: int) -> Place:
+def place(number: int) -> PosePoint:
     with ctx.workprec(PROOF_BITS):
         pose = isolated(SLICE, LEGS, TABLE, number)
     return *pose.angles, pose.legs[0]

@@ -22,7 +22,7 @@ def test_samples_are_zeros_of_j_between_their_neighbours(name: str, leg: int, le
         for samples in courses:
             assert all(a.theta <= b.theta for a, b in pairwise(samples))
             for x in samples:
-                value, slope = tracer.floats.on_line(x.theta).value_and_slope(x.alpha)
+                value, slope = tracer.points.floats.on_line(x.theta).value_and_slope(x.alpha)
                 assert abs(value) < 1e-9 * (1 + abs(slope))
         for low, high in pairwise(courses):
             assert low[len(low) // 2].alpha < high[len(high) // 2].alpha
