@@ -1,60 +1,23 @@
-"""Find every length at which the number of cusps changes, with its kind and poses, and the number of cusps in
-between. The list is proved complete."""
+"""Censuses on the command line."""
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping
 from typing import Any
 
-import rpr_solver
-from service.cli import arguments, remote
-from service.cli.help import Command
-from service.cli.pages import (
-    Page,
-    Section,
-    about,
-    counted,
-    counted_range,
-    degenerate_notes,
-    rows_of,
-    write_document,
-)
+from service.cli.pages import Page, Section, about, counted, counted_range, degenerate_notes, rows_of
+from service.cli.questions import command
 from service.schemas.censuses import CensusRequest
 
-DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
-EXAMPLES = """\
+_CENSUS = """\
+Find every length at which the number of cusps changes, with its kind and poses, and the number of cusps in
+between. The list is proved complete."""
+_CENSUS_EXAMPLES = """\
 examples:
   rpr-cusps census innocenti --digits 20
   rpr-cusps census innocenti --l1-range 28:31 --format json
   rpr-cusps census robot.json --l2-range :40 --format csv     leg 2 fixed
 """
-
-
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the options."""
-    arguments.add_geometry(parser)
-    arguments.add_ranges(parser, "the range of lengths; either end may be omitted (default: all)")
-    arguments.add_digits(parser, 90)
-    arguments.add_format(parser, "csv")
-    arguments.add_certificate(parser)
-    remote.add_url(parser)
-
-
-def run(args: argparse.Namespace) -> int:
-    """Run the command; returns the exit status."""
-    leg, ends, option = arguments.leg_and_range(args)
-    origin = arguments.source({"range": option})
-    members = {
-        "fixed_leg": leg,
-        "range": ends,
-        "certificate": args.certificate,
-        **remote.deadline_of(args),
-    }
-    question = arguments.ask(CensusRequest, args, members, origin)
-    document = remote.answer_of(args.url, question, "steps")
-    write_document(document, _page(document), args.format, csv=rpr_solver.census_csv)
-    return 0
 
 
 def _page(document: Mapping[str, Any]) -> Page:
@@ -79,4 +42,13 @@ def _page(document: Mapping[str, Any]) -> Page:
     return Page(about(document), sections, document["digits"])
 
 
-COMMANDS = {"census": Command(DESCRIPTION, EXAMPLES, configure, run)}
+COMMANDS = {
+    "census": command(
+        CensusRequest,
+        _CENSUS,
+        _CENSUS_EXAMPLES,
+        page=_page,
+        words={"range": "the range of lengths; either end may be omitted (default: all)"},
+        steps="steps",
+    )
+}

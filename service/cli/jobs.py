@@ -13,6 +13,8 @@ from service.cli import output, remote
 from service.cli.help import Command, whole
 from service.cli.output import progress_bar
 from service.cli.submit import FORMS, print_results
+from service.schemas.answers import FORMATS, JSON
+from service.schemas.catalog import questions
 from service.schemas.resources import ListedJob, ListedStatus, is_batch
 
 _STATUS = """\
@@ -136,16 +138,19 @@ examples:
 Ctrl-C leaves the job or the batch as it is.
 """
 
-_TYPES = {"json": "application/json", "csv": "text/csv", "ndjson": "application/x-ndjson"}
-
 
 def _configure_fetch(parser: argparse.ArgumentParser) -> None:
     """Add the options of `fetch`."""
     remote.add_job(parser)
-    text = (
-        "csv: not of checks and poses; ndjson: of cusp tables and batches (default: json; of a batch ndjson)"
-    )
-    parser.add_argument("--format", choices=tuple(_TYPES), help=text)
+    tags = {
+        name: [question.tag[0] for question in questions() if media in question.forms]
+        for name, media in FORMATS.items()
+        if media != JSON
+    }
+    tags["ndjson"].append("batches")
+    kinds = "".join(f"; {name}: of {', '.join(of)}" for name, of in tags.items())
+    text = f"default: json, which all documents have; of a batch ndjson{kinds}"
+    parser.add_argument("--format", choices=tuple(FORMATS), help=text)
     parser.add_argument(
         "--no-wait",
         action="store_true",
@@ -168,7 +173,7 @@ def _run_fetch(args: argparse.Namespace) -> int:
             raise InputError.of(option, f"is for batches, whose ids begin with ba-; {args.job!r} is a job")
     form = args.format or "json"
     with remote.client_of(args.url) as client, progress_bar(1, "steps") as progress:
-        content = client.result(args.job, _TYPES[form], progress).decode()
+        content = client.result(args.job, FORMATS[form], progress).decode()
     if form == "json":
         content = json.dumps(json.loads(content), indent=2, ensure_ascii=False) + "\n"
     output.write(content)
@@ -178,7 +183,7 @@ def _run_fetch(args: argparse.Namespace) -> int:
 def _fetch_batch(args: argparse.Namespace) -> int:
     form = args.format or FORMS[0]
     if form not in FORMS:
-        raise InputError.of("--format", f"json is one document; of a batch, give {' or '.join(FORMS)}")
+        raise InputError.of("--format", f"{form} is one document; of a batch, give {' or '.join(FORMS)}")
     after = -1 if args.after is None else args.after
     with remote.client_of(args.url) as client, progress_bar(1, "items", is_streamed=True) as progress:
         results = client.results(args.job, progress, wait=not args.no_wait, after=after)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import argparse
 import gc
-import importlib
+import importlib.util
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -18,21 +18,13 @@ from service import __version__
 from service.cli import output
 from service.cli.help import BAD_INPUT, Command, Parser, complete, typed
 from service.errors import JobInterrupted, ServiceError
+from service.schemas.catalog import QUESTIONS
 
 NO_ANSWER, NO_SERVICE, INTERRUPTED, BROKEN_PIPE = 1, 3, 130, 141
 
 COMMANDS = {
-    "solve": "compute cusp tables and print them",
-    "census": "find every length at which the number of cusps changes",
-    "curves": "follow each cusp from its birth to its end",
-    "check": "prove or refute a requirement on the number of cusps",
-    "poses": "compute all poses for given leg lengths",
-    "verify": "verify a document by independent means",
+    **{entry.command: entry.summary for entry in QUESTIONS},
     "export": "write a document as a script for another system",
-    "plot": "draw slices, censuses, cusp curves, loops and poses",
-    "paths": "find a path to another pose without a singularity",
-    "singular": "draw the singular curves of a slice, its regions and aspects",
-    "aspects": "find the aspects while a leg varies within a range",
     "submit": "send a batch of questions to a service and print their answers",
     "status": "print the state of a job or a batch of a service",
     "jobs": "list the jobs and batches of a service",
@@ -50,6 +42,8 @@ COMMANDS = {
 _MODULES = {
     **{
         "check": "check.command",
+        "singular": "poses",
+        "aspects": "poses",
         "verify": "documents",
         "export": "documents",
         "worker": "serve",
@@ -160,12 +154,19 @@ def _parsed(argv: Sequence[str]) -> tuple[argparse.Namespace, Command, Parser]:
 
 
 def command_of(name: str) -> Command:
-    """Returns a command, from its module; garbage is not sought in what that loads, which would take a
-    twentieth of a start."""
+    """Returns a command: that of its module, or of a question without one.
+
+    Garbage is not sought in what is loaded, which would take a twentieth of a start.
+    """
     gc.disable()
     try:
-        command: Command = importlib.import_module(f"service.cli.{_MODULES.get(name, name)}").COMMANDS[name]
-        return command
+        module = f"service.cli.{_MODULES.get(name, name)}"
+        if importlib.util.find_spec(module) is not None:
+            command: Command = importlib.import_module(module).COMMANDS[name]
+            return command
+        from service.cli import questions
+
+        return questions.command(next(entry.question for entry in QUESTIONS if entry.command == name))
     finally:
         gc.enable()
 

@@ -76,7 +76,7 @@ class Conversation:
         url = self.connection.url
         self._outcome_unknown = _goes_on(asked.question.job_request().job_id, url, "may go on")
         body = asked.question.body() | ({} if callback_url is None else {"callback_url": callback_url})
-        response = await self.send(Call("POST", asked.question.path, body, prefer=prefer))
+        response = await self.send(Call("POST", asked.path, body, prefer=prefer))
         self._outcome_unknown = ""
         self.job = None if response.status_code == httpx.codes.OK else as_object(response)
         return response

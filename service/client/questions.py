@@ -49,6 +49,11 @@ class Asked(Generic[M]):
     model: type[M]
     name: str | None = None
 
+    @property
+    def path(self) -> str:
+        """Where it is posted."""
+        return self.question.path
+
     def named(self, name: str) -> Asked[M]:
         """Returns the same question with a name for its place in a batch."""
         return replace(self, name=name)

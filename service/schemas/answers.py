@@ -229,6 +229,9 @@ CSV = "text/csv"
 NDJSON = "application/x-ndjson"
 SVG = "image/svg+xml"
 
+FORMATS = {"json": JSON, "csv": CSV, "ndjson": NDJSON, "svg": SVG}
+"""Names of forms, as queries and the command line give them."""
+
 
 def _no_pieces(_table: StoredTable) -> Iterator[bytes]:
     raise TypeError("only cusp tables are sent piece by piece")

@@ -12,7 +12,7 @@ from typing import Any
 from starlette.requests import Request
 
 from service.api.problems import ProblemError, ProblemType
-from service.schemas.answers import CSV, JSON, NDJSON, SVG, Form, Forms, json_bytes
+from service.schemas.answers import FORMATS, JSON, Form, Forms, json_bytes
 from worker.answers.stored_tables import StoredTable
 
 
@@ -67,7 +67,6 @@ def _quality(kind: str, ranges: Sequence[tuple[str, float]]) -> float:
     return 0.0
 
 
-FORMATS = {"json": JSON, "csv": CSV, "ndjson": NDJSON, "svg": SVG}
 NUMBERS = ("text", "float")
 
 IN_FLOATS = "InFloats"

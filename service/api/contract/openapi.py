@@ -151,20 +151,23 @@ def describe_access(contract: dict[str, Any]) -> None:
             operation["responses"] = dict(sorted({**answers, **operation["responses"]}.items()))
 
 
-DESCRIPTION = """\
+DESCRIPTION = (
+    """\
 Certified cusp points in the joint space of planar 3-RPR parallel manipulators.
 
-Post a manipulator and its slices L1 to `/v1/cusp-tables`. `/v1/censuses` finds every length at which the
-number of cusps changes, `/v1/cusp-curves` follows each cusp from one such length to another, `/v1/checks`
-proves or refutes a requirement on the number of cusps, `/v1/poses` computes all poses for three leg lengths,
-`/v1/singular-curves` draws the singular curves of a slice with the number of poses in each region,
-`/v1/aspects` finds the aspects while a leg varies, and `/v1/paths` finds a path to another pose without a
-singularity. `/v1/batches` takes thousands of such questions at once. Known answers are returned immediately;
-all others are computed by a job. Every number in an answer is a decimal string with proved digits, and every
-number in a request is exact as written.
+Post a question to its address:
+
+"""
+    + "".join(f"- `{question.path}`: {question.summary}\n" for question in questions())
+    + """\
+
+`/v1/batches` takes thousands of such questions at once. Known answers are returned immediately; all others
+are computed by a job. Every number in an answer is a decimal string with proved digits, and every number in a
+request is exact as written.
 
 Errors are `application/problem+json` (RFC 9457); the `type` of a problem is a URL that documents it.
 """
+)
 TAGS = [
     *(question.tag for question in questions()),
     ("batches", "Many questions in one request, with results as they are computed."),

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from service.api.answers.forms import FLOATS, FORMATS, IN_FLOATS, NUMBERS, format_names, media_type_of
+from service.api.answers.forms import FLOATS, IN_FLOATS, NUMBERS, format_names, media_type_of
 from service.api.jobs.tail import EVENT_ID
 from service.api.jobs.views import state_json
 from service.api.problems import MEDIA_TYPE, ProblemType
-from service.schemas.answers import JSON, Forms, compact
+from service.schemas.answers import FORMATS, JSON, Forms, compact
 from service.schemas.catalog import questions
 from service.schemas.questions import EXAMPLE_GEOMETRY, Question
 from worker.jobs.views import JobView

@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Request, Response
 
 from service.api.answers.answer import parse_prefer
-from service.api.answers.forms import FORMATS, negotiate, one_of
+from service.api.answers.forms import negotiate, one_of
 from service.api.batches.intake import accept_batch
 from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep
@@ -26,7 +26,7 @@ from service.api.routes.shared import (
     follow,
     list_response,
 )
-from service.schemas.answers import JSON, NDJSON
+from service.schemas.answers import FORMATS, JSON, NDJSON
 from worker.answers.kinds import BATCH
 from worker.jobs.views import JobView
 

@@ -111,9 +111,8 @@ def _forms_of(job_id: str) -> Forms:
     openapi_extra=doc.RESULT_PARAMETERS,
 )
 async def get_result(job_id: JobId, request: Request, context: ContextDep) -> Response:
-    """Returns the document that the job computed, in the form that `Accept` prefers: cusp tables as JSON, CSV
-    (one cusp per line) or NDJSON (one slice per line); censuses and cusp curves as JSON or CSV; other
-    documents as JSON.
+    """Returns the document that the job computed, in the form that `Accept` prefers: JSON, or another one of
+    those with which its question is answered.
 
     The URL is also the `Content-Location` of an answer to a question, with or without a job.
 
