@@ -113,7 +113,8 @@ COMMANDS = {
         page=_singular,
         words={
             "l1": "the length of the fixed leg",
-            "tolerance": "largest deviation of the drawn curves, relative to the size of the picture (default: 0.001)",
+            "tolerance": "largest deviation of the drawn curves, relative to the size of the picture "
+            "(default: 0.001)",
         },
     ),
     "aspects": command(
