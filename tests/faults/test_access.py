@@ -1,4 +1,4 @@
-"""Strangers, and what they are not let do."""
+"""Access by unauthorized clients."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ def local(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Local]:
 
 
 def test_other_computers_are_kept_out_without_keys(tmp_path: Path) -> None:
-    """`serve` is to listen on an address that other computers reach, and there is no key. It refuses, and
-    says how to make one.
+    """`serve` is to listen on an address that other computers reach, and there is no key. It refuses to
+    start, and says how to create a key.
     """
     refused = completed(command(tmp_path, "--host", "0.0.0.0"), environment())
     assert (refused.returncode, refused.stdout, refused.stderr.count("\n")) == (1, "", 1)
@@ -67,7 +67,7 @@ def test_other_computers_are_kept_out_without_keys(tmp_path: Path) -> None:
 
 
 def test_with_a_key_other_computers_may_come(tmp_path: Path) -> None:
-    """`serve` listens on such an address, and there is a key. Whoever has it is let in, and no one else."""
+    """`serve` listens on such an address, and there is a key. Only clients with a key have access."""
     keys = [sys.executable, "-m", "service", "keys", "create", "rig", "--data-dir", str(tmp_path)]
     key = completed(keys, environment()).stdout.strip()
     with running(tmp_path, "--host", "0.0.0.0") as (base, _):
@@ -76,7 +76,7 @@ def test_with_a_key_other_computers_may_come(tmp_path: Path) -> None:
 
 
 def test_without_keys_only_by_the_operators_word(tmp_path: Path) -> None:
-    """`serve --insecure` listens on such an address. It lets everyone in, and warns of it."""
+    """`serve --insecure` listens on such an address. Everyone has access, and `serve` warns of it."""
     with running(tmp_path, "--host", "0.0.0.0", "--insecure") as (base, process):
         assert httpx.get(f"{base}/v1/limits").status_code == 200
         assert process.stderr is not None
@@ -84,7 +84,8 @@ def test_without_keys_only_by_the_operators_word(tmp_path: Path) -> None:
 
 
 def test_a_name_to_listen_on(tmp_path: Path) -> None:
-    """`serve --host NAME` listens on a name. Requests to that name are answered, those to another are 421."""
+    """`serve --host NAME` listens on a name. Requests to that name are answered; requests to another name are
+    421."""
     with running(tmp_path, "--host", "127.1") as (base, _):
         port = base.rpartition(":")[2]
         for host, status in ((f"127.1:{port}", 200), (f"127.2:{port}", 421)):
@@ -92,7 +93,8 @@ def test_a_name_to_listen_on(tmp_path: Path) -> None:
 
 
 def test_a_client_cannot_end_the_job_of_another(local: Local, tmp_path: Path) -> None:
-    """One client cancels a job that another one waits for. It goes on, and the other one gets its answer."""
+    """One client cancels a job that another one waits for. The job continues, and the other client gets its
+    answer."""
     question = {"geometry": GEOMETRY, "l1": 14.98, "digits": 15}
     with httpx.Client(base_url=local.base, timeout=PATIENCE) as client:
         first = client.post("/v1/cusp-tables", json=question).json()
@@ -111,8 +113,8 @@ def test_a_client_cannot_end_the_job_of_another(local: Local, tmp_path: Path) ->
 
 
 def test_a_page_of_another_site_cannot_use_a_local_service(local: Local) -> None:
-    """A page of another site lets its own name lead to 127.0.0.1 (DNS rebinding). Its requests are refused,
-    421.
+    """The page of another site makes its own name resolve to 127.0.0.1 (DNS rebinding). Its requests are
+    refused, 421.
     """
     for name in ("evil.example", "evil.example:8000", "127.0.0.1.evil.example"):
         answer = httpx.get(f"{local.base}/v1/limits", headers={"Host": name})

@@ -62,8 +62,8 @@ def test_an_item_whose_horse_dies_each_time(redis: Redis, workers: Workers, task
 
 
 def test_an_item_that_never_ends(redis: Redis, workers: Workers) -> None:
-    """An item hangs in C code. Its work horse ends at the deadline, and once more after a deadline that the
-    item had for itself; then it fails, and the others are answered.
+    """An item hangs in C code. Its work horse ends at the deadline, and again after a whole deadline for the
+    item; then the item fails, and the others are answered.
     """
     queue = jobs(redis, "endless_at_13")
     workers.start(task=queue.settings.task, deadline=0.7, log_level="CRITICAL")
@@ -80,7 +80,7 @@ def test_an_item_that_never_ends(redis: Redis, workers: Workers) -> None:
 
 @pytest.mark.long
 def test_the_worker_of_a_batch_is_killed(redis: Redis, workers: Workers) -> None:
-    """The worker of a batch is killed. Another one goes on with the item at which it was."""
+    """The worker of a batch is killed. Another worker continues with the item that was being processed."""
     queue = jobs(redis, "slow")
     first = workers.start(task=queue.settings.task, **SHORT)
     view = submit_batch(queue, tables(*map(str, range(1, 13))))
@@ -96,7 +96,8 @@ def test_the_worker_of_a_batch_is_killed(redis: Redis, workers: Workers) -> None
 
 
 def test_redis_loses_the_items_of_a_batch(redis: Redis, workers: Workers) -> None:
-    """Redis loses the items of a batch that waits. It fails with the reason, and the worker goes on."""
+    """Redis loses the items of a batch that waits. The batch fails with the reason, and the worker
+    continues."""
     queue = jobs(redis)
     view = submit_batch(queue, tables("1", "2"))
     redis.delete(queue.records.keys.job(view.id).items)
@@ -122,7 +123,7 @@ def test_batches_with_the_same_questions(redis: Redis, workers: Workers) -> None
 
 
 def test_a_batch_and_a_job_with_the_same_document(redis: Redis, workers: Workers) -> None:
-    """A batch and a job ask for the same document at the same time. One worker computes it, the other one
+    """A batch and a job ask for the same document at the same time. One worker computes it, and the other
     waits for it.
     """
     queue = jobs(redis, "gated")
@@ -138,8 +139,8 @@ def test_a_batch_and_a_job_with_the_same_document(redis: Redis, workers: Workers
 
 
 def test_a_document_whose_horse_dies_is_not_waited_for(redis: Redis, workers: Workers) -> None:
-    """The work horse that computes a document of a job crashes each time. Its lock goes with it: no attempt
-    waits for the one before, and the job fails with the reason.
+    """The work horse that computes a document of a job crashes each time. Its lock ends with it: no attempt
+    waits for the previous one, and the job fails with the reason.
     """
     queue = jobs(redis, "crash")
     workers.start(task=queue.settings.task, max_losses=1, beat_ttl=1000, log_level="CRITICAL")

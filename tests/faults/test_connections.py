@@ -72,8 +72,8 @@ def assert_problem(answer: bytes, status: int, slug: str) -> None:
 
 
 def test_slow_bodies_cost_their_bytes(valkey: EmbeddedValkey, workers: Workers) -> None:
-    """Twelve batches have begun with a long string, or line, and go on byte by byte. Whoever else asks is
-    answered at once, be the answer known or new, and the processor has little to do.
+    """Twelve batches have started with a long string, or line, and continue byte by byte. Other clients are
+    answered at once, with known and new answers, and the processor has little work.
     """
     workers.start()
     question = {"geometry": GEOMETRY, "l1": "14.98", "l2": "15", "l3": "30"}
@@ -114,7 +114,7 @@ def test_slow_bodies_cost_their_bytes(valkey: EmbeddedValkey, workers: Workers) 
 
 def test_slow_clients(valkey: EmbeddedValkey) -> None:
     """A client sends nothing, or half a head, or half a body, or is idle after its answer. Its connection is
-    closed in time, with 408 if it had begun to ask.
+    closed in time, with 408 if a request had started.
     """
     with api(valkey) as address, ExitStack() as clients:
         nothing, head, body, idle, again = (clients.enter_context(connection(address)) for _ in range(5))
@@ -134,7 +134,7 @@ def test_slow_clients(valkey: EmbeddedValkey) -> None:
 
 
 def test_a_body_that_never_ends(valkey: EmbeddedValkey) -> None:
-    """A client sends its body byte by byte. Its time is over all the same: 408."""
+    """A client sends its body byte by byte. It reaches the time limit nevertheless: 408."""
     with api(valkey) as address, connection(address) as client:
         client.sendall(POST)
         client.setblocking(False)
@@ -152,7 +152,7 @@ def _answer_after_a_byte(client: socket.socket) -> bytes:
 @pytest.mark.parametrize("length", [b"Content-Length: 8388608", b"Transfer-Encoding: chunked"])
 def test_an_answer_to_a_body_that_is_still_sent(valkey: EmbeddedValkey, length: bytes) -> None:
     """A body over the limit is refused while the client still sends it, and reads nothing meanwhile. The
-    client finds the answer all the same, 413, and no reset of the connection.
+    client receives the answer, 413, and no reset of the connection.
     """
     with api(valkey) as address, connection(address) as client:
         client.sendall(POST.replace(b"Content-Length: 100", length)[:-1])
@@ -166,8 +166,8 @@ def test_an_answer_to_a_body_that_is_still_sent(valkey: EmbeddedValkey, length: 
 
 
 def test_the_rest_of_a_body_and_the_next_request(valkey: EmbeddedValkey) -> None:
-    """A body is refused for its type before it is read. The rest of it is thrown away, the connection serves
-    the next request, and ends when it is idle.
+    """A body is refused for its type before it is read. The rest of the body is discarded; the connection
+    serves the next request, and is closed when it is idle.
     """
     with api(valkey) as address, connection(address) as client:
         client.sendall(POST.replace(b"application/json", b"text/plain").replace(b": 100\r", b": 1000000\r"))
@@ -182,7 +182,7 @@ def test_the_rest_of_a_body_and_the_next_request(valkey: EmbeddedValkey) -> None
 def test_a_client_that_never_stops_sending(
     valkey: EmbeddedValkey, monkeypatch: pytest.MonkeyPatch, limit: str
 ) -> None:
-    """A client has its answer and sends on and on. Its connection ends after some bytes or some time."""
+    """A client that has its answer keeps sending. Its connection is closed after a limit of bytes or time."""
     if limit == "bytes":
         monkeypatch.setattr("service.api.http.protocol._MAX_DISCARDED", 1 << 20)
     settings = {"stall_seconds": PATIENCE if limit == "bytes" else 0.5, "body_seconds": 60}
@@ -212,7 +212,8 @@ def _is_refused(client: socket.socket, part: bytes) -> bool:
     ids=["TLS", "length", "long", "many"],
 )
 def test_what_is_not_http(valkey: EmbeddedValkey, sent: bytes, status: int, slug: str) -> None:
-    """A client sends what is not HTTP, or very many or long header fields. A problem document says so."""
+    """A client sends something other than HTTP, or very many or long header fields. A problem document says
+    so."""
     with api(valkey) as address, connection(address) as client:
         client.sendall(sent)
         answer = read(client)
@@ -220,7 +221,7 @@ def test_what_is_not_http(valkey: EmbeddedValkey, sent: bytes, status: int, slug
 
 
 def test_more_connections_than_allowed(valkey: EmbeddedValkey) -> None:
-    """More connections are opened than allowed. The ones that are idle for the longest time are closed."""
+    """More connections are opened than allowed. Those that have been idle longest are closed."""
     with api(valkey, max_connections=20, header_seconds=60) as address, ExitStack() as stack:
         clients = [stack.enter_context(connection(address)) for _ in range(40)]
         with httpx.Client(base_url=f"http://{address[0]}:{address[1]}", timeout=PATIENCE) as client:

@@ -67,9 +67,9 @@ DAMAGED_ENDS: dict[str, Callable[[bytes], bytes]] = {
 
 @pytest.mark.parametrize("end", DAMAGED_ENDS)
 def test_a_damaged_end_is_cut_off(data: Path, end: str) -> None:
-    """The append-only file ends in a cut command, zeros, garbage or half a transaction (power failure,
-    full disk). The next start keeps a copy, cuts the end off, says so in one line, and has everything
-    before."""
+    """The append-only file ends with an incomplete command, zeros, garbage or half a transaction (power
+    failure, full disk). The next start keeps a copy, cuts off the end, reports this in one line, and has all
+    data before it."""
     file = only(data, "*.incr.aof")
     intact = file.read_bytes()
     file.write_bytes(damaged := DAMAGED_ENDS[end](intact))
@@ -86,8 +86,8 @@ def test_a_damaged_end_is_cut_off(data: Path, end: str) -> None:
 
 
 def test_damage_before_intact_commands(data: Path) -> None:
-    """The append-only file is damaged in the middle. The start is refused, as intact commands would get
-    lost; one line says where and what to do."""
+    """The append-only file is damaged in the middle. The start is refused, because intact commands would be
+    lost; one line says where, and what to do."""
     file = only(data, "*.incr.aof")
     content = file.read_bytes()
     file.write_bytes(content[:900] + bytes(30) + content[930:])
@@ -111,8 +111,8 @@ def test_a_damaged_base(data: Path) -> None:
 
 @pytest.mark.parametrize("is_empty", [False, True])
 def test_a_missing_manifest_is_written_again(data: Path, is_empty: bool) -> None:
-    """The manifest of the append-only files is missing or empty. It is written again from the files, with
-    one line; Valkey alone would start empty."""
+    """The manifest of the append-only files is missing or empty. It is written again from the files, with one
+    line; otherwise Valkey would start empty."""
     manifest = only(data, "*.manifest")
     before = manifest.read_text()
     manifest.unlink()
@@ -189,7 +189,7 @@ def test_a_stopped_server_of_a_dead_owner(data: Path) -> None:
 
 
 def test_the_server_is_killed(tmp_path: Path) -> None:
-    """Valkey is killed and started again. All that it acknowledged is there."""
+    """Valkey is killed and started again. All acknowledged data is there."""
     with EmbeddedValkey(tmp_path) as server, connect(server.url) as redis:
         redis.set("key", "value")
         redis.waitaof(1, 0, 5000)
@@ -200,7 +200,7 @@ def test_the_server_is_killed(tmp_path: Path) -> None:
 
 
 def test_the_server_ends_with_its_owner(tmp_path: Path) -> None:
-    """The process that started Valkey is killed. Valkey ends too, and the next start does not wait."""
+    """The process that started Valkey is killed. Valkey ends, too, and the next start does not wait."""
     command = [sys.executable, "-c", HOLD, str(tmp_path)]
     with started(command, stdout=subprocess.PIPE, env=environment()) as owner:
         assert owner.stdout is not None

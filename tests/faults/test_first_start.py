@@ -1,4 +1,4 @@
-"""The first start, when Redis is not there yet, or cannot be used."""
+"""The first start, when Redis is not running yet or cannot be used."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def a_worker(url: str) -> list[str]:
 
 def test_redis_comes_after_the_api_and_the_workers(tmp_path: Path, port: int) -> None:
     """The API and workers are started before Redis. They wait for it, each with one line; meanwhile the
-    service says that it is not ready. Once Redis is there, they do their work.
+    service reports that it is not ready. Once Redis runs, they work.
     """
     data = tmp_path / "data"
     url, logs = f"unix://{runtime_dir(data)}/valkey.sock", [tmp_path / "serve.log", tmp_path / "worker.log"]
@@ -82,9 +82,7 @@ def test_a_signal_while_redis_is_waited_for(tmp_path: Path, number: signal.Signa
 
 
 def test_what_waiting_does_not_mend(tmp_path: Path, redis: Redis, valkey: EmbeddedValkey) -> None:
-    """The address of Redis is wrong, or the password is. The API and a worker end with one line that says
-    so.
-    """
+    """The URL of Redis, or its password, is wrong. The API and a worker end with one line that says so."""
     redis.execute_command("ACL", "SETUSER", "known", "on", ">right", "+@all", "~*")
     asked = valkey.url.replace("unix://", "unix://known:wrong@")
     for url, reason in (("nonsense://", "Redis URL must specify"), (asked, "invalid username-password")):

@@ -1,4 +1,4 @@
-"""Clients that send nonsense."""
+"""Clients that send invalid requests."""
 
 from __future__ import annotations
 
@@ -91,8 +91,8 @@ LONG = [pytest.mark.long, pytest.mark.timeout(470)]
     [(400, 400), *(pytest.param(seed, 2000, marks=LONG, id=f"20000-{seed}") for seed in range(10))],
 )
 def test_nonsense(valkey: EmbeddedValkey, monkeypatch: pytest.MonkeyPatch, seed: int, count: int) -> None:
-    """Thousands of spoiled requests come in. Each is answered by what it asks for, or by a problem document
-    that says what is wrong; none is an error of the service, and none takes a second of a processor.
+    """Thousands of corrupted requests arrive. Each gets a valid answer, or a problem document that names the
+    error; none is an internal error, and none takes a second of processor time.
     """
     monkeypatch.setenv("RPR_CUSPS_MAX_BACKLOG", "1e9")  # nobody works here, and whatever is valid is queued
     draw, known = random.Random(seed), questions()

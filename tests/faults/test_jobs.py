@@ -64,8 +64,8 @@ def test_the_real_thing_in_silence(redis: Redis, workers: Workers) -> None:
 
 @both_kinds
 def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, request_: JobRequest) -> None:
-    """A computation hangs in C code. It ends at the deadline, and the job fails, `timeout`, which the log
-    tells; workers go on."""
+    """A computation hangs in C code. It ends at the deadline, and the job fails with `timeout`, which is
+    logged; workers continue."""
     worker = workers.start(deadline=0.7)
     view = ended(jobs(redis), jobs(redis, "endless").submit(request_).id)
     assert view.status == "failed"
@@ -90,7 +90,7 @@ def test_a_long_c_call_ends_at_the_deadline(redis: Redis, workers: Workers, requ
 
 @both_kinds
 def test_a_failed_job_gives_its_reason(redis: Redis, workers: Workers, request_: JobRequest) -> None:
-    """A computation raises an unexpected error. Its job fails with the reason; the worker goes on."""
+    """A computation raises an unexpected error. Its job fails with the reason; the worker continues."""
     worker = workers.start(task="tests.support.hard_tasks.broken")
     queue = jobs(redis, "broken")
     view = ended(queue, queue.submit(request_).id)
@@ -118,7 +118,7 @@ def test_a_document_whose_horse_dies_each_time_fails(
     redis: Redis, workers: Workers, task: str, kind: str
 ) -> None:
     """A document's work horse crashes, is killed, leaves or runs out of memory at every attempt. The job
-    fails with the reason; the worker goes on.
+    fails with the reason; the worker continues.
     """
     worker = workers.start(max_losses=1, memory_limit_mb=1024, task=f"tests.support.hard_tasks.{task}")
     queue = jobs(redis, task)
@@ -134,7 +134,7 @@ def test_a_slice_whose_horse_dies_each_time_is_an_error_among_others(
     redis: Redis, workers: Workers, task: str, kind: str
 ) -> None:
     """One slice's work horse crashes, is killed, leaves or runs out of memory at every attempt. That slice is
-    an error in the table; the others are computed, and none twice that was kept.
+    an error in the table; the others are computed, and no stored slice is computed twice.
     """
     worker = workers.start(max_losses=1, memory_limit_mb=1024, task=f"tests.support.hard_tasks.{task}")
     queue = jobs(redis, task)
@@ -179,8 +179,8 @@ def test_what_ends_a_work_horse_ends_one_chunk(redis: Redis, workers: Workers, t
 def test_a_work_horse_or_its_worker_is_killed_between_two_chunks(
     redis: Redis, workers: Workers, victim: str
 ) -> None:
-    """A work horse that waits for its next chunk is killed, or its worker. No work horse outlives its worker;
-    the next chunk runs in another one, without a loss counted.
+    """A work horse that waits for its next chunk is killed, or its worker is. No work horse outlives its
+    worker; the next chunk runs in another one, without a loss counted.
     """
     worker = workers.start(max_losses=0, max_worker_losses=0)
     queue = jobs(redis)
@@ -206,7 +206,7 @@ def test_a_work_horse_or_its_worker_is_killed_between_two_chunks(
     ids=str,
 )
 def test_a_work_horse_receives_a_signal(redis: Redis, workers: Workers, number: signal.Signals) -> None:
-    """A work horse receives SIGKILL, SIGTERM, SIGINT, SIGHUP or SIGQUIT from somebody else. If it ends, its
+    """A work horse receives SIGKILL, SIGTERM, SIGINT, SIGHUP or SIGQUIT from another process. If it ends, its
     chunk runs again at once; the job is done.
     """
     worker = workers.start(task="tests.support.hard_tasks.gated")
@@ -225,8 +225,8 @@ def test_a_work_horse_receives_a_signal(redis: Redis, workers: Workers, number: 
 
 @pytest.mark.long
 def test_a_work_horse_is_stopped(redis: Redis, workers: Workers) -> None:
-    """A work horse is stopped by SIGSTOP for good. It is killed at the deadline, and the job fails,
-    `timeout`; the worker goes on.
+    """A work horse is stopped by SIGSTOP and not continued. It is killed at the deadline, and the job fails
+    with `timeout`; the worker continues.
     """
     worker = workers.start(task="tests.support.hard_tasks.gated", deadline=2)
     queue = jobs(redis, "gated")
@@ -293,8 +293,8 @@ def test_a_worker_that_stalled_gives_way(redis: Redis, workers: Workers, request
 
 @both_kinds
 def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, request_: JobRequest) -> None:
-    """A worker is told to stop (SIGTERM) while it computes. Its chunk goes back to the queue, without a loss
-    counted against it.
+    """A worker is stopped (SIGTERM) while it computes. Its chunk returns to the queue, and no loss is
+    counted.
     """
     first = workers.start(shutdown_grace=0.2, max_losses=0, task="tests.support.hard_tasks.slow_once")
     queue = jobs(redis, "slow_once")
@@ -310,7 +310,7 @@ def test_a_stopped_worker_loses_nothing(redis: Redis, workers: Workers, request_
 
 
 def test_a_stopped_worker_finishes_a_short_chunk(redis: Redis, workers: Workers) -> None:
-    """A worker is told to stop (SIGINT) shortly before its chunk is done. It finishes the chunk."""
+    """A worker is stopped (SIGINT) shortly before its chunk is done. It finishes the chunk."""
     worker = workers.start(shutdown_grace=PATIENCE)
     queue = jobs(redis, "slow")
     view = queue.submit(a_request("1", "2", "3", "4"))
@@ -329,7 +329,7 @@ def test_a_stopped_worker_finishes_a_short_chunk(redis: Redis, workers: Workers)
 def test_no_job_hangs_when_redis_loses_a_key(
     redis: Redis, workers: Workers, request_: JobRequest, lost: list[str]
 ) -> None:
-    """Redis loses single keys of a running job. The job goes on or fails, and posting it again succeeds."""
+    """Redis loses single keys of a running job. The job continues or fails, and posting it again succeeds."""
     worker = workers.start(task="tests.support.hard_tasks.gated")
     queue = jobs(redis, "gated")
     view = queue.submit(request_)
@@ -364,7 +364,7 @@ def test_a_second_signal_hurries(redis: Redis, workers: Workers) -> None:
 
 
 def test_cancel_while_running(redis: Redis, workers: Workers) -> None:
-    """A running job is canceled. Its work horse ends; later jobs, and the same one posted again, succeed."""
+    """A running job is canceled. Its work horse ends; later jobs, and the same job posted again, succeed."""
     worker = workers.start()
     queue = jobs(redis, "endless")
     view = queue.submit(a_request("1"))
@@ -395,7 +395,7 @@ def test_a_worker_that_missed_the_stop_command_notices_by_itself(redis: Redis, w
 
 
 def test_cancel_at_any_moment(redis: Redis, workers: Workers) -> None:
-    """Jobs are canceled just as workers take them. Each stays canceled, and the worker goes on."""
+    """Jobs are canceled just as workers take them. Each job stays canceled, and the worker continues."""
     worker = workers.start()
     queue = jobs(redis, "endless")
     for i in range(1, 13):
@@ -426,7 +426,7 @@ def test_a_queued_job_that_is_canceled_never_runs(redis: Redis, workers: Workers
 
 
 def test_simultaneous_equal_requests_are_computed_once(redis: Redis, workers: Workers) -> None:
-    """Eight clients ask the same at once. There is one job, and each slice is computed once."""
+    """Eight clients ask the same question at once. There is one job, and each slice is computed once."""
     for _ in range(2):
         workers.start()
     request = a_request(*map(str, range(1, 13)))
@@ -444,7 +444,7 @@ def test_simultaneous_equal_requests_are_computed_once(redis: Redis, workers: Wo
 
 
 def test_overlapping_requests_compute_the_missing_slices(redis: Redis, workers: Workers) -> None:
-    """Two requests share slices. The second computes only what is missing."""
+    """Two requests share slices. The second computes only the missing slices."""
     workers.start()
     queue = jobs(redis, "slow")
     first = a_request("1", "2", "3")

@@ -31,8 +31,8 @@ def a_slice(l1: str) -> dict[str, object]:
 
 
 def test_small_questions_pass_heavy_ones(valkey: EmbeddedValkey, redis: Redis, workers: Workers) -> None:
-    """Heavy questions come to two workers. One is kept for short work, and small questions are answered at
-    once."""
+    """Heavy questions arrive at two workers. One worker is reserved for short work, and small questions are
+    answered at once."""
     queue = blocking(redis)
     workers.start_odd("worker", "--duty", "light")
     workers.start()
@@ -54,7 +54,7 @@ def test_small_questions_pass_heavy_ones(valkey: EmbeddedValkey, redis: Redis, w
 
 
 def test_heavy_and_bulk_chunks_take_turns(redis: Redis, workers: Workers) -> None:
-    """Heavy and long jobs come to one worker. It serves both in turns, and neither waits for ever."""
+    """Heavy and long jobs arrive at one worker. It serves both in turns, and neither starves."""
     queue = blocking(redis)
     table = queue.submit(a_request(*map(str, range(1, 201)))).id
     censuses = [queue.submit(a_heavy_document(digits)).id for digits in (30, 31, 32)]
@@ -71,8 +71,8 @@ def test_heavy_and_bulk_chunks_take_turns(redis: Redis, workers: Workers) -> Non
 
 
 def test_what_would_hold_the_workers_is_not_queued(valkey: EmbeddedValkey, redis: Redis) -> None:
-    """Requests of 150 bytes would take longer than one request may. They are refused before anything is
-    queued."""
+    """Requests of 150 bytes would take longer than allowed for one request. They are refused before anything
+    is queued."""
     body = {"geometry": EXTREME, "l1": "1e-200", "digits": 15}
     with (
         serving(Settings(redis_url=valkey.url, limits=Limits(max_cost_seconds=8))) as url,
@@ -86,8 +86,8 @@ def test_what_would_hold_the_workers_is_not_queued(valkey: EmbeddedValkey, redis
 
 
 def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) -> None:
-    """Six hundred new questions come at once. As many as the queue holds are accepted, and 503 tells the
-    others when to come again."""
+    """Six hundred new questions arrive at once. As many as the queue holds are accepted; the others get 503
+    with the time after which to try again."""
     each = JobQueue(redis).plan(a_request("1"), 1).seconds
     room = WorkerSettings().max_backlog
     redis.hset(JobQueue(redis).records.keys.work, "small:added", round(1000 * (room - 100.5 * each)))
@@ -107,8 +107,8 @@ def test_more_jobs_than_the_queue_holds(valkey: EmbeddedValkey, redis: Redis) ->
 
 
 def test_a_request_ends_at_its_deadline(valkey: EmbeddedValkey, redis: Redis, workers: Workers) -> None:
-    """A job is not done by the deadline of its request, running or queued. It fails, `timeout`; its work
-    horse ends, and the worker goes on."""
+    """A job is not done by the deadline of its request, running or queued. It fails with `timeout`; its work
+    horse ends, and the worker continues."""
     queue = blocking(redis)
     workers.start(sweep_interval=0.2)
     running = queue.submit(a_request("1"), deadline_s=1.5)
@@ -129,7 +129,7 @@ def test_a_request_ends_at_its_deadline(valkey: EmbeddedValkey, redis: Redis, wo
 
 
 def test_the_most_patient_client_counts(redis: Redis, workers: Workers) -> None:
-    """Two clients share a job, with different deadlines. It goes on until the later one."""
+    """Two clients share a job, with different deadlines. It continues until the later one."""
     queue = blocking(redis)
     workers.start(sweep_interval=0.1)
     job = queue.submit(a_request("1"), deadline_s=0.6).id

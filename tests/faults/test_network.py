@@ -89,8 +89,8 @@ def site(tmp_path: Path) -> Iterator[Site]:
 
 @pytest.mark.long
 def test_the_cable_of_a_worker_is_pulled(site: Site) -> None:
-    """The network between one worker and Redis is cut while it computes, and healed. Another worker takes
-    over within seconds; the first ends its work horse and serves again once it is healed.
+    """The network between one worker and Redis fails while the worker computes, and recovers. Another worker
+    takes over within seconds; the first ends its work horse, and works again when the network recovers.
     """
     first = site.start("a")
     view = site.queue.submit(a_request("1", "2"))
@@ -111,8 +111,8 @@ def test_the_cable_of_a_worker_is_pulled(site: Site) -> None:
 
 @pytest.mark.long
 def test_redis_is_cut_from_all_workers(site: Site) -> None:
-    """The network between Redis and all workers is cut, and healed. The job goes on by itself and succeeds;
-    no worker ends.
+    """The network between Redis and all workers fails, and recovers. The job continues without help and
+    succeeds; no worker ends.
     """
     workers = [site.start(place) for place in PLACES]
     view = site.queue.submit(a_request("1", "2"))
@@ -134,7 +134,7 @@ def test_redis_is_cut_from_all_workers(site: Site) -> None:
 @pytest.mark.long
 def test_a_computer_is_lost(site: Site) -> None:
     """The computer of a worker is switched off while it computes. Another one takes over within seconds, and
-    nothing of the first is left in the roster.
+    the first disappears from the roster.
     """
     first = site.start("a")
     view = site.queue.submit(a_request("1", "2"))

@@ -1,4 +1,4 @@
-"""Estimates that are wrong, on a service with a worker that is kept for short work."""
+"""Wrong estimates, on a service with a worker reserved for short work."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ def state(queue: JobQueue, job_id: str) -> tuple[str, int]:
 def test_wrong_estimates_hold_up_no_small_question(
     valkey: EmbeddedValkey, redis: Redis, workers: Workers
 ) -> None:
-    """Eight questions that are estimated as short never end, on two workers. Small ones beside them are
-    answered at once, by the worker that is kept for short work; when that stops, it puts all of them back.
+    """Eight questions with short estimates never end, on two workers. The worker reserved for short work
+    still answers small questions at once; when it stops, it puts all eight back.
     """
     queue = jobs(redis, "endless")
     light = start_light(workers, queue, **NEVER)
@@ -73,8 +73,8 @@ def test_wrong_estimates_hold_up_no_small_question(
 
 
 def test_more_wrong_estimates_than_may_run_at_once(redis: Redis, workers: Workers) -> None:
-    """So many of them come that the worker that is kept for short work can run no more beside each other. It
-    gives back those that are furthest beyond their estimates, and takes the next one.
+    """There are more such questions than the worker reserved for short work can run at the same time. It
+    gives back those that exceed their estimates most, and takes the next one.
     """
     queue = jobs(redis, "endless")
     start_light(workers, queue, **NEVER)
@@ -90,8 +90,8 @@ def test_more_wrong_estimates_than_may_run_at_once(redis: Redis, workers: Worker
 
 @pytest.mark.parametrize("request_", [a_request("1", "2"), a_document()], ids=["table", "document"])
 def test_an_overrun_is_given_back_once(redis: Redis, workers: Workers, request_: JobRequest) -> None:
-    """A chunk takes a few times its estimate on the worker that is kept for short work. Once there is another
-    worker it is given back, without a loss, and done there; the log and the job say so.
+    """A chunk takes several times its estimate on the worker reserved for short work. When there is another
+    worker, the chunk is given back, without a loss, and done there; the log and the job record this.
     """
     queue = jobs(redis, "slow_once")
     light = start_light(workers, queue, **SOON)
@@ -112,8 +112,8 @@ def test_an_overrun_is_given_back_once(redis: Redis, workers: Workers, request_:
 
 
 def test_the_items_before_an_overrun_stay(redis: Redis, workers: Workers) -> None:
-    """An item of a batch takes a few times the estimate of its chunk. What was answered before it is kept; it
-    and the rest of its chunk are done by the other worker.
+    """An item of a batch takes several times the estimate of its chunk. Earlier answers are kept; the other
+    worker does the item and the rest of its chunk.
     """
     queue = jobs(redis, "endless_at_13")
     start_light(workers, queue, **SOON)
@@ -131,8 +131,8 @@ def test_the_items_before_an_overrun_stay(redis: Redis, workers: Workers) -> Non
 
 @pytest.mark.parametrize("moment", [0.0, *(pytest.param(x, marks=pytest.mark.long) for x in (0.02, 0.1))])
 def test_a_worker_is_killed_as_it_gives_back(redis: Redis, workers: Workers, moment: float) -> None:
-    """The worker that is kept for short work is killed at the moment at which it gives a chunk back. The job
-    is done by the other worker.
+    """The worker reserved for short work is killed while it gives a chunk back. The job is done by the other
+    worker.
     """
     queue = jobs(redis, "slow_once")
     light = start_light(workers, queue, **SOON)
@@ -147,7 +147,7 @@ def test_a_worker_is_killed_as_it_gives_back(redis: Redis, workers: Workers, mom
 
 
 def test_redis_hangs_as_a_chunk_is_given_back(redis: Redis, valkey: EmbeddedValkey, workers: Workers) -> None:
-    """Redis hangs while a chunk overruns on the worker that is kept for short work. The chunk is given back
+    """Redis hangs while a chunk overruns on the worker reserved for short work. The chunk is given back
     afterwards, without a loss.
     """
     queue = jobs(redis, "slow_once")
@@ -166,8 +166,8 @@ def test_redis_hangs_as_a_chunk_is_given_back(redis: Redis, valkey: EmbeddedValk
 
 
 def test_a_chunk_that_waits_overruns_too(redis: Redis, workers: Workers) -> None:
-    """A chunk waits for something without computing. It is given back after a longer time, and small ones
-    are answered meanwhile.
+    """A chunk waits for something without computing. It is given back after a longer time, and small
+    questions are answered meanwhile.
     """
     queue, usual = jobs(redis, "gated"), JobQueue(redis)
     start_light(workers, queue, **SOON)

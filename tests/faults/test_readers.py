@@ -1,4 +1,4 @@
-"""Readers of large results and of events, who are many, slow, or gone."""
+"""Many, slow or disconnected readers of large results and of events."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ def silent(client: httpx.Client, path: str) -> socket.socket:
 
 @pytest.mark.parametrize("form", ["application/json", "text/csv"])
 def test_a_result_expires_while_it_is_sent(valkey: EmbeddedValkey, redis: Redis, form: str) -> None:
-    """A result expires while it is being sent. The connection is closed before the end, so that no client
-    takes a part for the whole; after that the result is 410.
+    """A result expires while it is being sent. The connection is closed before the end, so that truncation is
+    visible to the client; after that the result is 410.
     """
     queue = JobQueue(redis)
     job_id, table = keep_table(queue, MANY)
@@ -64,8 +64,8 @@ def test_a_result_expires_while_it_is_sent(valkey: EmbeddedValkey, redis: Redis,
 
 
 def test_too_many_large_results_at_once(valkey: EmbeddedValkey, redis: Redis) -> None:
-    """More large results are asked for at once than allowed. One too many is 503 with Retry-After; when
-    another ends, the next is sent.
+    """More large results are requested at once than allowed. A request beyond the limit gets 503 with
+    Retry-After; when another ends, the next is sent.
     """
     job_id, _ = keep_table(JobQueue(redis), MANY)
     path = f"/v1/jobs/{job_id}/result"
@@ -81,7 +81,8 @@ def test_too_many_large_results_at_once(valkey: EmbeddedValkey, redis: Redis) ->
 
 
 def test_a_reader_that_stops_reading(valkey: EmbeddedValkey, redis: Redis) -> None:
-    """A client asks for a large result and reads nothing. Its connection is closed, and its place is free."""
+    """A client requests a large result and does not read it. Its connection is closed, and its place is
+    free."""
     job_id, _ = keep_table(JobQueue(redis), MANY)
     path = f"/v1/jobs/{job_id}/result"
     with api(valkey.url, large_answers=1, stall_seconds=0.5) as client, closing(silent(client, path)):
@@ -155,7 +156,7 @@ def test_two_hundred_follow_one_job(valkey: EmbeddedValkey, redis: Redis) -> Non
 
 
 def test_followers_leave(valkey: EmbeddedValkey, redis: Redis, caplog: pytest.LogCaptureFixture) -> None:
-    """Clients leave in the middle of a stream of events. It ends without a line in the log."""
+    """Clients disconnect in the middle of a stream of events. The stream ends without a line in the log."""
     *_, job_id = run_job(JobQueue(redis), 60)
     with api(valkey.url) as client:
         for _ in range(5):
@@ -167,7 +168,7 @@ def test_followers_leave(valkey: EmbeddedValkey, redis: Redis, caplog: pytest.Lo
 
 
 def test_too_many_followers(valkey: EmbeddedValkey, redis: Redis) -> None:
-    """More clients follow events than allowed. One too many is 503 with Retry-After."""
+    """More clients follow events than allowed. A request beyond the limit gets 503 with Retry-After."""
     job_id = next(run_job(JobQueue(redis), 1))
     path = f"/v1/jobs/{job_id}/events"
     with api(valkey.url, max_followers=2) as client, ExitStack() as followers:

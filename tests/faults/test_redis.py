@@ -79,7 +79,8 @@ def assert_unavailable(answer: httpx.Response) -> None:
 
 
 def test_redis_hangs(server: EmbeddedValkey, api: httpx.Client) -> None:
-    """Redis hangs (SIGSTOP). What needs it is 503 after one time-out, then at once; all else is served."""
+    """Redis hangs (SIGSTOP). Requests that need it get 503 after one time-out, then at once; all others are
+    served."""
     with stopped(server.pid), ThreadPoolExecutor(50) as pool:
         begin = time.monotonic()
         for answer in pool.map(lambda _: api.get("/v1/jobs/ct-0"), range(100)):
@@ -147,8 +148,8 @@ def test_redis_takes_no_data(
     refuse: Callable[[Redis, EmbeddedValkey], None],
     accept: Callable[[Redis], None],
 ) -> None:
-    """Redis takes no data: disk full, memory full, a replica, or no permission. New questions are 503, one
-    log line tells why, `/readyz` is 503 without telling it to strangers, and known answers are served.
+    """Redis accepts no data: disk full, memory full, a replica, or no permission. New questions get 503, one
+    log line gives the reason, `/readyz` is 503 without details, and known answers are served.
     """
     refuse(admin, server)
     try:
@@ -203,8 +204,8 @@ def unfit(kind: str, which: str, directory: Path) -> Iterator[str]:
 @pytest.mark.parametrize("which", ["embedded", "redis-server"])
 @pytest.mark.parametrize("kind", UNFIT)
 def test_a_server_that_cannot_keep_a_queue(tmp_path: Path, kind: str, which: str) -> None:
-    """The address is that of a node of a cluster, of a Sentinel, or of a replica. `serve` and the workers
-    refuse it at their start, in one line; an API that runs already answers 503, and `/readyz` too.
+    """The URL is that of a node of a cluster, of a Sentinel, or of a replica. `serve` and the workers refuse
+    it at their start, in one line; a running API answers 503, also at `/readyz`.
     """
     with unfit(kind, which, tmp_path) as url:
         reason = UNFIT[kind][1]
@@ -221,7 +222,8 @@ def test_a_server_that_cannot_keep_a_queue(tmp_path: Path, kind: str, which: str
 
 
 def test_redis_forgets_its_clients(api: httpx.Client, admin: Redis) -> None:
-    """Redis asks for a password that the service does not have. Everything is 503; it recovers by itself."""
+    """Redis requires a password that the service does not have. All requests get 503; the service recovers
+    when Redis does."""
     admin.config_set("requirepass", "other")
     try:
         admin.client_kill_filter(_type="normal", skipme=True)
@@ -259,7 +261,8 @@ def test_redis_may_evict(
 
 @pytest.mark.long
 def test_redis_hangs_under_a_worker(server: EmbeddedValkey, worker: Workers, api: httpx.Client) -> None:
-    """Redis hangs for longer than a worker waits. The worker says so within seconds, and goes on after it."""
+    """Redis hangs for longer than a worker waits. The worker logs it within seconds, and continues
+    afterwards."""
     with stopped(server.pid):
         begin = time.monotonic()
         until(lambda: "cannot work (TimeoutError" in worker.log.read_text())

@@ -1,4 +1,4 @@
-"""Redis, when it asks for a password, a user or a certificate."""
+"""Redis with a password, a user or a certificate."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def address(port: int, certificates: Certificates, user: str = "") -> str:
 def test_tls_a_user_and_a_password_nobody_sees(
     user: str, port: int, certificates: Certificates, tmp_path: Path
 ) -> None:
-    """Redis asks for TLS with a client's certificate, a user and a password. Service and worker do their
-    work, and the password is in no command line and no log.
+    """Redis requires TLS with a client certificate, a user and a password. Service and worker run, and the
+    password is in no command line and no log.
     """
     (tmp_path / "password").write_text(f"{SECRET}\n")
     variables = environment(
@@ -84,9 +84,8 @@ def test_tls_a_user_and_a_password_nobody_sees(
 
 
 def test_a_password_is_not_taken_from_the_command_line() -> None:
-    """Somebody puts the password of Redis on the command line. The command refuses, and names the settings
-    for it.
-    """
+    """The password of Redis is given on the command line. The command refuses, and names the settings for
+    it."""
     for command in ("worker", "keys list"):
         url = f"redis://:{SECRET}@127.0.0.1:1/0"
         refused = completed(
@@ -100,8 +99,8 @@ def test_a_password_is_not_taken_from_the_command_line() -> None:
 def test_a_server_with_the_wrong_certificate(
     port: int, certificates: Certificates, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    """Redis has a certificate of an unknown authority or another name, or wants one of the client. The
-    connection is refused within 5 s, with the reason.
+    """Redis has a certificate of an unknown authority or for another name, or requires a client certificate.
+    The connection is refused within 5 s, with the reason.
     """
     others = Certificates(tmp_path_factory.mktemp("others"))
     url = address(port, certificates)
@@ -122,7 +121,7 @@ def test_a_server_with_the_wrong_certificate(
 
 @pytest.mark.long
 def test_a_tls_server_that_hangs() -> None:
-    """Redis with TLS takes connections and says nothing. A start fails within 5 s, with the reason."""
+    """Redis with TLS accepts connections, but does not answer. A start fails within 5 s, with the reason."""
     with socket.create_server(("127.0.0.1", 0)) as silent:
         start = time.monotonic()
         with pytest.raises(UnreachableError, match="cannot reach Redis"):

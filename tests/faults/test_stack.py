@@ -80,7 +80,7 @@ def test_all_children_are_killed(tmp_path: Path) -> None:
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT])
 @pytest.mark.parametrize("part", PARTS)
 def test_a_child_is_told_to_end(tmp_path: Path, part: str, number: signal.Signals) -> None:
-    """Valkey, the API or the worker receives SIGTERM, SIGINT, SIGHUP or SIGQUIT from somebody else. It is
+    """Valkey, the API or the worker receives SIGTERM, SIGINT, SIGHUP or SIGQUIT from another process. It is
     replaced if it ends, and accepted jobs are done."""
     with running(tmp_path) as stack:
         with stack.redis() as redis:
@@ -97,7 +97,7 @@ def test_a_child_is_told_to_end(tmp_path: Path, part: str, number: signal.Signal
 @pytest.mark.long
 @pytest.mark.parametrize("part", PARTS)
 def test_a_child_hangs(tmp_path: Path, part: str) -> None:
-    """Valkey, the API or the worker is stopped by SIGSTOP for good. It is killed and replaced after
+    """Valkey, the API or the worker is stopped by SIGSTOP and not continued. It is killed and replaced after
     `RPR_CUSPS_HANG_SECONDS`, and accepted jobs are done."""
     with running(tmp_path, hang_seconds=HANG) as stack:
         with stack.redis() as redis:
@@ -113,8 +113,8 @@ def test_a_child_hangs(tmp_path: Path, part: str) -> None:
 
 @pytest.mark.long
 def test_the_supervisor_stands_still(tmp_path: Path) -> None:
-    """The supervisor is stopped by SIGSTOP for longer than a child may hang, and continued. It replaces no
-    child that lived on."""
+    """The supervisor is stopped by SIGSTOP for longer than a child may hang, and continued. It does not
+    replace a child that kept running."""
     with running(tmp_path, hang_seconds=HANG) as stack:
         before = [stack.part(part) for part in PARTS]
         stack.process.send_signal(signal.SIGSTOP)
@@ -143,7 +143,7 @@ def test_the_socket_is_removed(tmp_path: Path) -> None:
 @pytest.mark.long
 def test_the_end_of_the_data_is_damaged_while_it_runs(tmp_path: Path) -> None:
     """Valkey is killed and leaves a damaged end of its append-only file. The supervisor repairs it and
-    goes on."""
+    continues."""
     with running(tmp_path) as stack:
         assert answers(stack, "14.98")
         [file] = (tmp_path / "appendonlydir").glob("*.incr.aof")
@@ -157,8 +157,8 @@ def test_the_end_of_the_data_is_damaged_while_it_runs(tmp_path: Path) -> None:
 
 
 def test_idle_connections_use_up_all_files(tmp_path: Path) -> None:
-    """More clients connect than the API may have files open, and send nothing. `serve` goes on with a few
-    lines, a worker that dies is replaced, and others are served once those leave."""
+    """More clients connect than the API may have open files, and send nothing. `serve` continues with a few
+    log lines, a worker that dies is replaced, and other clients are served once those disconnect."""
     limited = ["sh", "-c", 'ulimit -n 128; exec "$@"', "sh", *command(tmp_path)]
     pipe = subprocess.PIPE
     variables = environment(access_log="off")
@@ -178,7 +178,8 @@ def test_idle_connections_use_up_all_files(tmp_path: Path) -> None:
 
 @pytest.mark.long
 def test_nobody_reads_what_it_says(tmp_path: Path) -> None:
-    """The reader of stderr is gone, or no longer reads. `serve` goes on, and replaces what dies."""
+    """The reader of stderr has ended, or no longer reads. `serve` continues, and replaces processes that
+    die."""
     with running(tmp_path) as stack:
         assert stack.process.stderr is not None
         stack.process.stderr.close()
@@ -192,7 +193,7 @@ def test_nobody_reads_what_it_says(tmp_path: Path) -> None:
 
 @pytest.mark.long
 def test_the_disk_is_full(small_disk: Path) -> None:
-    """The disk of the data and of the log is full, and every child is killed. `serve` goes on, refuses new
+    """The disk of the data and of the log is full, and every child is killed. `serve` continues, refuses new
     questions with 503, replaces the children, and answers again once there is room."""
     data, filler = small_disk / "data", small_disk / "filler"
     variables = environment(access_log="off")
@@ -261,8 +262,8 @@ def test_nothing_is_left_running(tmp_path: Path, number: signal.Signals) -> None
 
 @pytest.mark.long
 def test_everything_is_killed_at_once(tmp_path: Path) -> None:
-    """The supervisor and all its children are killed, three times during one job. Each start goes on with
-    the job, and it succeeds."""
+    """The supervisor and all its children are killed, three times during one job. Each start continues the
+    job, and it succeeds."""
     request = a_request(*map(str, range(1, 60)))
     for _ in range(3):
         with running(tmp_path, workers=2) as stack, stack.redis() as redis:
@@ -306,7 +307,7 @@ def test_a_second_signal_hurries(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_waiting_clients_do_not_delay_the_shutdown(tmp_path: Path) -> None:
-    """`serve` is stopped while clients wait for a job or follow its events. They are answered or cut off
+    """`serve` is stopped while clients wait for a job or follow its events. They are answered or disconnected
     at once."""
     with running(tmp_path, workers=0) as stack, ThreadPoolExecutor(2) as pool:
         with stack.redis() as redis:
@@ -342,8 +343,8 @@ def test_a_data_directory_that_is_taken(tmp_path: Path) -> None:
 
 
 def test_padded_documents_do_not_fill_the_store(tmp_path: Path) -> None:
-    """Forty padded documents of a megabyte come, alone and in batches, to a store that may take 32 MiB. It
-    never takes more, and keeps little of them; of each it says that it is no whole document.
+    """Forty padded documents of a megabyte are sent, alone and in batches, to a store limited to 32 MiB. The
+    store never exceeds the limit, and keeps little of them; each is reported as an incomplete document.
     """
     geometry = {name: str(value) for name, value in {**GEOMETRY, "orientation": "ccw"}.items()}
     kind = "/problems/job-input-error"

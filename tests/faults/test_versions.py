@@ -64,8 +64,8 @@ def answer_to(asked: dict[str, Any], version: str) -> dict[str, Any]:
 def test_workers_of_two_versions_are_killed(
     redis: Redis, sides: tuple[Side, Side], jobs: int, kills: int, slices: int
 ) -> None:
-    """Two versions have jobs that wait and jobs that run, while workers of either are missing, killed and
-    come back. Each job is computed by its own version, and its API gives the right answer; so does the other.
+    """Two versions have waiting and running jobs, while workers of either version are missing, killed and
+    return. Each job is computed by its own version, and the APIs of both versions give the correct answer.
     """
     chance = random.Random(f"{jobs} {kills}")
     taken: list[tuple[Side, dict[str, Any], str]] = []

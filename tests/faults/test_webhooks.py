@@ -1,4 +1,4 @@
-"""Receivers of webhooks that are slow, dead, or many."""
+"""Slow, dead or many receivers of webhooks."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ TIMEOUT = 60  # of one attempt, in seconds; no test waits for it
 
 
 def test_a_receiver_that_says_nothing(tmp_path: Path) -> None:
-    """A receiver of many events accepts connections and says nothing. Two of eight senders wait for it, and
-    others are told within a few seconds.
+    """A receiver of many events accepts connections, but does not answer. Two of eight senders wait for it,
+    and other receivers get their events within a few seconds.
     """
     (tmp_path / "secrets").write_text(f"whsec_{base64.b64encode(bytes(32)).decode()}\n")
     settings = {

@@ -55,7 +55,7 @@ def succeeds(redis: Redis, l1: str = "1") -> bool:
 
 
 def test_redis_is_killed_and_comes_back(own_valkey: EmbeddedValkey, own_workers: Workers) -> None:
-    """Redis is killed and started again. The worker waits for it and goes on."""
+    """Redis is killed and started again. The worker waits for it and continues."""
     worker = own_workers.start()
     os.kill(own_valkey.pid, signal.SIGKILL)
     until(lambda: "cannot work (ConnectionError" in own_workers.log.read_text())
@@ -69,7 +69,7 @@ def test_redis_is_killed_and_comes_back(own_valkey: EmbeddedValkey, own_workers:
 
 
 def test_redis_answers_too_late(redis: Redis, workers: Workers) -> None:
-    """Redis answers later than the worker waits. The worker tries again and goes on."""
+    """Redis answers later than the worker waits. The worker retries and continues."""
     worker = workers.start_odd(ODD, "0.7")  # less than it waits for a chunk
     until(lambda: "cannot work (TimeoutError" in workers.log.read_text())
     assert succeeds(redis)
@@ -78,7 +78,7 @@ def test_redis_answers_too_late(redis: Redis, workers: Workers) -> None:
 
 
 def test_a_worker_that_is_cut_off_ends_its_work(own_valkey: EmbeddedValkey, own_workers: Workers) -> None:
-    """A worker does not reach Redis while it computes. It ends its work horse before another worker may take
+    """A worker cannot reach Redis while it computes. It ends its work horse before another worker may take
     over; once it reaches Redis again, the chunk runs again, without a loss.
     """
     settings = {"beat_interval": 0.2, "beat_ttl": 1.5, "lost_grace": 0.2, "max_losses": 0}
@@ -99,7 +99,7 @@ def test_a_worker_that_is_cut_off_ends_its_work(own_valkey: EmbeddedValkey, own_
 
 
 def test_redis_is_gone_when_the_worker_is_stopped(own_valkey: EmbeddedValkey, own_workers: Workers) -> None:
-    """A worker is told to stop while Redis is away. It ends at once, with exit status 0."""
+    """A worker is stopped while Redis is down. It ends at once, with exit status 0."""
     worker = own_workers.start()
     own_valkey.stop()
     until(lambda: "cannot work" in own_workers.log.read_text())
@@ -152,7 +152,7 @@ def test_a_worker_that_hangs_is_counted_again_when_it_goes_on(redis: Redis, work
 
 
 def test_rq_jobs_of_others_are_skipped(redis: Redis, workers: Workers) -> None:
-    """Somebody else's RQ jobs are in the queue. The worker skips each with one line, and goes on."""
+    """RQ jobs of another program are in the queue. The worker skips each with one line, and continues."""
     worker = workers.start()
     queue = chunks.ChunkQueue(redis, WorkerSettings())
     chunk = {"job_id": "some", "run": "1", "index": 0, "attempt": 0}
@@ -186,7 +186,8 @@ def test_a_closed_terminal_is_a_stop(redis: Redis, workers: Workers, number: sig
 
 
 def test_a_worker_by_itself_tells_what_it_does(valkey: EmbeddedValkey, redis: Redis) -> None:
-    """Nothing fails, and a worker runs in a terminal. It logs one line at its start and one a chunk."""
+    """Nothing fails, and a worker runs in a terminal. It logs one line at its start and one for each
+    chunk."""
     command = [sys.executable, "-m", "service", "worker", "--redis-url", valkey.url]
     with started(command, env=environment(), stderr=subprocess.PIPE, text=True) as worker:
         assert worker.stderr is not None
