@@ -23,8 +23,9 @@ from flint import acb_poly, arb, ctx, fmpz_mpoly
 from rpr_solver import EXAMPLES, Eliminant, cusp_table, eliminate, solve_slice
 from rpr_solver.exact.biform import OMEGA, L, U
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.fast.scan import BLOCK, SliceChunk
-from rpr_solver.slices.reference import LoneSlice
+from rpr_solver.slices.cusp_table import SliceSolver
+from rpr_solver.slices.fast.scan import BLOCK
+from rpr_solver.slices.reference import ReferenceSlice
 
 REPEATS = 7
 MANIPULATOR = EXAMPLES["innocenti"]
@@ -70,19 +71,22 @@ def naive_slice(slice_map: SliceMap, length: Fraction) -> list[arb]:
 def in_chunks(eliminant: Eliminant, digits: int) -> None:
     """Print what a slice costs in a chunk and alone, by the number of its cusps."""
     lengths = [Fraction(k, 10) for k in range(1, 502)]
-    chunk = SliceChunk(eliminant, lengths, digits)
+    solver = SliceSolver(eliminant, lengths, digits)
     groups: dict[int, list[tuple[float, float]]] = {}
+    shared = 0.0
     for place, length in enumerate(lengths):
-        if place % BLOCK == 0:
-            begin = time.process_time()
-            chunk.guess_from(place)
-            shared = 1000 * (time.process_time() - begin) / BLOCK
         start = time.process_time()
-        count = chunk.table(place).count
-        mine = shared + 1000 * (time.process_time() - start)
+        count = solver.table(place).count
+        mine = 1000 * (time.process_time() - start)
+        if place % BLOCK == 0:  # this slice also paid for the whole block, and a second time it does not
+            start = time.process_time()
+            solver.table(place)
+            again = 1000 * (time.process_time() - start)
+            shared, mine = (mine - again) / BLOCK, again
+        mine += shared
         if place % 5 == 0:
             start = time.process_time()
-            LoneSlice(eliminant, length, digits).solve()
+            ReferenceSlice(eliminant, length, digits).solve()
             groups.setdefault(count, []).append((mine, 1000 * (time.process_time() - start)))
     for count, times in [*sorted(groups.items()), (-1, [pair for x in groups.values() for pair in x])]:
         ours, peer = (statistics.mean(x) for x in zip(*times, strict=True))

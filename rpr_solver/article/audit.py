@@ -30,10 +30,12 @@ from typing import Any
 from flint import arb, ctx
 
 from rpr_solver.article.couples import (
+    CouplePoses,
     adjugate_stands,
     count_real,
     couple_by_balls,
     exact_couple,
+    point_of_balls,
     rejected_by_balls,
 )
 from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, KnownFactor
@@ -54,7 +56,6 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.notebook import Row
 from rpr_solver.slices.answers import slices_json, table_json
-from rpr_solver.slices.reference import SlicePoses, point_of_balls
 from rpr_solver.slices.slice_table import RootCertificate, SliceTable
 
 METHOD = "article"
@@ -248,7 +249,7 @@ class _Audit:
 
         def settled(bits: int) -> bool | None:
             u = root.root.refined(bits - 64)
-            poses = SlicePoses(self.slice_map, self.scaled, bits)
+            poses = CouplePoses(self.slice_map, self.scaled, bits)
             with ctx.workprec(bits):
                 f1, e1 = (
                     [c.ball(bits)(u) for c in form.rows] for form in (self.eliminant.f1, self.eliminant.e1)
@@ -263,7 +264,7 @@ class _Audit:
         start = digit_bits(self.digits) + 192
         return bool(decided_or_none(settled, start, TIMES_BEFORE_EXACT * start))
 
-    def _decided(self, row: _Row, poses: SlicePoses, u: arb, t: HalfTangent) -> bool:
+    def _decided(self, row: _Row, poses: CouplePoses, u: arb, t: HalfTangent) -> bool:
         local = poses.local_map(u, t, 2)
         if row.factor.origin != _Q:
             couple = rejected_by_balls(local, u, t, row.factor.closed_leg)

@@ -6,20 +6,25 @@ The article calls a common solution (t, u) of its two equations a couple.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
-from flint import acb_poly, arb, arb_poly
+from flint import acb_poly, arb, arb_poly, ctx
 
 from rpr_solver.article.equations import LEG_ALONG, Legs, Vector, adjugate
 from rpr_solver.article.report import CoupleReport
 from rpr_solver.exact.decimals import round_all, round_ball
+from rpr_solver.exact.quadratic import omega_ball
+from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.exact_pose import ExactPose
-from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.model.half_tangent import HalfTangent, pose_of
 from rpr_solver.model.jets import LocalMap
-from rpr_solver.model.joint_points import ClassifiedPoint, point_of_pose
-from rpr_solver.model.slice_map import Leg
-from rpr_solver.slices.reference import CuspBalls
+from rpr_solver.model.joint_points import ClassifiedPoint, joint_point, point_of_pose
+from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.slices.grid import larger
+from rpr_solver.slices.reference import SlicePoses
 
 KEPT, DEGENERATE, REJECTED = "kept", "degenerate", "rejected"
 _TRIPLE = "three direct kinematic solutions coincide"
@@ -28,6 +33,62 @@ _SHOWN_DIGITS = 15
 
 def _report(alpha: str, theta1: str, verdict: str, reason: str) -> CoupleReport:
     return {"alpha_deg": alpha, "theta1_deg": theta1, "verdict": verdict, "reason": reason}
+
+
+@dataclass(frozen=True)
+class CuspBalls:
+    """A cusp as balls, in the user's unit, with the numbers that prove it."""
+
+    alpha_deg: arb
+    theta_deg: arb
+    first: arb
+    second: arb
+    proof: dict[str, arb]
+    """Balls that exclude zero where a cusp needs it (:class:`~rpr_solver.PoseKind`), by their names in the
+    certificate; lengths are scaled."""
+
+
+def point_of_balls(cusp: CuspBalls, fixed_leg: int, digits: int, bits: int) -> ClassifiedPoint | None:
+    """A proved cusp in decimals; None if the balls, of working precision ``bits``, are too wide."""
+    texts = round_all((cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second), digits)
+    if texts is None:
+        return None
+    point, proof = joint_point(texts, fixed_leg), {name: x.str(5) for name, x in cusp.proof.items()}
+    return ClassifiedPoint(PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, point, proof, bits)
+
+
+class CouplePoses(SlicePoses):
+    """Also the derivatives at the pose above a root, and the proof that it is a cusp."""
+
+    def __init__(self, slice_map: SliceMap, length: Fraction, bits: int) -> None:
+        super().__init__(slice_map, length, bits)
+        self.slice_map, self.bits = slice_map, bits
+        with ctx.workprec(bits):
+            self.length = ball_of(length)
+            self.scale = slice_map.scale_ball()
+            self.omega = omega_ball(slice_map.radicand, bits)
+
+    def local_map(self, u: arb, t: HalfTangent, order: int) -> LocalMap[arb]:
+        """The jets at the pose (t, u)."""
+        pose = pose_of(t, HalfTangent(u, arb(1)), self.length, self.omega)
+        return LocalMap.at(self.slice_map, pose, order)
+
+    def cusp(self, u: arb, t: HalfTangent) -> CuspBalls | None:
+        """The cusp at (t, u), or None if a ball is too wide to prove it."""
+        local = self.local_map(u, t, 3)
+        j = local.singularity()
+        e = local.along(local.f, j)
+        proof = {
+            "rank_1": larger(local.f.alpha.value, local.f.theta.value),  # the map has rank 1
+            "grad_J": larger(j.alpha.value, j.theta.value),  # the singular curve is smooth
+            "v_grad_E": local.along(local.f, e).value,  # exactly three poses coalesce
+        }
+        f, g = local.squared_lengths()
+        # a ball of t cannot decide between 180° and −180°
+        if any(x.contains(0) for x in (t.denominator, *proof.values())) or not (f > 0 and g > 0):
+            return None
+        theta = HalfTangent(u, arb(1))
+        return CuspBalls(t.degrees(), theta.degrees(), f.sqrt() / self.scale, g.sqrt() / self.scale, proof)
 
 
 def couple_by_balls(cusp: CuspBalls) -> CoupleReport:

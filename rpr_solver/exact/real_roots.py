@@ -18,6 +18,8 @@ from rpr_solver.exact.quadratic import QuadraticPoly
 
 _NEWTON_STEPS = 64
 _FIRST_BITS = 192
+_SPARE_BITS = 64
+"""Precision of a Newton step beyond the bits that it is to find."""
 _BISECTION_BITS = 768
 _FIRST_LEAP = 4
 """By how many bits an interval is first narrowed at once."""
@@ -51,17 +53,20 @@ class RealRoot:
         if not (self.polynomial.a[0] or self.polynomial.b[0]) and self.ball.contains(0):
             return arb(0)
         # from low precision up, where FLINT evaluates wide balls by a tighter scheme
-        x, last = self.ball, bits + 64
+        x, last = self.ball, bits + _SPARE_BITS
         for work in precisions(min(_FIRST_BITS, last), GREATEST_BITS, stop_at=last):
-            polynomial = self.polynomial.ball(work)
+            polynomial, goal = self.polynomial.ball(work), min(bits, work - _SPARE_BITS)
             with ctx.workprec(work):
                 slope = polynomial.derivative()
                 for _ in range(_NEWTON_STEPS):
                     mid = x.mid()
                     value = polynomial(mid)
                     y = mid - value / slope(x)
-                    if y.is_finite() and y.rel_accuracy_bits() >= bits:
-                        return y
+                    if y.is_finite() and y.rel_accuracy_bits() >= goal:
+                        if goal == bits:
+                            return y
+                        x = y
+                        break
                     if not (y.is_finite() and 2 * y.rad() < x.rad()):
                         # the slope varies too much across the ball, as in a cluster of roots: bisect
                         half = _half(x, value, slope(x))

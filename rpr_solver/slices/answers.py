@@ -26,9 +26,8 @@ from rpr_solver.exact.rationals import Exact, exact_str, one_or_more, parse_all,
 from rpr_solver.model.joint_points import coordinate_names, shortened_points
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import csv_text
-from rpr_solver.slices.cusp_table import solve_slice
+from rpr_solver.slices.cusp_table import SliceSolver, solve_slice
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
-from rpr_solver.slices.fast.scan import SliceChunk
 from rpr_solver.slices.slice_table import full_certificate
 
 Solve = Callable[[Fraction], dict[str, Any]]
@@ -111,7 +110,7 @@ class SliceAnswers:
         self._is_full = check_certificate(certificate) == FULL
         positive = [x for x in dict.fromkeys(lengths) if x > 0]
         self._places = {x: place for place, x in enumerate(positive)}
-        self._chunk = SliceChunk(eliminant, positive, digits)
+        self._solver = SliceSolver(eliminant, positive, digits)
 
     def __call__(self, length: Fraction) -> dict[str, Any]:
         """The slice object of one length, with an ``error`` if there is no answer."""
@@ -120,7 +119,7 @@ class SliceAnswers:
     def _solve(self, length: Fraction) -> dict[str, Any]:
         place = self._places.get(length)
         table = (
-            solve_slice(self._eliminant, length, self._digits) if place is None else self._chunk.table(place)
+            solve_slice(self._eliminant, length, self._digits) if place is None else self._solver.table(place)
         )
         part = table.to_json()
         if self._is_full:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from fractions import Fraction
 
 from rpr_solver.contract import DEFAULT_DIGITS, check_digits, check_leg, check_type
 from rpr_solver.errors import SolverError
@@ -10,8 +11,32 @@ from rpr_solver.exact.rationals import Exact
 from rpr_solver.model.lengths import slice_length, slice_lengths
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
-from rpr_solver.slices.fast.scan import SliceChunk
+from rpr_solver.slices.fast.scan import fast_tables
+from rpr_solver.slices.reference import ReferenceSlice
 from rpr_solver.slices.slice_table import SliceTable
+
+
+class SliceSolver:
+    """Slices of one manipulator and fixed leg, each solved when it is asked for.
+
+    Args:
+        eliminant: of the manipulator and its fixed leg.
+        lengths: of the fixed leg, in the user's unit, > 0.
+        digits: significant digits of every printed number.
+    """
+
+    def __init__(self, eliminant: Eliminant, lengths: Sequence[Fraction], digits: int) -> None:
+        self._eliminant, self._lengths, self._digits = eliminant, lengths, digits
+        self._fast = fast_tables(eliminant, lengths, digits)
+
+    def table(self, place: int) -> SliceTable:
+        """The table of one of the slices.
+
+        Raises:
+            SolverError: the slice could not be decided.
+        """
+        table = self._fast(place)
+        return table or ReferenceSlice(self._eliminant, self._lengths[place], self._digits).solve()
 
 
 def cusp_table(
@@ -52,8 +77,8 @@ def cusp_table(
     digits, leg = check_digits(digits), check_leg(fixed_leg)
     exact = slice_lengths(lengths, leg)
     eliminant = kept_eliminant(manipulator, leg)
-    chunk = SliceChunk(eliminant, exact, digits)
-    return [chunk.table(place) for place in range(len(exact))]
+    solver = SliceSolver(eliminant, exact, digits)
+    return [solver.table(place) for place in range(len(exact))]
 
 
 def solve_slice(eliminant: Eliminant, length: Exact, digits: int = DEFAULT_DIGITS) -> SliceTable:
@@ -75,7 +100,7 @@ def solve_slice(eliminant: Eliminant, length: Exact, digits: int = DEFAULT_DIGIT
     """
     check_type(eliminant, Eliminant, "eliminant")
     exact = slice_length(length, eliminant.slice_map.fixed_leg)
-    return SliceChunk(eliminant, [exact], check_digits(digits)).table(0)
+    return SliceSolver(eliminant, [exact], check_digits(digits)).table(0)
 
 
 def solve_slices(
@@ -102,12 +127,12 @@ def solve_slices(
     """
     check_type(eliminant, Eliminant, "eliminant")
     exact = slice_lengths(lengths, eliminant.slice_map.fixed_leg)
-    return _tables(SliceChunk(eliminant, exact, check_digits(digits)), len(exact))
+    return _tables(SliceSolver(eliminant, exact, check_digits(digits)), len(exact))
 
 
-def _tables(chunk: SliceChunk, size: int) -> Iterator[SliceTable | SolverError]:
+def _tables(solver: SliceSolver, size: int) -> Iterator[SliceTable | SolverError]:
     for place in range(size):
         try:
-            yield chunk.table(place)
+            yield solver.table(place)
         except SolverError as error:
             yield error

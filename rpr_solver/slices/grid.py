@@ -6,7 +6,6 @@ document says of a cusp is what this box decides: decimals, precision and proof.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -154,18 +153,6 @@ class GridSlice:
         maps, self._low = (MapBalls.of(slice_map, x) for x in (bits, _PROOF_BITS))
         with ctx.workprec(bits):
             self._decimals = SliceDecimals(maps, ball_of(length), digits)
-
-    def points(self, poses: Iterable[tuple[HalfTangent, HalfTangent]]) -> list[ClassifiedPoint] | None:
-        """The proved cusps at some poses (α, θ); None if the balls of one decide too little."""
-        cusps = []
-        with ctx.workprec(self.bits):
-            for alpha, theta in poses:
-                boxes = on_grid(alpha, self.bits), on_grid(theta, self.bits)
-                cusp = self.point(boxes[0], boxes[1]) if boxes[0] and boxes[1] else None
-                if cusp is None:
-                    return None
-                cusps.append(cusp)
-        return cusps
 
     def point(self, alpha: HalfAngle, theta: HalfAngle) -> ClassifiedPoint | None:
         """The proved cusp in a box of :func:`on_grid`, or None if the box decides too little.

@@ -2,102 +2,67 @@
 
 There are two methods. If Q(u) is squarefree and prime to the spurious factors, each real root is one
 transversal intersection of J = 0 and E = 0 (mathematics.md#simple-roots), and ball arithmetic decides
-everything. Otherwise Q is factored, and each special pose is classified over a number field."""
+everything. Otherwise Q is factored, and each special pose is classified over a number field.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 
-from flint import arb, ctx, fmpz_poly
+from flint import arb, arb_mat, ctx, fmpz_poly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.decimals import round_all
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.precision import GREATEST_BITS, all_decided, decided
-from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
+from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import RealRoot, ball_of, real_roots
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.exact_pose import ExactPose, common_poses
-from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
-from rpr_solver.model.jets import LocalMap
-from rpr_solver.model.joint_points import ClassifiedPoint, joint_point, point_of_pose
+from rpr_solver.model.half_tangent import HalfTangent, common_root
+from rpr_solver.model.joint_points import ClassifiedPoint, point_of_pose
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
 from rpr_solver.slices.grid import GridSlice, HalfAngle, first_bits, on_grid
 from rpr_solver.slices.shared_curves import SliceForms, special_poses, without_shared_curves
 from rpr_solver.slices.slice_table import SliceTable, root_certificate
 
-
-@dataclass(frozen=True)
-class CuspBalls:
-    """A cusp as balls, in the user's unit, with the numbers that prove it."""
-
-    alpha_deg: arb
-    theta_deg: arb
-    first: arb
-    second: arb
-    proof: dict[str, arb]
-    """Balls that exclude zero where a cusp needs it (:class:`~rpr_solver.PoseKind`), by their names in the
-    certificate; lengths are scaled."""
-
-
-def point_of_balls(cusp: CuspBalls, fixed_leg: int, digits: int, bits: int) -> ClassifiedPoint | None:
-    """A proved cusp in decimals; None if the balls, of working precision ``bits``, are too wide."""
-    texts = round_all((cusp.alpha_deg, cusp.theta_deg, cusp.first, cusp.second), digits)
-    if texts is None:
-        return None
-    point, proof = joint_point(texts, fixed_leg), {name: x.str(5) for name, x in cusp.proof.items()}
-    return ClassifiedPoint(PoseKind.CUSP, cusp.theta_deg, cusp.alpha_deg, point, proof, bits)
+_POWERS_OF_L = 3
+_J, _E = 5, 7
+"""The coefficients of J and of E in t, and in u."""
+_TIMES_BEFORE_EXACT = 32
+"""How many times the first precision is tried for a simple root, which enough of it always decides."""
 
 
 class SlicePoses:
-    """The slice of one *scaled* L at one working precision: poses from roots."""
+    """The slice of one *scaled* L at one working precision: the pose above a simple root of Q."""
 
     def __init__(self, slice_map: SliceMap, length: Fraction, bits: int) -> None:
-        self.slice_map = slice_map
-        self.bits = bits
-        self._singular = [p.ball(bits) for p in slice_map.singular.at(length)]
-        self._coalescence = [p.ball(bits) for p in slice_map.coalescence.at(length)]
         with ctx.workprec(bits):
-            self.length = ball_of(length)
-            self.scale = slice_map.scale_ball()
-            self.omega = omega_ball(slice_map.radicand, bits)
+            ball = ball_of(length)
+            forms = _forms(slice_map, bits) * arb_mat(_POWERS_OF_L, 1, [arb(1), ball, ball * ball])
+            self._forms = arb_mat(_J + _E, _E, forms.entries())
 
     def alpha(self, u: arb) -> HalfTangent | None:
         """tan(α/2) of the unique pose above a simple root u; None if the precision is insufficient."""
-        j = [p(u) for p in self._singular]
-        e = [p(u) for p in self._coalescence]
-        return common_root(j, e)
-
-    def local_map(self, u: arb, t: HalfTangent, order: int) -> LocalMap[arb]:
-        """The jets at the pose (t, u)."""
-        pose = pose_of(t, HalfTangent(u, arb(1)), self.length, self.omega)
-        return LocalMap.at(self.slice_map, pose, order)
-
-    def cusp(self, u: arb, t: HalfTangent) -> CuspBalls | None:
-        """The cusp at (t, u), or None if a ball is too wide to prove it."""
-        local = self.local_map(u, t, 3)
-        j = local.singularity()
-        e = local.along(local.f, j)
-        proof = {
-            "rank_1": _larger(local.f.alpha.value, local.f.theta.value),  # the map has rank 1
-            "grad_J": _larger(j.alpha.value, j.theta.value),  # the singular curve is smooth
-            "v_grad_E": local.along(local.f, e).value,  # exactly three poses coalesce
-        }
-        f, g = local.squared_lengths()
-        # a ball of t cannot decide between 180° and −180°
-        if any(x.contains(0) for x in (t.denominator, *proof.values())) or not (f > 0 and g > 0):
-            return None
-        theta = HalfTangent(u, arb(1))
-        return CuspBalls(t.degrees(), theta.degrees(), f.sqrt() / self.scale, g.sqrt() / self.scale, proof)
+        powers = [arb(1)]
+        while len(powers) < _E:
+            powers.append(powers[-1] * u)
+        values = (self._forms * arb_mat(_E, 1, powers)).entries()
+        return common_root(values[:_J], values[_J:])
 
 
-def _larger(x: arb, y: arb) -> arb:
-    return x if x.abs_lower() >= y.abs_lower() else y
+@lru_cache(maxsize=16)
+def _forms(slice_map: SliceMap, bits: int) -> arb_mat:
+    """J and E: a row of coefficients of three powers of L for each power of t and seven powers of u."""
+    rows = []
+    for row in (*slice_map.singular.coefficients, *slice_map.coalescence.coefficients):
+        parts = [c.ball(bits) for c in row]
+        zeros = [arb(0)] * (_POWERS_OF_L - len(parts))
+        rows += [[*(part[power] for part in parts), *zeros] for power in range(_E)]
+    return arb_mat(rows)
 
 
 def poses_above(forms: SliceForms, root: ExactRoot | None) -> Iterator[ExactPose]:
@@ -118,11 +83,7 @@ def poses_above(forms: SliceForms, root: ExactRoot | None) -> Iterator[ExactPose
                 yield exact
 
 
-_TIMES_BEFORE_EXACT = 32
-"""How many times the first precision is tried for a simple root, which enough of it always decides."""
-
-
-class LoneSlice:
+class ReferenceSlice:
     """One slice of one manipulator, solved by itself.
 
     Args:

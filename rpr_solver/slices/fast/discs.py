@@ -4,7 +4,7 @@ With z = exp(iθ) = (1 + iu)/(1 − iu) the form Q(u) becomes P(z) = Σ pₘ z�
 real roots u lie on the circle |z| = 1, the others in pairs inside and outside. P is well conditioned there.
 
 A guess decides nothing. What is proved here is how many roots are inside the circle, by discs whose rounding
-errors are all bounded (mathematics.md#laguerres-discs); real_poses.py proves the real ones. All slices of a
+errors are all bounded (mathematics.md#laguerres-discs); proofs.py proves the real ones. All slices of a
 block are done at once, by numpy, which is imported on first use since it takes a tenth of a second.
 """
 

@@ -3,7 +3,7 @@
 With bounds of every rounding error (poses.py), Krawczyk's test shows that a box round the guess holds just
 one pose with J = E = 0, and that it is not spurious; ∇f, ∇J and v·∇E are bounded there, so closely that both
 bounds are nearly always one text in the certificate (mathematics.md#poses-by-floats). What is not proved here
-is left to balls, with its whole slice (real_poses.py).
+is left to the reference, with its whole slice.
 """
 
 from __future__ import annotations

@@ -1,118 +1,83 @@
-"""Many slices of one manipulator: what is quickly proved for all at once, and the rest one by one.
+"""Many slices of one manipulator: what is quickly proved for all at once.
 
 It is proved modulo a prime that Q has 24 simple roots and no spurious one; by discs in double precision that
-enough of them are not real (mathematics.md#laguerres-discs); and by floats with bounds of their errors, or by
-balls, that a pose is above each of the others (mathematics.md#poses-by-floats). A slice not decided so, as
-beside a transition, goes to reference.py. In any case what is printed is what the box of the pose on a grid
+enough of them are not real (mathematics.md#laguerres-discs); and by floats with bounds of their errors that a
+pose is above each of the others (mathematics.md#poses-by-floats). A slice not decided so, as near a
+transition, is left to the reference. In any case what is printed is what the box of the pose on a grid
 decides (grid.py), so the document is the same byte for byte.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 
 from flint import nmod, nmod_mat, nmod_poly
 
 from rpr_solver.exact.modular import primes
-from rpr_solver.exact.real_roots import real_roots
 from rpr_solver.slices.eliminant import DEGREE_L, DEGREE_U, Eliminant
 from rpr_solver.slices.fast.decimals import PoseSharpener
-from rpr_solver.slices.fast.discs import Guess, guesses
+from rpr_solver.slices.fast.discs import guesses
 from rpr_solver.slices.fast.proofs import NearPose, proved_boxes
-from rpr_solver.slices.grid import GridSlice, first_bits
-from rpr_solver.slices.real_poses import PoseFinder
-from rpr_solver.slices.reference import LoneSlice
-from rpr_solver.slices.slice_table import RootCertificate, SliceTable, root_certificate
+from rpr_solver.slices.grid import first_bits
+from rpr_solver.slices.slice_table import SliceTable, root_certificate
 
 _FEWEST, _FEWEST_TO_IMPORT = 4, 64
 """Fewer slices do not repay the work of numpy, or its import."""
-_GUESS_BITS = 64
 BLOCK = 128
-"""Slices whose roots are guessed at once: progress is told, and memory bounded, in between."""
+"""Slices whose poses are proved at once: progress is reported, and memory bounded, in between."""
 
 
-class SliceChunk:
-    """Slices of one manipulator and fixed leg, each solved when it is asked for.
+def fast_tables(
+    eliminant: Eliminant, lengths: Sequence[Fraction], digits: int
+) -> Callable[[int], SliceTable | None]:
+    """From the place of a length the table of its slice; None where that is left to the reference.
 
     Args:
         eliminant: of the manipulator and its fixed leg.
         lengths: of the fixed leg, in the user's unit, > 0.
         digits: significant digits of every printed number.
     """
+    if len(lengths) < (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
+        return lambda _place: None
+    return _Scan(eliminant, lengths, digits).table
+
+
+class _Scan:
+    """Slices of which a block is proved when the first of it is asked for, and each printed by itself."""
 
     def __init__(self, eliminant: Eliminant, lengths: Sequence[Fraction], digits: int) -> None:
         self.eliminant, self.lengths, self.digits = eliminant, lengths, digits
-        self.bits = first_bits(digits)
         self._scaled = [x * eliminant.slice_map.scale for x in lengths]
-        self._guesses: dict[int, Guess] = {}
         self._boxes: dict[int, list[NearPose] | None] = {}
         self._exponent = 0
 
-    def table(self, place: int) -> SliceTable:
-        """The table of one of the slices.
-
-        Raises:
-            SolverError: the slice could not be decided.
-        """
-        table = self._quickly(place) if _is_generic(self.eliminant, self._scaled[place]) else None
-        return table or LoneSlice(self.eliminant, self.lengths[place], self.digits).solve()
-
-    def _quickly(self, place: int) -> SliceTable | None:
-        """The table of a generic slice, if it is decided at the first precision."""
-        guess = self._guess(place)
-        if len(guess.real) + 2 * guess.inside != DEGREE_U:
+    def table(self, place: int) -> SliceTable | None:
+        if not _is_generic(self.eliminant, self._scaled[place]):
             return None
-        return self._by_boxes(place) or self._by_balls(place, guess)
-
-    def _by_boxes(self, place: int) -> SliceTable | None:
-        """The table, if floats prove the poses."""
-        boxes = self._boxes.get(place)
+        if place not in self._boxes:
+            self._prove_block(place - place % BLOCK)
+        boxes = self._boxes[place]
         if boxes is None:
             return None
-        found = _sharpener(self.eliminant, self.digits).cusps(self._scaled[place], boxes, self._exponent)
-        if found is None:
-            return None
-        certificate = self._certificate(len(boxes))
-        leg, length = self.eliminant.slice_map.fixed_leg, self.lengths[place]
-        return SliceTable.of_sorted(leg, length, self.digits, certificate, found, self.bits)
-
-    def _by_balls(self, place: int, guess: Guess) -> SliceTable | None:
-        """The table, if balls prove the poses."""
-        slice_map, scaled = self.eliminant.slice_map, self._scaled[place]
-        poses = _finder(self.eliminant, self.bits).at(scaled).poses(guess.real)
-        if poses is None:
-            return None
-        cusps = GridSlice(slice_map, scaled, self.digits, self.bits).points(poses)
+        cusps = _sharpener(self.eliminant, self.digits).cusps(self._scaled[place], boxes, self._exponent)
         if cusps is None:
             return None
-        certificate, length = self._certificate(len(guess.real)), self.lengths[place]
-        return SliceTable.of(slice_map.fixed_leg, length, self.digits, certificate, cusps)
+        leg, length = self.eliminant.slice_map.fixed_leg, self.lengths[place]
+        certificate = root_certificate(leg, [(DEGREE_U, 1)], len(boxes), "balls")
+        return SliceTable.of_sorted(leg, length, self.digits, certificate, cusps, first_bits(self.digits))
 
-    def _certificate(self, real_roots: int) -> RootCertificate:
-        return root_certificate(self.eliminant.slice_map.fixed_leg, [(DEGREE_U, 1)], real_roots, "balls")
-
-    def _guess(self, place: int) -> Guess:
-        if len(self.lengths) < (_FEWEST if "numpy" in sys.modules else _FEWEST_TO_IMPORT):
-            return _proved_guess(self.eliminant, self._scaled[place])
-        if place not in self._guesses:
-            self.guess_from(place - place % BLOCK)
-        return self._guesses[place]
-
-    def guess_from(self, first: int) -> None:
-        """Guess the roots of a block of slices, and prove poses; :meth:`table` does so when it needs them."""
+    def _prove_block(self, first: int) -> None:
+        """Prove the poses of a block of slices; those of the last block are forgotten."""
         lengths = self._scaled[first : first + BLOCK]
-        block = guesses(self.eliminant, lengths)
-        self._guesses = dict(enumerate(block, first))
-        self._exponent, boxes = proved_boxes(self.eliminant, lengths, [x.real for x in block])
-        self._boxes = dict(enumerate(boxes, first))
-
-
-def _proved_guess(eliminant: Eliminant, length: Fraction) -> Guess:
-    """The number of real roots of one generic slice, and these roots, by FLINT."""
-    roots = [float(root.refined(_GUESS_BITS)) for root in real_roots(eliminant.at(length))]
-    return Guess(tuple((u, 1.0) for u in roots), (DEGREE_U - len(roots)) // 2)
+        roots = guesses(self.eliminant, lengths)
+        self._exponent, boxes = proved_boxes(self.eliminant, lengths, [x.real for x in roots])
+        complete = (len(x.real) + 2 * x.inside == DEGREE_U for x in roots)
+        self._boxes = {
+            place: found if has_all else None
+            for place, (found, has_all) in enumerate(zip(boxes, complete, strict=True), first)
+        }
 
 
 def _sharpener(eliminant: Eliminant, digits: int) -> PoseSharpener:
@@ -120,13 +85,6 @@ def _sharpener(eliminant: Eliminant, digits: int) -> PoseSharpener:
         eliminant.kept["sharpener", digits] = PoseSharpener(eliminant, digits)
     sharpener: PoseSharpener = eliminant.kept["sharpener", digits]
     return sharpener
-
-
-def _finder(eliminant: Eliminant, bits: int) -> PoseFinder:
-    if ("finder", bits) not in eliminant.kept:
-        eliminant.kept["finder", bits] = PoseFinder(eliminant, bits)
-    finder: PoseFinder = eliminant.kept["finder", bits]
-    return finder
 
 
 def _is_generic(eliminant: Eliminant, length: Fraction) -> bool:

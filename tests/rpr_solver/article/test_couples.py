@@ -16,6 +16,7 @@ from rpr_solver.article.couples import (
     DEGENERATE,
     KEPT,
     REJECTED,
+    CouplePoses,
     adjugate_stands,
     count_real,
     couple_by_balls,
@@ -31,7 +32,6 @@ from rpr_solver.model.half_tangent import HalfTangent, pose_of
 from rpr_solver.model.jets import LocalMap
 from rpr_solver.model.joint_points import ClassifiedPoint
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.reference import SlicePoses
 from tests.support import constructed
 from tests.support.constructed import TRIANGLE, WEST, Constructed, Pose, direction
 from tests.support.strategies import examples
@@ -199,7 +199,7 @@ class TestByBalls:
     def test_a_proved_cusp_is_kept(self) -> None:
         at = constructed.cusp()
         slice_map = SliceMap.of(at.manipulator)
-        poses = SlicePoses(slice_map, at.pose.l1 * slice_map.scale, BITS)
+        poses = CouplePoses(slice_map, at.pose.l1 * slice_map.scale, BITS)
         _, u, t = by_balls(at)
         cusp = poses.cusp(u, t)
         assert cusp is not None

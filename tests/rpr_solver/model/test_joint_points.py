@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, JointPoint, PoseKind
+from rpr_solver.article.couples import CuspBalls, point_of_balls
 from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
@@ -24,7 +25,6 @@ from rpr_solver.model.joint_points import (
     point_of_pose,
 )
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.reference import CuspBalls, point_of_balls
 
 PROOF = {"rank_1": arb(2), "grad_J": arb(-3, 1), "v_grad_E": arb("123456.789")}
 RATIONALS = Field.rationals()

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES
+from rpr_solver.article.couples import CouplePoses
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.slices.grid import GridSlice, HalfAngle, MapBalls, SliceDecimals, cusp_proof, larger, on_grid
-from rpr_solver.slices.reference import SlicePoses
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples
 
@@ -50,7 +50,7 @@ def test_what_is_wide_has_no_box_and_what_is_0_stays_exact() -> None:
 def test_the_proof_is_that_of_the_jets(leg: int) -> None:
     """By the product rule, and by the closed formulas of derivatives that follow from it."""
     slice_map = eliminant_of(EXAMPLES["fourteen-cusps"], leg).slice_map
-    poses = SlicePoses(slice_map, Fraction(700), BITS)
+    poses = CouplePoses(slice_map, Fraction(700), BITS)
     with ctx.workprec(BITS):
         u, t = arb("0.37"), HalfTangent(arb("-1.3"), ONE)
         local = poses.local_map(u, t, 3)
@@ -71,7 +71,12 @@ def test_the_proof_is_that_of_the_jets(leg: int) -> None:
 def test_a_half_turn_is_not_decided() -> None:
     slice_map = eliminant_of(EXAMPLES["zein-flat"]).slice_map
     slice_ = GridSlice(slice_map, Fraction(700), 15, BITS)
-    assert slice_.points([(HalfTangent(ONE, arb(0, 1e-90)), HalfTangent(arb("0.5"), ONE))]) is None
+    with ctx.workprec(BITS):
+        alpha, theta = on_grid(HalfTangent(ONE, arb(0, 1e-90)), BITS), on_grid(HalfTangent(ONE, arb(2)), BITS)
+        assert alpha is not None
+        assert theta is not None
+        assert slice_.point(alpha, theta) is None
+        assert slice_.point(theta, theta) is not None
 
 
 @given(st.fractions(-20, 20), st.booleans())
@@ -102,7 +107,7 @@ def test_lengths_are_those_of_the_jets(leg: int) -> None:
         degrees = decimals.degrees(*pose)
         assert degrees is not None
         texts = decimals.texts(degrees, decimals.pose(*pose))
-        poses = SlicePoses(slice_map, Fraction(700), BITS)
+        poses = CouplePoses(slice_map, Fraction(700), BITS)
         squares = poses.local_map(u, HalfTangent(t, ONE), 1).squared_lengths()
         assert texts is not None
         for text, square in zip(texts[2:], squares, strict=True):

@@ -14,6 +14,7 @@ import pytest
 from flint import arb, ctx, fmpz_poly
 
 from rpr_solver import EXAMPLES, Manipulator, PoseKind, SliceTable, SolverError, solve_slice
+from rpr_solver.article.couples import CouplePoses, CuspBalls
 from rpr_solver.exact.biform import BiForm, T, U
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import Field
@@ -24,7 +25,7 @@ from rpr_solver.model.exact_pose import ExactPose
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.jets import Pose
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.slices.reference import CuspBalls, LoneSlice, SlicePoses, poses_above
+from rpr_solver.slices.reference import ReferenceSlice, poses_above
 from rpr_solver.slices.shared_curves import Curve, SliceForms
 from tests.support.article import coalescence, pose, singularity
 from tests.support.families import family
@@ -32,8 +33,8 @@ from tests.support.newton import Slice, count_cusps
 from tests.support.shared import eliminant_of
 
 
-def slice_of(m: Manipulator, length: str, digits: int = 20, leg: int = 1) -> LoneSlice:
-    return LoneSlice(eliminant_of(m, leg), Fraction(length), digits)
+def slice_of(m: Manipulator, length: str, digits: int = 20, leg: int = 1) -> ReferenceSlice:
+    return ReferenceSlice(eliminant_of(m, leg), Fraction(length), digits)
 
 
 def method(table: SliceTable) -> str:
@@ -50,7 +51,7 @@ def test_number_fields_and_balls_lead_to_the_same_cusps(
     """To the last digit, where balls are not allowed to say anything."""
     own = slice_of(family(name), length).solve()
     assert own.count > 0
-    monkeypatch.setattr(LoneSlice, "_by_balls", lambda *_: None)
+    monkeypatch.setattr(ReferenceSlice, "_by_balls", lambda *_: None)
     exact = slice_of(family(name), length).solve()
     assert exact.to_json()["cusps"] == own.to_json()["cusps"]
     assert exact.degenerate_points == own.degenerate_points
@@ -155,10 +156,10 @@ def roots_of(name: str) -> list[RealRoot]:
     return real_roots(eliminant.at(Fraction(length) * eliminant.slice_map.scale))
 
 
-def poses_of(name: str, bits: int = BITS) -> SlicePoses:
+def poses_of(name: str, bits: int = BITS) -> CouplePoses:
     m, length = SLICES[name]
     slice_map = eliminant_of(m).slice_map
-    return SlicePoses(slice_map, Fraction(length) * slice_map.scale, bits)
+    return CouplePoses(slice_map, Fraction(length) * slice_map.scale, bits)
 
 
 def cusps_of(name: str) -> list[tuple[arb, HalfTangent, CuspBalls]]:

@@ -10,7 +10,7 @@ from rpr_solver import EXAMPLES
 from rpr_solver.slices.fast.decimals import PoseSharpener
 from rpr_solver.slices.fast.discs import guesses
 from rpr_solver.slices.fast.proofs import NearPose, proved_boxes
-from rpr_solver.slices.reference import LoneSlice
+from rpr_solver.slices.reference import ReferenceSlice
 from tests.support.shared import eliminant_of
 
 LENGTH = Fraction(349, 10)
@@ -30,7 +30,7 @@ def test_the_cusps_of_the_slice(name: str, digits: int) -> None:
     eliminant = eliminant_of(EXAMPLES[name])
     scaled, exponent, found = boxes(name)
     cusps = PoseSharpener(eliminant, digits).cusps(scaled, found, exponent)
-    alone = LoneSlice(eliminant, LENGTH, digits).solve()
+    alone = ReferenceSlice(eliminant, LENGTH, digits).solve()
     assert cusps is not None
     assert tuple(point for point, _ in cusps) == alone.cusps
     assert [proof for _, proof in cusps] == alone.certificate["proofs"]

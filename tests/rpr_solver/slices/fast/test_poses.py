@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, eliminate, solve_slice
+from rpr_solver.slices.cusp_table import SliceSolver
 from rpr_solver.slices.fast.discs import guesses
 from rpr_solver.slices.fast.poses import Bounded, DoubleMap, HalfAngles, map_exponent, number_type
 from rpr_solver.slices.fast.proofs import proved_boxes
-from rpr_solver.slices.fast.scan import SliceChunk
 from tests.support.shared import eliminant_of
 from tests.support.strategies import examples
 
@@ -61,7 +61,7 @@ def test_double_precision_alone_will_do(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(np, "longdouble", np.float64)
     assert number_type(np) == (np.float64, 2.0**-53)
     eliminant = eliminate(EXAMPLES["zein-flat"])
-    chunk = SliceChunk(eliminant, LENGTHS, 15)
+    chunk = SliceSolver(eliminant, LENGTHS, 15)
     assert [chunk.table(place) for place in range(len(LENGTHS))] == expected
     scaled = [x * eliminant.slice_map.scale for x in LENGTHS]
     _, boxes = proved_boxes(eliminant, scaled, [guess.real for guess in guesses(eliminant, scaled)])

@@ -10,13 +10,15 @@ import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
+from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.slices.cusp_table import SliceSolver, solve_slice
 from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.fast.discs import guesses
 from rpr_solver.slices.fast.poses import DoubleMap, GuessedPoses
 from rpr_solver.slices.fast.proofs import PROOFS, NearPose, proved_boxes
-from rpr_solver.slices.fast.scan import SliceChunk
 from rpr_solver.slices.grid import HalfAngle, MapBalls, cusp_proof
-from rpr_solver.slices.real_poses import PoseFinder
+from rpr_solver.slices.reference import SlicePoses
 from tests.support.shared import eliminant_of
 
 BITS = 320
@@ -29,16 +31,27 @@ def boxes_of(eliminant: Eliminant) -> tuple[list[Fraction], int, list[list[NearP
     return scaled, *proved_boxes(eliminant, scaled, thetas)
 
 
+def poses_of(eliminant: Eliminant, length: Fraction) -> list[tuple[HalfTangent, HalfTangent]]:
+    """The poses (α, θ) above the real roots of a slice, by the way of the reference."""
+    slice_poses = SlicePoses(eliminant.slice_map, length, BITS)
+    poses = []
+    for root in real_roots(eliminant.at(length)):
+        u = root.refined(BITS - 64)
+        with ctx.workprec(BITS):
+            alpha = slice_poses.alpha(u)
+        assert alpha is not None
+        poses.append((alpha, HalfTangent(u, arb(1))))
+    return poses
+
+
 @pytest.mark.parametrize("name", ["zein-flat", "fourteen-cusps"])
 def test_boxes_hold_the_poses_and_the_bounds_their_numbers(name: str) -> None:
     eliminant = eliminant_of(EXAMPLES[name])
     scaled, exponent, slices = boxes_of(eliminant)
-    thetas = [guess.real for guess in guesses(eliminant, scaled)]
     maps = MapBalls.of(eliminant.slice_map, BITS)
     assert sum(x is None for x in slices) <= 6, "most is proved"
-    for length, boxes, guess in zip(scaled, slices, thetas, strict=True):
-        poses = PoseFinder(eliminant, BITS).at(length).poses(guess)
-        assert poses is not None
+    for length, boxes in zip(scaled, slices, strict=True):
+        poses = poses_of(eliminant, length)
         for box in boxes or ():
             with ctx.workprec(BITS):
                 angles = [
@@ -81,7 +94,7 @@ def test_wrong_guesses_prove_nothing_wrong(
     change: Callable[[GuessedPoses], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     eliminant = eliminant_of(EXAMPLES["zein-flat"])
-    expected = [SliceChunk(eliminant, [x], 15).table(0) for x in LENGTHS[:4]]
+    expected = [solve_slice(eliminant, x, 15) for x in LENGTHS[:4]]
     right = DoubleMap.guessed
 
     def wrong(self: DoubleMap, *args: object) -> GuessedPoses:
@@ -92,8 +105,8 @@ def test_wrong_guesses_prove_nothing_wrong(
     monkeypatch.setattr(DoubleMap, "guessed", wrong)
     _, _, slices = boxes_of(eliminant)
     assert change is shifted or not any(slices)
-    chunk = SliceChunk(eliminant, LENGTHS[:4], 15)
-    assert [chunk.table(k) for k in range(4)] == expected
+    solver = SliceSolver(eliminant, LENGTHS[:4], 15)
+    assert [solver.table(k) for k in range(4)] == expected
 
 
 def test_guesses_of_one_pose_twice_are_not_proved() -> None:

@@ -1,4 +1,4 @@
-"""Slices solved together against slices solved alone: the same documents byte for byte, by any guesses."""
+"""Slices solved together against the reference: the same documents byte for byte, by any guesses."""
 
 from __future__ import annotations
 
@@ -12,11 +12,10 @@ import numpy as np
 import pytest
 
 from rpr_solver import EXAMPLES, Eliminant, InputError, Manipulator, SolverError, solve_slice, solve_slices
-from rpr_solver.slices.fast import discs
-from rpr_solver.slices.fast import scan as chunk_module
+from rpr_solver.slices.cusp_table import SliceSolver
+from rpr_solver.slices.fast import discs, scan
 from rpr_solver.slices.fast.discs import Guess
-from rpr_solver.slices.fast.scan import SliceChunk
-from rpr_solver.slices.reference import LoneSlice
+from rpr_solver.slices.reference import ReferenceSlice
 from tests.rpr_solver.long_run import manipulator as random_manipulator
 from tests.support.families import FAMILIES, family
 from tests.support.shared import census_of, eliminant_of
@@ -35,39 +34,40 @@ def text(make: Callable[[], Any]) -> str:
 
 
 def alone(eliminant: Eliminant, lengths: Iterable[Fraction], digits: int) -> list[str]:
-    return [text(LoneSlice(eliminant, x, digits).solve) for x in lengths]
+    return [text(ReferenceSlice(eliminant, x, digits).solve) for x in lengths]
 
 
 def together(eliminant: Eliminant, lengths: Sequence[Fraction], digits: int) -> list[str]:
     """By numpy, even where the lengths are few."""
-    chunk = SliceChunk(eliminant, lengths, digits)
-    return [text(lambda place=place: chunk.table(place)) for place in range(len(lengths))]
+    solver = SliceSolver(eliminant, lengths, digits)
+    return [text(lambda place=place: solver.table(place)) for place in range(len(lengths))]
 
 
 @pytest.fixture
-def alone_count(monkeypatch: pytest.MonkeyPatch) -> list[Fraction]:
-    """The scaled lengths of the slices that were left to the slower way."""
+def left(monkeypatch: pytest.MonkeyPatch) -> list[Fraction]:
+    """The lengths of the slices that were left to the reference."""
     solved: list[Fraction] = []
-    solve = LoneSlice.solve
-    monkeypatch.setattr(LoneSlice, "solve", lambda self: (solved.append(self.length), solve(self))[1])
+    solve = ReferenceSlice.solve
+    monkeypatch.setattr(ReferenceSlice, "solve", lambda self: (solved.append(self.length), solve(self))[1])
     return solved
 
 
 @pytest.mark.parametrize("digits", [15, 90])
 @pytest.mark.parametrize("leg", [1, 2, 3])
-def test_a_chunk_is_its_slices(leg: int, digits: int, alone_count: list[Fraction]) -> None:
+def test_a_chunk_is_its_slices(leg: int, digits: int, left: list[Fraction]) -> None:
     eliminant = eliminant_of(EXAMPLES["innocenti"], leg)
     answers = together(eliminant, SCAN, digits)
-    assert len(alone_count) <= 2, "nearly all slices go the faster way"
+    assert len(left) <= 4, "nearly all slices are decided fast"
     assert answers == alone(eliminant, SCAN, digits)
 
 
-def test_one_slice_is_that_of_a_chunk(alone_count: list[Fraction]) -> None:
-    """Guesses come from numpy or from FLINT, and the blocks begin at different lengths."""
+def test_one_slice_is_that_of_a_chunk(left: list[Fraction]) -> None:
+    """Blocks begin at different lengths."""
     eliminant = eliminant_of(EXAMPLES["innocenti"])
     expected = [json.dumps(solve_slice(eliminant, x, 30).to_json()) for x in SCAN]
-    assert len(alone_count) <= 2
+    left.clear()
     assert together(eliminant, SCAN, 30) == expected
+    assert len(left) <= 4
     assert together(eliminant, SCAN[5:], 30) == expected[5:]
 
 
@@ -79,13 +79,13 @@ def test_degenerate_families(name: str) -> None:
     assert together(eliminant, lengths, 20) == alone(eliminant, lengths, 20)
 
 
-def beside(length: Fraction, exponents: Iterable[int]) -> list[Fraction]:
+def near(length: Fraction, exponents: Iterable[int]) -> list[Fraction]:
     return [length + sign * Fraction(1, 10**n) for n in exponents for sign in (-1, 1)]
 
 
-def test_beside_a_transition() -> None:
+def test_near_a_transition() -> None:
     eliminant = eliminant_of(SWALLOWTAIL)
-    lengths = [*beside(Fraction(1), (1, 2, 3, 6, 12, 20, 40, 60)), Fraction(1)]
+    lengths = [*near(Fraction(1), (1, 2, 3, 6, 12, 20, 40, 60)), Fraction(1)]
     answers = together(eliminant, lengths, 40)
     assert answers == alone(eliminant, lengths, 40)
     assert {json.loads(x)["count"] for x in answers} == {4, 6}
@@ -119,7 +119,7 @@ def test_wrong_guesses_change_no_answer(name: str, monkeypatch: pytest.MonkeyPat
 
 @pytest.mark.parametrize("change", ["fewer", "twice", "nan", "elsewhere", "swapped"])
 def test_wrong_places_of_real_roots_change_no_answer(change: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The number of roots that are not real stays right, so only the balls can tell."""
+    """The number of roots that are not real stays right, so only the proof of the poses can tell."""
 
     def corrupt(guess: Guess) -> Guess:
         real = list(guess.real)
@@ -140,8 +140,8 @@ def test_wrong_places_of_real_roots_change_no_answer(change: str, monkeypatch: p
     eliminant = eliminant_of(EXAMPLES["zein-flat"])
     lengths = SCAN[::2]
     expected = [json.dumps(solve_slice(eliminant, x, 20).to_json()) for x in lengths]
-    right = chunk_module.guesses
-    monkeypatch.setattr(chunk_module, "guesses", lambda *args: [corrupt(x) for x in right(*args)])
+    right = scan.guesses
+    monkeypatch.setattr(scan, "guesses", lambda *args: [corrupt(x) for x in right(*args)])
     assert together(eliminant, lengths, 20) == expected
 
 
@@ -154,11 +154,11 @@ def test_what_is_asked_is_checked_at_once() -> None:
 
 
 def test_an_undecided_slice_has_its_error_in_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(_self: LoneSlice) -> None:
+    def refuse(_self: ReferenceSlice) -> None:
         raise SolverError("not decided")
 
-    monkeypatch.setattr(LoneSlice, "solve", refuse)
-    tables = list(solve_slices(eliminant_of(SWALLOWTAIL), [1, 2], 15))
+    monkeypatch.setattr(ReferenceSlice, "solve", refuse)
+    tables = list(solve_slices(eliminant_of(SWALLOWTAIL), [1, 2, 3, 4], 15))
     assert isinstance(tables[0], SolverError)
     assert not isinstance(tables[1], SolverError)
     assert tables[1].count == 6
@@ -178,9 +178,9 @@ def test_random_manipulators() -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_beside_all_transitions(name: str) -> None:
+def test_near_all_transitions(name: str) -> None:
     m = EXAMPLES[name]
     eliminant = eliminant_of(m)
     for transition in census_of(m, digits=80).transitions:
-        lengths = beside(Fraction(transition.length), (3, 6, 9, 15, 30, 60))
+        lengths = near(Fraction(transition.length), (3, 6, 9, 15, 30, 60))
         assert together(eliminant, lengths, 30) == alone(eliminant, lengths, 30)
