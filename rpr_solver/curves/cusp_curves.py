@@ -41,7 +41,7 @@ from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.transitions.census import LengthKind, transition_at
 from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import ELIMINATION_STEPS
-from rpr_solver.transitions.event_texts import length_text
+from rpr_solver.transitions.events import length_text
 from rpr_solver.transitions.survey import Survey, survey
 
 

@@ -15,7 +15,7 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.exact_pose import ExactPose
-from rpr_solver.transitions.event_types import Event
+from rpr_solver.transitions.events import Event
 from rpr_solver.transitions.survey import Survey
 
 

@@ -23,11 +23,10 @@ from rpr_solver.model.lengths import LengthRange, intervals_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, degenerate_words, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
-from rpr_solver.transitions.aspect_numbers import numbers_of_aspects
 from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
-from rpr_solver.transitions.event_texts import event_point, length_text
+from rpr_solver.transitions.events import event_point, length_text
 from rpr_solver.transitions.full_certificate import full_certificate
-from rpr_solver.transitions.survey import Survey, survey
+from rpr_solver.transitions.survey import Survey, numbers_of_aspects, survey
 
 
 class LengthKind(Kind):

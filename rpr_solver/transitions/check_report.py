@@ -36,8 +36,7 @@ from rpr_solver.slices.eliminant import Eliminant
 from rpr_solver.slices.slice_table import SliceTable
 from rpr_solver.transitions.degenerate import Degeneracy, degeneracies
 from rpr_solver.transitions.event_systems import NotGeneric
-from rpr_solver.transitions.event_texts import length_text
-from rpr_solver.transitions.event_types import Event
+from rpr_solver.transitions.events import Event, length_text
 from rpr_solver.transitions.requirement import REFUSED, Requirement
 from rpr_solver.transitions.survey import LimitEvents, survey
 

@@ -3,17 +3,36 @@
 J/L is linear in L. Its factors without L are *walls*, curves that are singular for every L; one factor
 p0 + L p1 is left, a *graph*: L = −p0/p1. Degenerate poses of the graph are on walls or have v·∇L = 0 there,
 those of a wall h have v·∇h = e0 + L e1 = 0. So they lie on finitely many irreducible curves, each with L =
-−zeroth/first (mathematics.md#events-on-components). This serves where the events of events.py are not
-isolated.
-"""
+−zeroth/first (mathematics.md#events-on-components). This serves where the events
+are not isolated.
+
+On a component L is a rational function, and the degenerate poses of a slice are its points of that length. So
+they appear, vanish or meet only where L is critical along the curve, where another curve crosses it, or at a
+*resting* pose, where numerator and denominator of L vanish. Near a resting pose L has finitely many limits,
+roots of the lowest coefficient of an eliminant (mathematics.md#events-on-components)."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+
+from flint import fmpq, fmpz_mpoly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.biform import BiForm
+from rpr_solver.exact.biform import BiForm, L, leading_coefficient
+from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
+from rpr_solver.exact.number_field import (
+    Algebraic,
+    Extension,
+    Polynomial,
+    adjoin_real_roots,
+    evaluate,
+    squarefree_part,
+    trimmed,
+)
+from rpr_solver.exact.real_roots import fraction_of
 from rpr_solver.exact.torus_forms import (
     along_alpha,
     along_theta,
@@ -23,8 +42,15 @@ from rpr_solver.exact.torus_forms import (
     form_sum,
     negative,
     rational_form,
+    value,
 )
-from rpr_solver.model.slice_map import Leg, SliceMap, half_angles, slopes
+from rpr_solver.model.classify import PoseKind, tan_half
+from rpr_solver.model.exact_pose import ExactPose, common_poses
+from rpr_solver.model.jets import Pose
+from rpr_solver.model.slice_map import TRIG, Leg, SliceMap, half_angles, slopes
+from rpr_solver.transitions.event_systems import System
+from rpr_solver.transitions.events import Event, Landmark
+from rpr_solver.transitions.exact_events import event, event_at, limits_at, special_lengths
 
 
 @dataclass(frozen=True)
@@ -143,3 +169,186 @@ def _of_wall(
 
 def _determinant(curve: BiForm, m_alpha: BiForm, m_theta: BiForm) -> BiForm:
     return form_sum(along_alpha(curve) * m_theta, negative(along_theta(curve) * m_alpha))
+
+
+_T, _U, _L = range(3)
+_NEAR, _NEAR_BITS = Fraction(1, 1 << 20), 64
+
+
+@dataclass(frozen=True)
+class ComponentEvents:
+    """All events of a manipulator by its components."""
+
+    components: Components
+
+    @classmethod
+    def of(cls, slice_map: SliceMap) -> ComponentEvents:
+        """Finds the components.
+
+        Raises:
+            SolverError: the coefficients are not rational.
+        """
+        return cls(Components.of(slice_map))
+
+    def events(self) -> Iterator[Event]:
+        """Every L > 0 at which a number of degenerate poses can change, with those that cusps may meet."""
+        slice_map = self.components.slice_map
+        for component in self.components.components:
+            for form in (component.turning, *component.crossing):
+                for pose in _located(slice_map, component, form):
+                    yield Landmark(pose.length)
+                    for found in event(slice_map, pose) if component.live else ():
+                        yield replace(found, lasting=self._crosses(found))
+        for pose in self._resting:
+            for found in special_lengths(slice_map, pose):
+                yield replace(found, lasting=self._crosses(found) or _lasts(slice_map, pose, found))
+            for component in self.components.components:
+                for limit in _limits(component, pose):
+                    yield Landmark(limit.root)
+                    for found in event_at(slice_map, pose, limit):
+                        yield replace(found, lasting=self._crosses(found) or _lasts(slice_map, pose, found))
+
+    def _crosses(self, found: Landmark) -> bool:
+        """Whether two parts of the singular curve cross at an event, as they do nearby in other slices."""
+        crossing = found.pose is not None and found.pose.kind in (PoseKind.NODE, PoseKind.ISOLATED_POINT)
+        return crossing and self.components.walls
+
+    def limit_events(self, leg: Leg, square: Fraction) -> Iterator[Event]:
+        """The lengths L > 0 at which a cusp has, or may have, the squared free leg ``square`` (scaled).
+
+        Raises:
+            NotGeneric: these lengths are not isolated.
+        """
+        slice_map = self.components.slice_map
+        for component in self.components.components:
+            if component.live:
+                for pose in _located(slice_map, component, _at_square(component, leg, square)):
+                    yield Landmark(pose.length)
+        for pose in self._resting:
+            yield from map(Landmark, limits_at(slice_map, pose, leg, square))
+
+    @cached_property
+    def _resting(self) -> list[Pose[Algebraic]]:
+        """The poses at which L is undetermined, their lengths 1 a placeholder."""
+        slice_map, graph = self.components.slice_map, self.components.graph
+        poses = [] if graph is None else list(_zeros(slice_map, *graph))
+        for component in self.components.components:
+            first, second = component.first, component.zeroth
+            if divides(component.curve, first):
+                first, second = second, first
+            poses += (
+                pose for pose in _zeros(slice_map, component.curve, first) if _value(second, pose).is_zero
+            )
+        return poses
+
+
+def distinct(group: Sequence[Event]) -> list[Event]:
+    """Events of one L without repetitions, and without a pose only if none has one."""
+    found: list[tuple[Event, ExactPose]] = []
+    for each in group:
+        pose = each.pose
+        if isinstance(pose, ExactPose) and not any(pose.is_at(other) for _, other in found):
+            found.append((each, pose))
+    return [each for each, _ in found] or list(group[:1])
+
+
+def _lasts(slice_map: SliceMap, pose: Pose[Algebraic], found: Landmark) -> bool:
+    """Whether a pose that is singular for every L is of one kind at, below and above the L of an event."""
+    middle = fraction_of(found.scaled_length(_NEAR_BITS))
+    near = (pose.omega.field(middle * (1 + sign * _NEAR)) for sign in (-1, 1))
+    kinds = {ExactPose.of(slice_map, replace(pose, length=x)).kind for x in near}
+    return found.pose is not None and kinds == {found.pose.kind}
+
+
+def _zeros(slice_map: SliceMap, first: BiForm, second: BiForm) -> Iterator[Pose[Algebraic]]:
+    """The real common zeros of two forms, of length 1."""
+    eliminant = System.of(slice_map, first, second).eliminant
+    roots: list[ExactRoot | None] = list(exact_roots(norm_factors(eliminant.polynomial)))
+    if eliminant.zeros_at_infinity:
+        roots.append(None)
+    for root in roots:
+        poses = common_poses(first, second, root, 1)
+        if poses is None:
+            raise SolverError(
+                "a curve of degenerate poses holds a line theta = const; please report this geometry"
+            )
+        yield from poses
+
+
+def _located(slice_map: SliceMap, component: Component, form: BiForm) -> Iterator[Pose[Algebraic]]:
+    """The zeros of a form on a component, with their L if it is determined, finite and > 0."""
+    for pose in _zeros(slice_map, component.curve, form):
+        bottom = _value(component.first, pose)
+        if not bottom.is_zero:
+            length = -_value(component.zeroth, pose) * bottom.inverse()
+            if length.sign > 0:
+                yield replace(pose, length=length)
+
+
+def _value(form: BiForm, pose: Pose[Algebraic]) -> Algebraic:
+    t, u = tan_half(pose.cos_alpha, pose.sin_alpha), tan_half(pose.cos_theta, pose.sin_theta)
+    return value(form, t, u, pose.omega)
+
+
+def _at_square(component: Component, leg: Leg, square: Fraction) -> BiForm:
+    """(f − square) first² at L = −zeroth/first, up to a constant factor."""
+    cos_a, sin_a, cos_t, sin_t, _, omega = TRIG.gens()
+    x, y = leg.rotated(cos_a, sin_a, omega)
+    n, d = square.numerator, square.denominator
+    both = cos_t * x + sin_t * y - leg.ax * cos_t - leg.ay * sin_t
+    constant = d * (leg.platform2 + leg.base2) - n - 2 * d * (leg.ax * x + leg.ay * y)
+    one, linear, quadratic = (
+        half_angles(p + 0 * omega, (1, 1), leg.radicand)
+        for p in (constant, 2 * d * both, TRIG.from_dict({(0,) * 6: d}))
+    )
+    zeroth, first = component.zeroth, component.first
+    return form_sum(
+        form_sum(one * first * first, negative(linear * zeroth * first)), quadratic * zeroth * zeroth
+    )
+
+
+def _limits(component: Component, pose: Pose[Algebraic]) -> Iterator[Extension]:
+    """All L > 0 to which the L of a component tends at a pose, and perhaps a few more."""
+    t, u = tan_half(pose.cos_alpha, pose.sin_alpha), tan_half(pose.cos_theta, pose.sin_theta)
+    if not value(component.curve, t, u, pose.omega).is_zero:
+        return
+    whole = component.zeroth.a + L * component.first.a
+    if component.curve.degree_t:
+        eliminant, place = _eliminant(component.curve, whole, component.zeroth.degree_t, _T), u
+    else:
+        eliminant, place = _eliminant(component.curve, whole, component.zeroth.degree_u, _U), t
+    if not eliminant:
+        return
+    lowest = _lowest_coefficient(eliminant, place, pose.omega)
+    for extension in adjoin_real_roots(pose.omega.field, squarefree_part(lowest)):
+        if extension.root.sign > 0:
+            yield extension
+
+
+def _eliminant(curve: BiForm, p: fmpz_mpoly, degree: int, variable: int) -> fmpz_mpoly:
+    """The resultant of a curve and a form of a formal degree in the variable that is eliminated."""
+    missing = degree - p.degrees()[variable]
+    if curve.a.is_one():
+        return p * 0 if missing else leading_coefficient(p, variable)
+    return curve.a.resultant(p, "tu"[variable]) * leading_coefficient(curve.a, variable) ** missing
+
+
+def _lowest_coefficient(p: fmpz_mpoly, place: Algebraic | None, one: Algebraic) -> Polynomial:
+    """The lowest coefficient, a polynomial in L, of a polynomial in L and t or u about a place (None: ∞)."""
+    variable = _T if p.degrees()[_T] else _U
+    if place is None:
+        return _in_length(leading_coefficient(p, variable), one)
+    while True:
+        rows: list[Polynomial] = []
+        for power in range(p.degrees()[_L] + 1):
+            row = {k[variable]: c for k, c in p.to_dict().items() if k[_L] == power}
+            rows.append([one.field(fmpq(row.get(i, 0))) for i in range(max(row, default=-1) + 1)])
+        lowest = trimmed([evaluate(row, place) for row in rows])
+        if lowest:
+            return lowest
+        p = p.derivative(variable)
+
+
+def _in_length(p: fmpz_mpoly, one: Algebraic) -> Polynomial:
+    coefficients = {k[_L]: c for k, c in p.to_dict().items()}
+    return [one.field(fmpq(coefficients.get(i, 0))) for i in range(max(coefficients) + 1)]

@@ -1,255 +1,97 @@
-"""The events of a manipulator: each pose at which cusps of the slices meet, with its L, proved.
-
-An event is a real common zero of one of the systems of event_systems.py with L = −J0/J1 > 0, or a pose
-that is singular for every L and degenerate for some L. Simple ones are decided by balls; the others, and
-poses that are always singular, exactly (exact_events.py).
-
-The events are complete (mathematics.md#completeness-of-the-events). If all degenerate poses of a slice
-are cusps, they are transversal zeros of (J, E) and continue to the neighbouring slices. Another one with
-∇f ≠ 0 and J1 ≠ 0 satisfies M1 = M2 = 0 or C = W = 0. If J1 = 0, it is singular for every L (or L is
-infinite). If ∇f = 0, it is singular for every L too, or leg f is closed and two poses coalesce
-(mathematics.md#stationary-legs).
-
-If C and W share an angle α, its poses are degenerate at their L and never cusps; C divided by the angle still
-vanishes at all cusps, and a cusp can meet such a pose only where this quotient vanishes. If M1 and M2 share
-an angle, L is constant along it. Both kinds of length are events without a pose (shared_angles.py).
-"""
+"""Events: lengths of the fixed leg at which the number of cusps may change, with their degenerate poses."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from fractions import Fraction
-from typing import Literal
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
 
-from flint import arb, ctx, fmpz_poly
+from flint import arb, ctx
 
-from rpr_solver.exact.factors import ExactRoot, exact_counterparts, simple_and_other_roots
-from rpr_solver.exact.modular import simple_and_finite
-from rpr_solver.exact.number_field import Field
-from rpr_solver.exact.precision import EVENT_BITS, GREATEST_BITS, decided, decided_or_none
-from rpr_solver.exact.quadratic import QuadraticPoly, omega_ball
-from rpr_solver.exact.real_roots import RealRoot, real_roots
+from rpr_solver.errors import Unproved
+from rpr_solver.exact.decimals import digit_bits, round_all, round_fraction
+from rpr_solver.exact.number_field import Algebraic
+from rpr_solver.exact.precision import GREATEST_BITS, TIMES_BEFORE_EXACT, decided
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.exact_pose import ExactPose
-from rpr_solver.model.half_tangent import HalfTangent, common_root, pose_of
-from rpr_solver.model.jets import LocalMap, Pose
-from rpr_solver.model.slice_map import Leg
-from rpr_solver.transitions.event_systems import EventSystems, System, limit_system
-from rpr_solver.transitions.event_types import BallPose, Coordinates, Event, Landmark
-from rpr_solver.transitions.exact_events import (
-    events_above,
-    located_poses,
-    permanent_events,
-    permanent_limits,
-)
+from rpr_solver.model.joint_points import JointPoint, joint_point, point_of_pose
+from rpr_solver.model.slice_map import SliceMap
 
-_START_BITS = 256
-Namer = Callable[[LocalMap[arb]], PoseKind | None]
-"""The kind of an event from the jets at its pose; None if the balls do not prove it."""
+Coordinates = tuple[arb, arb, arb, arb]
+"""α and θ in degrees, and the free legs in the user's unit."""
 
 
 @dataclass(frozen=True)
-class Located:
-    """A pose in balls that were computed with ``bits`` bits, with L > 0 (scaled)."""
+class BallPose:
+    """The degenerate pose of an event: its kind, and its coordinates as balls at a precision in bits."""
 
-    alpha: HalfTangent
-    theta: HalfTangent
-    length: arb
-    bits: int
+    kind: PoseKind
+    coordinates: Callable[[int], Coordinates]
+    exact: Callable[[], ExactPose]
+    """The same pose in a number field."""
 
 
-@dataclass(frozen=True)
-class BallEvent:
-    """An event above a simple root of an eliminant, refined on demand; without a kind only L is an answer."""
-
-    system: System
-    root: RealRoot
-    kind: PoseKind | None
-    exact_length: None = None
-    lasting: Literal[False] = False
-    _known: list[Located] = field(default_factory=list, init=False, repr=False, compare=False)
+class Event(Protocol):
+    """A length L at which the number of cusps may change (scaled units)."""
 
     @property
-    def pose(self) -> BallPose | None:
-        """The degenerate pose, if the event has a kind."""
-        return None if self.kind is None else BallPose(self.kind, self.coordinates, self.exact)
+    def pose(self) -> ExactPose | BallPose | None:
+        """The degenerate pose; None if only the length is known."""
+
+    @property
+    def exact_length(self) -> Algebraic | None:
+        """L (scaled) as an algebraic number, or None if it is only known by balls."""
+
+    @property
+    def lasting(self) -> bool:
+        """Whether neighbouring slices have a degenerate pose of the same kind beside this one."""
 
     def scaled_length(self, bits: int) -> arb:
         """L (scaled) as a ball."""
-        return self._refined(bits).length
-
-    def coordinates(self, bits: int) -> Coordinates:
-        """α and θ in degrees, and the free legs in the user's unit."""
-        place = self._refined(bits)
-        with ctx.workprec(place.bits):
-            f, g = _local(self.system, place, 0).squared_lengths()
-            scale = self.system.slice_map.scale_ball()
-            return place.alpha.degrees(), place.theta.degrees(), f.sqrt() / scale, g.sqrt() / scale
-
-    def exact(self) -> ExactPose:
-        """The same pose in a number field, for equalities that balls cannot prove, such as an angle of 0."""
-        [root] = exact_counterparts([self.root], self.system.eliminant.polynomial)
-        [pose] = located_poses(self.system, root)
-        return ExactPose.of(self.system.slice_map, pose)
-
-    def _refined(self, bits: int) -> Located:
-        """The pose with L to ``bits`` bits or nearly so; the best one is kept."""
-        if not self._known or self._known[0].bits < bits:
-
-            def accurate(work: int) -> Located | None:
-                located = _located(self.system, self.root, work)
-                if located is None or located.length.rel_accuracy_bits() < bits - 32:
-                    return None
-                return located
-
-            message = "an event could not be located on its curve"
-            located = decided(accurate, bits, GREATEST_BITS, message)
-            self._known[:] = [located]
-        return self._known[0]
 
 
-def events(systems: EventSystems) -> Iterator[Event]:
-    """All events with L > 0, in arbitrary order.
+@dataclass(frozen=True)
+class Landmark:
+    """A length, exact, at which the number of cusps may change, with its degenerate pose if one is known."""
 
-    Raises:
-        NotGeneric: the events are not isolated.
-    """
-    yield from _system_events(systems.swallowtails, _swallowtail)
-    yield from _system_events(systems.critical, _critical)
-    for system in systems.beside:
-        yield from _system_events(system, None)
-    yield from permanent_events(systems.permanent)
-    yield from stretched_closings(systems.slice_map.f)
+    exact_length: Algebraic
+    pose: ExactPose | None = None
+    lasting: bool = False
 
-
-def limit_events(systems: EventSystems, leg: Leg, square: Fraction) -> Iterator[Event]:
-    """The lengths L > 0 at which a cusp has, or may have, the squared free leg ``square`` (scaled).
-
-    Raises:
-        NotGeneric: these lengths are not isolated.
-    """
-    yield from _system_events(limit_system(systems, leg, square), None)
-    yield from map(Landmark, permanent_limits(systems.permanent, leg, square))
+    def scaled_length(self, bits: int) -> arb:
+        """L (scaled) as a ball."""
+        return self.exact_length.ball(bits)
 
 
-def stretched_closings(leg: Leg) -> Iterator[Landmark]:
-    """The positive L with L = ±|a| ± |m|: a and m the base and platform sides between the legs."""
-    a2, m2 = leg.base2, leg.platform2
-    quartic = fmpz_poly([(a2 - m2) ** 2, 0, -2 * (a2 + m2), 0, 1])
-    for factor, _ in quartic.factor()[1]:
-        yield from positive_roots(factor)
+def length_text(slice_map: SliceMap, group: Sequence[Event], digits: int) -> str:
+    """The length of simultaneous events as a correctly rounded decimal in the user's unit."""
+    for event in group:
+        if event.exact_length is not None and event.exact_length.rational is not None:
+            return round_fraction(event.exact_length.rational / slice_map.scale, digits)
+
+    def length(bits: int) -> list[arb]:
+        ball = group[0].scaled_length(bits)
+        with ctx.workprec(bits):
+            return [ball / slice_map.scale_ball()]
+
+    return _rounded(length, digits, GREATEST_BITS)[0]
 
 
-def positive_roots(factor: fmpz_poly) -> Iterator[Landmark]:
-    """The positive roots of an irreducible polynomial as lengths (scaled)."""
-    for root in real_roots(QuadraticPoly.rational(factor)):
-        length = Field(root).generator
-        if length.sign > 0:
-            yield Landmark(length)
+def event_point(pose: ExactPose | BallPose, fixed_leg: int, digits: int) -> JointPoint:
+    """The degenerate pose of an event."""
+    if isinstance(pose, ExactPose):
+        return point_of_pose(pose, digits).point
+    try:
+        texts = _rounded(pose.coordinates, digits, TIMES_BEFORE_EXACT * digit_bits(digits))
+        return joint_point(texts, fixed_leg)
+    except Unproved:
+        return point_of_pose(pose.exact(), digits).point
 
 
-def _system_events(system: System, name: Namer | None) -> list[Event]:
-    """The events of one system, with their kinds if ``name`` gives them, else their lengths alone.
+def _rounded(balls: Callable[[int], Sequence[arb]], digits: int, limit: int) -> list[str]:
+    def texts(bits: int) -> list[str] | None:
+        values = balls(bits)
+        with ctx.workprec(bits):
+            return round_all(values, digits)
 
-    Those of balls come first, and either ascend in θ: the order in which events of equal L are listed.
-    """
-    eliminant = system.eliminant.polynomial
-    if simple_and_finite(eliminant, system.eliminant.degree):
-        proved = [_prove(system, root, name) for root in real_roots(eliminant)]
-        if None not in proved:
-            return sorted(filter(None, proved), key=_direction)
-    simple, others = simple_and_other_roots(eliminant)
-    by_balls, undecided = [], []
-    for root in simple:
-        if (event := _prove(system, root, name)) is None:
-            undecided.append(root)
-        else:
-            by_balls.append(event)
-    if undecided:
-        others += exact_counterparts(undecided, eliminant)
-    places: list[ExactRoot | None] = [*others]
-    if system.eliminant.zeros_at_infinity:
-        places.append(None)
-    exact = [event for place in places for event in _exact_events(system, place, named=name is not None)]
-    return [*sorted(by_balls, key=_direction), *sorted(exact, key=_direction)]
-
-
-def _exact_events(system: System, root: ExactRoot | None, *, named: bool) -> Iterator[Landmark]:
-    if named:
-        yield from events_above(system, root)
-    else:
-        yield from (Landmark(pose.length) for pose in located_poses(system, root))
-
-
-def _direction(event: Event) -> arb:
-    """A middle of θ in degrees, −180 for 180; 0 if only the length is known."""
-    if event.pose is None:
-        return arb(0)
-    theta = event.pose.coordinates(_START_BITS)[1]
-    return arb(-180) if theta == 180 else theta.mid()
-
-
-def _prove(system: System, root: RealRoot, name: Namer | None) -> BallEvent | None:
-    """The event above a simple root; None if balls do not decide it."""
-
-    def event(bits: int) -> BallEvent | None:
-        place = _located(system, root, bits)
-        if place is None:
-            return None
-        kind = None
-        if name is not None:
-            with ctx.workprec(bits):
-                kind = name(_local(system, place, 4))
-            if kind is None:
-                return None
-        return BallEvent(system, root, kind)
-
-    return decided_or_none(event, _START_BITS, EVENT_BITS)
-
-
-def _located(system: System, root: RealRoot, work: int) -> Located | None:
-    """The pose above a root v = tan θ; None if the precision is insufficient.
-
-    At one of the directions θ and θ + π it has L > 0, unless L = 0, which no precision decides.
-    """
-    v = root.refined(work - 64)
-    with ctx.workprec(work):
-        first, second = ([row.ball(work)(v) for row in form.rows] for form in (system.first, system.second))
-        t = common_root(first, second)
-        if t is None or t.denominator.contains(0):
-            return None
-        slice_map, omega, one = system.slice_map, omega_ball(system.slice_map.radicand, work), arb(1)
-        # J is L (J0 + L J1); with the direction (1, v), which is longer than 1, L is as much shorter
-        plus, minus = (
-            LocalMap.at(slice_map, Pose(*t.cos_sin(), one, v, sign, omega), 1).singularity().value
-            for sign in (one, -one)
-        )
-        length = (minus - plus) / (plus + minus)
-        if not length.is_finite() or length.contains(0):
-            return None
-        norm = (1 + v * v).sqrt()
-        theta = HalfTangent(v, norm + 1) if length > 0 else HalfTangent(norm + 1, -v)
-        return Located(t, theta, abs(length) * norm, work)
-
-
-def _local(system: System, place: Located, order: int) -> LocalMap[arb]:
-    omega = omega_ball(system.slice_map.radicand, place.bits)
-    return LocalMap.at(system.slice_map, pose_of(place.alpha, place.theta, place.length, omega), order)
-
-
-def _swallowtail(local: LocalMap[arb]) -> PoseKind | None:
-    j = local.singularity()
-    fourth = local.along(local.f, local.along(local.f, local.along(local.f, j)))
-    rank = not all(x.value.contains(0) for x in (local.f.alpha, local.f.theta))
-    smooth = not all(x.value.contains(0) for x in (j.alpha, j.theta))
-    return PoseKind.SWALLOWTAIL if rank and smooth and not fourth.value.contains(0) else None
-
-
-def _critical(local: LocalMap[arb]) -> PoseKind | None:
-    j = local.singularity()
-    hessian = j.alpha.alpha.value * j.theta.theta.value - j.alpha.theta.value * j.alpha.theta.value
-    third = local.along(local.f, local.along(local.f, j)).value
-    if hessian.contains(0) or third.contains(0):
-        return None
-    return PoseKind.LIPS if hessian > 0 else PoseKind.BEAK_TO_BEAK
+    return decided(texts, digit_bits(digits) + 128, limit, "the digits of a transition could not be decided")

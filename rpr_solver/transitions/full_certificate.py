@@ -33,8 +33,8 @@ from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.event_systems import EventSystems, System
-from rpr_solver.transitions.event_types import Event
-from rpr_solver.transitions.events import BallEvent
+from rpr_solver.transitions.events import Event
+from rpr_solver.transitions.isolated_events import BallEvent
 from rpr_solver.transitions.survey import Survey
 
 _FIRST_BITS = 128

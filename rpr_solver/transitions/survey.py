@@ -2,36 +2,132 @@
 
 Between two neighbouring events no pose of a slice is degenerate, so the number of cusps of one exact slice is
 that of the whole interval (mathematics.md#completeness-of-the-events). If events are not isolated, as for
-similar or congruent triangles, they are those of the curves on which all cusps lie (component_events.py).
-"""
+similar or congruent triangles, they are those of the curves on which all cusps lie (components.py).
+
+Events of a symmetric manipulator come in pairs of equal L. No precision shows that two numbers are equal:
+equality is proved by minimal polynomials, or by a symmetry of the manipulator (mathematics.md#equal-lengths).
+
+The singular curves of two slices are isotopic if no slice between them has a pose with ∇J = 0 at which they
+change: the torus is compact, and elsewhere J = 0 moves smoothly with L. All poses with ∇J = 0 are degenerate,
+so they are among the events of the survey; a swallowtail is none of them. So each interval has one number of
+aspects. If events are not isolated, their lengths are not known, and no number is given."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
+from functools import cmp_to_key, partial
 from itertools import pairwise
 from math import floor
 
-from flint import ctx
+from flint import acb, ctx
 
 from rpr_solver.contract import MIN_DIGITS, Progress
+from rpr_solver.errors import SolverError
+from rpr_solver.exact.equal_numbers import same_number
 from rpr_solver.exact.number_field import Field
-from rpr_solver.exact.precision import GREATEST_BITS, decided
+from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS, decided
 from rpr_solver.exact.real_roots import fraction_of
+from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import Leg, SliceMap
+from rpr_solver.singular.aspects import aspect_cells
+from rpr_solver.singular.sweep import sweep
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, eliminate
 from rpr_solver.slices.slice_table import SliceTable
-from rpr_solver.transitions.component_events import ComponentEvents, distinct
-from rpr_solver.transitions.event_systems import ELIMINATION_STEPS, EventSystems, NotGeneric
-from rpr_solver.transitions.event_types import Event, Landmark
-from rpr_solver.transitions.events import events, limit_events
-from rpr_solver.transitions.order import grouped
+from rpr_solver.transitions.components import ComponentEvents, distinct
+from rpr_solver.transitions.event_systems import ELIMINATION_STEPS, EventSystems, NotGeneric, System
+from rpr_solver.transitions.events import Event, Landmark
+from rpr_solver.transitions.isolated_events import BallEvent, events, limit_events
+from rpr_solver.transitions.symmetries import Symmetry, symmetries
 
-_FIRST_BITS = 128
+_ORDER_BITS = 256
+
+
+def grouped(events: Sequence[Event]) -> list[list[Event]]:
+    """The events by ascending L, those of equal L together.
+
+    Raises:
+        Unproved: two lengths can be neither separated nor proved equal.
+    """
+
+    groups: list[list[Event]] = []
+    for event in sorted(events, key=cmp_to_key(_compare)):
+        if groups and _compare(groups[-1][0], event) == 0:
+            groups[-1].append(event)
+        else:
+            groups.append([event])
+    return groups
+
+
+def _compare(x: Event, y: Event) -> int:
+    if x is y:
+        return 0
+
+    def order(bits: int) -> int | None:
+        a, b = x.scaled_length(bits), y.scaled_length(bits)
+        if not a.overlaps(b):
+            return -1 if a < b else 1
+        return 0 if bits == _ORDER_BITS and _equal(x, y) else None
+
+    message = "two transitions are nearer than 1e-2000 and could not be proved to be one"
+    return decided(order, _ORDER_BITS, LENGTH_BITS, message)
+
+
+def _equal(x: Event, y: Event) -> bool:
+    if x.exact_length is not None and y.exact_length is not None:
+        return same_number(x.exact_length, y.exact_length)
+    if isinstance(x, BallEvent) and isinstance(y, BallEvent):
+        return any(_is_image(symmetry, x, y) for symmetry in symmetries(x.system.slice_map))
+    first, second = (e.exact().length if isinstance(e, BallEvent) else e.exact_length for e in (x, y))
+    return first is not None and second is not None and same_number(first, second)
+
+
+def _is_image(symmetry: Symmetry, x: BallEvent, y: BallEvent) -> bool:
+    """Proves that a symmetry maps x to y; False if there is no proof.
+
+    The image is an event of the same system, so its tan θ is a root of the eliminant, as that of y is, which
+    is simple. If the derivative is not 0 between the two, they are one root, above which is one event.
+    """
+    if x.kind is not y.kind or not _maps(symmetry, x, y.system):
+        return False
+    image = symmetry.image(*_directions(x, _ORDER_BITS), _ORDER_BITS)
+    own = _directions(y, _ORDER_BITS)
+    if not all(a.overlaps(b) for a, b in zip(image, own, strict=True)):
+        return False
+    with ctx.workprec(_ORDER_BITS):
+        first, second = (theta.imag / theta.real for _, theta in (image, own))
+        if not (first.is_finite() and second.is_finite()):
+            return False
+        slope = y.system.eliminant.polynomial.ball(_ORDER_BITS).derivative()(first.union(second))
+        return not slope.contains(0)
+
+
+def _maps(symmetry: Symmetry, x: BallEvent, system: System) -> bool:
+    """Whether a symmetry maps an event to an event of a system."""
+    if x.kind is not None:
+        return x.system is system
+    ours, theirs = x.system.limit, system.limit
+    # where a free leg has length 0, C = 0 need not be a cusp
+    open_legs = all(length > 0 for length in x.coordinates(_ORDER_BITS)[2:])
+    return (
+        ours is not None
+        and theirs is not None
+        and (ours.square, ours.leg, theirs.leg) == (theirs.square, symmetry.target, symmetry.source)
+        and open_legs
+    )
+
+
+def _directions(event: BallEvent, bits: int) -> tuple[acb, acb]:
+    """exp(iα) and exp(iθ)."""
+    alpha, theta, _, _ = event.coordinates(bits)
+    with ctx.workprec(bits):
+        return acb(alpha / 180).exp_pi_i(), acb(theta / 180).exp_pi_i()
+
+
+_GAP_BITS = 128
 _WIDE = 16
 
 LimitEvents = Callable[[Leg, Fraction], Iterator[Event]]
@@ -127,7 +223,7 @@ def _sample_lengths(
         if above is not None:
             yield _short_between(*(x / slice_map.scale for x in _gap(below, above)))
         elif below is not None:
-            last = _bounds(below, _FIRST_BITS)[1] / slice_map.scale
+            last = _bounds(below, _GAP_BITS)[1] / slice_map.scale
             yield _short_between(last, 3 * last)
         else:
             yield Fraction(1)
@@ -142,7 +238,7 @@ def _gap(below: Event | None, above: Event) -> tuple[Fraction, Fraction]:
         wide = next_low - high > _WIDE * (high - low + next_high - next_low)
         return (high, next_low) if wide else None
 
-    return decided(gap, _FIRST_BITS, GREATEST_BITS, "two neighbouring transitions could not be separated")
+    return decided(gap, _GAP_BITS, GREATEST_BITS, "two neighbouring transitions could not be separated")
 
 
 def _bounds(place: Event, bits: int) -> tuple[Fraction, Fraction]:
@@ -157,3 +253,34 @@ def _short_between(low: Fraction, high: Fraction) -> Fraction:
     while step > (high - low) / 4:
         step /= 10
     return floor((low + high) / 2 / step) * step
+
+
+def numbers_of_aspects(result: Survey, transitions: Sequence[int]) -> tuple[int | None, ...]:
+    """The number of aspects between the groups of events that are transitions; None where it is not known.
+
+    Args:
+        result: the survey.
+        transitions: the numbers of the groups at which intervals end.
+    """
+    if result.method != "events":
+        return (None,) * (len(transitions) + 1)
+    slice_map = result.eliminant.slice_map
+    numbers: list[int | None] = []
+    for k, table in enumerate(result.slices):
+        same = bool(k) and all(map(_keeps_the_curve, result.groups[k - 1]))
+        numbers.append(numbers[-1] if same else _number(slice_map, table.length))
+    ends = [0, *(k + 1 for k in transitions), len(numbers)]
+    parts = (set(numbers[start:stop]) for start, stop in pairwise(ends))
+    return tuple(part.pop() if len(part) == 1 else None for part in parts)
+
+
+def _keeps_the_curve(event: Event) -> bool:
+    return event.pose is not None and event.pose.kind is PoseKind.SWALLOWTAIL
+
+
+def _number(slice_map: SliceMap, length: Fraction) -> int | None:
+    """The number of aspects of the slice of a length in the user's unit."""
+    try:
+        return len(aspect_cells(sweep(slice_map, length * slice_map.scale)))
+    except SolverError:
+        return None

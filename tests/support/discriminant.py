@@ -16,8 +16,8 @@ from rpr_solver.exact.biform import RING, BiForm, leading_coefficient, without_c
 from rpr_solver.exact.quadratic import univariate
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.eliminant import DEGREE_U, Eliminant
-from rpr_solver.transitions.event_types import Landmark
-from rpr_solver.transitions.events import positive_roots
+from rpr_solver.transitions.events import Landmark
+from rpr_solver.transitions.isolated_events import positive_roots
 
 _T, _U = range(2)
 _UNSUPPORTED = "the census of this degenerate geometry is not supported: its eliminant has no small factors"

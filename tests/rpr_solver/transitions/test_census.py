@@ -32,7 +32,7 @@ from tests.support.strategies import examples, lengths, manipulators, unless_ref
 slow = partial(pytest.param, marks=pytest.mark.slow)
 long = partial(pytest.param, marks=pytest.mark.long)
 SLOW_FAMILIES = ("isosceles, irrational", "d1 = a2x")
-DEAREST = "congruent, mirrored"  # `test_component_events` has it in every run
+DEAREST = "congruent, mirrored"  # `test_components` has it in every run
 
 
 def count_at(document: Census, length: Fraction) -> int:

@@ -1,5 +1,7 @@
 """The systems of events: what each form is, by the definitions, and every factor of their resultants."""
 
+from __future__ import annotations
+
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
@@ -11,13 +13,14 @@ from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator
-from rpr_solver.exact.biform import RING, BiForm, T, U
+from rpr_solver.exact.biform import OMEGA, RING, BiForm, T, U
 from rpr_solver.exact.quadratic import Form
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.transitions.event_systems import (
     ELIMINATION_STEPS,
     EventSystems,
     NotGeneric,
+    SharedAngles,
     System,
     limit_system,
 )
@@ -285,3 +288,34 @@ def test_progress_is_told_step_by_step() -> None:
     steps: list[tuple[int, int]] = []
     EventSystems.of(SliceMap.of(CHEAP[0]), lambda done, total: steps.append((done, total)))
     assert steps == [(done, ELIMINATION_STEPS) for done in range(1, ELIMINATION_STEPS + 1)]
+
+
+FIRST, SECOND = T * U + OMEGA, T**2 + U**2 * OMEGA - 3
+
+
+def form(p: object, degree_t: int, degree_u: int) -> BiForm:
+    return BiForm.of(p, 2, degree_t, degree_u)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("angle", [T, T - 5, T - OMEGA, T**2 - OMEGA])
+def test_a_shared_angle_is_divided_out_with_its_powers(angle: object) -> None:
+    degree = int(angle.degrees()[0])  # type: ignore[attr-defined]
+    first, second = form(FIRST * angle**2, 1 + 2 * degree, 1), form(SECOND * angle, 2 + degree, 2)  # type: ignore[operator]
+    shared = SharedAngles.of(first, second)
+    assert shared is not None
+    assert (shared.first.degree_t, shared.second.degree_t) == (1, 2)
+    assert shared.first.quotient(form(FIRST, 1, 1)).degree_t == 0
+    assert shared.second.quotient(form(SECOND, 2, 2)).degree_t == 0
+    assert shared.angles.quotient(form(angle, degree, 0)).degree_t == 0
+
+
+def test_a_half_turn_is_an_angle_too() -> None:
+    shared = SharedAngles.of(form(FIRST, 3, 1), form(SECOND, 3, 2))
+    assert shared is not None
+    assert (shared.first.degree_t, shared.second.degree_t) == (1, 2)
+    assert (shared.angles.degree_t, shared.angles.zeros_at_infinity) == (1, 1)
+
+
+def test_forms_that_share_no_angle() -> None:
+    assert SharedAngles.of(form(FIRST * (T - 1), 2, 1), form(SECOND, 2, 2)) is None
+    assert SharedAngles.of(form(FIRST, 2, 1), form(SECOND, 2, 2)) is None

@@ -1,234 +1,65 @@
-"""Events: each is what it is said to be, none is at L ≤ 0, and Newton's method comes upon no other."""
+"""Events: landmarks without a pose of their own, and lengths and poses as texts."""
+
+from __future__ import annotations
 
 from fractions import Fraction
-from functools import cache
-from typing import Any
 
-import mpmath as mp
-import pytest
-from flint import arb, ctx, fmpz_poly
-from mpmath import mpf
+from flint import arb, ctx
 
-from rpr_solver import EXAMPLES, Manipulator, PoseKind, solve_slice
-from rpr_solver.exact.real_roots import ball_of, real_roots
-from rpr_solver.model.jets import Jet, LocalMap, Pose
-from rpr_solver.model.slice_map import Leg, SliceMap
-from rpr_solver.transitions.event_systems import EventSystems
-from rpr_solver.transitions.event_types import Event
-from rpr_solver.transitions.events import (
-    BallEvent,
-    _critical,
-    _swallowtail,
-    events,
-    limit_events,
-    positive_roots,
-    stretched_closings,
-)
-from tests.support.definitions import DIGITS, Point, Slices, number, real, same_place
-from tests.support.families import family
+from rpr_solver import EXAMPLES, PoseKind
+from rpr_solver.exact.number_field import Field
+from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.transitions.events import BallPose, Event, Landmark, event_point, length_text
 from tests.support.shared import eliminant_of
 
-INNOCENTI, ZEIN = EXAMPLES["innocenti"], EXAMPLES["zein-flat"]
-CASES = [(ZEIN, 1), (ZEIN, 3), (INNOCENTI, 1), (family("similar, mirrored"), 2)]
-BITS = 256
+
+def test_a_landmark_is_its_exact_length_and_no_pose() -> None:
+    root = Field(real_roots(QuadraticPoly.rational([-2, 0, 1]))[-1])
+    event: Event = Landmark(root.generator)
+    assert event.pose is None
+    assert event.exact_length
+    assert (event.exact_length * event.exact_length - 2).is_zero
+    for bits in (64, 500):
+        ball = event.scaled_length(bits)
+        assert (ball * ball).contains(2)
+        assert ball > 0
+        assert ball.rel_accuracy_bits() > bits - 8
 
 
-@cache
-def systems_of(m: Manipulator, fixed_leg: int) -> EventSystems:
-    return EventSystems.of(SliceMap.of(m, fixed_leg))
+def test_a_rational_landmark_is_as_narrow_as_the_precision() -> None:
+    event = Landmark(Field.rationals()(Fraction(1, 3)))
+    assert event.exact_length.rational == Fraction(1, 3)
+    assert (event.scaled_length(200) * 3).contains(1)
 
 
-@cache
-def events_of(m: Manipulator, fixed_leg: int) -> list[Event]:
-    return list(events(systems_of(m, fixed_leg)))
+FLAT = eliminant_of(EXAMPLES["zein-flat"]).slice_map
 
 
-def place_of(event: Event, slice_map: SliceMap) -> Point:
-    assert event.pose is not None
-    alpha, theta, *_ = map(number, event.pose.coordinates(BITS))
-    length = number(event.scaled_length(BITS)) / real(slice_map.scale)
-    return mp.radians(alpha), mp.radians(theta), length
+def test_a_rational_length_is_rounded_once() -> None:
+    tie = Landmark(Field.rationals()(Fraction("1.0000000000000005") * FLAT.scale))
+    assert length_text(FLAT, [tie], 15) == "1.00000000000000"
+    assert length_text(FLAT, [tie], 17) == "1.0000000000000005"
 
 
-@pytest.mark.parametrize(("m", "fixed_leg"), CASES)
-def test_every_event_is_of_its_kind_by_the_definitions(m: Manipulator, fixed_leg: int) -> None:
-    slices, slice_map = Slices.of(m, fixed_leg), SliceMap.of(m, fixed_leg)
-    with mp.workdps(DIGITS):
-        for event in events_of(m, fixed_leg):
-            if event.pose is None:
-                continue
-            place = place_of(event, slice_map)
-            assert slices.kind(place) is event.pose.kind
-            _, _, first, second = map(number, event.pose.coordinates(BITS))
-            for leg, expected in zip((first, second), slices.free_legs(place), strict=True):
-                assert abs(leg - expected) <= mpf("1e-25") * real(slices.size)
+def test_an_irrational_length_has_the_digits_of_its_root() -> None:
+    root = real_roots(QuadraticPoly.rational([-2 * int(FLAT.scale) ** 2, 0, 1]))[-1]
+    assert length_text(FLAT, [Landmark(Field(root).generator)], 20) == "1.4142135623730950488"
 
 
-@pytest.mark.parametrize(("m", "fixed_leg"), CASES)
-def test_newton_comes_upon_no_other(m: Manipulator, fixed_leg: int) -> None:
-    slices, slice_map = Slices.of(m, fixed_leg), SliceMap.of(m, fixed_leg)
-    with mp.workdps(DIGITS):
-        places = [place_of(event, slice_map) for event in events_of(m, fixed_leg) if event.pose]
-        by_newton = slices.by_newton(40)
-        assert len(by_newton) > 4
-        for place in by_newton:
-            assert any(same_place(place, other) for other in places), place
+def test_balls_are_refined_until_all_digits_are_proved() -> None:
+    asked: list[int] = []
 
+    def thirds(bits: int) -> tuple[arb, arb, arb, arb]:
+        asked.append(bits)
+        with ctx.workprec(2 * bits):
+            return tuple(arb(n) / 3 + arb(0, arb(2) ** (-bits // 3)) for n in (-2, 1, 4, 5))  # type: ignore[return-value]
 
-@pytest.mark.parametrize(("m", "fixed_leg"), CASES)
-def test_no_event_has_a_length_of_0_or_less(m: Manipulator, fixed_leg: int) -> None:
-    assert all(event.scaled_length(BITS) > 0 for event in events_of(m, fixed_leg))
-
-
-def test_each_real_root_is_one_event() -> None:
-    """Half a turn of the fixed leg changes the sign of L: tan θ stands for two directions, one with L > 0."""
-    systems = systems_of(INNOCENTI, 1)
-    for system in (systems.swallowtails, systems.critical):
-        own = [x for x in events_of(INNOCENTI, 1) if isinstance(x, BallEvent) and x.system is system]
-        assert len(own) == len(real_roots(system.eliminant.polynomial))
-
-
-@pytest.mark.parametrize("bits", [64, 300, 2000])
-def test_a_ball_event_is_refined_as_far_as_is_asked(bits: int) -> None:
-    for event in events_of(ZEIN, 1)[::5]:
-        if isinstance(event, BallEvent):
-            length, rough = event.scaled_length(bits), event.scaled_length(64)
-            assert length.rel_accuracy_bits() >= bits - 32
-            assert length.overlaps(rough)
-            assert event.exact_length is None
-
-
-def test_a_ball_event_is_the_same_in_a_number_field() -> None:
-    """Of similar triangles: the eliminant of its critical poses has factors of low degree."""
-    m, fixed_leg = CASES[3]
-    systems = systems_of(m, fixed_leg)
-    critical = [
-        x for x in events_of(m, fixed_leg) if isinstance(x, BallEvent) and x.system is systems.critical
-    ]
-    for event in critical:
-        assert event.pose
-        exact = event.pose.exact()
-        assert exact.kind is event.kind
-        assert exact.length.ball(200).overlaps(event.scaled_length(200))
-        pairs = zip(exact.coordinates(200), event.coordinates(200), strict=True)
-        assert all((ball_of(x) if isinstance(x, Fraction) else x).overlaps(y) for x, y in pairs)
-    assert {event.kind for event in critical} == {PoseKind.LIPS, PoseKind.BEAK_TO_BEAK}
-
-
-@pytest.mark.parametrize(
-    ("leg", "lengths"),
-    [
-        (Leg(3, 0, 10, 0, 1), [7, 13]),
-        (Leg(3, 4, 0, 12, 1), [7, 17]),
-        (Leg(5, 0, 3, 4, 1), [10]),  # of equal sides: 0 is no length
-        (Leg(0, 1, 1, 1, 2), [8**0.5]),
-        (Leg(1, 1, 2, 0, 3), [4]),
-        (Leg(1, 1, 3, 0, 1), [3 - 2**0.5, 3 + 2**0.5]),
-    ],
-)
-def test_a_leg_closes_while_stretched_at_the_sum_and_the_difference_of_its_sides(
-    leg: Leg, lengths: list[float]
-) -> None:
-    closings = sorted(float(x.scaled_length(64).mid()) for x in stretched_closings(leg))
-    assert closings == pytest.approx(lengths)
-
-
-def test_positive_roots_of_a_polynomial_are_exact_lengths() -> None:
-    [root] = positive_roots(fmpz_poly([-2, 0, 1]))
-    assert (root.exact_length * root.exact_length - 2).is_zero
-    assert [x.exact_length.rational for x in positive_roots(fmpz_poly([-7, 3]))] == [Fraction(7, 3)]
-    assert not list(positive_roots(fmpz_poly([0, 1])))
-    assert not list(positive_roots(fmpz_poly([1, 0, 1])))
-
-
-@pytest.mark.parametrize(("m", "fixed_leg", "limit"), [(ZEIN, 1, 20), (ZEIN, 2, 31), (INNOCENTI, 1, 15)])
-@pytest.mark.parametrize("free", [0, 1])
-def test_at_a_limit_event_a_cusp_has_the_limits_length(
-    m: Manipulator, fixed_leg: int, limit: int, free: int
-) -> None:
-    systems, slices = systems_of(m, fixed_leg), Slices.of(m, fixed_leg)
-    slice_map = systems.slice_map
-    leg, square = (slice_map.f, slice_map.g)[free], (limit * slice_map.scale) ** 2
-    cuts = [x for x in limit_events(systems, leg, square) if isinstance(x, BallEvent)]
-    assert len(cuts) > 1
-    with mp.workdps(DIGITS):
-        for cut in cuts:
-            assert cut.pose is None
-            alpha, theta, *legs = map(number, cut.coordinates(BITS))
-            assert abs(legs[free] - limit) < mpf("1e-50")
-            place = (
-                mp.radians(alpha),
-                mp.radians(theta),
-                number(cut.scaled_length(BITS)) / real(slice_map.scale),
-            )
-            assert place[2] > 0
-            assert slices.kind(place) is PoseKind.CUSP
-
-
-@pytest.mark.parametrize("free", [0, 1])
-def test_between_limit_events_no_cusp_passes_the_limit(free: int) -> None:
-    systems, limit = systems_of(ZEIN, 1), 31
-    slice_map = systems.slice_map
-    cuts = [
-        float(x.scaled_length(64).mid()) / float(slice_map.scale)
-        for x in (
-            *limit_events(systems, (slice_map.f, slice_map.g)[free], (limit * slice_map.scale) ** 2),
-            *events_of(ZEIN, 1),
-        )
-    ]
-
-    def below(length: Fraction) -> int:
-        cusps = solve_slice(eliminant_of(ZEIN), length, 15).cusps
-        legs = ([c.to_json()["l2"], c.to_json()["l3"]][free] for c in cusps)
-        return sum(Fraction(x) < limit for x in legs)
-
-    counts: dict[int, set[int]] = {}
-    for n in range(1, 60):
-        counts.setdefault(sum(cut < n for cut in cuts), set()).add(below(Fraction(n)))
-    assert all(len(x) == 1 for x in counts.values())
-    assert len(set().union(*counts.values())) > 2
-
-
-def jets(f: dict[tuple[int, int], int], g: dict[tuple[int, int], int]) -> LocalMap[arb]:
-    """f and g by the coefficients of their Taylor series."""
-
-    def jet(terms: dict[tuple[int, int], int]) -> Jet[arb]:
-        factorials = (1, 1, 2, 6, 24)
-        return Jet.build(4, lambda i, j: arb(terms.get((i, j), 0) * factorials[i] * factorials[j]))
-
-    nowhere: Any = None
-    return LocalMap(SliceMap.of(ZEIN), Pose(*[nowhere] * 6), jet(f), jet(g))
-
-
-X = {(1, 0): 1}
-
-
-@pytest.mark.parametrize(
-    ("f", "g", "swallowtail", "critical"),
-    [
-        (X, {(0, 4): 1, (1, 1): 1}, PoseKind.SWALLOWTAIL, None),
-        (X, {(0, 5): 1, (1, 1): 1}, None, None),
-        (X, {(0, 3): 1, (2, 1): 1}, None, PoseKind.LIPS),
-        (X, {(0, 3): 1, (2, 1): -1}, None, PoseKind.BEAK_TO_BEAK),
-        (X, {(0, 3): -1, (2, 1): -1}, None, PoseKind.LIPS),
-        (X, {(0, 4): 1, (1, 2): -1}, None, None),
-        (X, {(0, 3): 1, (3, 1): 1}, None, None),
-        ({(2, 0): 1, (0, 2): -1}, {(1, 1): 1}, None, None),
-    ],
-)
-def test_balls_name_a_normal_form_only_where_they_prove_it(
-    f: dict[tuple[int, int], int],
-    g: dict[tuple[int, int], int],
-    swallowtail: PoseKind | None,
-    critical: PoseKind | None,
-) -> None:
-    local = jets(f, g)
-    assert (_swallowtail(local), _critical(local)) == (swallowtail, critical)
-
-
-def test_balls_that_are_too_wide_name_nothing() -> None:
-    local = jets(X, {(0, 3): 1, (2, 1): 1})
-    with ctx.workprec(64):
-        wide = Jet.build(4, lambda i, j: local.g.table[i][j] + arb(0, 8))
-    assert _critical(LocalMap(local.slice_map, local.pose, local.f, wide)) is None
-    assert _swallowtail(LocalMap(local.slice_map, local.pose, local.f, wide)) is None
+    point = event_point(BallPose(PoseKind.SWALLOWTAIL, thirds, exact=None), 2, 20)  # type: ignore[arg-type]
+    assert point.to_json() == {
+        "alpha_deg": "-0.66666666666666666667",
+        "theta2_deg": "0.33333333333333333333",
+        "l1": "1.3333333333333333333",
+        "l3": "1.6666666666666666667",
+    }
+    assert asked == sorted(asked)
