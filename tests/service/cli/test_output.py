@@ -1,4 +1,4 @@
-"""What the command line prints where stdout is not UTF-8, full, closed, narrow, or left early."""
+"""What the command line prints, wherever stdout leads, and its help."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 import os
 import pty
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,9 +15,13 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, table_csv, table_document
+from service.cli import pages
 from service.cli.main import COMMANDS, main
+from service.cli.output import Stages
 from tests.support.cli_process import ENVIRONMENT, Run, command, run
 from tests.support.processes import PATIENCE, started
 
@@ -189,3 +194,155 @@ def test_a_message_says_what_would_be_right(run_here: Run, args: tuple[str, ...]
 def test_text_that_is_no_json_is_named_by_its_source(run_here: Run) -> None:
     done = run_here("solve", "-", "--l1", "1", stdin="{bad")
     assert "GEOMETRY: in standard input: the text is not valid JSON" in done.stderr
+
+
+NUMBERS = st.from_regex(r"-?[0-9]{1,4}\.[0-9]{1,90}(e-[0-9]{1,3})?", fullmatch=True)
+WORDS = st.sampled_from(
+    ["swallowtail", "beak-to-beak", "", "8 → 10", "426/25", "C14", "k1 = k3 = 0: the first column vanishes"]
+)
+
+
+@given(NUMBERS, st.integers(0, 120))
+def test_a_shortened_number_begins_as_the_number_and_keeps_its_exponent(text: str, width: int) -> None:
+    short = pages.shortened(text, width)
+    if short != text:
+        assert len(short) < len(text)
+        begin, end = short.split("…")
+        assert text.startswith(begin)
+        assert text.endswith(end)
+        assert re.search(r"\.\d\d", begin)
+        assert end.startswith("e") or not end
+
+
+@given(st.lists(st.tuples(WORDS, NUMBERS, NUMBERS, WORDS), min_size=1, max_size=5), st.integers(20, 200))
+def test_columns_fit_or_become_records(rows: list[tuple[str, ...]], width: int) -> None:
+    table = [("kind", "L2", "L3", "joins"), *rows]
+    widths = pages.column_widths(table, width)
+    if widths is None:
+        shown = "\n".join(pages.records(table, width))
+        words = {word for row in rows for cell in (row[0], row[3]) for word in cell.split()}
+        assert words <= set(shown.split())
+        return
+    assert sum(widths) + pages.COLUMN_PADDING * len(widths) + 1 <= width
+    for row in table:
+        for cell, room in zip(row, widths, strict=True):
+            lines = pages.fitted(cell, room).splitlines()
+            assert max(map(len, lines), default=0) <= room
+            assert "…" in "".join(lines) or " ".join(lines).split() == cell.split()
+
+
+@pytest.mark.parametrize("width", [20, 40, 80])
+def test_lines_break_between_words_and_never_within_an_equation(width: int) -> None:
+    text = "3-RPR manipulator  a2x = 15.91  a3x = 0  a3y = 10  d1 = 17.04  (ccw)"
+    lines = pages.wrapped(text, width)
+    assert max(map(len, lines)) <= width
+    assert " ".join(" ".join(lines).split()) == " ".join(text.split())
+    assert not any(re.search(r"(^=|=$)", line.strip()) for line in lines)
+
+
+def test_numbers_in_a_sentence_are_shortened_to_fit() -> None:
+    text = "swallowtail: α [deg] 12.3456789012345678901234567890, θ1 [deg] -1.23456789012345678901e-5"
+    short = pages.with_short_numbers(text, 60)
+    assert short == "swallowtail: α [deg] 12.3456789012…, θ1 [deg] -1.2345678…e-5"
+    assert pages.with_short_numbers(text, 200) == text
+
+
+@given(st.lists(st.tuples(st.integers(0, 50), st.integers(1, 500)), max_size=20))
+def test_progress_never_runs_backwards(steps: list[tuple[int, int]]) -> None:
+    stages = Stages()
+    shown = [(stage, done / total) for stage, done, total in (stages.at(*step) for step in steps)]
+    assert shown == sorted(shown)
+
+
+BIN = Path(sys.executable).parent
+POSE = ("--l1", "27", "--l2", "20", "--l3", "20")
+
+
+def test_without_a_command_the_help_is_printed_and_it_is_no_success(run_here: Run) -> None:
+    bare, asked, option = run_here(), run_here("help"), run_here("--help")
+    assert bare.stdout == asked.stdout == option.stdout
+    assert (bare.returncode, asked.returncode, bare.stderr) == (2, 0, "")
+    assert all(f"\n    {name}" in bare.stdout for name in COMMANDS)
+
+
+@pytest.mark.parametrize("words", [("census",), ("keys", "create")])
+def test_help_of_a_command(run_here: Run, words: tuple[str, ...]) -> None:
+    asked, option = run_here("help", *words), run_here(*words, "--help")
+    assert (asked.returncode, asked.stdout) == (0, option.stdout)
+    assert asked.stdout.startswith(f"usage: rpr-cusps {' '.join(words)} ")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("sovle", "innocenti"), "'sovle'; did you mean solve?"),
+        (("help", "cencus"), "'cencus'; did you mean census?"),
+        (("keys", "creat"), "'creat'; did you mean create?"),
+        (("solve", "innocenti", "--l1", "1", "--format", "jsno"), "'jsno'; did you mean json?"),
+        (("solve", "innocenti", "--l1", "1", "--digitss", "20"), "--digitss; did you mean --digits?"),
+        (("xyzzy",), "'xyzzy'; choose from solve, census, "),
+        (("check", "innocenti", "--l1-range", "-1:5", "--max-cusps", "3"), "--l1-range.from: is -1"),
+        (("solve", "innocenti", "--l1", "-1/2"), "--l1: is -0.5; a leg length must be > 0"),
+        (("paths", "innocenti", *POSE, "--from", "1", "--to", "1"), "--to: is 1, where the path begins"),
+    ],
+)  # fmt: skip
+def test_what_is_mistyped_is_told_in_one_line(run_here: Run, words: tuple[str, ...], said: str) -> None:
+    done = run_here(*words)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert said in done.stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("solve", "zein-flat", "--l1", "1", "--digits", "15"),
+        ("check", "zein-flat", "--l1", "1", "--expect-cusps", "2"),
+        ("poses", "zein-flat", "--l1", "20", "--l2", "20", "--l3", "20"),
+    ],
+)
+def test_json_has_a_short_option_in_every_command(run_here: Run, words: tuple[str, ...]) -> None:
+    assert run_here(*words, "--json").stdout == run_here(*words, "--format", "json").stdout
+
+
+def in_bash(line: str, folder: Path) -> set[str]:
+    """What bash offers for a line, by the script that the command prints."""
+    script = f"""
+        source <(rpr-cusps completion bash)
+        read -ra COMP_WORDS <<< "{line}x"; COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1))
+        COMP_LINE="{line}"; COMP_POINT={len(line)}; COMP_TYPE=9
+        _python_argcomplete rpr-cusps
+        printf '%s\\n' "${{COMPREPLY[@]}}"
+    """
+    path = os.pathsep.join([str(BIN), ENVIRONMENT["PATH"]])
+    done = subprocess.run(
+        ["bash", "-c", script],
+        cwd=folder,
+        env={**ENVIRONMENT, "PATH": path},
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=True,
+    )
+    assert done.stderr == ""
+    return {word.strip() for word in done.stdout.splitlines() if word.strip()}
+
+
+def test_bash_completes_commands_options_choices_and_geometries(tmp_path: Path) -> None:
+    (tmp_path / "robots").mkdir()
+    for name in ("robots/gripper.json", "robots/notes.txt", "robot.json"):
+        (tmp_path / name).write_text("{}")
+    assert in_bash("rpr-cusps c", tmp_path) == {name for name in COMMANDS if name.startswith("c")}
+    assert in_bash("rpr-cusps check innocenti --max", tmp_path) == {"--max-cusps"}
+    assert in_bash("rpr-cusps solve innocenti --format c", tmp_path) == {"csv"}
+    assert in_bash("rpr-cusps solve ", tmp_path) >= {*EXAMPLES, "robot.json", "robots/"}
+    assert in_bash("rpr-cusps solve robots/", tmp_path) == {"robots/gripper.json"}
+    assert in_bash("rpr-cusps completion ", tmp_path) >= {"bash", "zsh", "fish"}
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_each_shell_has_its_script(run_here: Run, shell: str) -> None:
+    done = run_here("completion", shell)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "rpr-cusps" in done.stdout
+    if program := shutil.which(shell):
+        subprocess.run([program, "-n"], input=done.stdout, text=True, timeout=PATIENCE, check=True)

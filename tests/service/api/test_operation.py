@@ -1,27 +1,106 @@
-"""Metrics: all of them documented, cheap to read, and true."""
+"""What an operator sets and sees: settings, the log of requests, and metrics."""
 
 from __future__ import annotations
 
+import json
 import re
+import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import httpx
 import pytest
+from pydantic import ValidationError
 from redis import Redis
 
+from service import __version__
 from service.api.metrics import OF_INSTALLATION, OF_PROCESS
 from service.api.settings import Settings
 from service.cli.options import names
+from service.schemas.limits import Limits
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.jobs import a_document, a_request
-from tests.support.processes import PATIENCE, until
-from tests.support.service_server import serving
+from tests.support.processes import PATIENCE, environment, started, until
+from tests.support.service_server import GEOMETRY, ended, serving
 from worker.connection import connect
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.installation import Roster, read_load
 from worker.jobs.lanes import LANES
 from worker.jobs.queue import JobQueue
 from worker.settings import WorkerSettings
+
+
+def test_the_environment_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RPR_CUSPS_MAX_SLICES", "7")
+    monkeypatch.setenv("RPR_CUSPS_REDIS_URL", "redis://queue:1/2")
+    settings = Settings()
+    assert (settings.limits.max_slices, settings.redis_url) == (7, "redis://queue:1/2")
+
+
+def test_settings_do_not_change() -> None:
+    with pytest.raises(ValidationError):
+        Limits().max_slices = 1  # type: ignore[misc]
+
+
+def test_a_limit_that_makes_no_sense_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RPR_CUSPS_MAX_DIGITS", "1000000")
+    with pytest.raises(ValidationError):
+        Settings()
+
+
+def test_the_version_is_that_of_the_project() -> None:
+    project = tomllib.loads((Path(__file__).parents[3] / "pyproject.toml").read_text())
+    assert project["project"]["version"] == __version__
+
+
+def request_id(name: str) -> dict[str, str]:
+    return {"X-Request-ID": name}
+
+
+def test_requests_and_their_jobs_are_logged_under_one_id(valkey: EmbeddedValkey, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    command = [sys.executable, "-m", "service", "serve", "--port", "0", "--workers", "1"]
+    variables = environment(redis_url=f"{valkey.url}?db=9", log_format="json", log_level="INFO")
+    options = {"env": variables, "stdout": subprocess.PIPE, "text": True}
+    with log.open("wb") as stderr, started(command, stderr=stderr, **options) as stack:
+        url = re.search(r"http://\S+", stack.stdout.readline())[0]
+        with httpx.Client(base_url=url, timeout=PATIENCE) as client:
+            body = {"geometry": GEOMETRY, "l1": "31.5"}
+            headers = {**request_id("asked-1"), "Prefer": "respond-async"}
+            response = client.post("/v1/cusp-tables", json=body, headers=headers)
+            job_id = response.json()["id"]
+            ended(client, job_id)
+            client.get("/no%0A%1Bsuch", headers=request_id("asked-2"))
+
+        def lines(name: str) -> list[dict[str, object]]:
+            found = map(json.loads, log.read_text().splitlines())
+            return [line for line in found if line.get("request_id") == name]
+
+        until(lambda: any("chunk 0 (1 slices): done" in str(line["message"]) for line in lines("asked-1")))
+        [access] = [line for line in lines("asked-1") if line["logger"] == "rpr_cusps.access"]
+        assert access["method"] == "POST"
+        assert access["path"] == "/v1/cusp-tables"
+        assert access["status"] == response.status_code
+        assert access["bytes"] == int(response.headers["content-length"])
+        assert access["key"] == "-"
+        assert 0 < float(str(access["duration_ms"])) < 1000 * PATIENCE
+        [chunk] = [line for line in lines("asked-1") if "chunk" in str(line["message"])]
+        assert chunk["job"] == job_id
+        [odd] = until(lambda: lines("asked-2"))
+        assert odd["path"] == "/no%0A%1Bsuch"
+
+
+@pytest.mark.parametrize(("wanted", "statuses"), [("all", [200, 404]), ("errors", [404]), ("off", [])])
+def test_which_requests_are_logged(
+    wanted: str, statuses: list[int], caplog: pytest.LogCaptureFixture, valkey: EmbeddedValkey
+) -> None:
+    with serving(Settings(redis_url=valkey.url, access_log=wanted)) as url:
+        for path in ("/healthz", "/none"):
+            httpx.get(url + path)
+    lines = [record.getMessage() for record in caplog.records if record.name == "rpr_cusps.access"]
+    assert [int(re.fullmatch(r"- GET /\w+ (\d+) \d+ B [\d.]+ ms", line)[1]) for line in lines] == statuses
+
 
 REFERENCE = Path(__file__).parents[3] / "docs" / "reference.md"
 Values = dict[str, float]
@@ -47,7 +126,7 @@ def scrape(url: str) -> Values:
     return {name: float(value) for name, value in pairs}
 
 
-def started(queue: JobQueue, *l1: str) -> ChunkRef:
+def begun(queue: JobQueue, *l1: str) -> ChunkRef:
     view = queue.submit(a_request(*l1))
     ref = ChunkRef(view.id, view.run, 0, 0)
     assert queue.attempts.start(ref)
@@ -55,7 +134,7 @@ def started(queue: JobQueue, *l1: str) -> ChunkRef:
 
 
 def test_every_metric_is_documented_and_every_documented_one_exists(url: str, queue: JobQueue) -> None:
-    queue.records.fail(started(queue, "1"), "timeout", "too long")
+    queue.records.fail(begun(queue, "1"), "timeout", "too long")
     scrape(url)
     text = httpx.get(f"{url}/metrics").text
     types = dict(re.findall(r"^# TYPE (\S+) (\w+)$", text, re.MULTILINE))
@@ -80,7 +159,7 @@ def test_the_queue_by_lane(url: str, queue: JobQueue) -> None:
 
 
 def test_ends_of_jobs(url: str, queue: JobQueue) -> None:
-    ref = started(queue, "1")
+    ref = begun(queue, "1")
     record = queue.records.keys.job(ref.job_id).record
     now = queue.redis.time()[0]
     queue.redis.hset(record, mapping={"created": f"{now - 25}.0", "started": f"{now - 5}.0"})
@@ -99,7 +178,7 @@ def test_ends_of_jobs(url: str, queue: JobQueue) -> None:
 
 
 def test_losses_and_beats(url: str, queue: JobQueue) -> None:
-    queue.attempts.reopen(started(queue, "1"), "workers")
+    queue.attempts.reopen(begun(queue, "1"), "workers")
     roster = Roster(queue.redis, queue.settings)
     roster.beat("a")
     queue.redis.zincrby(roster.key, -2000, "a")  # as if its beat were two seconds ago

@@ -1,4 +1,4 @@
-"""`rpr-cusps verify`."""
+"""`rpr-cusps verify` and `rpr-cusps export`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rpr_solver import EXAMPLES, cusp_table, table_json
+from rpr_solver import EXAMPLES, cusp_table, export, table_document, table_json
 from tests.support.cli_process import Run
 
 
@@ -69,3 +69,33 @@ def test_a_census_with_a_full_certificate(run_here: Run, tmp_path: Path) -> None
     answer = json.loads(verified.stdout)
     assert (answer["verdict"], answer["outcome"]) == ("accepted", "not established")
     assert "these are all transitions (/transitions)" in answer["summary"]
+
+
+DOCUMENT = table_document(EXAMPLES["zein-flat"], [3], digits=15)
+TWO = table_document(EXAMPLES["zein-flat"], [3, 4], digits=15)
+
+
+@pytest.mark.parametrize("system", ["maple", "msolve", "pari", "sage", "sympy"])
+def test_the_script_is_that_of_the_library(run_here: Run, tmp_path: Path, system: str) -> None:
+    printed = run_here("export", "-", "--to", system, stdin=json.dumps(DOCUMENT))
+    assert (printed.returncode, printed.stderr, printed.stdout) == (0, "", export(DOCUMENT, system))
+    source, target = tmp_path / "table.json", tmp_path / "script"
+    source.write_text(json.dumps(DOCUMENT))
+    assert run_here("export", str(source), "--to", system, "-o", str(target)).returncode == 0
+    assert target.read_text(encoding="utf-8") == printed.stdout
+
+
+@pytest.mark.parametrize(
+    ("args", "stdin", "said"),
+    [
+        (("-", "--to", "pari"), "{}", "FILE: is no cusp table and no census; give one as JSON"),
+        (("-", "--to", "pari"), "[]", "FILE: standard input holds no object; give a document of rpr-cusps"),
+        (("-", "--to", "msolve"), json.dumps(TWO), "FILE: has 2 slices, but msolve solves one system of"),
+        (("-", "--to", "pari", "-o", "/nowhere/x"), json.dumps(DOCUMENT), "--output: '/nowhere/x' cannot be"),
+    ],
+    ids=["another document", "no object", "two slices", "no folder"],
+)
+def test_what_is_wrong_is_named(run_here: Run, args: tuple[str, ...], stdin: str, said: str) -> None:
+    done = run_here("export", *args, stdin=stdin)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert said in done.stderr
