@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator
 from heapq import merge
 from itertools import islice
 
@@ -15,7 +14,7 @@ from service.cli.output import progress_bar
 from service.cli.submit import FORMS, print_results
 from service.schemas.answers import FORMATS, JSON
 from service.schemas.catalog import questions
-from service.schemas.resources import ListedJob, ListedStatus, is_batch
+from service.schemas.resources import ListedStatus, is_batch
 
 _STATUS = """\
 Print the state of a job or a batch of a service: queued, running, succeeded, failed or canceled, and its
@@ -110,15 +109,8 @@ def _run_jobs(args: argparse.Namespace) -> int:
     if args.format == "json":
         output.write(json.dumps([job.model_dump() for job in jobs], indent=2) + "\n")
     else:
-        output.write("".join(f"{line}\n" for line in _lines(jobs)))
+        output.write_columns([_TITLES, *([_cell(getattr(job, name)) for name in _COLUMNS] for job in jobs)])
     return 0
-
-
-def _lines(jobs: list[ListedJob]) -> Iterator[str]:
-    rows = [_TITLES, *(tuple(_cell(getattr(job, name)) for name in _COLUMNS) for job in jobs)]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
 
 
 def _cell(value: object) -> str:

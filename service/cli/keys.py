@@ -15,6 +15,7 @@ from rpr_solver.errors import InputError
 from service.api.access.keys import SCOPES, KeyStore, is_name, make_key
 from service.cli.help import Command, whole
 from service.cli.options import add_source, opened
+from service.cli.output import write_columns
 from worker.settings import WorkerSettings
 
 DESCRIPTION = __doc__
@@ -116,12 +117,8 @@ def _list(store: KeyStore, form: str) -> None:
     if form == "json":
         print(json.dumps(keys, indent=2))
         return
-    rows = [["ID", "NAME", "SCOPE", "STATE", "CREATED", "EXPIRES", "LAST USED"]]
-    columns = ("id", "name", "scope", "state", "created", "expires", "last_used")
-    rows += [[key[column] or "-" for column in columns] for key in keys]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
+    titles = ("ID", "NAME", "SCOPE", "STATE", "CREATED", "EXPIRES", "LAST USED")
+    write_columns([titles, *([cell or "-" for cell in key.values()] for key in keys)])
 
 
 def _date(moment: float | None) -> str | None:

@@ -7,7 +7,7 @@ import io
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
@@ -93,6 +93,18 @@ def write(text: str) -> None:
         raise
     except OSError as error:
         raise _cannot(error) from None
+
+
+def write_columns(rows: Iterable[Sequence[str]]) -> None:
+    """Print rows in columns as wide as their widest cell.
+
+    Raises:
+        OutputError: it cannot be written.
+    """
+    rows = list(rows)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        write("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() + "\n")
 
 
 def flush() -> None:

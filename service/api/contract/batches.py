@@ -11,7 +11,9 @@ from service.api.contract.operations import (
     RETRY_AFTER,
     UNAVAILABLE,
     Docs,
+    accepted,
     events_content,
+    events_responses,
     json_response,
     problems,
     ref,
@@ -77,15 +79,12 @@ def _text(description: str, example: str) -> dict[str, Any]:
     return {"schema": {"type": "string", "description": description}, "example": example}
 
 
-_LINKS = {
-    name: {"operationId": operation, "parameters": {"batch_id": "$response.body#/id"}, "description": text}
-    for name, operation, text in (
-        ("batch", "get_batch", "The state of the batch."),
-        ("results", "get_results", "The results so far, or as they are computed."),
-        ("events", "get_batch_events", "The events of the batch."),
-        ("cancel", "cancel_batch", "Cancels the batch."),
-    )
-}
+_LINKS = (
+    ("batch", "get_batch", "The state of the batch."),
+    ("results", "get_results", "The results so far, or as they are computed."),
+    ("events", "get_batch_events", "The events of the batch."),
+    ("cancel", "cancel_batch", "Cancels the batch."),
+)
 
 POST_BODY: dict[str, Any] = {
     "parameters": [
@@ -115,18 +114,7 @@ POST_BODY: dict[str, Any] = {
     },
 }
 POST_RESPONSES: Docs = {
-    202: {
-        **json_response(
-            "The batch is accepted.",
-            "Batch",
-            example=_BATCH,
-            headers={
-                "Location": {"description": "The batch.", "schema": {"type": "string"}},
-                **RETRY_AFTER,
-            },
-        ),
-        "links": _LINKS,
-    },
+    202: accepted("Batch", "The batch is accepted.", "The batch.", _BATCH, _LINKS),
     **problems(
         ProblemType.INVALID_HEADER,
         ProblemType.INVALID_CSV,
@@ -153,10 +141,6 @@ CANCEL_RESPONSES: Docs = {
         example={**_BATCH, "status": "canceled", "canceled": 380},
     ),
     **problems(ProblemType.FORBIDDEN, ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
-}
-DELIVERIES_RESPONSES: Docs = {
-    200: json_response("The deliveries.", "Deliveries"),
-    **problems(ProblemType.NOT_FOUND, UNAVAILABLE),
 }
 RESULT_FORMATS = ("ndjson", "json")
 """The values of `format` for results."""
@@ -200,11 +184,4 @@ RESULTS_RESPONSES: Docs = {
         ProblemType.BUSY,
     ),
 }
-EVENTS_RESPONSES: Docs = {
-    200: {
-        "description": "The events, up to the end of the batch.",
-        "content": events_content("item", {"index": 0, "status": "succeeded"}),
-    },
-    204: {"description": "The batch has ended, and no event follows Last-Event-ID."},
-    **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, UNAVAILABLE),
-}
+EVENTS_RESPONSES = events_responses("batch", events_content("item", {"index": 0, "status": "succeeded"}))

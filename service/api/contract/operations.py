@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from service.api.answers.forms import FLOATS, IN_FLOATS, NUMBERS, format_names, media_type_of
@@ -179,15 +179,43 @@ def events_content(event: str, data: Mapping[str, object]) -> dict[str, Any]:
     return {"text/event-stream": {"schema": ref("StreamEvent"), "examples": described}}
 
 
-_JOB_LINKS = {
-    name: {"operationId": operation, "parameters": {"job_id": "$response.body#/id"}, "description": text}
-    for name, operation, text in (
-        ("job", "get_job", "The state of the job."),
-        ("result", "get_result", "The result, once the job has succeeded."),
-        ("events", "get_events", "The job's events."),
-        ("cancel", "cancel_job", "Cancels the job, unless it has other subscribers."),
-    )
-}
+def accepted(
+    model: str, description: str, location: str, example: object, links: Sequence[tuple[str, str, str]]
+) -> dict[str, Any]:
+    """Returns the response 202 with a job or a batch.
+
+    Args:
+        model: its schema.
+        description: of the response.
+        location: the description of the header field.
+        example: the state that is shown.
+        links: the names of links, the operations that they lead to, and their descriptions.
+    """
+    headers = {"Location": {"description": location, "schema": {"type": "string"}}, **RETRY_AFTER}
+    target = {"parameters": {f"{model.lower()}_id": "$response.body#/id"}}
+    return {
+        **json_response(description, model, example=example, headers=headers),
+        "links": {
+            name: {"operationId": operation, **target, "description": text} for name, operation, text in links
+        },
+    }
+
+
+def events_responses(what: str, content: Mapping[str, Any], *kinds: ProblemType) -> Docs:
+    """Returns the responses with the events of a job or a batch."""
+    return {
+        200: {"description": f"The events, up to the end of the {what}.", "content": content},
+        204: {"description": f"The {what} has ended, and no event follows Last-Event-ID."},
+        **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, *kinds, UNAVAILABLE),
+    }
+
+
+_JOB_LINKS = (
+    ("job", "get_job", "The state of the job."),
+    ("result", "get_result", "The result, once the job has succeeded."),
+    ("events", "get_events", "The job's events."),
+    ("cancel", "cancel_job", "Cancels the job, unless it has other subscribers."),
+)
 
 UNAVAILABLE = ProblemType.UNAVAILABLE
 _FAILED = (
@@ -202,21 +230,13 @@ _FAILED = (
 
 def question_responses(question: type[Question]) -> Docs:
     """Returns the responses to a question: the document, a job, or a problem."""
-    accepted = json_response(
-        "The answer is being computed.",
-        "Job",
-        example=_JOB,
-        headers={
-            "Location": {"description": "The job.", "schema": {"type": "string"}},
-            **RETRY_AFTER,
-            **PREFERENCE_APPLIED,
-        },
-    )
+    job = accepted("Job", "The answer is being computed.", "The job.", _JOB, _JOB_LINKS)
+    job["headers"] |= PREFERENCE_APPLIED
     known = document_in_all_forms(question, question.known)
     known["headers"] |= {**CONTENT_LOCATION, **PREFERENCE_APPLIED}
     return {
         200: known,
-        202: {**accepted, "links": _JOB_LINKS},
+        202: job,
         **problems(
             ProblemType.INVALID_JSON,
             ProblemType.NOT_ACCEPTABLE,
@@ -296,14 +316,9 @@ RESULT_RESPONSES: Docs = {
         *_FAILED,
     ),
 }
-EVENTS_RESPONSES: Docs = {
-    200: {
-        "description": "The events, up to the end of the job.",
-        "content": events_content("slice", {"l1": "14.98", "slice": {"count": 6}}),
-    },
-    204: {"description": "The job has ended, and no event follows Last-Event-ID."},
-    **problems(ProblemType.INVALID_HEADER, ProblemType.NOT_FOUND, ProblemType.INVALID_REQUEST, UNAVAILABLE),
-}
+EVENTS_RESPONSES = events_responses(
+    "job", events_content("slice", {"l1": "14.98", "slice": {"count": 6}}), ProblemType.INVALID_REQUEST
+)
 DELIVERIES_RESPONSES: Docs = {
     200: json_response("The deliveries.", "Deliveries"),
     **problems(ProblemType.NOT_FOUND, UNAVAILABLE),

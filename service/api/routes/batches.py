@@ -13,6 +13,7 @@ from service.api.batches.intake import accept_batch
 from service.api.batches.results import BatchResults, Wanted, as_array
 from service.api.context import Context, ContextDep
 from service.api.contract import batches as doc
+from service.api.contract.operations import DELIVERIES_RESPONSES
 from service.api.http.transport import IS_HEAD, LARGE, LargeAnswer
 from service.api.jobs.views import state_response
 from service.api.problems import ProblemError, ProblemType
@@ -157,7 +158,7 @@ async def get_batch_events(batch_id: BatchId, request: Request, context: Context
 @router.get(
     "/v1/batches/{batch_id}/deliveries",
     summary="The webhooks of a batch",
-    responses=doc.DELIVERIES_RESPONSES,
+    responses=DELIVERIES_RESPONSES,
 )
 async def get_batch_deliveries(batch_id: BatchId, context: ContextDep) -> Response:
     """Returns the log of the deliveries to every `callback_url` of the batch, with all attempts; kept for
