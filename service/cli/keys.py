@@ -117,8 +117,9 @@ def _list(store: KeyStore, form: str) -> None:
     if form == "json":
         print(json.dumps(keys, indent=2))
         return
-    titles = ("ID", "NAME", "SCOPE", "STATE", "CREATED", "EXPIRES", "LAST USED")
-    write_columns([titles, *([cell or "-" for cell in key.values()] for key in keys)])
+    columns = ("id", "name", "scope", "state", "created", "expires", "last_used")
+    titles = [column.upper().replace("_", " ") for column in columns]
+    write_columns([titles, *([key[column] or "-" for column in columns] for key in keys)])
 
 
 def _date(moment: float | None) -> str | None:
