@@ -9,7 +9,7 @@ from dataclasses import replace
 from enum import StrEnum
 
 from rpr_solver.exact.number_field import Algebraic, Field
-from rpr_solver.model.jets import LocalMap
+from rpr_solver.model.jets import Jet, LocalMap
 
 
 class Kind(StrEnum):
@@ -70,21 +70,27 @@ def classify(local: LocalMap[Algebraic]) -> PoseKind:
     if not e.value.is_zero:
         return PoseKind.ORDINARY
     second = local.along(leg, e)
+    is_simple = not second.value.is_zero
     if j.alpha.value.is_zero and j.theta.value.is_zero:
-        aa, at, tt = j.alpha.alpha.value, j.alpha.theta.value, j.theta.theta.value
-        hessian = (aa * tt - at * at).sign
-        # J is L (J0 + L J1); with J = 0, its value at twice the length is a multiple of J1
-        doubled = replace(local.pose, length=local.pose.length * 2)
-        moves = not LocalMap.at(local.slice_map, doubled, 1).singularity().value.is_zero
-        generic = moves and not second.value.is_zero
-        if hessian > 0:
-            return PoseKind.LIPS if generic else PoseKind.ISOLATED_POINT
-        if hessian < 0:
-            return PoseKind.BEAK_TO_BEAK if generic else PoseKind.NODE
-        return PoseKind.HIGHER
-    if not second.value.is_zero:
+        return _kind_at_a_node(local, j, is_simple=is_simple)
+    if is_simple:
         return PoseKind.CUSP
     return PoseKind.SWALLOWTAIL if not local.along(leg, second).value.is_zero else PoseKind.HIGHER
+
+
+def _kind_at_a_node(local: LocalMap[Algebraic], j: Jet[Algebraic], *, is_simple: bool) -> PoseKind:
+    """The kind of a pose where J and its gradient vanish."""
+    aa, at, tt = j.alpha.alpha.value, j.alpha.theta.value, j.theta.theta.value
+    hessian = (aa * tt - at * at).sign
+    # J is L (J0 + L J1); with J = 0, its value at twice the length is a multiple of J1
+    doubled = replace(local.pose, length=local.pose.length * 2)
+    moves = not LocalMap.at(local.slice_map, doubled, 1).singularity().value.is_zero
+    is_generic = moves and is_simple
+    if hessian > 0:
+        return PoseKind.LIPS if is_generic else PoseKind.ISOLATED_POINT
+    if hessian < 0:
+        return PoseKind.BEAK_TO_BEAK if is_generic else PoseKind.NODE
+    return PoseKind.HIGHER
 
 
 def _hessians_independent(local: LocalMap[Algebraic]) -> bool:

@@ -204,6 +204,10 @@ def _size(text: str) -> tuple[int, int | None]:
     return size, int(_BITS * scale) if whole or digits else None
 
 
+Squares = tuple[int, int, int]
+"""The squares of the sides of a triangle."""
+
+
 def _shape(sides: list[int]) -> tuple[int, bool]:
     """Bits by which the triangles nearly are flat, equilateral, congruent or similar; whether they are.
 
@@ -222,16 +226,23 @@ def _shape(sides: list[int]) -> tuple[int, bool]:
         equal = sorted(_bits_lost(x, size) for x in (a - b, b - c, c - a))
         right = max(_bits_lost(x, size) for x in (a + b - c, b + c - a, c + a - b))
         most = max(most, equal[1], equal[2] // 2, right // 2)
+    alike, are_similar = _alike(base, platform)
+    return max(most, alike), not a3y or not area or are_similar
+
+
+def _alike(base: Squares, platform: Squares) -> tuple[int, bool]:
+    """Bits by which two triangles nearly are congruent or similar; whether they are similar."""
+    most = 0
     pairs = list(zip(base, platform, strict=True))
     turned = pairs[1:] + pairs[:1]
-    alike = [(x * w - y * z, max(x * w, y * z)) for (x, z), (y, w) in zip(pairs, turned, strict=True)]
-    for forms in ([(x - y, max(x, y)) for x, y in pairs], alike):
+    crossed = [(x * w - y * z, max(x * w, y * z)) for (x, z), (y, w) in zip(pairs, turned, strict=True)]
+    for forms in ([(x - y, max(x, y)) for x, y in pairs], crossed):
         lost = [_bits_lost(x, size) for x, size in forms if x]
         most = max(most, *(bits // 2 for bits in lost), min(lost, default=0))
     for sides_in_turn in permutations(platform):  # congruent, but for the names of the corners
         lost = [_bits_lost(x - y, max(x, y)) for x, y in zip(base, sides_in_turn, strict=True) if x != y]
         most = max(most, min(lost, default=0))
-    return most, not a3y or not area or not any(x for x, _ in alike)
+    return most, not any(x for x, _ in crossed)
 
 
 def _bits_lost(x: int, size: int) -> int:

@@ -155,20 +155,18 @@ class JobQueue(JobLookup):
         Raises:
             QueueFullError: the lane of a new job holds too much work.
         """
-        if is_unknown and len(request.parts) == 1:  # most often there has been no such job
+        is_missing = is_unknown and len(request.parts) == 1
+        if is_missing:  # most often there has been no such job
             view = self._make(request, request.parts, "", deadline_s, by)
             if view is not None:
                 return view
-        seen = self.records.view(request.job_id)
+        seen = self._reconciled(request.job_id)
         if seen is not None and not seen.is_terminal:
-            if self.records.reconcile(request.job_id):
-                return self._joined(seen, deadline_s)
-            seen = self.records.view(request.job_id)
-        has_succeeded = seen is not None and seen.status == "succeeded"
-        is_missing = is_unknown and len(request.parts) == 1 and not has_succeeded
-        todo = request.parts if is_missing else missing_parts(request, self.store)
-        if seen is not None and seen.status == "succeeded" and not todo:
-            return seen
+            return self._joined(seen, deadline_s)
+        succeeded = seen if seen is not None and seen.status == "succeeded" else None
+        todo = request.parts if is_missing and not succeeded else missing_parts(request, self.store)
+        if succeeded and not todo:
+            return succeeded
         view = self._make(request, todo, seen.run if seen else "", deadline_s, by)
         if view is not None:
             return view
@@ -176,6 +174,12 @@ class JobQueue(JobLookup):
         if view is None:
             return self.submit(request, deadline_s, is_unknown=is_unknown, by=by)
         return self._joined(view, deadline_s)
+
+    def _reconciled(self, job_id: str) -> JobView | None:
+        """The job as it stands once a run that lost a part of its record has ended."""
+        seen = self.records.view(job_id)
+        is_lost = seen is not None and not seen.is_terminal and not self.records.reconcile(job_id)
+        return self.records.view(job_id) if is_lost else seen
 
     def _make(
         self,
