@@ -89,8 +89,8 @@ class CuspCurves:
         """The document; :meth:`from_json` reads it.
 
         Args:
-            certificate: ``"full"`` adds what somebody else needs to check that the points of a curve are
-                joined by it, and that curves join at their ends: chains of tubes (chains.py).
+            certificate: ``"full"`` adds what an independent checker needs to prove that the points of a
+                curve are joined by it, and that curves join at their ends: chains of tubes (chains.py).
             eliminant: of the manipulator and the fixed leg, for a full certificate; computed if it is None.
             progress: callback ``progress(done, total)`` of a full certificate.
 

@@ -1,6 +1,6 @@
 """Tubes in few digits, as a certificate prints them: exact rational numbers, proved again as printed.
 
-Rounding moves a tube's origin off the curve and bends its parabola, so the radii are found anew, and
+Rounding moves a tube's origin off the curve and bends its parabola, so the radii are computed again, and
 Krawczyk's test is passed by the printed numbers themselves (mathematics.md#tubes).
 """
 
@@ -35,7 +35,7 @@ _SLIM = arb(2) ** -128
 _LINK = 1 << 12
 """A tube begins within a 1000th of the reach of the one before."""
 _LONG = 8
-"""From so many decimal places a number is written with an exponent."""
+"""The number of decimal places from which on a number is written with an exponent."""
 
 Pair = tuple[Fraction, Fraction]
 
@@ -150,7 +150,7 @@ def shortened(
 ) -> ProvedTube | None:
     """A tube in few digits that holds the start, and whose own point with r = 0 lies in the tube before.
 
-    None if it cannot be had at this precision.
+    None if this precision does not suffice.
     """
     for spare in _SPARE_BITS:
         proved = _proved(_rounded(tube, forms, bits, before, spare), forms, bits)
@@ -217,7 +217,7 @@ def _places(size: Fraction) -> int:
 
 
 def _rounded_to(x: Fraction, digits: int, rounding: Callable[[Fraction], int]) -> Fraction:
-    """A number > 0 in so many significant digits."""
+    """A number > 0 with this number of significant digits."""
     unit = Fraction(10) ** (1 - digits - _places(x))
     return rounding(x / unit) * unit
 

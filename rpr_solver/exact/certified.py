@@ -41,7 +41,7 @@ class Certified:
         """Finds the prime and the roots.
 
         Raises:
-            Unproved: two roots could not be told apart.
+            Unproved: two roots could not be separated.
         """
         p = form.polynomial
         place = None if p.is_zero else _place(form)

@@ -174,7 +174,7 @@ def _near_all(
 def _bracketed(polynomial: arb_poly, slope: arb_poly, low: arb, high: arb, times: int) -> arb | None:
     """A small ball of the only root between two points, which is simple; None if a sign is not certain.
 
-    The sign at a point tells on which side the root is, far sooner than Descartes' rule does.
+    The sign at a point decides on which side the root is, much faster than Descartes' rule.
     """
     above = polynomial(high) > 0
     for _ in range(times):

@@ -22,7 +22,7 @@ Fields = Mapping[str, str]
 
 
 def export(document: Mapping[str, Any], system: str) -> str:
-    """A cusp table or a census as a script that computes the same anew in another system.
+    """A cusp table or a census as a script that repeats the computation in another system.
 
     The script derives J and E from the geometry, eliminates, and finds the cusps of each slice by the means
     of that system. It compares them with those of the document; its last line is ``agrees`` or ``differs``.

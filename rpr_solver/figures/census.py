@@ -105,7 +105,7 @@ def _apart(values: list[float]) -> list[float]:
 
 
 def _labels(texts: Sequence[str]) -> tuple[str, ...]:
-    """The lengths with so many digits that neighbours differ."""
+    """The lengths with enough digits to distinguish neighbours."""
     labels = []
     for k, text in enumerate(texts):
         beside = [texts[i] for i in (k - 1, k + 1) if 0 <= i < len(texts)]

@@ -19,8 +19,8 @@ _TAKEN = 10
 class OccupancyGrid:
     """What is taken of a picture's area, in cells of a few pixels.
 
-    Lines take the cells that they cross; boxes of labels and marks take theirs for good. Each row of cells is
-    a number with a bit for each column.
+    Lines occupy the cells that they cross; boxes of labels and marks occupy theirs permanently. Each row of
+    cells is a number with a bit for each column.
     """
 
     def __init__(self, box: Box) -> None:

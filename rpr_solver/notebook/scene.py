@@ -3,7 +3,7 @@
 Colours are roles such as ``"ink"`` or ``"cusp"``, which the palette turns into colours of a light or a dark
 theme; one scene is written as SVG (svg.py) or drawn as PNG and PDF (export.py).
 
-Hues are after Okabe and Ito, which colour-blind readers can tell apart; neighbouring areas differ in
+Hues are after Okabe and Ito, which colour-blind readers can distinguish; neighbouring areas differ in
 lightness too, so that they stay apart in grey. Figures never distinguish by colour alone: areas and curves
 are labelled, and marks differ in shape.
 """

@@ -171,6 +171,6 @@ def _rect(box: Box) -> str:
 
 
 def _n(value: float, places: int = 1) -> str:
-    """A number with few decimals, and none that say nothing."""
+    """A number with few decimals, without trailing zeros."""
     text = f"{value:.{places}f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text

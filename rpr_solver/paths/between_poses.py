@@ -262,7 +262,7 @@ def _end(table: PoseTable, number: int, field: str) -> int:
 def _connecting(
     manipulator: Manipulator, start: IsolatedPose, stop: IsolatedPose, sign: int
 ) -> tuple[Fraction, Fraction] | None:
-    """The nearest range of the fixed leg within which a path exists, of those that the census tells apart."""
+    """The nearest range of the fixed leg within which a path exists, among those that the census suggests."""
     slice_map = start.slice_map
     length = start.legs[0] / slice_map.scale
     transitions = census(manipulator, fixed_leg=slice_map.fixed_leg, digits=_CENSUS_DIGITS).transitions

@@ -5,7 +5,8 @@ that its image turns once round the image of the cusp, and not round those of th
 its twins, which have the same image. The first alone would not do: two poses near a cusp can also be joined
 beside it.
 
-The local algebra at a cusp tells where its three poses lie, and on which side of the singular curve.
+The local algebra at a cusp gives the places of its three poses, and on which side of the singular curve they
+lie.
 
 Let v be the unit tangent of J = 0 in (α, θ), which spans the kernel of DF there, n = ∇J/|∇J|, U = DF·n, and
 

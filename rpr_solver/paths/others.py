@@ -58,7 +58,7 @@ def numbered(pose: IsolatedPose, table: PoseTable, fixed_leg: int) -> PathPose:
     """A pose with its number in the table of all poses of its joint vector.
 
     Raises:
-        Unproved: it cannot be told from another pose of the table.
+        Unproved: it cannot be distinguished from another pose of the table.
     """
     angles = pose.refined(_MATCH_BITS)
     with ctx.workprec(_MATCH_BITS):
@@ -165,12 +165,12 @@ class OtherPose:
 
 
 def other_poses(route: Route, table: PoseTable, ends: tuple[PathPose, PathPose]) -> tuple[OtherPose, ...]:
-    """The poses of the joint vector beside that which follows the route, each as far as it is proved to live.
+    """The other poses of the joint vector, each followed by proof until the fold at which it vanishes.
 
     ``table`` has all poses of the joint vector; those that coalesce with others are left out.
 
     Raises:
-        Unproved: two poses could not be told apart.
+        Unproved: two poses could not be separated.
     """
     leg = route.slice_map.fixed_leg
     bits = digit_bits(table.digits) + _SPARE_BITS

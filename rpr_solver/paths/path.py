@@ -216,7 +216,7 @@ class Path:
         which it meets another one. This takes longer than the path itself.
 
         Raises:
-            SolverError: two poses could not be told apart.
+            SolverError: two poses could not be separated.
         """
         table = poses(self.manipulator, *self.lengths, digits=self.digits)
         return replace(self, others=other_poses(self.route, table, (self.start, self.stop)))

@@ -147,7 +147,7 @@ def prove(
     """Proves that J has this sign along the arcs, and how often their closed image winds round each centre.
 
     The arcs must follow one another; with a centre, the image of the first point must be that of the last.
-    ``at_ends`` tells whether the first point is the start of the path, and the last one its end. Returns None
+    ``at_ends`` says whether the first point is the start of the path, and the last one its end. Returns None
     if J changes its sign, the image meets a centre, a leg exceeds its limits, or the balls do not decide it.
     """
     pieces, turns, least = 0, [arb(0)] * len(centres), arb("+inf")

@@ -112,7 +112,7 @@ def _ends(meeting: Meeting) -> list[tuple[int, int]]:
 
 
 def _continues(meeting: Meeting) -> bool:
-    """Whether exactly two arcs meet, so that a strand goes on."""
+    """Whether exactly two arcs meet, so that a strand continues."""
     return len(meeting.left) + len(meeting.right) == 2
 
 
@@ -137,7 +137,7 @@ def _cells(sweep: Sweep, slab: int, arc: int) -> tuple[MeetingIndex, MeetingInde
 
 
 _MORE_DIGITS = (60, 240, 960, 3840)
-"""The digits at which cusps are looked for again if a critical line is too near to tell them apart."""
+"""The digits at which cusps are searched for again if a critical line is too close to separate them."""
 
 
 @dataclass(frozen=True)
@@ -145,8 +145,8 @@ class Strand:
     """A piece of a singular curve from node to node, or a closed curve, as samples and special points.
 
     J > 0 lies on its left in the (α, θ) plane. Samples are floats for drawing. Their angles run on
-    continuously beyond ±180 degrees; ``turns`` tells by how many full turns the last sample of a closed
-    strand, which is its first one again, is ahead of it.
+    continuously beyond ±180 degrees; ``turns`` is the number of full turns by which the last sample of a
+    closed strand, which is its first one again, is ahead of it.
 
     Attributes:
         closed: whether the strand is a closed curve without a node.

@@ -3,9 +3,9 @@
 Between neighbouring *lines*, the real roots of the discriminant and of the leading coefficient, J has a
 constant number of simple real roots t on each θ: the *arcs* of a *slab*, in constant order. Across a line,
 arcs are matched in *cells* of the circle of t: the separators of neighbouring cells are values of t at which
-J has no zero for any u of an interval that contains the line and lies in both slabs otherwise. So an arc
-that enters a cell stays in it, and the numbers of arcs that enter from both sides tell what happens there.
-The separators also tell which regions of J ≠ 0 continue through the line (mathematics.md#the-sweep).
+J has no zero for any u of an interval that contains the line and lies in both slabs otherwise. So an arc that
+enters a cell stays in it, and the numbers of arcs that enter from both sides decide what happens there. The
+separators also decide which regions of J ≠ 0 continue through the line (mathematics.md#the-sweep).
 
 On a simple line exactly one cell has two arcs on one side and none on the other, which meet in a turning
 point. On a multiple one, the distinct roots are isolated over a number field, and each gets its own cell.
@@ -32,7 +32,7 @@ from rpr_solver.singular.charts import TURNS, Chart, Turn, chart_of
 
 _FIRST_BITS = 64
 _CLOSE = 1e-8
-"""Angles that are nearer to each other than this are told apart by balls."""
+"""Angles that are closer than this are separated by balls."""
 _NARROWER = 8
 """A first interval round a line is this many bits narrower than the slabs beside it."""
 
@@ -120,7 +120,7 @@ def sweep(
 
     Raises:
         SolverError: the curves have a component that is not supported.
-        Unproved: lines or arcs could not be told apart.
+        Unproved: lines or arcs could not be separated.
     """
     chart, simple = chart_of(slice_map, length, turns, transposed=transposed)
     roots = _line_roots(chart, simple=simple)
@@ -148,7 +148,7 @@ def in_order(roots: Sequence[RealRoot]) -> list[RealRoot]:
     """Different roots of several polynomials, ascending.
 
     Raises:
-        Unproved: two of them could not be told apart.
+        Unproved: two of them could not be separated.
     """
 
     def ascending(bits: int) -> list[RealRoot] | None:
@@ -251,7 +251,7 @@ class _Gap:
 
     @property
     def is_close(self) -> bool:
-        """Whether floats hardly tell its ends apart."""
+        """Whether floats barely separate its ends."""
         return self.high - self.low < _CLOSE
 
     @cached_property

@@ -2,9 +2,8 @@
 
 An arc is parametrised by τ in [0, 1], with θ = θ₀ + (θ₁ − θ₀)(1 − cos πτ)/2, in which it is smooth also where
 it ends in a turning point. It is halved until the middle of a piece deviates little enough from its chord,
-which is no bound by proof (docs/singular-curves.md says what one would cost).
-The sign of ∂J/∂α tells neighbouring arcs apart; where Newton's iteration fails, the roots of J at a rational
-u are isolated again.
+which is no bound by proof (docs/singular-curves.md says what one would cost). The sign of ∂J/∂α distinguishes
+neighbouring arcs; where Newton's iteration fails, the roots of J at a rational u are isolated again.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ _FIRST = (0.25, 0.5, 0.75)
 _DEEPEST = 24
 _PART = 1 / 30
 FINEST = 1e-8
-"""Finer than this part of the picture, floats do not tell curves apart."""
+"""Floats do not separate curves that are closer than this part of the picture."""
 
 
 @dataclass(frozen=True)

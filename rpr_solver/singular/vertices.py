@@ -216,7 +216,7 @@ def _over(x: Any, n: int) -> Any:
 
 
 def placed(sweep: Sweep, u: Ball, t: Ball, most: int = EVENT_BITS) -> ArcPlace | int | None:
-    """The place of a point of the curve that is given by balls to so many bits.
+    """The place of a point of the curve that is given by balls with this number of bits.
 
     If these do not decide it, the number of the line on which it may lie, or None where the arc is open.
     """

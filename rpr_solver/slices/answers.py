@@ -52,8 +52,8 @@ def table_document(
         lengths: one length of the fixed leg or several, exact, in the user's unit.
         fixed_leg: the leg that is held, 1, 2 or 3.
         digits: significant digits of every printed number, 15 to 10000; all are proved.
-        certificate: ``"full"`` adds what somebody else needs to check a slice: its polynomial, the prime that
-            proves this squarefree, isolating intervals of its real roots, and boxes of its cusps; or
+        certificate: ``"full"`` adds what an independent checker of a slice needs: its polynomial, the prime
+            that proves this squarefree, isolating intervals of its real roots, and boxes of its cusps; or
             ``"short"``.
         progress: callback ``progress(done, total)``.
 

@@ -237,7 +237,7 @@ def census(
         digits: significant digits of every printed number, 15 to 10000; all are proved.
         start: the lower end of the range, exact, in the user's unit, excluded; 0 is an open end.
         stop: its upper end, excluded; None is an open end.
-        certificate: ``"full"`` adds what somebody else needs to check the census: the eliminants of the
+        certificate: ``"full"`` adds what an independent checker of the census needs: the eliminants of the
             events with isolating intervals of all their real roots, a box of each event, and the length at
             which each interval was counted; or ``"short"``.
         progress: callback ``progress(done, total)``; ``total`` may grow.

@@ -108,7 +108,7 @@ def _degenerate_within(
 
 
 def _is_near_an_end(length: Fraction, span: LengthRange, digits: int) -> bool:
-    """Whether an end of a range is so near a length of these digits that they do not tell them apart."""
+    """Whether an end of a range is so close to a length that these digits do not separate them."""
     doubt = length / 10 ** (digits - 1)
     return any(abs(length - end) <= doubt for end in (span.start, span.stop) if end)
 

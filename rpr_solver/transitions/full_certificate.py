@@ -1,4 +1,4 @@
-"""The full certificate of a census: what somebody else needs to check it without solving it.
+"""The full certificate of a census: what an independent checker needs to check it without solving it.
 
     {"systems": [{"name": "swallowtails", "polynomial": {"variable": "v = tan(theta1)", …},
                   "squarefree": {"prime": "…", "omega": "…"},

@@ -112,7 +112,7 @@ def _starts(
 
 
 def _lines(eliminant: Eliminant, bits: int) -> Iterator[tuple[tuple[int, int], Pair]]:
-    """All real lines: tan(θ/2) as a ratio, and the direction, both to so many bits."""
+    """All real lines: tan(θ/2) as a ratio, and the direction, both with this number of bits."""
     ring = eliminant.ring
     for form, roots in (
         (eliminant.single, eliminant.single_roots),

@@ -112,7 +112,8 @@ class _Report:
         return Claim("/passed", claim, ClaimStatus.CHECKED, f"by some slices in each interval; {OPEN}")
 
     def _example(self, k: int, violation: Record) -> Iterator[Claim]:
-        """That an example is a slice of its interval with so many cusps within the limits, and these."""
+        """The claim that an example is a slice of its interval with this number of cusps within the limits,
+        and these cusps."""
         at, example = f"/violations/{k}/example", violation["example"]
         claim, length = (
             "a slice of this interval, with its cusps within the limits",

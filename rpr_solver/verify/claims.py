@@ -146,7 +146,7 @@ class Verification:
 
     @property
     def verdict(self) -> str:
-        """``"accepted"`` or ``"refused"``; :attr:`outcome` tells more."""
+        """``"accepted"`` or ``"refused"``; :attr:`outcome` has more detail."""
         return "accepted" if self.accepted else "refused"
 
     @property

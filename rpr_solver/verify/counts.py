@@ -1,4 +1,4 @@
-"""The number of cusps of slices, from the exact eliminant alone; and slices that nobody can foresee."""
+"""The number of cusps of slices, from the exact eliminant alone; and slices that cannot be predicted."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Bounds = tuple[Fraction, Fraction]
 
 
 def count_of(system: System) -> tuple[int, bool] | None:
-    """The number of cusps, and whether it is proved. None if the resultant says nothing.
+    """The number of cusps, and whether it is proved. None if the resultant does not decide it.
 
     It is where every root of Q is simple and apart from the spurious ones: one cusp is on each line. On other
     lines the cusps are those that a search finds.
@@ -88,7 +88,8 @@ def drawn_within(bounds: Bounds) -> Fraction:
 
 
 def sampled(at: str, number: int, bounds: Bounds | None, count: Count, samples: int) -> Claim:
-    """That all slices between two lengths have so many cusps: refuted, or checked, by some of them."""
+    """The claim that all slices between two lengths have this number of cusps: refuted, or checked, by some
+    of them."""
     claim = f"{number} cusps in every slice of this interval"
     if bounds is None:
         reason = "no number of so many digits lies between its ends"

@@ -1,4 +1,4 @@
-"""A document of any kind, and what an independent verification says of it."""
+"""A document of any kind, and the result of its independent verification."""
 
 from __future__ import annotations
 

@@ -223,7 +223,7 @@ def _line(root: Root) -> Pair:
 
 @dataclass(frozen=True)
 class Completeness:
-    """What a full certificate says about a census.
+    """The claims of a full certificate about a census.
 
     Attributes:
         claims: about the certificate.

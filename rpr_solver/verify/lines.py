@@ -32,7 +32,7 @@ def opposite(bits: int) -> Pair:
 
 
 def separation(eliminant: Eliminant) -> int:
-    """Bits at which the directions of all real lines are told apart."""
+    """Bits at which the directions of all real lines are separated."""
     bits, ring = _LEAST_APART, eliminant.ring
     forms = ((eliminant.single, eliminant.single_roots), (eliminant.special, eliminant.special_roots))
     roots = [(form, root) for form, roots in forms for root in roots]
@@ -98,7 +98,7 @@ def unlisted(system: System, line: Pair, listed: Sequence[Interval], apart: int 
         system: the slice.
         line: cosine and sine of θ.
         listed: intervals of α, in radians, that are left out.
-        apart: the line is known to so many bits besides, and as many more cuts are made.
+        apart: the number of further bits of the line, and of further cuts.
     """
     functions = [system.singular, *(leg.kernel for leg in system.legs)]
     return common_zero(functions, system.ring.radicand, line, listed, apart)

@@ -26,7 +26,7 @@ Vector = tuple[Interval, Interval]
 
 
 class Unclear(Exception):  # noqa: N818 - a verdict, not a fault
-    """Intervals do not tell where these poses are."""
+    """Intervals do not separate these poses."""
 
 
 def never_degenerate(surface: Surface) -> bool:

@@ -1,4 +1,5 @@
-"""Poses of a joint vector: all are found anew, and each printed one must be another of them."""
+"""Poses of a joint vector: all are computed independently, and each printed pose must be a different one of
+them."""
 
 from __future__ import annotations
 
@@ -38,7 +39,7 @@ def pose_claims(document: Document, progress: Progress) -> Iterator[Claim]:
 
 @dataclass(frozen=True)
 class _Found:
-    """A pose above a real root of the polynomial, as it is found anew.
+    """A pose above a real root of the polynomial, computed independently.
 
     Attributes:
         order: the multiplicity of the root.
@@ -189,7 +190,7 @@ class _Poses:
         return False
 
     def _points(self, alpha: Pair, regular: bool, *, touching: bool) -> Iterator[Vector | None]:
-        """The points B1 at one α, scaled; with None if they are not told apart."""
+        """The points B1 at one α, scaled; with None if they are not separated."""
         at = self._at(alpha)
         if regular:
             determinant = at.value(self.closure.determinant)

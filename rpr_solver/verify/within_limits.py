@@ -1,4 +1,4 @@
-"""The cusps of a slice within joint limits, counted anew."""
+"""The cusps of a slice within joint limits, counted independently."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Limits:
         return any(bound is not None for bounds in self.of_legs.values() for bound in bounds)
 
     def admit(self, lengths: Mapping[int, Interval]) -> bool | None:
-        """Whether lengths are strictly within the limits; None if intervals do not tell."""
+        """Whether lengths are strictly within the limits; None if intervals do not decide it."""
         sides = [side for leg, bounds in self.of_legs.items() for side in _sides(lengths[leg], bounds)]
         if False in sides:
             return False

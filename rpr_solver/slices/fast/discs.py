@@ -48,7 +48,7 @@ class Guess:
 
     Attributes:
         real: guesses of the real roots u, each as (numerator, denominator) of tan(θ/2).
-        inside: the number of roots inside the circle that is proved: there are at least so many.
+        inside: a proved lower bound of the number of roots inside the circle.
     """
 
     real: tuple[tuple[float, float], ...]
