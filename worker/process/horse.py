@@ -63,7 +63,7 @@ class ExpectedSlices:
 
 @dataclass(frozen=True)
 class Failed:
-    """The job fails; with an empty kind there is nothing to record."""
+    """The job fails; with an empty kind, nothing is recorded."""
 
     kind: str
     detail: str
@@ -71,7 +71,7 @@ class Failed:
 
 @dataclass(frozen=True)
 class GivenUp:
-    """The slice at which it was, or else the job, fails as described."""
+    """The slice or item being processed, or else the job, fails as described."""
 
     kind: str
     detail: str
@@ -87,7 +87,7 @@ class RunAgain:
 
 
 Outcome = Failed | GivenUp | RunAgain
-"""The outcome of a chunk whose work horse could not record it."""
+"""The outcome of a chunk that its work horse could not record."""
 
 UNRECORDED = 75
 """The exit status of a work horse that could not record its outcome, because Redis did not take it."""
@@ -102,7 +102,7 @@ def judge_exit(
     """Returns the outcome for a wait status, or None if the horse ended normally and has recorded everything.
 
     `ended_for` is the worker's reason for ending the horse, if it did. `has_advanced`: items of a batch were
-    done in this attempt, so that the one at hand has not had the whole time for itself.
+    done in this attempt, so that the current one has not had all of the time.
     """
     if status == 0:
         return None
@@ -130,11 +130,11 @@ def judge_exit(
 log = logging.getLogger("rpr_cusps.worker")
 
 _WATCHDOG_MARGIN = 15.0
-_MOST_CHUNKS = 200
-_MOST_GROWTH = 32 * 2**20
+_MAX_CHUNKS = 200
+_MAX_GROWTH_BYTES = 32 * 2**20
 _MAXRSS_UNIT = 1 if sys.platform == "darwin" else 1024
 _STAYS = b"\n"
-_LAST = 19  # niceness
+_LOWEST_PRIORITY = 19  # niceness
 
 
 @dataclass(frozen=True)
@@ -221,23 +221,23 @@ class Horse:
         os.close(self._tasks)
         os.close(self._ends)
 
-    def yield_to_others(self) -> None:
+    def lower_priority(self) -> None:
         """Give it only the idle time of the processors."""
         with contextlib.suppress(OSError):
-            os.setpriority(os.PRIO_PGRP, self.pid, _LAST)
+            os.setpriority(os.PRIO_PGRP, self.pid, _LOWEST_PRIORITY)
 
 
 def _serve(orders: int, answers: int, seconds: float) -> int:
     """Run tasks in this process, a work horse, until one corrupts it; returns its exit status."""
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    limit = _peak_memory() + _MOST_GROWTH
+    limit = _peak_memory() + _MAX_GROWTH_BYTES
     with os.fdopen(orders, "rb") as lines:
         for count, line in enumerate(lines, 1):
             # without a parent-death signal, this ends an orphan soon after the deadline, in whatever C call
             signal.setitimer(signal.ITIMER_REAL, seconds)
             status, is_sound = _perform(Task(**json.loads(line)))
             signal.setitimer(signal.ITIMER_REAL, 0)
-            if status or not is_sound or count == _MOST_CHUNKS or _peak_memory() > limit:
+            if status or not is_sound or count == _MAX_CHUNKS or _peak_memory() > limit:
                 return status
             os.write(answers, _STAYS)
     return 0  # the worker is gone
@@ -257,7 +257,7 @@ def _perform(task: Task) -> tuple[int, bool]:
 
 
 def _peak_memory() -> int:
-    """Returns the most memory that this process has had, in bytes."""
+    """Returns the maximum memory that this process has used, in bytes."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _MAXRSS_UNIT
 
 
@@ -303,9 +303,9 @@ class IdleHorse:
 
 
 class BeatAlarm:
-    """Acts once no heartbeat has succeeded for `seconds`, while the main thread may be waiting for Redis.
+    """A timer that acts once no heartbeat has succeeded for `seconds`, even while Redis is waited for.
 
-    From then on another worker may run the chunks, and no two must at once. Use it in the main thread.
+    From then on another worker may run the chunks, and none may run twice at once. Use it in the main thread.
     """
 
     def __init__(self, seconds: float, act: Callable[[], None]) -> None:
@@ -313,7 +313,7 @@ class BeatAlarm:
         self._before: Any = None
 
     def set(self) -> None:
-        """Begin to wait: chunks are run from now on."""
+        """Start the timer: chunks run from now on."""
         self._before = signal.signal(signal.SIGALRM, self._ring)
         self.reset()
 
@@ -322,7 +322,7 @@ class BeatAlarm:
         signal.setitimer(signal.ITIMER_REAL, self._seconds)
 
     def clear(self) -> None:
-        """Wait no longer: no chunk is run any more."""
+        """Stop the timer: no chunk runs any more."""
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, self._before)
 

@@ -60,7 +60,7 @@ class Child:
         self._judged_from = 0.0
         self._failures = 0
         self._next_start = 0.0
-        self._told = ""
+        self._logged = ""
         self._is_killed = False
 
     def start(self) -> None:
@@ -69,9 +69,9 @@ class Child:
             process = self._launch()
         except Exception as error:  # whatever it is, it may be over in a moment
             why = "out of memory" if isinstance(error, MemoryError) else error
-            if (text := f"cannot start {self.what}: {why}; trying again") != self._told:
+            if (text := f"cannot start {self.what}: {why}; trying again") != self._logged:
                 self._say(text)
-            self._told = text
+            self._logged = text
             self._delay(is_repeated=True)
         else:
             self.adopt(process)
@@ -79,13 +79,13 @@ class Child:
     def adopt(self, process: Process) -> None:
         """Look after a process that was started elsewhere."""
         self.process, self._started = process, time.monotonic()
-        self._is_killed, self._told = False, ""
+        self._is_killed, self._logged = False, ""
 
     def look_after(self, sign: float | None, lost: str | None = None) -> None:
         """Start the process again if it has ended, and kill it if it hangs; takes no time.
 
-        `sign` is when it last did its work (`time.monotonic()`, 0 for not yet), None if nobody can tell at
-        present; `lost` says why it can do it no longer, if it ever did.
+        `sign` is the time of its last sign of life (`time.monotonic()`, 0 for none yet), None if that is
+        unknown at present; `lost` is the reason why it can no longer do its work, if there is one.
         """
         now = time.monotonic()
         if now - self._looked > _BLINK:

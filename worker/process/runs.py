@@ -1,7 +1,7 @@
-"""The chunks that the work horses of a worker run: from the start of each to what becomes of it.
+"""The chunks that the work horses of a worker run, each from its start to its outcome.
 
-A worker runs one chunk at a time. One that is kept for short work does not let a chunk that takes longer than
-most hold up the next small one: it runs that beside it, and gives back what takes a few times its estimate.
+A worker runs one chunk at a time. With light duty, it runs the next small chunk in parallel to one that takes
+longer than most, and gives back a chunk that overruns its estimate.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ from worker.settings import WorkerSettings
 log = logging.getLogger("rpr_cusps.worker")
 
 SHORT_SECONDS = 0.1
-"""Seconds after which a chunk no longer holds up the next small one; most small ones take less."""
+"""Seconds after which a chunk no longer delays the next small one; most small ones take less."""
 
 MAX_RUNNING = 9
-"""Chunks that run at once on a worker that is kept for short work."""
+"""The maximum number of chunks that run at once on a worker with light duty."""
 
-_WAITS_AFTER = 5  # floors: what takes so long without a processor's time has overrun too
-_TOO_MANY_FACTOR, _TOO_MANY_FLOOR = 2.0, 0.5  # instead of the settings, while there are too many
+_WAITING_FACTOR = 5  # a chunk that lasts this many times the floor has overrun, even if it only waits
+_CROWDED_FACTOR, _CROWDED_FLOOR = 2.0, 0.5  # in place of the settings while MAX_RUNNING chunks run
 
 
 @dataclass
@@ -53,37 +53,37 @@ class Run:
     """A chunk that a work horse runs.
 
     Attributes:
-        start: the time of its start.
-        items_done: the items of a batch that were done before.
-        had: the processor time that its horse had used before, if the system reports it.
+        start: the time of its start (`time.monotonic()`).
+        items_done: the number of items of a batch that were done before.
+        horse_seconds: the processor time that its horse had used before, if the system reports it.
         estimate: its estimate, once it is read.
-        is_aside: whether other chunks go before it.
-        has_overrun: whether it has been noted that it takes a few times its estimate.
-        ended_for: why the worker ended its horse, if it did.
-        following: where it continues if it was given back.
+        has_low_priority: whether chunks that began later go before it.
+        has_overrun: whether its overrun has been recorded.
+        ended_for: the reason for which the worker ended its horse, if it did.
+        next_attempt: the attempt and the lane in which it continues, if it was given back.
     """
 
     ref: ChunkRef
     horse: Horse
     start: float
     items_done: int
-    had: float | None
+    horse_seconds: float | None
     estimate: Estimate | None = None
-    is_aside: bool = False
+    has_low_priority: bool = False
     has_overrun: bool = False
     ended_for: str | None = None
-    following: tuple[ChunkRef, Lane] | None = None
+    next_attempt: tuple[ChunkRef, Lane] | None = None
 
     @property
     def age(self) -> float:
-        """The seconds since its start."""
+        """The time since its start, in seconds."""
         return time.monotonic() - self.start
 
     @property
     def took(self) -> float:
         """The processor time that it has used; its age where the system does not report this."""
         now = processor_seconds(self.horse.pid)
-        return self.age if now is None or self.had is None else now - self.had
+        return self.age if now is None or self.horse_seconds is None else now - self.horse_seconds
 
     @property
     def ratio(self) -> float:
@@ -95,7 +95,7 @@ class Run:
         if self.estimate is None:
             return False
         bound = max(factor * self.estimate.seconds, floor)
-        return self.took > bound or self.age > max(bound, _WAITS_AFTER * floor)
+        return self.took > bound or self.age > max(bound, _WAITING_FACTOR * floor)
 
     def end(self, reason: str) -> None:
         """Kill the horse; the first reason counts."""
@@ -108,17 +108,17 @@ class Run:
             with contextlib.suppress(RedisError):
                 self.estimate = attempts.estimate(self.ref) or Estimate(inf)
 
-    def told(self) -> contextlib.AbstractContextManager[None]:
-        """A block whose log lines name its job and request."""
+    def log_subject(self) -> contextlib.AbstractContextManager[None]:
+        """Returns a context in which log lines name its job and request."""
         request_id = "" if self.estimate is None else self.estimate.request_id
         return about(job=self.ref.job_id, request_id=request_id)
 
     def warn(self, what: str) -> None:
-        """Log something unusual, with the time that was estimated."""
+        """Log a warning with its running time and its estimate."""
         kind, estimate = kind_of_job(self.ref.job_id), self.estimate
         name = "unknown" if kind is None else kind.name
         estimated = f"{estimate.seconds:.2f} s" if estimate and estimate.seconds < inf else "unknown"
-        with self.told():
+        with self.log_subject():
             log.warning(
                 "chunk %d (%s): %s; it has run for %.1f s, the estimate was %s",
                 *(self.ref.index, name, what, self.age, estimated),
@@ -131,7 +131,7 @@ class Runs:
 
     Attributes:
         worker: its name.
-        is_light: whether it is kept for short work.
+        is_light: whether it has light duty: short chunks only.
     """
 
     attempts: Attempts
@@ -150,7 +150,7 @@ class Runs:
 
     @property
     def may_begin_another(self) -> bool:
-        """Whether another small chunk may run beside those that run, none of which is short."""
+        """Whether another small chunk may be run in parallel, since none of those that run is short."""
         patience = (
             SHORT_SECONDS if len(self.running) == 1 else SHORT_SECONDS / 2
         )  # several in a row promise nothing good
@@ -158,19 +158,16 @@ class Runs:
 
     @property
     def is_full(self) -> bool:
-        """Whether as many chunks run as may at once."""
+        """Whether the maximum number of chunks run."""
         return len(self.running) >= MAX_RUNNING
 
     def begin(self, ref: ChunkRef, function: str) -> None:
-        """Have a work horse run a chunk; those that run already leave it the processor.
-
-        None of RQ's records of executions are kept: the record of the job and the heartbeat hold the state.
-        """
+        """Have a work horse run a chunk; those that run already get a lower priority."""
         before = self.attempts.items_done(ref)
         horse = self._idle.take([run.horse for run in self.running])
         for run in self.running:
-            run.horse.yield_to_others()
-            run.is_aside = True
+            run.horse.lower_priority()
+            run.has_low_priority = True
         if not self.running:
             self._alarm.set()
         self.running.append(Run(ref, horse, time.monotonic(), before, processor_seconds(horse.pid)))
@@ -178,14 +175,14 @@ class Runs:
         self._idle.expects_tables |= kind_of_job(ref.job_id) is CUSP_TABLE
 
     def next_look(self, next_beat: float) -> float:
-        """Returns when to attend to the chunks again, unless something happens before."""
+        """Returns the time at which to attend to the chunks again at the latest."""
         if self.is_light:  # to look for small ones
             return min(next_beat, time.monotonic() + SHORT_SECONDS / 4)
         ends = (run.start + self.settings.deadline for run in self.running if run.ended_for is None)
         return min([next_beat, *ends])
 
     def attend(self, ready: Collection[int], stopped: Collection[str]) -> None:
-        """Record what became of the chunks whose horses can be read, and end others whose time is over.
+        """Record the outcomes of the chunks whose horses can be read, and end others whose time is over.
 
         `stopped`: the RQ ids of chunks that are to be stopped by a command.
         """
@@ -205,7 +202,7 @@ class Runs:
                 run.read_estimate(self.attempts)
 
     def beat(self) -> None:
-        """Send the heartbeats of all chunks, and end those that are not to be run any more.
+        """Send the heartbeats of all chunks, and end those whose attempt is over.
 
         Raises:
             RedisError: Redis cannot be reached.
@@ -215,25 +212,25 @@ class Runs:
                 run.end("canceled")
             elif run.ended_for is not None:
                 run.horse.kill()
-            elif run.has_overrun and self.is_light:  # there was no worker to give it back to
+            elif run.has_overrun and self.is_light:  # until now no worker took heavy chunks
                 self._note_overrun(run)
             else:
                 run.read_estimate(self.attempts)
         self._alarm.reset()
 
     def relieve(self) -> None:
-        """Give back the chunk that is furthest beyond its estimate: small ones wait, and too many run."""
-        over = [run for run in self.running if run.has_taken(_TOO_MANY_FACTOR, _TOO_MANY_FLOOR)]
+        """Give back the chunk that exceeds its estimate most, since small ones wait and no more may run."""
+        over = [run for run in self.running if run.has_taken(_CROWDED_FACTOR, _CROWDED_FLOOR)]
         if over and not any(run.ended_for for run in self.running):
             self._note_overrun(max(over, key=lambda run: run.ratio))
 
     def end(self, reason: str) -> None:
-        """End all work horses that run a chunk."""
+        """End all work horses that run a chunk, for a reason."""
         for run in self.running:
             run.end(reason)
 
     def abandon(self) -> None:
-        """End all work horses, and leave their chunks to the sweeper."""
+        """End all work horses without recording anything; the sweeper finds their chunks."""
         for run in self.running:
             run.horse.kill()
             run.horse.collect()
@@ -251,7 +248,7 @@ class Runs:
             run.has_overrun = not is_new
             return
         if following is not None:
-            run.following = following
+            run.next_attempt = following
             run.end("overrun")
         if is_new or following:
             where = f"; given back to the lane {following[1]}" if following else ""
@@ -261,7 +258,7 @@ class Runs:
     # -- the end of a chunk ------------------------------------------------------------------------
 
     def _close(self, run: Run) -> None:
-        """Record what became of a chunk whose horse has done it, or has exited."""
+        """Record the outcome of a chunk whose horse has finished it, or has exited."""
         self.running.remove(run)
         if not self.running:
             self._alarm.clear()
@@ -272,7 +269,7 @@ class Runs:
             status = run.horse.collect()
         elif not run.horse.has_stayed():
             status = run.horse.collect()
-        elif run.is_aside:
+        elif run.has_low_priority:
             run.horse.kill()
             run.horse.collect()
         else:
@@ -282,7 +279,7 @@ class Runs:
         if outcome is not None:  # else the horse has logged it
             how = f"stopped ({ended_for})" if ended_for else "lost its work horse"
             run.read_estimate(self.attempts)
-            with run.told():
+            with run.log_subject():
                 log.info("chunk %d: %s after %.2f s", run.ref.index, how, run.age)
         self._settle(run, outcome)
 
@@ -297,8 +294,8 @@ class Runs:
         try:
             if self.attempts.end_beat(ref) and outcome is None:
                 outcome = UNANSWERED
-            if run.following is not None:
-                self.chunks.put_back(*run.following, is_first=False)
+            if run.next_attempt is not None:
+                self.chunks.put_back(*run.next_attempt, is_first=False)
             elif outcome is not None:
                 self._record(run, outcome)
         except RedisError as error:

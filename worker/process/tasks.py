@@ -1,5 +1,5 @@
-"""The task of a work horse: solve the slices of a chunk and keep each at once, or compute a document in one
-piece."""
+"""The task of a work horse: solve the slices of a chunk and store each at once, answer the items of a batch,
+or compute a document."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ EXHAUSTED = "The computation ran out of memory."
 
 
 class AttemptOver(Exception):  # noqa: N818 - not an error
-    """The chunk was canceled, or given to another worker; what is left to do is theirs."""
+    """The attempt is no longer the current one: the chunk was canceled, or given to another worker."""
 
 
 @dataclass(frozen=True)
@@ -81,11 +81,11 @@ def run_chunk(job_id: str, run: str, index: int, attempt: int) -> bool:
         return True
     if not tracing.is_on():
         tracing.start()
-    told = {"job": job_id, "chunk": index, "attempt": attempt, "kind": chunk.request.kind.name}
+    attributes = {"job": job_id, "chunk": index, "attempt": attempt, "kind": chunk.request.kind.name}
     if "submitted" in chunk.origin:
-        tracing.record("queue wait", chunk.origin, int(chunk.origin["submitted"]), told)
-    of = {"job": job_id, "request_id": chunk.origin.get("request_id", "")}
-    with about(**of), tracing.span("chunk", chunk.origin, told):
+        tracing.record("queue wait", chunk.origin, int(chunk.origin["submitted"]), attributes)
+    log_subject = {"job": job_id, "request_id": chunk.origin.get("request_id", "")}
+    with about(**log_subject), tracing.span("chunk", chunk.origin, attributes):
         is_sound = _run(ref, chunk, attempts)
     tracing.flush()
     return is_sound
@@ -227,7 +227,7 @@ def _compute_document(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: Re
 
 
 class Throttle:
-    """A callback `progress(done, total)` that passes on a few calls a second at most."""
+    """A callback `progress(done, total)` that forwards at most ten calls a second."""
 
     def __init__(self, report: Progress, pause: float = 0.1) -> None:
         self._report, self._pause = report, pause

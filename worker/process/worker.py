@@ -57,14 +57,14 @@ class Outage:
     def __init__(self) -> None:
         self._count = 0
         self._since = 0.0
-        self._told = ""
+        self._logged = ""
 
     def note(self, error: Exception) -> float:
-        """Tell of an error, unless it is the last one again; returns how long to wait, in seconds."""
+        """Log an error, unless it is the same as the last one; returns how long to wait, in seconds."""
         if self._count == 0:
             self._since = time.monotonic()
-        if (text := f"{type(error).__name__}: {error}") != self._told:
-            self._told = text
+        if (text := f"{type(error).__name__}: {error}") != self._logged:
+            self._logged = text
             unforeseen = None if isinstance(error, RedisError) else error
             log.warning("cannot work (%s); retrying", text, exc_info=unforeseen)
         pause = min(_LONGEST_PAUSE, _SHORTEST_PAUSE * 2.0 ** min(self._count, 10))
@@ -75,7 +75,7 @@ class Outage:
         """Work is possible; log it if it was not before."""
         if self._count:
             log.warning("working again after %.1f s", time.monotonic() - self._since)
-            self._count, self._told = 0, ""
+            self._count, self._logged = 0, ""
 
 
 class Wakeup:
@@ -96,19 +96,19 @@ class Wakeup:
             os.write(self._writer, b"w")
 
     def drain(self) -> None:
-        """Forget what has woken it."""
+        """Clear the wake-up calls so far."""
         with contextlib.suppress(BlockingIOError):
             os.read(self._reader, 64)
 
 
 class Worker:
-    """A process that takes chunks from the queue and supervises the horses that run them. It
+    """A process that takes chunks from the queue, and supervises the work horses that run them. It
 
     - kills a work horse at the deadline, even inside C code, and records the deadline as the reason,
     - puts its running chunk back in the queue when it stops,
-    - if it has light duty, does not let a chunk that takes longer than most hold up a small one,
+    - with light duty, runs small chunks in parallel to one that takes longer than most,
     - sends heartbeats for its chunks, and searches for chunks that other workers lost,
-    - notices by itself that its attempt is over: the job was canceled, or another worker runs the chunk,
+    - stops a chunk whose attempt is over: the job was canceled, or another worker runs the chunk,
     - continues after any error; only a signal ends it.
     """
 
@@ -144,7 +144,7 @@ class Worker:
         with contextlib.suppress(StopWhileIdle):
             on_stop_signals(self._request_stop)
             self._loop()
-        # neither another signal nor a Redis that hangs must hold up the last steps of the process
+        # neither another signal nor a Redis that hangs may delay the end of the process
         on_stop_signals(signal.SIG_IGN)
         self._runs.abandon()
         sign_off = threading.Thread(target=self._sign_off, daemon=True)
@@ -168,7 +168,7 @@ class Worker:
         if self._is_busy:
             self._attend()
             if self._runs.running and self._runs.is_light and not self.is_stopping:
-                self._give_way()
+                self._run_small_chunks()
             return
         if time.monotonic() >= self._next_sign_on:
             self._sign_on()
@@ -207,7 +207,7 @@ class Worker:
     # -- chunks that run ---------------------------------------------------------------------------
 
     def _attend(self) -> None:
-        """Wait until something happens to the chunks that run, and see to it."""
+        """Wait until a chunk that runs needs attention, and give it."""
         settings, runs = self.settings, self._runs
         if self._stop_requested and self._stop_at == inf:
             self._stop_at = time.monotonic() + settings.shutdown_grace
@@ -236,8 +236,8 @@ class Worker:
         except RedisError as error:
             log.warning("heartbeat failed: %s", error)
 
-    def _give_way(self) -> None:
-        """Begin a small chunk beside those that take longer, if one waits."""
+    def _run_small_chunks(self) -> None:
+        """Begin a small chunk in parallel to those that take longer, if one waits."""
         try:
             if self._runs.may_begin_another:
                 rq_id = self._chunks.pop(["small"])
@@ -265,7 +265,7 @@ class Worker:
             raise StopWhileIdle
 
     def _force_stop(self, _signum: int, _frame: FrameType | None) -> None:
-        """Second signal: the same without a grace period."""
+        """Second signal: without a grace period."""
         self._forced_stop = True
         self._wakeup.wake()
 

@@ -62,7 +62,7 @@ def test_it_leaves_after_anything_else(horses: list[Horse], task: str, status: i
 
 
 def test_it_leaves_after_many_tasks(horses: list[Horse], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "_MOST_CHUNKS", 3)
+    monkeypatch.setattr(module, "_MAX_CHUNKS", 3)
     horse = forked(horses)
     assert [stays_after(horse, "sound") for _ in range(3)] == [True, True, False]
     assert status_of(horse, horses) == 0
