@@ -25,6 +25,9 @@ from .kinematics.pose_table import PlatformPose as PlatformPose
 from .kinematics.pose_table import PoseTable as PoseTable
 from .kinematics.pose_table import poses as poses
 from .kinematics.pose_table import poses_of_squares as poses_of_squares
+from .margins.counterexamples import Counterexample as Counterexample
+from .margins.margin import Margin as Margin
+from .margins.margin import margin as margin
 from .margins.sensitivities import with_sensitivities as with_sensitivities
 from .model.classify import PoseKind as PoseKind
 from .model.joint_points import JointPoint as JointPoint

@@ -1,0 +1,207 @@
+"""Boxes of poses and geometries in doubles, and the functions of systems.py there (slopes.py)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property, lru_cache, partial
+from math import inf, nextafter
+from typing import TYPE_CHECKING
+
+import numpy as np
+from flint import arb, ctx
+
+from rpr_solver.margins.slopes import UNIT, UP, Errors, Slopes, refined
+from rpr_solver.margins.systems import Systems, moving_legs
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from rpr_solver.margins.slopes import Doubles
+
+    Integers = NDArray[np.int64]
+
+TURN = 1 << 31
+"""Angles of boxes are integers: a turn has so many units."""
+ANGLES = 2
+_TABLES = ((1 << 11, 1 << 20), (1 << 10, 1 << 10), (1 << 10, 1))
+"""Numbers of entries and their steps, in units: an angle is a sum of an entry of each."""
+_TRIG_ERROR = 16 * UNIT
+
+
+@dataclass(frozen=True)
+class Span:
+    """Bounds of a number, as doubles."""
+
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, low: Fraction, high: Fraction) -> Span:
+        """The narrowest span that holds two rationals and those between."""
+        below, above = float(low), float(high)
+        return cls(
+            below if below <= low else nextafter(below, -inf),
+            above if above >= high else nextafter(above, inf),
+        )
+
+    @property
+    def is_one_number(self) -> bool:
+        """Whether there is no double between the bounds."""
+        return self.high <= nextafter(self.low, inf)
+
+    @property
+    def middle(self) -> float:
+        """A double between the bounds."""
+        return (self.low + self.high) / 2
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The least (side −1) or greatest (side 1) length of leg f (0) or g (1), squared."""
+
+    leg: int
+    side: int
+    square: Span
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A box of geometries, and the lengths of the fixed leg; all in a unit that makes them at most 1.
+
+    Attributes:
+        fixed_leg: 1, 2 or 3.
+        orientation: 1, −1, or 0 for a platform that is flat throughout.
+        lengths: bounds of each of LENGTHS.
+        fixed: bounds of the fixed leg's length, of its inverse, or of the length where ``drift`` begins.
+        inverse: whether ``fixed`` bounds the inverse.
+        drift: how fast the fixed leg's length is to change with each of LENGTHS, from their middles.
+        limits: lengths of the moving legs that no cusp should pass.
+    """
+
+    fixed_leg: int
+    orientation: int
+    lengths: tuple[Span, ...]
+    fixed: Span
+    inverse: bool = False
+    drift: tuple[float, ...] = (0.0,) * 6
+    limits: tuple[Limit, ...] = ()
+
+    @property
+    def spans(self) -> tuple[Span, ...]:
+        """Those of the fixed leg and of LENGTHS."""
+        return self.fixed, *self.lengths
+
+    @cached_property
+    def rows(self) -> dict[int, int]:
+        """Place in ``spans`` → row in a box, for those that vary."""
+        varying = [place for place, span in enumerate(self.spans) if not span.is_one_number]
+        return {place: ANGLES + k for k, place in enumerate(varying)}
+
+    @property
+    def size(self) -> int:
+        """The number of variables of a box: α, θ, and the others that vary."""
+        return ANGLES + len(self.rows)
+
+    def grid(self, parts: int) -> tuple[Doubles, Doubles]:
+        """Lower and upper ends of boxes that cover the problem, the torus cut in ``parts`` × ``parts``."""
+
+        step = TURN // parts
+        places = np.arange(parts) * float(step)
+        low, high = (np.empty((self.size, parts * parts)) for _ in range(2))
+        low[0], low[1] = np.repeat(places, parts), np.tile(places, parts)
+        high[:ANGLES] = low[:ANGLES] + step
+        for place, row in self.rows.items():
+            low[row], high[row] = self.spans[place].low, self.spans[place].high
+        return low, high
+
+    def systems(self, ring: BoxRing, order: int) -> Systems:
+        """The functions on boxes, or the bounds of their errors."""
+        fixed, *lengths = (ring.number(place) for place in range(len(self.spans)))
+        for place, (length, rate) in enumerate(zip(lengths, self.drift, strict=True)):
+            if rate:
+                middle = ring.constant(self.lengths[place].middle)
+                fixed = fixed + (length - middle) * ring.constant(rate)
+        legs = moving_legs(lengths, self.orientation, self.fixed_leg, ring.refine_one)
+        scales = (1, fixed) if self.inverse else (fixed, 1)
+        alpha, theta, between = ring.turns()
+        return Systems(alpha, theta, between, scales, legs, order, ring.refine)
+
+
+class BoxRing:
+    """The ring of functions on boxes."""
+
+    def __init__(self, problem: Problem, low: Doubles, high: Doubles) -> None:
+
+        self._problem = problem
+        self.middle = (low + high) / 2
+        self.half = np.maximum(high - self.middle, self.middle - low) * UP
+        self.half[:ANGLES] *= 2 * np.pi / TURN
+        self.refine = partial(refined, half=self.half)
+
+    def constant(self, value: float) -> Slopes:
+        """A number on all boxes, right to two units of its last place."""
+        function = self._blank(Errors(4 * UNIT * abs(value), 0.0))
+        function.middle[0] = value
+        return function
+
+    def number(self, place: int) -> Slopes:
+        """One of the problem's spans as a function."""
+        row = self._problem.rows.get(place)
+        if row is None:
+            return self.constant(self._problem.spans[place].low)
+        function = self._blank(Errors(0.0, 0.0))
+        function.middle[0], function.radius[0] = self.middle[row], self.half[row]
+        function.middle[1 + row] = 1
+        return function
+
+    def turns(self) -> tuple[tuple[Slopes, Slopes], ...]:
+        """Cosines and sines of α, θ and α − θ."""
+        alpha, theta = self.middle[:ANGLES].astype(np.int64)
+        return self._turn(alpha, (1, 0)), self._turn(theta, (0, 1)), self._turn(alpha - theta, (1, -1))
+
+    def refine_one(self, function: Slopes) -> Slopes:
+        """The function with a smaller radius of its values."""
+        return function.tightened(self.half)
+
+    def _turn(self, angle: Integers, signs: tuple[int, int]) -> tuple[Slopes, Slopes]:
+        cos, sin = cos_sin(angle)
+        half = sum(self.half[k] for k, sign in enumerate(signs) if sign)
+        functions = []
+        for value, slope in ((cos, -sin), (sin, cos)):
+            function = self._blank(Errors(_TRIG_ERROR, _TRIG_ERROR))
+            changes = half * np.minimum(1, abs(slope) + half), half * np.minimum(1, abs(value) + half)
+            function.middle[0], function.radius[0] = value, changes[0] * UP
+            for k, sign in enumerate(signs):
+                if sign:
+                    function.middle[1 + k], function.radius[1 + k] = sign * slope, changes[1] * UP
+            functions.append(function)
+        return functions[0], functions[1]
+
+    def _blank(self, error: Errors) -> Slopes:
+        shape = (1 + self._problem.size, self.middle.shape[1])
+        return Slopes(np.zeros(shape), np.zeros(shape), error)
+
+
+def cos_sin(angle: Integers) -> tuple[Doubles, Doubles]:
+    """Cosines and sines of angles in units of a turn over TURN, right to 16 units of 2⁻⁵³."""
+    angle = angle % TURN
+    cos, sin = np.ones(angle.shape), np.zeros(angle.shape)
+    for (count, step), (cosines, sines) in zip(_TABLES, _tables(), strict=True):
+        place = angle // step % count
+        x, y = cosines[place], sines[place]
+        cos, sin = cos * x - sin * y, sin * x + cos * y
+    return cos, sin
+
+
+@lru_cache(maxsize=1)
+def _tables() -> list[tuple[Doubles, Doubles]]:
+    """Cosines and sines, rounded to nearest or nearly so."""
+
+    tables = []
+    with ctx.workprec(80):
+        for count, step in _TABLES:
+            turns = [arb(2 * k * step) / TURN for k in range(count)]
+            cosines, sines = zip(*(x.sin_cos_pi()[::-1] for x in turns), strict=True)
+            tables.append((np.array([float(x) for x in cosines]), np.array([float(x) for x in sines])))
+    return tables

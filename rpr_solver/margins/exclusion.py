@@ -1,0 +1,156 @@
+"""Proof that no cusp degenerates for any geometry of a box, or passes a joint limit (mathematics.md#margins).
+
+Boxes of poses and geometries are cut until on each of them either there is no cusp, or none that degenerates:
+no common zero of (K, E), or none of (K, E, S) and (K, K_α, K_θ).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rpr_solver.margins.boxes import ANGLES, BoxRing, Problem
+from rpr_solver.margins.multipliers import multipliers
+from rpr_solver.margins.slopes import UP, Slopes
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from rpr_solver.margins.slopes import Doubles
+
+    Places = NDArray[np.int64]
+
+_PARTS = 32
+_BATCH = 2048
+_FINEST_ANGLE = 4
+
+MayGoOn = Callable[[], bool]
+
+
+@dataclass(frozen=True)
+class Exclusion:
+    """The result of :func:`exclude`.
+
+    Attributes:
+        proved: whether no cusp degenerates.
+        boxes: the number of boxes that were examined.
+        left: a box, as lower and upper ends, on which it was not proved; None if proved.
+    """
+
+    proved: bool
+    boxes: int
+    left: tuple[Doubles, Doubles] | None = None
+
+
+def exclude(problem: Problem, most_boxes: int, may_go_on: MayGoOn = lambda: True) -> Exclusion:
+    """Tries to prove that all geometries and lengths of a problem have the same number of cusps.
+
+    Args:
+        problem: the box.
+        most_boxes: the number of boxes after which to give up.
+        may_go_on: asked now and then; False to give up.
+    """
+    low, high = problem.grid(_PARTS)
+    search, boxes = _Search(problem), 0
+    waiting = [(low, high)]
+    with np.errstate(all="ignore"):
+        while waiting:
+            low, high = waiting.pop()
+            while waiting and low.shape[1] + waiting[-1][0].shape[1] <= _BATCH:
+                low, high = (
+                    np.concatenate(pair, axis=1) for pair in zip((low, high), waiting.pop(), strict=True)
+                )
+            if low.shape[1] > _BATCH:
+                waiting.append((low[:, _BATCH:], high[:, _BATCH:]))
+                low, high = low[:, :_BATCH], high[:, :_BATCH]
+            boxes += low.shape[1]
+            kept, variables = search.undecided(low, high)
+            low, high = low[:, kept], high[:, kept]
+            if not low.size:
+                continue
+            halves = _halves(low, high, variables)
+            if halves is None or boxes > most_boxes or not may_go_on():
+                return Exclusion(False, boxes, (low[:, 0], high[:, 0]))
+            waiting.append(halves)
+    return Exclusion(True, boxes)
+
+
+def _halves(low: Doubles, high: Doubles, variables: Any) -> tuple[Doubles, Doubles] | None:
+    """The halves of boxes, each cut along one variable; None if one is too small to be cut."""
+
+    every = np.arange(low.shape[1])
+    middle = (low[variables, every] + high[variables, every]) / 2
+    width = high[variables, every] - low[variables, every]
+    fine = np.where(
+        variables < ANGLES,
+        width >= _FINEST_ANGLE,
+        (middle > low[variables, every]) & (middle < high[variables, every]),
+    )
+    if not fine.all():
+        return None
+    lower, upper = low.copy(), high.copy()
+    upper[variables, every] = lower[variables, every] = middle
+    return np.concatenate((low, lower), axis=1), np.concatenate((upper, high), axis=1)
+
+
+class _Search:
+    """The tests of boxes of one problem."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self._moving = [0, 1, *(row for place, row in problem.rows.items() if place == 0)]
+
+    def undecided(self, low: Doubles, high: Doubles) -> tuple[Places, Places]:
+        """The boxes on which nothing is proved, and for each the variable along which to cut it."""
+        ring = BoxRing(self._problem, low, high)
+        systems = self._problem.systems(ring, 0)
+        k = systems.singularity.value
+        left = np.flatnonzero(~(abs(k.middle[0]) > _change(k, ring.half)))
+        f, g = (sum(x.middle[0, left] ** 2 for x in systems.tangent(leg)) for leg in (0, 1))
+        found = [self._of_leg(low, high, left[places], leg) for leg, places in ((0, ~(f < g)), (1, f < g))]
+        kept, variables = zip(*found, strict=True)
+        return np.concatenate(kept), np.concatenate(variables)
+
+    def _of_leg(self, low: Doubles, high: Doubles, places: Places, leg: int) -> tuple[Places, Places]:
+        """As :meth:`undecided`, of some boxes, with v that of one leg."""
+        if not places.size:
+            return places, places
+        ring = BoxRing(self._problem, low[:, places], high[:, places])
+        systems = self._problem.systems(ring, 1)
+        k = systems.singularity
+        first = [k.value, systems.along(leg, k).value]
+        easy = multipliers(first, ring.half, self._moving)
+        left = ~easy.proved
+        places, easy = places[left], easy[left]
+        if not places.size:
+            return places, places
+        ring = BoxRing(self._problem, low[:, places], high[:, places])
+        systems = self._problem.systems(ring, 2)
+        k = systems.singularity
+        e = systems.along(leg, k)
+        tests = [[k.value, e.value, systems.along(leg, e).value], [k.value, k.alpha.value, k.theta.value]]
+        outside = np.zeros(places.shape, dtype=bool)
+        for limit in self._problem.limits:
+            excess = systems.excess(limit.leg, ring.constant(limit.square.low))
+            tests.append([k.value, e.value, excess])
+            outside |= limit.side * excess.middle[0] > _change(excess, ring.half)
+        results = [multipliers(test, ring.half, self._moving) for test in tests]
+        values = np.array([result.values for result in results])
+        proved = (values < 1).all(axis=0)
+        proved &= np.any(
+            [abs(x.middle[0]) > x.radius[0] * UP + x.error.value for x in systems.tangent(leg)], axis=0
+        )
+        shares = np.choose(values.argmax(axis=0), [result.shares for result in results])
+        shares = np.where(easy.values < values.max(axis=0), easy.shares, shares)
+        left = ~(proved | outside)
+        return places[left], shares.argmax(axis=0)[left]
+
+
+def _change(function: Slopes, half: Doubles) -> Doubles:
+    """Bounds of the changes of a function on boxes, errors included."""
+    first, second, error = function.expanded(half)
+    change: Doubles = (abs(first) + 0.5 * second).sum(axis=0) * UP + error
+    return change

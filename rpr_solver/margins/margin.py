@@ -1,0 +1,371 @@
+"""Margins: how far the lengths may change before a property is lost, proved below and refuted above."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from rpr_solver.contract import MIN_DIGITS, Progress, check_leg, check_type, document_head, silent
+from rpr_solver.errors import InputError
+from rpr_solver.exact.rationals import (
+    Exact,
+    exact_or_none,
+    exact_str,
+    parse_all,
+    parse_exact,
+    parse_positive,
+)
+from rpr_solver.margins.boxes import Problem
+from rpr_solver.margins.counterexamples import Counterexample, Ray, rounded_down
+from rpr_solver.margins.estimates import Estimate, Mover
+from rpr_solver.margins.exclusion import MayGoOn, exclude
+from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
+from rpr_solver.margins.systems import LENGTHS
+from rpr_solver.model.lengths import slice_length
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.transitions.requirement import Requirement
+
+PROVED, REFUTED, OPEN = "proved", "refuted", "open"
+
+MOST_BOXES = 100_000
+"""The number of boxes that a search examines, some five seconds."""
+_FIRST_SHARE = Fraction(99, 100)
+_DIGITS = 3
+_CLOSE = Fraction(51, 50)
+_STEP = Fraction(5, 4)
+_LEAST_BOXES = 4_000
+_DOUBTFUL = 1.1
+"""Below such a radius to first order, a counter-example is sought before a proof."""
+
+
+@dataclass(frozen=True)
+class Margin:
+    """How far the lengths of a manipulator may change before a property is lost.
+
+    Radii multiply the weights: within radius r are the geometries with |δ_j| ≤ r w_j for each length.
+
+    Attributes:
+        manipulator: the geometry.
+        fixed_leg: the leg whose length is given, or varies.
+        asked: what was asked, as the contract has it.
+        weights: w, by the names of the lengths; 0 keeps a length as it is.
+        count: the number of cusps; None for a requirement that allows several.
+        validity: the radius at which a platform is flat or two base points coincide; None if there is none.
+        first_order: an estimate, no bound; None if there is none.
+        proved: all geometries within this radius have the property; None if nothing was proved.
+        counterexample: one that has it not; None if none was found.
+        verdict: ``"proved"``, ``"refuted"`` or ``"open"`` for a tolerance, else None.
+        boxes: the number of boxes of the proof.
+        reason: why the margin is 0 or nothing could be proved, if that is known.
+
+    >>> from rpr_solver import EXAMPLES, margin
+    >>> margin(EXAMPLES["innocenti"], "28.1", tolerance="0.0007")
+    <Margin refuted: nothing proved, refuted 1>
+    """
+
+    manipulator: Manipulator
+    fixed_leg: int
+    asked: Mapping[str, Any]
+    weights: Mapping[str, Fraction]
+    count: int | None
+    validity: Fraction | None
+    first_order: Estimate | None
+    proved: Fraction | None
+    counterexample: Counterexample | None
+    verdict: str | None
+    boxes: int
+    reason: str | None = None
+
+    def __repr__(self) -> str:
+        known = "nothing proved" if self.proved is None else f"proved {exact_str(self.proved)}"
+        against = "" if self.counterexample is None else f", refuted {exact_str(self.counterexample.radius)}"
+        return f"<Margin {self.verdict or 'radius'}: {known}{against}>"
+
+    def to_json(self) -> dict[str, Any]:
+        """The contract's margin document."""
+        leg = self.fixed_leg
+        return {
+            **document_head(self.manipulator, MIN_DIGITS, leg),
+            "asked": dict(self.asked),
+            "count": self.count,
+            "weights": {name: exact_str(w) for name, w in self.weights.items()},
+            "validity": None if self.validity is None else exact_str(rounded_down(self.validity, 6)),
+            "first_order": None if self.first_order is None else _estimate_json(self.first_order, leg),
+            "proved": exact_or_none(self.proved),
+            "counterexample": None
+            if self.counterexample is None
+            else _example_json(self.counterexample, leg),
+            "verdict": self.verdict,
+            "reason": self.reason,
+            "certificate": {
+                "method": "exclusion",
+                "boxes": self.boxes,
+                "arithmetic": "binary64, errors bounded",
+            },
+        }
+
+
+def _estimate_json(estimate: Estimate, leg: int) -> dict[str, Any]:
+    def mover(one: Mover) -> dict[str, Any]:
+        slopes = {name: f"{slope:.6g}" for name, slope in zip(LENGTHS, one.slopes, strict=True)}
+        return {f"l{leg}": f"{one.length:.12g}", "kind": one.kind, "sensitivity": slopes}
+
+    return {"radius": f"{estimate.radius:.5g}", "binding": [mover(one) for one in estimate.movers]}
+
+
+def _example_json(example: Counterexample, leg: int) -> dict[str, Any]:
+    return {
+        "radius": exact_str(example.radius),
+        "geometry": example.manipulator.to_json(),
+        f"l{leg}": exact_or_none(example.found.length),
+        "count": example.found.cusps,
+    }
+
+
+def margin(
+    manipulator: Manipulator,
+    length: Exact | None = None,
+    *,
+    requirement: Requirement | None = None,
+    window: Exact | None = None,
+    fixed_leg: int = 1,
+    weights: Mapping[str, Exact] | None = None,
+    tolerance: Exact | Mapping[str, Exact] | None = None,
+    most_boxes: int = MOST_BOXES,
+    may_go_on: MayGoOn = lambda: True,
+    progress: Progress | None = None,
+) -> Margin:
+    """How far the lengths of a manipulator may change before the number of cusps does.
+
+    Args:
+        manipulator: the geometry.
+        length: of the fixed leg, exact, in the user's unit: the number of cusps of this slice is to stay.
+        requirement: or what all geometries are to satisfy; it names the fixed leg.
+        window: or a length between two transitions: slices with the number of cusps there are to exist.
+        fixed_leg: 1, 2 or 3.
+        weights: how much each of ``a2x``, ``a3x``, ``a3y``, ``d1``, ``d2``, ``d3`` may change in comparison;
+            1 unless given, 0 for a length that is exact.
+        tolerance: a change of all lengths, times the weights, or those of single lengths, the others being
+            exact. Then it is only decided whether the property holds within it, and radii multiply it.
+        most_boxes: the number of boxes of all proofs together, after which the best radius so far is the
+            answer; the same on every machine.
+        may_go_on: asked now and then; when it returns False, the best so far is the answer.
+        progress: callback ``progress(done, total)``.
+
+    Raises:
+        InputError: naming the argument at fault; exactly one of ``length``, ``requirement`` and ``window``
+            is wanted.
+        SolverError: the given geometry could not be decided.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> answer = margin(EXAMPLES["innocenti"], "28.1", tolerance="0.0005")
+    >>> answer.count, answer.verdict
+    (10, 'proved')
+    """
+    check_type(manipulator, Manipulator, "manipulator")
+    leg, subject, asked = _subject(manipulator, length, requirement, window, fixed_leg)
+    given = _weights(weights, tolerance)
+    if tolerance is not None:
+        asked["tolerance"] = {g: exact_str(w) for g, w in zip(LENGTHS, given, strict=True)}
+    search = _Search(subject, manipulator, given, _Budget(most_boxes, may_go_on, progress or silent))
+    answer = search.within_one() if tolerance is not None else search.radius()
+    named = dict(zip(LENGTHS, given, strict=True))
+    return Margin(manipulator, leg, asked, named, subject.count(), **answer)
+
+
+def _subject(
+    manipulator: Manipulator,
+    length: Exact | None,
+    requirement: Requirement | None,
+    window: Exact | None,
+    fixed_leg: int,
+) -> tuple[int, Subject, dict[str, Any]]:
+    """The fixed leg, what is asked for, and how documents say it."""
+    if sum(x is not None for x in (length, requirement, window)) != 1:
+        raise InputError.of("length", "give exactly one of length, requirement and window")
+    if requirement is not None:
+        check_type(requirement, Requirement, "requirement")
+        asked = {"requirement": requirement.to_json()}
+        return requirement.fixed_leg, RequirementHolds(manipulator, requirement), asked
+    leg = check_leg(fixed_leg)
+    if window is not None:
+        exact = slice_length(window, leg)
+        return leg, WindowExists(manipulator, leg, exact), {"window": exact_str(exact)}
+    exact = slice_length(0 if length is None else length, leg)
+    return leg, SliceCount(manipulator, leg, exact), {f"l{leg}": exact_str(exact)}
+
+
+def _weights(
+    weights: Mapping[str, Exact] | None, tolerance: Exact | Mapping[str, Exact] | None
+) -> tuple[Fraction, ...]:
+    """What radii multiply, for each length."""
+    by_name = _numbers(weights or {}, "weights", Fraction(1))
+    if tolerance is None:
+        return by_name
+    if isinstance(tolerance, Mapping):
+        if weights:
+            raise InputError.of("weights", "are those of a tolerance of all lengths; here each has its own")
+        return _numbers(tolerance, "tolerance", Fraction(0))
+    common = parse_positive(tolerance, "tolerance", "a tolerance must be > 0")
+    return tuple(common * w for w in by_name)
+
+
+def _numbers(given: Mapping[str, Exact], field: str, default: Fraction) -> tuple[Fraction, ...]:
+    if not isinstance(given, Mapping) or (unknown := [name for name in given if name not in LENGTHS]):
+        name = field if not isinstance(given, Mapping) else f"{field}.{unknown[0]}"
+        raise InputError.of(name, f"unknown; give numbers for {', '.join(LENGTHS)}")
+    values = parse_all({f"{field}.{name}": x for name, x in given.items()}, _not_negative)
+    numbers = tuple(values.get(f"{field}.{name}", default) for name in LENGTHS)
+    if not any(numbers):
+        raise InputError.of(field, "are all 0, so that nothing changes; give one > 0")
+    return numbers
+
+
+def _not_negative(value: Exact, field: str) -> Fraction:
+    number = parse_exact(value, field)
+    if number < 0:
+        raise InputError.of(field, f"is {exact_str(number)}; it must be at least 0")
+    return number
+
+
+@dataclass
+class _Budget:
+    """How much a search may cost."""
+
+    most_boxes: int
+    may_go_on: MayGoOn
+    progress: Progress
+    boxes: int = 0
+
+    @property
+    def left(self) -> int:
+        """The number of boxes left, 0 when the search has to end."""
+        return max(self.most_boxes - self.boxes, 0) if self.may_go_on() else 0
+
+    def exclude(self, problem: Problem, most_boxes: int) -> bool:
+        """Whether a problem is proved with so many boxes."""
+        result = exclude(problem, most_boxes, self.may_go_on)
+        self.boxes += result.boxes
+        self.progress(min(self.boxes, self.most_boxes), self.most_boxes)
+        return result.proved
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The search for a margin."""
+
+    subject: Subject
+    manipulator: Manipulator
+    weights: tuple[Fraction, ...]
+    budget: _Budget
+
+    def within_one(self) -> dict[str, Any]:
+        """Whether all geometries within the radius 1 have the property."""
+        if reason := self._reason():
+            return self._answer(reason=reason, verdict=OPEN)
+        if self._validity is not None and self._validity <= 1:
+            reason = "within the tolerance there are geometries that are flat, or no manipulators"
+            return self._answer(reason=reason, verdict=OPEN)
+        example = None
+        if self._estimate is not None and self._estimate.radius < _DOUBTFUL:
+            example = self._refuted(Fraction(1))
+        if example is None and self._prove(Fraction(1), self.budget.left):
+            return self._answer(proved=Fraction(1), verdict=PROVED)
+        if example is None and self._estimate is not None and self._estimate.radius >= _DOUBTFUL:
+            example = self._refuted(Fraction(1))
+        return self._answer(example=example, verdict=OPEN if example is None else REFUTED)
+
+    def radius(self) -> dict[str, Any]:
+        """The greatest radius that is proved, and a counter-example beyond it."""
+        if reason := self._reason():
+            return self._answer(proved=Fraction(0), reason=reason)
+        bounds = [Fraction(self._estimate.radius)] if self._estimate else []
+        bounds += [] if self._validity is None else [self._validity]
+        top = min(bounds) if bounds else max(abs(getattr(self.manipulator, g)) for g in LENGTHS)
+        proved, failed = Fraction(0), top
+        first = rounded_down(top * _FIRST_SHARE, _DIGITS)
+        if self._prove(first, max(self.budget.left // 8, _LEAST_BOXES)):
+            proved = first
+        else:
+            failed = first
+        example = self._refuted(None)
+        if example is not None:
+            failed = min(failed, example.radius) if not proved else example.radius
+        elif proved:
+            return self._answer(proved=proved)
+        while self.budget.left > _LEAST_BOXES and failed > proved * _CLOSE:
+            middle = (proved + failed) / 2
+            radius = rounded_down(min(middle, proved * _STEP) if proved else middle, _DIGITS)
+            if not proved < radius < failed:
+                break
+            if self._prove(radius, self.budget.left // (2 if proved else 6)):
+                proved = radius
+            else:
+                failed = radius
+        return self._answer(proved=proved or None, example=example)
+
+    @cached_property
+    def _estimate(self) -> Estimate | None:
+        return self.subject.estimate(self.weights)
+
+    @cached_property
+    def _validity(self) -> Fraction | None:
+        return validity(self.manipulator, self.weights)
+
+    def _reason(self) -> str | None:
+        if flaw := self.subject.flaw():
+            return flaw
+        return "the least change makes it no manipulator" if self._validity == 0 else None
+
+    def _prove(self, radius: Fraction, most_boxes: int) -> bool:
+        problems = self.subject.problems(radius, self.weights)
+        return all(self.budget.exclude(problem, most_boxes // len(problems)) for problem in problems)
+
+    def _refuted(self, most: Fraction | None) -> Counterexample | None:
+        """A counter-example, within a radius if one is given."""
+        if self._estimate is None or not self.budget.left:
+            return None
+        ray = Ray(self.subject, self.manipulator, self.weights, self._estimate, self._validity)
+        return ray.nearest() if most is None else ray.shows(most)
+
+    def _answer(
+        self,
+        *,
+        proved: Fraction | None = None,
+        example: Counterexample | None = None,
+        verdict: str | None = None,
+        reason: str | None = None,
+    ) -> dict[str, Any]:
+        return {
+            "validity": self._validity,
+            "first_order": None if reason else self._estimate,
+            "proved": proved,
+            "counterexample": example,
+            "verdict": verdict,
+            "boxes": self.budget.boxes,
+            "reason": reason,
+        }
+
+
+def validity(manipulator: Manipulator, weights: Sequence[Fraction]) -> Fraction | None:
+    """The radius at which the first geometry is flat, or no manipulator; None if there is none."""
+    w = dict(zip(LENGTHS, weights, strict=True))
+    m = manipulator
+    sides = ("d1", "d2", "d3")
+    whole, weight = m.d1 + m.d2 + m.d3, w["d1"] + w["d2"] + w["d3"]
+    radii = [_ratio(whole - 2 * getattr(m, d), weight) for d in sides]
+    radii.append(_ratio(abs(m.a2x), w["a2x"]))
+    # two base points coincide where both coordinates do
+    height = _ratio(abs(m.a3y), w["a3y"])
+    for distance, change in ((m.a3x, w["a3x"]), (m.a3x - m.a2x, w["a3x"] + w["a2x"])):
+        width = _ratio(abs(distance), change)
+        radii.append(None if width is None or height is None else max(width, height))
+    return min((radius for radius in radii if radius is not None), default=None)
+
+
+def _ratio(distance: Fraction, weight: Fraction) -> Fraction | None:
+    """How often the weight fits into a distance; None if it never covers it."""
+    return distance / weight if weight else None

@@ -1,0 +1,261 @@
+"""What a margin is asked for: the count of a slice, a requirement, or a window."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+from rpr_solver.contract import MIN_DIGITS
+from rpr_solver.margins.boxes import Limit, Problem, Span
+from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers
+from rpr_solver.margins.systems import LENGTHS, orientation_of
+from rpr_solver.model.joint_points import free_legs
+from rpr_solver.model.lengths import Bounds
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.slices.cusp_table import cusp_table
+from rpr_solver.slices.slice_table import SliceTable
+from rpr_solver.transitions.census import Census, census
+from rpr_solver.transitions.check_report import CheckReport, check
+from rpr_solver.transitions.requirement import Requirement
+
+_DIGITS = 30
+
+
+class Found(NamedTuple):
+    """A length of the fixed leg, exact, and its number of cusps; None if no single length shows it."""
+
+    length: Fraction | None
+    cusps: int | None
+
+
+class Subject(Protocol):
+    """A property of a manipulator that neighbouring ones should have too."""
+
+    def flaw(self) -> str | None:
+        """Why the property holds in no neighbourhood; None if nothing of the kind is known."""
+
+    def count(self) -> int | None:
+        """The number of cusps, if the property is one of them."""
+
+    def estimate(self, weights: Sequence[Fraction]) -> Estimate | None:
+        """The nearest geometry without the property, to first order; None if there is none."""
+
+    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
+        """Boxes whose exclusion proves the property for all geometries within a radius."""
+
+    def broken(self, manipulator: Manipulator) -> Found | None:
+        """A length at which the property does not hold for a manipulator, exactly, and the count there."""
+
+
+@dataclass(frozen=True)
+class SliceCount:
+    """The number of cusps of the slice of one length."""
+
+    manipulator: Manipulator
+    fixed_leg: int
+    length: Fraction
+
+    @cached_property
+    def _table(self) -> SliceTable:
+        return self._slice(self.manipulator)
+
+    def _slice(self, manipulator: Manipulator) -> SliceTable:
+        [table] = cusp_table(manipulator, self.length, digits=MIN_DIGITS, fixed_leg=self.fixed_leg)
+        return table
+
+    def flaw(self) -> str | None:
+        """A degenerate pose, which the least change may resolve."""
+        kinds = {point["kind"] for point in self._table.degenerate_points}
+        return f"the slice has degenerate poses ({', '.join(sorted(kinds))})" if kinds else None
+
+    def count(self) -> int:
+        """The number of cusps."""
+        return self._table.count
+
+    def estimate(self, weights: Sequence[Fraction]) -> Estimate | None:
+        """The nearest transition passes the length."""
+        place = float(self.length)
+        found = movers(_all_lengths(self.manipulator, self.fixed_leg))
+        return breaking([(place, place, self.count())], found, self.count().__eq__, _floats(weights))
+
+    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
+        """One box, with one length."""
+        return [_Box(self.manipulator, self.fixed_leg, radius, weights).at(self.length)]
+
+    def broken(self, manipulator: Manipulator) -> Found | None:
+        """The length and another number of cusps."""
+        count = self._slice(manipulator).count
+        return None if count == self.count() else Found(self.length, count)
+
+
+@dataclass(frozen=True)
+class RequirementHolds:
+    """A requirement on the numbers of cusps in a range."""
+
+    manipulator: Manipulator
+    requirement: Requirement
+
+    @cached_property
+    def _report(self) -> CheckReport:
+        return check(self.manipulator, self.requirement)
+
+    def flaw(self) -> str | None:
+        """A violation, or what is degenerate throughout the range."""
+        if not self._report.passed:
+            return "the manipulator does not satisfy the requirement"
+        kinds = {part.kind for part in self._report.degenerate}
+        return f"degenerate throughout: {', '.join(sorted(kinds))}" if kinds else None
+
+    def count(self) -> int | None:
+        """The number of cusps, if it is the same in the whole range."""
+        counts = {interval.count for interval in self._report.intervals}
+        return counts.pop() if len(counts) == 1 else None
+
+    def estimate(self, weights: Sequence[Fraction]) -> Estimate | None:
+        """The nearest transition that brings a number which is not admitted into the range."""
+        intervals = [(float(x.start), float(x.stop or "inf"), x.count) for x in self._report.intervals]
+        found = movers(_all_lengths(self.manipulator, self.requirement.fixed_leg), self.requirement.limits)
+        return breaking(intervals, found, self.requirement.admits, _floats(weights))
+
+    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
+        """The range, in one or two boxes."""
+        box = _Box(self.manipulator, self.requirement.fixed_leg, radius, weights)
+        return box.over(self.requirement.start, self.requirement.stop, self.requirement.limits)
+
+    def broken(self, manipulator: Manipulator) -> Found | None:
+        """A length of the range and its number of cusps."""
+        report = check(manipulator, self.requirement, digits=MIN_DIGITS)
+        return next((Found(x.example, x.count) for x in report.violations), None)
+
+
+@dataclass(frozen=True)
+class WindowExists:
+    """That slices with a number of cusps exist near a length: an interval between two transitions."""
+
+    manipulator: Manipulator
+    fixed_leg: int
+    length: Fraction
+
+    @cached_property
+    def _place(self) -> tuple[int, Census]:
+        """The interval of the length: the number of transitions below it."""
+        table = _all_lengths(self.manipulator, self.fixed_leg)
+        return sum(Fraction(transition.length) <= self.length for transition in table.transitions), table
+
+    @cached_property
+    def _ends(self) -> tuple[Mover | None, Mover | None]:
+        place, table = self._place
+        found = movers(table)
+
+        def end(k: int) -> Mover | None:
+            if not 0 <= k < len(table.transitions):
+                return None
+            length = float(table.transitions[k].length)
+            return next((mover for mover in found if mover.length == length), None)
+
+        return end(place - 1), end(place)
+
+    def flaw(self) -> str | None:
+        """A degenerate pose in all slices."""
+        place, table = self._place
+        kinds = {part.kind for part in table.degenerate}
+        if kinds:
+            return f"degenerate throughout: {', '.join(sorted(kinds))}"
+        bare = [k for k, end in zip((place - 1, place), self._ends, strict=True) if end is None]
+        if any(0 <= k < len(table.transitions) for k in bare):
+            return "an end of the window is no simple transition, which any change may resolve"
+        return None
+
+    def count(self) -> int:
+        """The number of cusps in the window."""
+        place, table = self._place
+        return table.counts[place]
+
+    def estimate(self, weights: Sequence[Fraction]) -> Estimate | None:
+        """The ends meet."""
+        lower, upper = self._ends
+        return None if lower is None or upper is None else closing(lower, upper, _floats(weights))
+
+    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
+        """One slice, whose length moves with the geometry as the middle of the window does."""
+        ends = [end for end in self._ends if end is not None]
+        length = self.length
+        if len(ends) == 2:
+            length = (Fraction(ends[0].length) + Fraction(ends[1].length)) / 2
+        drift = [sum(rates) / len(ends) for rates in zip(*(end.slopes for end in ends), strict=True)]
+        box = _Box(self.manipulator, self.fixed_leg, radius, weights)
+        return [replace(box.at(length), drift=tuple(drift) or (0.0,) * len(LENGTHS))]
+
+    def broken(self, manipulator: Manipulator) -> Found | None:
+        """Nothing but the fact: no length has the number of cusps."""
+        return None if self.count() in _all_lengths(manipulator, self.fixed_leg).counts else Found(None, None)
+
+
+@dataclass(frozen=True)
+class _Box:
+    """The geometries within a radius, as problems of exclusion."""
+
+    manipulator: Manipulator
+    fixed_leg: int
+    radius: Fraction
+    weights: Sequence[Fraction]
+
+    def at(self, length: Fraction) -> Problem:
+        """Slices of one length."""
+        return self._problem(length, (length, length))
+
+    def over(self, start: Fraction, stop: Fraction | None, limits: Mapping[int, Bounds]) -> list[Problem]:
+        """Slices of a range of lengths, from a length that exceeds all others on by their inverses."""
+        far = 4 * sum((abs(x) + self.radius * w for x, w in self._lengths()), Fraction(0))
+        far += sum(bound or 0 for bounds in limits.values() for bound in bounds)
+        if stop is not None:
+            return [self._problem(stop, (start, stop), limits=limits)]
+        turn = max(far, start)
+        near = [self._problem(turn, (start, turn), limits=limits)] if start < turn else []
+        if any(most is not None for _, most in limits.values()):
+            return near  # beyond, all legs are too long
+        unit = self._unit(turn)
+        return [*near, self._problem(turn, (Fraction(0), unit * unit / turn), inverse=True)]
+
+    def _lengths(self) -> Iterator[tuple[Fraction, Fraction]]:
+        return ((getattr(self.manipulator, g), w) for g, w in zip(LENGTHS, self.weights, strict=True))
+
+    def _unit(self, length: Fraction) -> Fraction:
+        """A power of 2 that exceeds all lengths."""
+        longest = max(length, *(abs(x) + self.radius * w for x, w in self._lengths()))
+        return Fraction(2) ** (longest.numerator.bit_length() - longest.denominator.bit_length() + 1)
+
+    def _problem(
+        self,
+        longest: Fraction,
+        fixed: tuple[Fraction, Fraction],
+        *,
+        inverse: bool = False,
+        limits: Mapping[int, Bounds] | None = None,
+    ) -> Problem:
+        unit = self._unit(longest)
+        spans = tuple(
+            Span.of((x - self.radius * w) / unit, (x + self.radius * w) / unit) for x, w in self._lengths()
+        )
+        free = free_legs(self.fixed_leg)
+        bounds = tuple(
+            Limit(free.index(leg), side, Span.of(*(((bound / unit) ** 2,) * 2)))
+            for leg, both in (limits or {}).items()
+            for side, bound in zip((-1, 1), both, strict=True)
+            if bound is not None
+        )
+        ends = Span.of(*(x / unit for x in fixed))
+        return Problem(
+            self.fixed_leg, orientation_of(self.manipulator), spans, ends, inverse=inverse, limits=bounds
+        )
+
+
+def _all_lengths(manipulator: Manipulator, fixed_leg: int) -> Census:
+    return census(manipulator, fixed_leg=fixed_leg, digits=_DIGITS)
+
+
+def _floats(weights: Sequence[Fraction]) -> list[float]:
+    return [float(w) for w in weights]

@@ -1,0 +1,260 @@
+"""Margins: proved from below, refuted from above, and what both mean for exact counts."""
+
+import random
+from fractions import Fraction
+
+import pytest
+
+from rpr_solver import EXAMPLES, InputError, Manipulator, Margin, Requirement, census, cusp_table, margin
+from rpr_solver.margins.counterexamples import Ray, rounded_down, rounded_up
+from rpr_solver.margins.exclusion import exclude
+from rpr_solver.margins.margin import validity
+from rpr_solver.margins.subjects import SliceCount, Subject, WindowExists
+from rpr_solver.margins.systems import LENGTHS
+
+INNOCENTI = EXAMPLES["innocenti"]
+ONES = (Fraction(1),) * 6
+
+
+def count(manipulator: Manipulator, length: object, leg: int = 1) -> int:
+    """The exact number of cusps of a slice."""
+    return cusp_table(manipulator, length, fixed_leg=leg, digits=15)[0].count  # type: ignore[arg-type]
+
+
+def moved(manipulator: Manipulator, steps: list[Fraction]) -> Manipulator:
+    """The geometry with other lengths."""
+    values = {g: getattr(manipulator, g) + step for g, step in zip(LENGTHS, steps, strict=True)}
+    return Manipulator(**{**manipulator.to_dict(), **values})
+
+
+def is_proved(subject: Subject, radius: Fraction, most_boxes: int) -> bool:
+    """Whether the property is proved within a radius."""
+    return all(exclude(problem, most_boxes).proved for problem in subject.problems(radius, ONES))
+
+
+@pytest.mark.parametrize(
+    ("name", "length", "cusps", "least"),
+    [
+        ("innocenti", "28.1", 10, "6.0e-4"),
+        ("innocenti", "27", 8, "0.070"),
+        ("sixteen-cusps", "14.46845", 16, "8.1e-7"),
+    ],
+)
+def test_a_slice_is_proved_nearly_as_far_as_it_is_refuted(
+    name: str, length: str, cusps: int, least: str
+) -> None:
+    answer = margin(EXAMPLES[name], length, most_boxes=20_000)
+    assert answer.count == cusps
+    assert answer.proved is not None
+    assert answer.proved >= Fraction(least)
+    example = answer.counterexample
+    assert example is not None
+    assert answer.first_order is not None
+    assert answer.proved < example.radius <= Fraction(answer.first_order.radius) * Fraction("1.01")
+    assert count(example.manipulator, example.found.length) == example.found.cusps != cusps
+    steps = [abs(getattr(example.manipulator, g) - getattr(EXAMPLES[name], g)) for g in LENGTHS]
+    assert max(steps) == example.radius
+
+
+def test_a_window_of_7e_minus_9_refutes() -> None:
+    """At L1 = 17 two transitions pass the slice one after the other, so no sampling finds the count."""
+    subject = SliceCount(INNOCENTI, 1, Fraction(17))
+    estimate = subject.estimate(ONES)
+    assert estimate is not None
+    example = Ray(subject, INNOCENTI, ONES, estimate, validity(INNOCENTI, ONES)).nearest()
+    assert example is not None
+    assert example.radius < Fraction(estimate.radius) * Fraction("1.01")
+    assert count(example.manipulator, 17) == 8 != subject.count()
+    assert (
+        count(Ray(subject, INNOCENTI, ONES, estimate, None).at(example.radius + Fraction(1, 10**8)), 17) == 6
+    )
+
+
+def test_a_wide_box_is_proved() -> None:
+    assert is_proved(SliceCount(INNOCENTI, 1, Fraction(17)), Fraction("0.22"), 20_000)
+
+
+def test_a_requirement_over_a_range() -> None:
+    requirement = Requirement(start=21, stop=26, max_cusps=6, min_cusps=6)
+    answer = margin(INNOCENTI, requirement=requirement, tolerance="0.07", most_boxes=20_000)
+    assert (answer.verdict, answer.proved, answer.count) == ("proved", 1, 6)
+    limited = Requirement(start=21, stop=26, max_cusps=6, limits={"l2": (2, 60)})
+    assert margin(INNOCENTI, requirement=limited, tolerance="0.01", most_boxes=20_000).verdict == "proved"
+
+
+def test_a_cusp_that_may_pass_a_joint_limit_is_no_proof() -> None:
+    table = census(INNOCENTI, start=21, stop=26, digits=15)
+    assert table.counts == (6,)
+    bound = cusp_table(INNOCENTI, 23, digits=15)[0].cusps[0].l2
+    length = rounded_up(Fraction(bound) + Fraction(1, 50), 6)
+    requirement = Requirement(start="22.9999", stop="23.0001", max_cusps=6, limits={"l2": (length, None)})
+    assert margin(INNOCENTI, requirement=requirement, tolerance="0.1", most_boxes=4_000).verdict == "open"
+
+
+def test_the_window_of_ten_cusps_exists_within_a_tolerance_that_moves_it() -> None:
+    answer = margin(INNOCENTI, window="28.1", tolerance="0.01", most_boxes=20_000)
+    assert (answer.verdict, answer.count) == ("proved", 10)
+    rng = random.Random(3)
+    for _ in range(3):
+        other = moved(INNOCENTI, [Fraction(rng.randrange(-1000, 1001), 100_000) for _ in LENGTHS])
+        assert 10 in census(other, start=27, stop=29, digits=15).counts
+    subject = WindowExists(INNOCENTI, 1, Fraction("28.1"))
+    estimate = subject.estimate(ONES)
+    assert estimate is not None
+    assert 0.29 < estimate.radius < 0.31
+
+
+def test_all_exact_counts_in_proved_boxes_are_the_same() -> None:
+    rng = random.Random(4)
+    for manipulator, leg, length, radius in (
+        (INNOCENTI, 1, "27", Fraction("0.07")),
+        (INNOCENTI, 2, "12", Fraction("0.02")),
+        (EXAMPLES["twelve-cusps"], 3, "20", Fraction("0.02")),
+    ):
+        subject = SliceCount(manipulator, leg, Fraction(length))
+        assert is_proved(subject, radius, 40_000)
+        for sample in range(6):
+            shares = [rng.choice((-1, 1)) if sample % 2 else rng.uniform(-1, 1) for _ in LENGTHS]
+            steps = [radius * Fraction(str(round(share, 6))) for share in shares]
+            assert count(moved(manipulator, steps), length, leg) == subject.count()
+
+
+@pytest.mark.parametrize(("length", "start"), [("28.1", "6.1e-4"), ("27", "0.0725")])
+def test_no_proof_beyond_a_counterexample(length: str, start: str) -> None:
+    subject = SliceCount(INNOCENTI, 1, Fraction(length))
+    for factor in ("1", "3"):
+        assert not is_proved(subject, Fraction(start) * Fraction(factor), 4_000)
+
+
+def test_a_tolerance_is_refuted_by_a_geometry_within_it() -> None:
+    answer = margin(INNOCENTI, "28.1", tolerance="0.0007")
+    assert answer.verdict == "refuted"
+    example = answer.counterexample
+    assert example is not None
+    assert example.radius <= 1
+    assert count(example.manipulator, "28.1") == example.found.cusps == 8
+    for g in LENGTHS:
+        assert abs(getattr(example.manipulator, g) - getattr(INNOCENTI, g)) <= Fraction("0.0007")
+
+
+def test_single_tolerances_keep_the_other_lengths() -> None:
+    answer = margin(INNOCENTI, "28.1", tolerance={"d2": "0.004", "d3": "0.004"})
+    assert answer.verdict == "proved"
+    assert answer.weights["a2x"] == 0
+
+
+def test_margins_scale_with_the_manipulator() -> None:
+    whole, doubled = (
+        margin(Manipulator(*(getattr(INNOCENTI, g) * factor for g in LENGTHS)), 27 * factor, most_boxes=6_000)
+        for factor in (1, 2)
+    )
+    assert whole.proved is not None
+    assert doubled.proved is not None
+    assert doubled.first_order.radius == pytest.approx(2 * whole.first_order.radius)  # type: ignore[union-attr]
+    assert abs(doubled.proved - 2 * whole.proved) < whole.proved / 100
+
+
+def test_margins_of_mirrored_and_relabelled_manipulators_agree() -> None:
+    m = INNOCENTI
+    mirrored = Manipulator(m.a2x, m.a3x, -m.a3y, m.d1, m.d2, m.d3, "cw")
+    # legs 1 and 2 change places: the base is turned by 180°
+    relabelled = Manipulator(m.a2x, m.a2x - m.a3x, -m.a3y, m.d1, m.d3, m.d2, "cw")
+    answers = [
+        margin(m, "28.1", most_boxes=6_000, weights={"a2x": 0}),
+        margin(mirrored, "28.1", most_boxes=6_000, weights={"a2x": 0}),
+        margin(relabelled, "28.1", fixed_leg=2, most_boxes=6_000, weights={"a2x": 0}),
+    ]
+    first = answers[0]
+    assert first.proved is not None
+    for answer in answers[1:]:
+        assert answer.proved == first.proved
+        assert answer.count == first.count
+        assert answer.first_order.radius == pytest.approx(first.first_order.radius)  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("manipulator", "words"),
+    [
+        (Manipulator(30, 0, 40, 15, 25, 20), "degenerate poses (node)"),
+        (Manipulator(30, 0, 40, 30, 50, 40), "degenerate poses (curve, node)"),
+        (Manipulator(30, 10, 0, 30, 20, 10), "degenerate poses (curve, higher, quadruple)"),
+        (EXAMPLES["zein-flat"], "no manipulator"),
+    ],
+)
+def test_special_families_have_no_margin_and_it_is_said_why(manipulator: Manipulator, words: str) -> None:
+    answer = margin(manipulator, 10)
+    assert answer.proved == 0
+    assert words in (answer.reason or "")
+    assert answer.boxes == 0
+    assert margin(manipulator, 10, tolerance="0.001").verdict == "open"
+
+
+def test_a_flat_platform_with_exact_sides_has_a_margin() -> None:
+    answer = margin(EXAMPLES["zein-flat"], "34.5", weights={"d1": 0, "d2": 0, "d3": 0}, most_boxes=6_000)
+    assert answer.proved is not None
+    assert answer.proved > Fraction("0.28")
+
+
+def test_a_requirement_that_does_not_hold_has_no_margin() -> None:
+    answer = margin(INNOCENTI, requirement=Requirement(start=27, stop=29, max_cusps=8))
+    assert (answer.proved, answer.reason) == (0, "the manipulator does not satisfy the requirement")
+
+
+def test_the_search_ends_when_it_is_told_to() -> None:
+    asked: list[int] = []
+
+    def may_go_on() -> bool:
+        asked.append(1)
+        return len(asked) < 5
+
+    answer = margin(INNOCENTI, 17, may_go_on=may_go_on)
+    assert answer.proved is None
+    assert answer.boxes < 20_000
+
+
+def test_validity_is_the_radius_of_the_first_flat_platform() -> None:
+    assert validity(Manipulator(20, 5, 15, "9.592", "8.544", "16.689"), ONES) == Fraction("1.447") / 3
+    assert validity(INNOCENTI, (*ONES[:3], *(Fraction(0),) * 3)) == 10
+    assert validity(INNOCENTI, (Fraction(1), *(Fraction(0),) * 5)) == Fraction("15.91")
+    assert validity(INNOCENTI, (*(Fraction(0),) * 5, Fraction(1))) == Fraction("12.74")
+
+
+def test_documents_have_the_shape_of_the_contract() -> None:
+    document = margin(INNOCENTI, "28.1", most_boxes=6_000).to_json()
+    assert document["asked"] == {"l1": "28.1"}
+    assert document["proved"] == "0.000601"
+    assert document["validity"] == "4.24666"
+    [mover] = document["first_order"]["binding"]
+    assert (mover["l1"], mover["kind"]) == ("28.0948944789", "beak-to-beak")
+    assert document["counterexample"]["l1"] == "28.1"
+    assert Manipulator.from_json(document["counterexample"]["geometry"]) != INNOCENTI
+    assert document["verdict"] is None
+
+
+def refused(**arguments: object) -> str:
+    """The message for arguments."""
+    with pytest.raises(InputError) as caught:
+        margin(INNOCENTI, **arguments)  # type: ignore[arg-type]
+    return str(caught.value)
+
+
+def test_bad_input_is_named() -> None:
+    assert "exactly one of length, requirement and window" in refused()
+    assert "exactly one" in refused(length=5, window=6)
+    assert refused(length=0).startswith("l1: is 0")
+    assert refused(length=5, tolerance=-1).startswith("tolerance: is -1")
+    assert refused(length=5, tolerance={"d4": 1}).startswith("tolerance.d4: unknown")
+    assert refused(length=5, weights={"d1": "x"}).startswith("weights.d1")
+    assert refused(length=5, tolerance=0).startswith("tolerance: is 0")
+    assert "all 0" in refused(length=5, weights=dict.fromkeys(LENGTHS, 0))
+
+
+def test_margins_show_themselves() -> None:
+    answer = margin(INNOCENTI, "28.1", tolerance="0.0005")
+    assert isinstance(answer, Margin)
+    assert repr(answer) == "<Margin proved: proved 1>"
+
+
+def test_decimals_are_rounded_outward() -> None:
+    third = Fraction(1, 3)
+    assert rounded_down(third, 4) == Fraction("0.3333") < third < Fraction("0.3334") == rounded_up(third, 4)
