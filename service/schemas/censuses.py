@@ -7,7 +7,6 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from rpr_solver import CHECK_DIGITS, Requirement
-from rpr_solver.contract import FULL
 from service.schemas.answers import (
     CSV,
     DEGENERATE,
@@ -31,7 +30,6 @@ from service.schemas.model import Model
 from service.schemas.numbers import Count, Digits, FixedLeg, digits_field, fixed_leg_field
 from service.schemas.questions import Examples, Question
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
-from worker.answers.requests import Kind
 
 
 class Transition(FixedLength):
@@ -186,7 +184,6 @@ class CheckReport(Model):
 class CensusRequest(Question):
     """A manipulator, the fixed leg, and the range of its lengths."""
 
-    expected = "send an object with geometry"
     kinds = (CENSUS, CERTIFIED_CENSUS)
     path = "/v1/censuses"
     name = "post_census"
@@ -225,19 +222,6 @@ then answered immediately. `Prefer: wait=N` waits for the job.
         "the transitions, isolating intervals of all their real roots, a box of each event, and the length "
         "at which the cusps of each window were counted.",
     )
-
-    @property
-    def kind(self) -> Kind:
-        """The kind of the document; one with a full certificate is kept by itself."""
-        return CERTIFIED_CENSUS if self.certificate == FULL else CENSUS
-
-    def content(self) -> dict[str, Any]:
-        """Returns the canonical form of the question."""
-        return self.model_dump(exclude={"certificate"})
-
-    def _asked(self) -> dict[str, Any]:
-        full = {"certificate": FULL} if self.certificate == FULL else {}
-        return {**self.content(), **full}
 
 
 class CheckRequest(Question):

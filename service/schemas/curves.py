@@ -8,7 +8,6 @@ from typing import Any, ClassVar, Literal
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator
 
 from rpr_solver import exact_str
-from rpr_solver.contract import FULL
 from service.schemas.answers import (
     CSV,
     DEGENERATE,
@@ -25,6 +24,7 @@ from service.schemas.answers import (
     optional,
 )
 from service.schemas.lengths import (
+    LEGS,
     OpenRange,
     Range,
     Slices,
@@ -36,7 +36,6 @@ from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, Samples, digits_field
 from service.schemas.questions import Examples, Question
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
-from worker.answers.requests import Kind
 
 
 class CurveEnd(Model):
@@ -126,7 +125,6 @@ class CuspCurvesRequest(SlicesOfOneLeg, Question):
     fixed leg only: as `l1`, or `l2` with `fixed_leg` 2, or `l3` with `fixed_leg` 3.
     """
 
-    expected = "send an object with geometry"
     kinds = (CUSP_CURVES, CERTIFIED_CURVES)
     path = "/v1/cusp-curves"
     name = "post_cusp_curves"
@@ -196,18 +194,13 @@ and kept.
         info.data.get("range", OpenRange()).check_inside(lengths)
         return lengths
 
-    @property
-    def kind(self) -> Kind:
-        """The kind of the document; one with a full certificate is kept by itself."""
-        return CERTIFIED_CURVES if self.certificate == FULL else CUSP_CURVES
-
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
         lengths = [exact_str(x) for x in sorted(set(self.slices))]
-        return {**self.model_dump(exclude={"l1", "l2", "l3", "certificate"}), "lengths": lengths}
+        content = {name: value for name, value in super().content().items() if name not in LEGS}
+        return {**content, "lengths": lengths}
 
     def _asked(self) -> dict[str, Any]:
-        content = self.content()
-        lengths = content.pop("lengths")
-        full = {"certificate": FULL} if self.certificate == FULL else {}
-        return {**content, **({f"l{self.fixed_leg}": lengths} if lengths else {}), **full}
+        asked = super()._asked()
+        lengths = asked.pop("lengths")
+        return {**asked, **({f"l{self.fixed_leg}": lengths} if lengths else {})}

@@ -249,10 +249,6 @@ A worker computes the poses in milliseconds, so the response waits for them, up 
     l3: Length = Field(description="Length of leg 3; > 0.")
     digits: Digits = digits_field()
 
-    def content(self) -> dict[str, Any]:
-        """Returns the canonical form of the question."""
-        return self.model_dump()
-
 
 class SingularCurvesRequest(SlicesOfOneLeg, OneSlice):
     """A manipulator and a slice.
@@ -316,7 +312,6 @@ A worker draws a slice in a fraction of a second, so the response waits for it, 
 class RangeAspectsRequest(Question):
     """A manipulator, and the range within which the length of one leg may vary."""
 
-    expected = "send an object with geometry"
     kinds = (ASPECTS,)
     path = "/v1/aspects"
     name = "post_aspects"
@@ -342,7 +337,3 @@ otherwise; after that it is 202 with a job.
     fixed_leg: FixedLeg = Field(default=1, description="The leg whose length varies over the range.")
     range: Range = range_field()
     digits: Digits = digits_field(MIN_DIGITS)
-
-    def content(self) -> dict[str, Any]:
-        """Returns the canonical form of the question."""
-        return self.model_dump()

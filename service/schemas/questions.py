@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
@@ -103,7 +102,8 @@ class Question(Document):
 
     Attributes:
         expected: what to send, for messages.
-        kinds: the kinds of documents that answer the question, the usual one first.
+        kinds: the kinds of documents that answer the question, the usual one first; the others are asked for
+            by a member of the question (`Kind.implied`).
         examples: bodies for the documentation.
         names_geometry: whether a body has the member `geometry`.
         path, name, summary, description: of the operation in OpenAPI, which is a POST.
@@ -116,6 +116,7 @@ class Question(Document):
         columns: what a query may have beside the geometry; if nothing, there is no form with GET.
     """
 
+    expected: ClassVar[str] = "send an object with geometry"
     kinds: ClassVar[Sequence[Kind]]
     examples: ClassVar[Examples]
     names_geometry: ClassVar[bool] = True
@@ -153,12 +154,13 @@ class Question(Document):
 
     @property
     def kind(self) -> Kind:
-        """The kind of the document that answers the question."""
-        return self.kinds[0]
+        """The kind of the document that answers the question: the one whose member it has, or the usual."""
+        meant = (k for k in self.kinds if k.implied and getattr(self, k.implied[0]) == k.implied[1])
+        return next(meant, self.kinds[0])
 
-    @abstractmethod
     def content(self) -> dict[str, Any]:
         """Returns the canonical form: plain JSON, the same for every spelling of the question."""
+        return self.model_dump(exclude={kind.implied[0] for kind in self.kinds if kind.implied})
 
     def body(self) -> dict[str, Any]:
         """Returns the question as the body of a request."""
@@ -167,7 +169,8 @@ class Question(Document):
 
     def _asked(self) -> dict[str, Any]:
         """Returns the question in the words of a request."""
-        return self.content()
+        implied = self.kind.implied
+        return {**self.content(), **({} if implied is None else dict([implied]))}
 
     def job_request(self) -> JobRequest:
         """Returns the request for the job that answers the question."""

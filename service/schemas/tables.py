@@ -36,7 +36,6 @@ from service.schemas.limits import LimitError
 from service.schemas.model import Model
 from service.schemas.numbers import Digits, FixedLeg, digits_field, fixed_leg_field
 from service.schemas.questions import EXAMPLE_GEOMETRY, Examples, Question
-from worker.answers.requests import Kind
 from worker.answers.tables import ARTICLE_TABLE, CERTIFIED_TABLE, CUSP_TABLE
 
 
@@ -280,21 +279,9 @@ Equal requests share one job, and slices that requests have in common are comput
             raise LimitError.exceeded(limits, "max_article_slices", sent, "l1")
         return self
 
-    @property
-    def kind(self) -> Kind:
-        """The kind of the document; the article's algorithm and full certificates have one each."""
-        if self.method == ARTICLE:
-            return ARTICLE_TABLE
-        return CERTIFIED_TABLE if self.certificate == FULL else CUSP_TABLE
-
     def _asked(self) -> dict[str, Any]:
-        content = self.content()
-        return {
-            f"l{self.fixed_leg}": content.pop("l1"),
-            **content,
-            "method": self.method,
-            "certificate": self.certificate,
-        }
+        asked = super()._asked()
+        return {f"l{self.fixed_leg}": asked.pop("l1"), **asked}
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question; duplicate slices are removed."""
