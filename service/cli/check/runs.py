@@ -15,15 +15,18 @@ from typing import TYPE_CHECKING, Any
 
 import anyio
 
-import rpr_solver
 from rpr_solver import Manipulator, Requirement, exact_str
-from rpr_solver.contract import document_head
+from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.transitions.requirement import ALLOWED, REFUSED
 from service.cli.check.reports import Outcome
 from service.cli.check.sources import Geometry
 from service.cli.output import progress_bar
 from service.errors import ServiceError
+from worker.answers.censuses import CHECK
+from worker.answers.requests import JobRequest, Store
+from worker.answers.store import answer
+from worker.answers.tables import CUSP_TABLE
 
 if TYPE_CHECKING:
     from service.client import AsyncServiceClient
@@ -51,24 +54,13 @@ class Expectation:
         slices = {"fixed_leg": self.fixed_leg, f"l{self.fixed_leg}": lengths}
         return {**slices, "expect_cusps": self.count, "degenerate": self.degenerate}
 
-    def check(
-        self, manipulator: Manipulator, digits: int, progress: rpr_solver.Progress | None = None
-    ) -> dict[str, Any]:
-        """Returns the report on a manipulator.
-
-        Raises:
-            SolverError: a slice could not be decided.
-        """
-        eliminant = rpr_solver.eliminate(manipulator, self.fixed_leg)
-        tables = []
-        for done, length in enumerate(self.lengths):
-            if progress is not None:
-                progress(done, len(self.lengths))
-            tables.append(rpr_solver.solve_slice(eliminant, length, digits).to_json())
-        return self.report(document_head(manipulator, digits, self.fixed_leg), tables)
-
-    def report(self, head: dict[str, Any], tables: list[dict[str, Any]]) -> dict[str, Any]:
-        """Returns the report on the slices of a cusp table."""
+    def judge(self, table: Mapping[str, Any]) -> tuple[dict[str, Any] | None, dict[str, str] | None]:
+        """Returns the report on the slices of a cusp table, or why one of them has no answer."""
+        head = {name: value for name, value in table.items() if name != "slices"}
+        tables = table["slices"]
+        for part in tables:
+            if "error" in part:
+                return None, part["error"]
         leg = f"l{self.fixed_leg}"
         slices = [{leg: table[leg], "count": table["count"]} for table in tables]
         wrong = [
@@ -78,7 +70,7 @@ class Expectation:
         ]
         counts = [table["count"] for table in tables]
         degenerate = [part for table in tables for part in _degenerate(table, table[leg])]
-        return {
+        report = {
             **head,
             "requirement": self.to_json(),
             "passed": not wrong and not (degenerate and self.degenerate == REFUSED),
@@ -88,6 +80,7 @@ class Expectation:
             "violations": wrong,
             "degenerate": degenerate,
         }
+        return report, None
 
 
 def _degenerate(table: Mapping[str, Any], length: str) -> Iterator[dict[str, Any]]:
@@ -111,7 +104,7 @@ def check_all(geometries: Sequence[Geometry], demand: Demand, digits: int, jobs:
     checks: Iterator[tuple[int, Outcome]]
     with progress_bar(1 if single else len(geometries), "steps" if single else "geometries") as progress:
         if min(jobs, len(sound)) <= 1:
-            inside = progress if single else None
+            inside = progress if single else silent
             checks = ((i, _run(geometries[i], m, demand, digits, inside)) for i, m in sound.items())
         else:
             checks = _in_processes(geometries, sound, demand, digits, jobs)
@@ -136,19 +129,24 @@ def _run(
     manipulator: Manipulator,
     demand: Demand,
     digits: int,
-    progress: rpr_solver.Progress | None = None,
+    progress: Progress = silent,
 ) -> Outcome:
     begin = time.monotonic()
-    report = error = None
     try:
-        if isinstance(demand, Expectation):
-            report = demand.check(manipulator, digits, progress)
-        else:
-            report = rpr_solver.check(manipulator, demand, digits=digits, progress=progress).to_json()
+        document = answer(_request(manipulator, demand, digits), Store(), progress)
+        report, error = demand.judge(document) if isinstance(demand, Expectation) else (document, None)
     except (InputError, SolverError) as failure:
         kind = "input-error" if isinstance(failure, InputError) else "solver-error"
-        error = {"type": kind, "detail": str(failure)}
+        report, error = None, {"type": kind, "detail": str(failure)}
     return Outcome.of(geometry, report, error, time.monotonic() - begin)
+
+
+def _request(manipulator: Manipulator, demand: Demand, digits: int) -> JobRequest:
+    content = {"geometry": manipulator.to_json(), "digits": digits}
+    if not isinstance(demand, Expectation):
+        return JobRequest(CHECK, {**content, "requirement": demand.to_json()})
+    lengths = list(map(exact_str, demand.lengths))
+    return JobRequest(CUSP_TABLE, {**content, "fixed_leg": demand.fixed_leg, "l1": lengths})
 
 
 def _in_processes(
@@ -219,7 +217,7 @@ async def _check_all(
     async def check(i: int) -> None:
         async with limiter:
             try:
-                report, error = await _report(client, geometries[i], demand, digits, deadline), None
+                report, error = await _report(client, geometries[i], demand, digits, deadline)
             except ServiceError as failure:
                 if failure.status not in _OF_ONE_QUESTION:
                     fatal.append(failure)
@@ -245,19 +243,14 @@ def _kind(failure: ServiceError) -> str:
 
 async def _report(
     client: AsyncServiceClient, geometry: Geometry, demand: Demand, digits: int, deadline: float | None
-) -> dict[str, Any]:
+) -> tuple[dict[str, Any] | None, dict[str, str] | None]:
     from service.client import check, cusp_table
 
     manipulator = geometry.manipulator
     assert manipulator is not None
     if not isinstance(demand, Expectation):
-        return (await client.ask(check(manipulator, demand, digits=digits, deadline=deadline))).document
-    leg = demand.fixed_leg
-    asked = cusp_table(manipulator, demand.lengths, fixed_leg=leg, digits=digits, deadline=deadline)
-    table = (await client.ask(asked)).document
-    for part in table["slices"]:
-        if "error" in part:
-            error = part["error"]
-            raise ServiceError(error["detail"], status=422, problem=error["type"])
-    slices = table.pop("slices")
-    return demand.report(table, slices)
+        asked = check(manipulator, demand, digits=digits, deadline=deadline)
+        return (await client.ask(asked)).document, None
+    leg, lengths = demand.fixed_leg, demand.lengths
+    slices = cusp_table(manipulator, lengths, fixed_leg=leg, digits=digits, deadline=deadline)
+    return demand.judge((await client.ask(slices)).document)
