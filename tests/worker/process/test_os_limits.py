@@ -1,14 +1,21 @@
+"""What the system limits and tells: memory, cores, wait statuses, and the health of a container's worker."""
+
 from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from redis import Redis
 
-from tests.support.processes import completed, environment
+from service.stack.embedded_valkey import EmbeddedValkey
+from tests.support.processes import completed, environment, until
+from worker.jobs.installation import Roster
 from worker.process.os_limits import STOP_SIGNALS, on_stop_signals, usable_memory
+from worker.settings import WorkerSettings
 
 
 @pytest.mark.parametrize("is_ignored", [True, False])
@@ -56,3 +63,23 @@ def test_usable_memory(tmp_path: Path, groups: str, files: dict[str, object], me
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(f"{text}\n")
     assert usable_memory(tmp_path) == (machine if megabytes is None else megabytes << 20)
+
+
+def health(url: str) -> subprocess.CompletedProcess[str]:
+    return completed([sys.executable, "-m", "worker.process.health"], environment(redis_url=url))
+
+
+def test_a_worker_is_healthy_while_it_is_on_the_roster(valkey: EmbeddedValkey, redis: Redis) -> None:
+    assert health(valkey.url).returncode == 1, "there is no worker"
+    command = [sys.executable, "-m", "worker", "--redis-url", valkey.url]
+    with subprocess.Popen(command, env=environment(log_level="WARNING")) as worker:
+        try:
+            until(Roster(redis, WorkerSettings()).names)
+            assert health(valkey.url).returncode == 0
+        finally:
+            worker.terminate()
+    assert health(valkey.url).returncode == 1, "it has left the roster"
+
+
+def test_a_worker_is_healthy_while_redis_is_away() -> None:
+    assert health("redis://127.0.0.1:1/0").returncode == 0

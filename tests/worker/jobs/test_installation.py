@@ -1,4 +1,4 @@
-"""The lists of jobs and batches."""
+"""The state of an installation, and its lists of jobs."""
 
 from __future__ import annotations
 
@@ -8,13 +8,42 @@ from typing import get_args
 import pytest
 
 from tests.support.chunks import refs, work
-from tests.support.jobs import a_pose_table, a_request, submit_batch
+from tests.support.jobs import a_heavy_document, a_pose_table, a_request, submit_batch
 from worker.answers.items import Item
-from worker.jobs import views
+from worker.jobs import installation, views
 from worker.jobs.clients import Subscriber
+from worker.jobs.installation import Roster
 from worker.jobs.queue import JobQueue
 from worker.jobs.views import ACTIVE, Listed, Status, What
 from worker.lua import library
+
+
+def test_a_small_job_that_nobody_begins(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> None:
+    queue.submit(a_request("1"))
+    assert queue.readiness().warnings == (), "there is no worker at all, which is worse"
+    Roster(queue.redis, queue.settings).beat("worker")
+    assert queue.readiness().warnings == ()
+    monkeypatch.setattr(installation, "STILL", -1.0)
+    [warning] = queue.readiness().warnings
+    assert warning.startswith("the lane small stands still: its first job was submitted ")
+
+
+def test_a_small_job_whose_record_is_gone(queue: JobQueue, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(installation, "STILL", 0.5)
+    queue.redis.delete(queue.records.keys.job(queue.submit(a_request("1")).id).record)
+    Roster(queue.redis, queue.settings).beat("worker")
+    assert queue.readiness().warnings == ()
+
+
+def test_heavy_chunks_without_a_worker_for_them(queue: JobQueue) -> None:
+    queue.submit(a_heavy_document())
+    roster = Roster(queue.redis, queue.settings)
+    roster.beat("light", is_light=True)
+    [warning] = queue.readiness().warnings
+    assert "the lane heavy stands still: all workers have light duty" in warning
+    roster.beat("strong")
+    assert queue.readiness().warnings == ()
+
 
 ALL = frozenset(get_args(Status))
 ANN, BEN = Subscriber("key:ann", True), Subscriber("address:192.0.2.1", False)
