@@ -11,7 +11,7 @@ from fastapi import Depends, Request
 from redis.exceptions import RedisError
 
 from service.api.answers.request_body import Reading
-from service.api.http.transport import Places
+from service.api.http.transport import Slots
 from service.api.jobs.events import JobEvents
 from service.api.metrics import Metrics
 from service.api.settings import Settings
@@ -57,8 +57,8 @@ class Context:
     reading: Reading
     scraping: Threads
     refusals: Refusals
-    large_answers: Places
-    followers: Places
+    large_answers: Slots
+    followers: Slots
 
     @classmethod
     def of(cls, settings: Settings) -> Context:
@@ -82,10 +82,10 @@ class Context:
             reading=Reading(settings.limits, parsing),
             scraping=Threads(_SCRAPING_THREADS),
             refusals=refusals,
-            large_answers=Places(
+            large_answers=Slots(
                 "large results", settings.large_answers, settings.retry_seconds, settings.large_answer_bytes
             ),
-            followers=Places("streams of events", settings.max_followers, settings.retry_seconds),
+            followers=Slots("streams of events", settings.max_followers, settings.retry_seconds),
         )
 
     async def check_redis(self) -> None:

@@ -112,16 +112,16 @@ class Refusals:
     """Logs what Redis refuses: one line, and the same again only after a while."""
 
     def __init__(self) -> None:
-        self._told: dict[str, float] = {}
+        self._logged: dict[str, float] = {}
 
-    def tell(self, error: Exception) -> None:
+    def log(self, error: Exception) -> None:
         """Log an error of Redis."""
         reason = str(error).rpartition("caused error: ")[2].partition(" script: ")[0]
         text = f"{type(error).__name__}: {reason}"[:300]
         now = time.monotonic()
-        if now - self._told.get(text, -_QUIET) < _QUIET:
+        if now - self._logged.get(text, -_QUIET) < _QUIET:
             return
-        if len(self._told) >= _REMEMBERED:
-            self._told.clear()
-        self._told[text] = now
+        if len(self._logged) >= _REMEMBERED:
+            self._logged.clear()
+        self._logged[text] = now
         log.warning("Redis cannot be used (%s)", text)

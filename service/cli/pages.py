@@ -21,9 +21,9 @@ COLUMN_PADDING = 3
 
 _DECIMAL = re.compile(r"([ +-]?\d+\.)(\d+)((?:[eE][+-]?\d+)?)", re.ASCII)
 _IN_TEXT = re.compile(r"(?<![\w.])-?\d+\.\d{9,}(?:[eE][+-]?\d+)?", re.ASCII)
-_FEWEST = 2
-_NARROWEST = 20
-_FEWEST_IN_TEXT = 12
+_MIN_DIGITS = 2
+_MIN_WIDTH = 20
+_MIN_DIGITS_IN_TEXT = 12
 _UNBREAKABLE = "\u00a0"
 
 
@@ -37,7 +37,7 @@ def shortened(text: str, width: int, more: str = "…") -> str:
     if len(text) <= width or match is None:
         return text
     whole, fraction, exponent = match.groups()
-    digits = max(_FEWEST, width - len(whole) - len(more) - len(exponent))
+    digits = max(_MIN_DIGITS, width - len(whole) - len(more) - len(exponent))
     short = whole + fraction[:digits] + more + exponent
     return short if len(short) < len(text) else text
 
@@ -70,12 +70,12 @@ def column_widths(rows: Sequence[Sequence[str]], width: int, more: str = "…") 
 
 def _least(cell: str, more: str) -> int:
     if _is_sentence(cell):
-        return max(_NARROWEST, *map(len, cell.split()))
+        return max(_MIN_WIDTH, *map(len, cell.split()))
     return len(shortened(cell, 0, more))
 
 
 def _is_sentence(cell: str) -> bool:
-    return len(cell) > _NARROWEST and len(cell.split()) > 2
+    return len(cell) > _MIN_WIDTH and len(cell.split()) > 2
 
 
 def records(rows: Sequence[Sequence[str]], width: int, more: str = "…") -> Iterator[str]:
@@ -96,7 +96,7 @@ def with_short_numbers(text: str, width: int, more: str = "…") -> str:
     if len(text) <= width or not found:
         return text
     others = len(text) - sum(map(len, found))
-    each = max(_FEWEST_IN_TEXT, (width - others) // len(found))
+    each = max(_MIN_DIGITS_IN_TEXT, (width - others) // len(found))
     return _IN_TEXT.sub(lambda match: shortened(match[0], each, more), text)
 
 

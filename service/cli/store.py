@@ -86,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
             moved = import_store(redis, settings, args.file)
             print(f"read {moved.keys} keys from {args.file}, {_bytes(moved.size)}")
         elif args.action == "prune":
-            print(_told(inventory.prune(args.older_than, args.max_bytes)))
+            print(_pruned_text(inventory.prune(args.older_than, args.max_bytes)))
         elif args.format == "json":
             print(json.dumps({kind: asdict(stock) for kind, stock in inventory.stock().items()}, indent=2))
         else:
@@ -94,7 +94,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _told(pruned: Pruned) -> str:
+def _pruned_text(pruned: Pruned) -> str:
     needed = f"; {pruned.needed} keys are kept, since active jobs may need them" if pruned.needed else ""
     return f"removed {pruned.keys} keys, {_bytes(pruned.size)}{needed}"
 

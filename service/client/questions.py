@@ -33,7 +33,7 @@ from service.schemas.verifications import Verification, VerificationRequest
 
 M = TypeVar("M", bound=BaseModel)
 
-_MANY = 1_000_000
+_NO_LIMIT = 1_000_000
 _Length = Exact | Iterable[Exact]
 
 
@@ -311,7 +311,7 @@ def _asked(
     members: Mapping[str, object],
 ) -> Asked[M]:
     # the service has the limits that count
-    limits = Limits.of_environment(max_slices=_MANY, max_article_slices=_MANY, max_samples=_MANY)
+    limits = Limits.of_environment(max_slices=_NO_LIMIT, max_article_slices=_NO_LIMIT, max_samples=_NO_LIMIT)
     own = {"geometry": manipulator, **members}
     if digits is not None:
         own["digits"] = digits

@@ -24,7 +24,7 @@ from starlette.types import Receive, Scope, Send
 from service.api.app import create_app
 from service.api.http.middleware import UNCOUNTED
 from service.api.http.protocol import uvicorn_options
-from service.api.jobs.callbacks import shown
+from service.api.jobs.callbacks import event_documents
 from service.api.settings import Settings
 from service.webhooks.deliverer import Deliverer
 from worker import tracing
@@ -88,7 +88,7 @@ def deliver(settings: Settings) -> None:
     if settings.webhooks.is_on:
         own = WorkerSettings()
         deliverer = Deliverer(
-            connect(settings.redis_url), settings.webhooks, own, shown(own, settings.root_path)
+            connect(settings.redis_url), settings.webhooks, own, event_documents(own, settings.root_path)
         )
         threading.Thread(target=deliverer.run, args=(threading.Event(),), daemon=True).start()
 

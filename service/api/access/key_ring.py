@@ -13,10 +13,10 @@ from redis.exceptions import RedisError
 from service.api.access.keys import ApiKey, KeyStore, id_of
 from service.api.threads import RedisAccess
 
-_LONGEST_AGE = 2.0
+_MAX_AGE = 2.0
 """Seconds after which a revoked key opens nothing any more, in any process."""
 
-_PAUSE = 0.2
+_RELOAD_INTERVAL = 0.2
 """At most one reload in this time for unknown keys, which may have just been created."""
 
 _USE_INTERVAL = 60.0
@@ -36,7 +36,7 @@ class KeyRing:
 
     async def is_empty(self) -> bool:
         """Whether no key was ever made."""
-        return not await self._known(time.monotonic() - _LONGEST_AGE)
+        return not await self._known(time.monotonic() - _MAX_AGE)
 
     async def find(self, token: str) -> ApiKey | None:
         """Returns the record of a key that is valid now, or None."""
@@ -44,7 +44,7 @@ class KeyRing:
         if key_id is None:
             return None
         moment = time.monotonic()
-        key = (await self._known(moment - _LONGEST_AGE)).get(key_id)
+        key = (await self._known(moment - _MAX_AGE)).get(key_id)
         if key is None:
             key = (await self._known(moment)).get(key_id)
         if key is None or not key.matches(token) or key.state(time.time()) != "valid":
@@ -69,7 +69,7 @@ class KeyRing:
     async def _load(self, asked: float) -> None:
         if self._failed > asked:  # while this caller waited for the lock: not each in turn waits for Redis
             raise RedisConnectionError("the keys cannot be read")
-        await anyio.sleep(max(0.0, self._loaded + _PAUSE - time.monotonic()))
+        await anyio.sleep(max(0.0, self._loaded + _RELOAD_INTERVAL - time.monotonic()))
         moment = time.monotonic()
         try:
             self._keys = await self._ask(self.store.all)

@@ -11,7 +11,7 @@ from starlette.responses import Response
 
 from service.api.answers.forms import Choice, is_known, media_type_of, negotiate
 from service.api.context import Context
-from service.api.http.transport import LARGE, LargeAnswer, at_hand, in_turn, slices_of
+from service.api.http.transport import LARGE, LargeAnswer, as_async, made_in_threads, slices_of
 from service.api.problems import ProblemError
 from service.schemas.answers import CSV, SVG, Form
 from service.schemas.limits import LimitError, Limits
@@ -99,7 +99,7 @@ async def answer_response(
         raise ProblemError.expired() from None
     size = forms[form].size(answer)
     fields = {**head.fields, **({} if size is None else {"Content-Length": str(size)})}
-    rest = in_turn(first, pieces, context.redis)
+    rest = made_in_threads(first, pieces, context.redis)
     return LargeAnswer(rest, fields, head.media_type, context.large_answers, _HELD_OF_A_TABLE)
 
 
@@ -120,7 +120,7 @@ async def _document_response(
     if len(body) <= LARGE:
         return head.response(body)
     fields = {**head.fields, "Content-Length": str(len(body))}
-    return LargeAnswer(at_hand(slices_of(body)), fields, head.media_type, context.large_answers, len(body))
+    return LargeAnswer(as_async(slices_of(body)), fields, head.media_type, context.large_answers, len(body))
 
 
 def _encoded(form: Form, document: Document) -> tuple[bytes, str]:

@@ -69,7 +69,7 @@ class BatchResults:
                 left = end - time.monotonic()
                 if order.is_complete or self.view.is_terminal or is_last or left <= 0:
                     return
-                await tail.beyond(newest, left)
+                await tail.wait_beyond(newest, left)
                 await asyncio.sleep(_PAUSE)
 
     def look(self) -> bytes:
@@ -167,19 +167,21 @@ class _Completions:
 
     def ready(self) -> list[int]:
         bits = self._results.look()
-        told = [i for i in self._told() if not self._sent[i]]
-        known = set(told)
+        reported = [i for i in self._reported() if not self._sent[i]]
+        known = set(reported)
         # invalid items, which have no event, and items whose event was removed
-        others = [i for i, sent in enumerate(self._sent) if not sent and i not in known and is_done(bits, i)]
-        never = []
+        unreported = [
+            i for i, sent in enumerate(self._sent) if not sent and i not in known and is_done(bits, i)
+        ]
+        unfinished = []
         if self._results.view.is_terminal:
-            known |= set(others)
-            never = [i for i, sent in enumerate(self._sent) if not sent and i not in known]
-        for i in (*others, *told, *never):
+            known |= set(unreported)
+            unfinished = [i for i, sent in enumerate(self._sent) if not sent and i not in known]
+        for i in (*unreported, *reported, *unfinished):
             self._sent[i] = 1
-        return [*others, *told, *never]
+        return [*unreported, *reported, *unfinished]
 
-    def _told(self) -> Iterable[int]:
+    def _reported(self) -> Iterable[int]:
         queue = self._results.queue
         key = queue.records.keys.job(self._results.view.id).events
         while True:

@@ -58,7 +58,7 @@ def problem_of(request: Request, error: Exception) -> ProblemError:
     if not is_refusal(error):
         raise error
     context: Context = request.app.state.context
-    context.refusals.tell(error)
+    context.refusals.log(error)
     return ProblemError(
         ProblemType.UNAVAILABLE,
         "The queue cannot be reached or accepts no more data at the moment; nothing was lost. Try again.",

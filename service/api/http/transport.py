@@ -112,7 +112,7 @@ IS_HEAD = "rpr_cusps.head"
 _PIECE = 64 << 10
 
 
-class Places:
+class Slots:
     """The long answers of one sort that are being sent.
 
     Args:
@@ -130,7 +130,7 @@ class Places:
         self._held: list[int] = []
 
     @contextmanager
-    def one(self, held: int) -> Iterator[None]:
+    def occupied(self, held: int) -> Iterator[None]:
         """Count the bytes of an answer during the block.
 
         Raises:
@@ -150,13 +150,13 @@ class Places:
 
 
 class LongAnswer(StreamingResponse):
-    """An answer that takes one of the places as long as it is sent.
+    """An answer that takes one of the slots as long as it is sent.
 
     Args:
         pieces: the body.
         headers: the header fields.
         media_type: of the body.
-        places: those for answers of its sort.
+        slots: those for answers of its sort.
         held: the bytes that it holds meanwhile.
     """
 
@@ -165,12 +165,12 @@ class LongAnswer(StreamingResponse):
         pieces: AsyncGenerator[bytes],
         headers: Mapping[str, str],
         media_type: str,
-        places: Places,
+        slots: Slots,
         held: int = 0,
     ) -> None:
         super().__init__(pieces, headers=headers, media_type=media_type)
         self._pieces = pieces
-        self._places = places
+        self._slots = slots
         self._held = held
         self._is_head = False
         self._path = ""
@@ -179,7 +179,7 @@ class LongAnswer(StreamingResponse):
         """Send the answer, or the problem that there are too many."""
         self._is_head, self._path = IS_HEAD in scope, scope["path"]
         try:
-            with self._places.one(0 if self._is_head else self._held):
+            with self._slots.occupied(0 if self._is_head else self._held):
                 await super().__call__(scope, receive, send)
         except ProblemError as error:
             await error.response(self._path)(scope, receive, send)
@@ -214,14 +214,16 @@ def slices_of(body: bytes) -> Iterator[bytes]:
     return (body[first : first + _PIECE] for first in range(0, len(body), _PIECE))
 
 
-async def in_turn(first: bytes, others: Iterator[bytes], access: RedisAccess) -> AsyncGenerator[bytes]:
+async def made_in_threads(
+    first: bytes, others: Iterator[bytes], access: RedisAccess
+) -> AsyncGenerator[bytes]:
     """Yields the first piece, then the others, each of which is made in a thread when it is wanted."""
     yield first
     while (piece := await access(next, others, None)) is not None:
         yield piece
 
 
-async def at_hand(pieces: Iterator[bytes]) -> AsyncGenerator[bytes]:
+async def as_async(pieces: Iterator[bytes]) -> AsyncGenerator[bytes]:
     """Yields pieces that need no work."""
     for piece in pieces:
         yield piece

@@ -55,7 +55,7 @@ def deliveries_json(deliveries: list[Delivery]) -> dict[str, object]:
     return {"deliveries": [_delivery_json(delivery) for delivery in deliveries]}
 
 
-def shown(settings: WorkerSettings, prefix: str = "") -> Shown:
+def event_documents(settings: WorkerSettings, prefix: str = "") -> Shown:
     """Returns what gives the document of a job or a batch for an event, whose links have a prefix."""
 
     def document(view: JobView) -> dict[str, object]:

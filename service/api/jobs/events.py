@@ -17,7 +17,7 @@ from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
 from service.api.jobs.tail import BLOCK, Tail, Tails, event_id, is_terminal
-from service.api.jobs.views import state_json, state_then
+from service.api.jobs.views import earlier_state, state_json
 from service.api.prefix import here
 from service.api.settings import Settings
 from service.api.threads import RedisAccess, Refusals
@@ -47,7 +47,7 @@ class JobEvents:
     """Reads the event streams of jobs.
 
     All followers of a job share one reader, and the events that it finds. A follower holds nothing but its
-    place, so one that is slow costs no memory: what is not kept any more is read again.
+    position, so one that is slow costs no memory: what is not kept any more is read again.
     """
 
     def __init__(
@@ -58,8 +58,8 @@ class JobEvents:
         self.access = access
         self.refusals = refusals
         self.keepalive = settings.keepalive_seconds
-        self._tails = Tails(redis, settings.stream_connections, refusals.tell)
-        self._batches = _Batches()
+        self._tails = Tails(redis, settings.stream_connections, refusals.log)
+        self._cache = _EventCache()
         self._is_stopping = False
 
     @classmethod
@@ -124,7 +124,7 @@ class JobEvents:
 
     async def after(self, view: JobView, last_id: str) -> Sequence[Event]:
         """Returns the next events after `last_id` that exist already."""
-        return await self._batches.get((view.run, view.id, last_id, here("")), self.access, self._read)
+        return await self._cache.get((view.run, view.id, last_id, here("")), self.access, self._read)
 
     async def follow(self, view: JobView, last_id: str, with_known: bool = False) -> AsyncGenerator[bytes]:
         """Yields the stream as text/event-stream, from after `last_id` to the end of the job.
@@ -142,13 +142,13 @@ class JobEvents:
                     yield part
                     await asyncio.sleep(0)  # so that the end of a connection is noticed
         except RedisError as error:
-            self.refusals.tell(error)
+            self.refusals.log(error)
 
     async def _follow(self, view: JobView, last_id: str) -> AsyncGenerator[bytes]:
         yield b"retry: 1000\n\n"
         async with self._tails.of(self._key(view.id)) as tail:
             while not self._is_stopping:
-                if await tail.beyond(event_id(last_id), self.keepalive):
+                if await tail.wait_beyond(event_id(last_id), self.keepalive):
                     events = await self.after(view, last_id)
                     if not events:
                         return  # the stream expired, or the job began again
@@ -207,7 +207,7 @@ class JobEvents:
         if view is None:
             return {"id": job_id, "status": status}
         if view.status != status:
-            return state_then(view, status)
+            return earlier_state(view, status)
         return state_json(view, settings)
 
     def _slices(self, job_id: str, l1: Sequence[str]) -> dict[str, bytes]:
@@ -224,36 +224,36 @@ class JobEvents:
         return self.queue.of(job_id).records.keys.job(job_id).events
 
 
-_Place = tuple[str, str, str, str]
+_Position = tuple[str, str, str, str]
 """The run of a job, the job, an event of it, and the prefix of the links of its readers."""
 
 
-class _Batches:
-    """The events after a place, each read once for all readers at about the same place."""
+class _EventCache:
+    """The events after a position, each read once for all readers at about the same position."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[_Place, Sequence[Event]] = OrderedDict()
+        self._kept: OrderedDict[_Position, Sequence[Event]] = OrderedDict()
         self._size = 0
-        self._reads: dict[_Place, asyncio.Task[Sequence[Event]]] = {}
+        self._reads: dict[_Position, asyncio.Task[Sequence[Event]]] = {}
 
     async def get(
-        self, place: _Place, access: RedisAccess, read: Callable[[str, str], Sequence[Event]]
+        self, position: _Position, access: RedisAccess, read: Callable[[str, str], Sequence[Event]]
     ) -> Sequence[Event]:
-        kept = self._kept.get(place)
+        kept = self._kept.get(position)
         if kept is not None:
-            self._kept.move_to_end(place)
+            self._kept.move_to_end(position)
             return kept
-        task = self._reads.get(place)
+        task = self._reads.get(position)
         if task is None:
-            task = self._reads[place] = asyncio.create_task(access(read, place[1], place[2]))
-            task.add_done_callback(lambda done: self._keep(place, done))
+            task = self._reads[position] = asyncio.create_task(access(read, position[1], position[2]))
+            task.add_done_callback(lambda done: self._keep(position, done))
         return await asyncio.shield(task)
 
-    def _keep(self, place: _Place, done: asyncio.Task[Sequence[Event]]) -> None:
-        del self._reads[place]
+    def _keep(self, position: _Position, done: asyncio.Task[Sequence[Event]]) -> None:
+        del self._reads[position]
         if done.cancelled() or done.exception() is not None or not done.result():
             return
-        self._kept[place] = done.result()
+        self._kept[position] = done.result()
         self._size += _size(done.result())
         while self._size > _KEPT and len(self._kept) > 1:
             self._size -= _size(self._kept.popitem(last=False)[1])

@@ -41,7 +41,7 @@ class Tail:
         self.is_over = self.has_ended = False
         self._news = asyncio.Event()
 
-    async def beyond(self, last: EventId, seconds: float) -> bool:
+    async def wait_beyond(self, last: EventId, seconds: float) -> bool:
         """Wait until there are events after `last`, the stream is over, or the time is."""
         with suppress(TimeoutError):
             async with asyncio.timeout(seconds):
@@ -56,7 +56,7 @@ class Tail:
                 while not self.is_over:
                     await self._news.wait()
 
-    def tell(self, newest: EventId, is_over: bool, *, has_ended: bool = False) -> None:
+    def advance(self, newest: EventId, is_over: bool, *, has_ended: bool = False) -> None:
         """Wake those who wait."""
         self.newest, self.is_over = max(newest, self.newest), is_over
         self.has_ended = self.has_ended or has_ended
@@ -64,13 +64,13 @@ class Tail:
         self._news = asyncio.Event()
 
 
-class _Read:
+class _Reader:
     """A reader, and the number of its clients."""
 
     def __init__(self, tail: Tail) -> None:
         self.tail = tail
         self.clients = 0
-        self.begun: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self.ready: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self.task: asyncio.Task[None] | None = None
 
 
@@ -81,12 +81,12 @@ class Tails:
         self._redis = redis
         self._limit = limit
         self._on_error = on_error
-        self._reads: dict[str, _Read] = {}
+        self._readers: dict[str, _Reader] = {}
 
     @property
     def is_full(self) -> bool:
         """Whether no other job can be followed."""
-        return len(self._reads) >= self._limit
+        return len(self._readers) >= self._limit
 
     @asynccontextmanager
     async def of(self, key: str, since: str = "") -> AsyncIterator[Tail]:
@@ -95,45 +95,45 @@ class Tails:
         Raises:
             RedisError: Redis cannot be reached.
         """
-        read = self._reads.get(key)
-        if read is None:
-            read = self._reads[key] = _Read(Tail())
-            read.task = asyncio.create_task(self._run(key, read, since))
-        read.clients += 1
+        reader = self._readers.get(key)
+        if reader is None:
+            reader = self._readers[key] = _Reader(Tail())
+            reader.task = asyncio.create_task(self._run(key, reader, since))
+        reader.clients += 1
         try:
-            await asyncio.shield(read.begun)
-            yield read.tail
+            await asyncio.shield(reader.ready)
+            yield reader.tail
         finally:
-            read.clients -= 1
-            if not read.clients:
-                self._forget(key, read)
-                assert read.task is not None
-                read.task.cancel()
+            reader.clients -= 1
+            if not reader.clients:
+                self._forget(key, reader)
+                assert reader.task is not None
+                reader.task.cancel()
 
     def stop(self) -> None:
         """End all readers."""
-        for key, read in list(self._reads.items()):
-            self._forget(key, read)
-            read.tail.tell((0, 0), is_over=True)
+        for key, reader in list(self._readers.items()):
+            self._forget(key, reader)
+            reader.tail.advance((0, 0), is_over=True)
 
-    async def _run(self, key: str, read: _Read, since: str) -> None:
+    async def _run(self, key: str, reader: _Reader, since: str) -> None:
         try:
             if not since:
                 newest: Any = await self._redis.xrevrange(key, count=1)
                 since = newest[0][0] if newest else "0"
-            read.tail.newest = event_id(since)
-            read.begun.set_result(None)
-            while read.clients and not read.tail.is_over:  # redis-py may swallow a cancellation
-                await self._step(key, read.tail)
+            reader.tail.newest = event_id(since)
+            reader.ready.set_result(None)
+            while reader.clients and not reader.tail.is_over:  # redis-py may swallow a cancellation
+                await self._step(key, reader.tail)
         except RedisError as error:
             self._on_error(error)
-            if not read.begun.done():
-                read.begun.set_exception(error)
+            if not reader.ready.done():
+                reader.ready.set_exception(error)
         finally:
-            self._forget(key, read)
-            read.tail.tell((0, 0), is_over=True)
-            if not read.begun.done():
-                read.begun.cancel()
+            self._forget(key, reader)
+            reader.tail.advance((0, 0), is_over=True)
+            if not reader.ready.done():
+                reader.ready.cancel()
 
     async def _step(self, key: str, tail: Tail) -> None:
         last = f"{tail.newest[0]}-{tail.newest[1]}"
@@ -141,11 +141,11 @@ class Tails:
         if reply:
             entries = reply[0][1]
             has_ended = any(is_terminal(fields) for _, fields in entries)
-            tail.tell(event_id(entries[-1][0]), is_over=has_ended, has_ended=has_ended)
+            tail.advance(event_id(entries[-1][0]), is_over=has_ended, has_ended=has_ended)
 
-    def _forget(self, key: str, read: _Read) -> None:
-        if self._reads.get(key) is read:
-            del self._reads[key]
+    def _forget(self, key: str, reader: _Reader) -> None:
+        if self._readers.get(key) is reader:
+            del self._readers[key]
 
 
 def is_terminal(fields: dict[str, str]) -> bool:

@@ -113,7 +113,7 @@ def _expires_at(view: JobView, settings: WorkerSettings) -> str | None:
     return end.isoformat(timespec="seconds").replace("+00:00", "Z")
 
 
-def state_then(view: JobView, status: str) -> dict[str, object]:
+def earlier_state(view: JobView, status: str) -> dict[str, object]:
     """Returns what is known of a job for the time when its run came to a state."""
     return {
         "id": view.id,

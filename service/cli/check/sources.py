@@ -15,7 +15,7 @@ from service.cli.arguments import STANDARD_INPUT, read_manipulator, text_of
 from service.schemas.exact_json import JsonError, parse_json
 
 _LENGTHS = frozenset(("a2x", "a3x", "a3y", "d1", "d2", "d3"))
-_TELLING = 2
+_MIN_LENGTHS = 2
 """The number of lengths from which on an object counts as a geometry."""
 
 
@@ -153,7 +153,7 @@ def _geometry(source: str, *, is_named: bool) -> Geometry | None:
 
 def _is_meant(value: object) -> bool:
     """Whether an object is meant to be a geometry, right or wrong."""
-    return isinstance(value, Mapping) and len({name.lower() for name in value} & _LENGTHS) >= _TELLING
+    return isinstance(value, Mapping) and len({name.lower() for name in value} & _LENGTHS) >= _MIN_LENGTHS
 
 
 def _is_something_else(text: bytes) -> bool:

@@ -14,7 +14,7 @@ import pytest
 from pydantic import ValidationError
 
 from rpr_solver import EXAMPLES
-from service.api.jobs.callbacks import shown
+from service.api.jobs.callbacks import event_documents
 from service.api.settings import Settings
 from service.cli.main import main
 from service.client import ServiceClient, cusp_table
@@ -159,7 +159,7 @@ def test_a_prefix_opens_nothing(valkey: EmbeddedValkey) -> None:
 
 def test_events_of_webhooks_have_it() -> None:
     view = JobView("ct-0", "succeeded", 1, 1, *(["2026-01-15T09:30:00.000Z"] * 3), error=None, run="0")  # type: ignore[arg-type]
-    document: Any = shown(WorkerSettings(), "/cusps")(view)
+    document: Any = event_documents(WorkerSettings(), "/cusps")(view)
     assert document["links"]["result"] == "/cusps/v1/jobs/ct-0/result"
 
 

@@ -25,7 +25,7 @@ from redis import Redis
 
 from rpr_solver import EXAMPLES
 from rpr_solver.errors import InputError
-from service.api.jobs.callbacks import shown
+from service.api.jobs.callbacks import event_documents
 from service.api.settings import Settings
 from service.client import Job, ServiceClient, cusp_table
 from service.errors import ServiceError
@@ -68,7 +68,7 @@ def webhooks(tmp_path: Path) -> Callable[..., WebhookSettings]:
 @contextmanager
 def delivering(redis: Redis, settings: WebhookSettings, margin: float = 1.0) -> Iterator[None]:
     stop, own = threading.Event(), WorkerSettings()
-    deliverer = Deliverer(redis, settings, own, shown(own), margin)
+    deliverer = Deliverer(redis, settings, own, event_documents(own), margin)
     thread = threading.Thread(target=deliverer.run, args=(stop,), daemon=True)
     thread.start()
     try:
@@ -443,7 +443,9 @@ def test_names_of_one_pattern_have_half_of_the_senders(
     idle_redis: Redis, webhooks: Callable[..., WebhookSettings]
 ) -> None:
     own = WorkerSettings()
-    deliverer = Deliverer(idle_redis, webhooks(webhook_hosts="*.ci.test,a.ci.test,b.test"), own, shown(own))
+    deliverer = Deliverer(
+        idle_redis, webhooks(webhook_hosts="*.ci.test,a.ci.test,b.test"), own, event_documents(own)
+    )
     deliverer._sending += ["a.ci.test", "b.test", "b.test", "c.ci.test", "d.ci.test"]
     assert deliverer._must_wait() == ["b.test"]
     deliverer._sending += ["e.ci.test"]
@@ -539,14 +541,14 @@ def test_a_deliverer_that_is_killed_is_replaced(
     settings = webhooks(webhook_timeout_seconds=1)
     program = f"""
 import threading
-from service.api.jobs.callbacks import shown
+from service.api.jobs.callbacks import event_documents
 from service.webhooks.deliverer import Deliverer
 from service.webhooks.settings import WebhookSettings
 from worker.connection import connect
 from worker.settings import WorkerSettings
 own = WorkerSettings()
 redis = connect({f"{valkey.url}?db=2"!r})
-Deliverer(redis, WebhookSettings(), own, shown(own), 0.5).run(threading.Event())
+Deliverer(redis, WebhookSettings(), own, event_documents(own), 0.5).run(threading.Event())
 """
     environment = {f"RPR_CUSPS_{name.upper()}": str(value) for name, value in settings}
     with receiving(slow_seconds=0.9) as receiver:
