@@ -162,38 +162,34 @@ def _rounded(low: float, high: float) -> tuple[float, float]:
 def _walls(view: _View, titles: Sequence[str]) -> Iterator[Shape]:
     """The floor and the two walls behind, with grids, ticks and titles."""
     (x0, y0, z0), (x1, y1, z1) = view.low, view.high
-    marks = [[value for value, _ in ticks(a, b, n)] for a, b, n in ((x0, x1, 8), (y0, y1, 5), (z0, z1, 5))]
-    texts = [[words for _, words in ticks(a, b, n)] for a, b, n in ((x0, x1, 8), (y0, y1, 5), (z0, z1, 5))]
+    scales = [ticks(a, b, n) for a, b, n in zip(view.low, view.high, (8, 5, 5), strict=True)]
     grid: list[list[Spot]] = []
-    for x in marks[0]:
+    for x, _ in scales[0]:
         grid += [[(x, y0, z0), (x, y1, z0)], [(x, y1, z0), (x, y1, z1)]]
-    for y in marks[1]:
+    for y, _ in scales[1]:
         grid += [[(x0, y, z0), (x1, y, z0)], [(x0, y, z0), (x0, y, z1)]]
-    for z in marks[2]:
+    for z, _ in scales[2]:
         grid += [[(x0, y1, z), (x1, y1, z)], [(x0, y0, z), (x0, y1, z)]]
-    yield Path(
-        (view.line([(x0, y0, z0), (x1, y0, z0), (x1, y1, z0), (x0, y1, z0)]),), Paint("tint"), closed=True
-    )
+    floor: list[Spot] = [(x0, y0, z0), (x1, y0, z0), (x1, y1, z0), (x0, y1, z0)]
+    yield Path((view.line(floor),), Paint("tint"), closed=True)
     yield Path(tuple(view.line(line) for line in grid), GRID)
-    edges: list[list[Spot]] = [
-        [(x0, y0, z1), (x0, y0, z0), (x1, y0, z0), (x1, y1, z0)],
-    ]
-    yield Path(tuple(view.line(line) for line in edges), EDGE)
-    for x, words in zip(marks[0], texts[0], strict=True):
-        px, py = view.place((x, y0, z0))
-        yield Text((px - 4, py + 15), words, SMALL, "soft", "middle")
-    for y, words in zip(marks[1], texts[1], strict=True):
-        px, py = view.place((x1, y, z0))
-        yield Text((px + 8, py + 9), words, SMALL, "soft")
-    for z, words in zip(marks[2], texts[2], strict=True):
-        px, py = view.place((x0, y0, z))
-        yield Text((px - 8, py), words, SMALL, "soft", "end")
-    px, py = view.place(((x0 + x1) / 2, y0, z0))
-    yield Text((px - 24, py + 38), titles[0], 15, "ink", "middle")
-    px, py = view.place((x1, (y0 + y1) / 2, z0))
-    yield Text((px + 42, py + 20), titles[1], 15, "ink", "middle")
-    px, py = view.place((x0, y0, (z0 + z1) / 2))
-    yield Text((px - 44, py), titles[2], 15, "ink", "middle", turn=-90)
+    yield Path((view.line([(x0, y0, z1), *floor[:3]]),), EDGE)
+    corners: tuple[Spot, ...] = ((x0, y0, z0), (x1, y0, z0), (x0, y0, z0))
+    texts = ((-4, 15, "middle"), (8, 9, "start"), (-8, 0, "end"))
+    for axis, (right, down, anchor) in enumerate(texts):
+        for value, words in scales[axis]:
+            px, py = view.place(_moved(corners[axis], axis, value))
+            yield Text((px + right, py + down), words, SMALL, "soft", anchor)
+    for axis, (right, down, turn) in enumerate(((-24, 38, 0), (42, 20, 0), (-44, 0, -90))):
+        middle = (view.low[axis] + view.high[axis]) / 2
+        px, py = view.place(_moved(corners[axis], axis, middle))
+        yield Text((px + right, py + down), titles[axis], 15, "ink", "middle", turn=turn)
+
+
+def _moved(spot: Spot, axis: int, value: float) -> Spot:
+    """A spot with another coordinate along one axis."""
+    x, y, z = (value if k == axis else own for k, own in enumerate(spot))
+    return x, y, z
 
 
 def _shadow(view: _View, spots: Sequence[Spot]) -> Shape:

@@ -20,11 +20,11 @@ from rpr_solver.model.lengths import Bounds, limits_json
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cells
-from rpr_solver.paths.isolated import IsolatedPose
 from rpr_solver.paths.joint_paths import Range, in_slice, sign_of
 from rpr_solver.paths.others import PathPose, isolated, of_table
 from rpr_solver.paths.path import Path, PathOptions, PathTerms, document_lengths, path_of, span_json
 from rpr_solver.paths.proofs import NO_BOUNDS, PROOF_BITS, ProvedRoute, outside
+from rpr_solver.paths.route import IsolatedPose
 from rpr_solver.paths.within_limits import LimitedSearch, Outcome, Resolution
 from rpr_solver.transitions.census import census
 

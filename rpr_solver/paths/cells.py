@@ -21,9 +21,8 @@ from rpr_solver.errors import Unproved
 from rpr_solver.exact.precision import decided
 from rpr_solver.exact.real_roots import ball_of, fraction_of, real_roots
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.isolated import Angles
 from rpr_solver.paths.proofs import prove
-from rpr_solver.paths.route import Arc
+from rpr_solver.paths.route import Angles, Arc
 from rpr_solver.singular.charts import Turn
 from rpr_solver.singular.sweep import Sweep, sweep
 from rpr_solver.singular.tracing import angle_of, arcs_at

@@ -20,8 +20,7 @@ from dataclasses import dataclass
 from flint import arb, arb_mat, arb_poly, ctx
 
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.isolated import Angles, Image, local_map, newton_step
-from rpr_solver.paths.route import Arc, Expansion, bounded, expanded
+from rpr_solver.paths.route import Angles, Arc, Expansion, Image, bounded, expanded, local_map, newton_step
 
 _NEWTON_STEPS = 12
 

@@ -9,7 +9,7 @@ at poses where J has the sign in both. The polyline that is found becomes a shor
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -22,9 +22,8 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.float_slice import FloatSlice
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.cells import Cell, Cells, Spot
-from rpr_solver.paths.isolated import Angles, IsolatedPose, local_map
 from rpr_solver.paths.proofs import NO_LIMITS, PROOF_BITS, PathLimits, PathProof, ProvedRoute, prove
-from rpr_solver.paths.route import Arc, ControlPoint, Route
+from rpr_solver.paths.route import Angles, Arc, ControlPoint, IsolatedPose, Route, local_map
 from rpr_solver.singular.aspects import RangeTopology
 
 Corner = tuple[float, float, Fraction]
@@ -184,13 +183,19 @@ def straightened(
     return found
 
 
+Node = tuple[int, int]
+"""An end of a range, 0 or 1, and the number of an aspect of its slice."""
+Bridge = tuple[Cell, Cell, Spot]
+"""A cell of each of two slices, and a spot in both."""
+
+
 @dataclass(frozen=True)
 class Range:
     """Two slices, and places where J has a sign in both: a bridge between any two aspects that overlap."""
 
     ends: tuple[Cells, Cells]
     sign: int
-    bridges: tuple[tuple[Cell, Cell, Spot], ...]
+    bridges: tuple[Bridge, ...]
 
     @classmethod
     def of(cls, slice_map: SliceMap, lengths: tuple[Fraction, Fraction], sign: int) -> Range:
@@ -202,7 +207,7 @@ class Range:
         topology = RangeTopology.of(slice_map, *lengths, transposable=False)
         ends = [Cells(slice_map, length, own) for length, own in zip(lengths, topology.ends, strict=True)]
         floats = [FloatSlice.of(slice_map, length) for length in lengths]
-        widest: dict[tuple[int, int], tuple[float, tuple[Cell, Cell, Spot]]] = {}
+        widest: dict[tuple[int, int], tuple[float, Bridge]] = {}
         for overlap in topology.overlaps:
             one, other = overlap.cells
             if ends[0].sign(one) == sign:
@@ -219,35 +224,39 @@ class Range:
         Raises:
             Unproved: no route could be proved along the way that was found, or J is too near 0 at a pose.
         """
-        slice_map = self.ends[0].slice_map
-        ports = [list(self._ports(pose)) for pose in (start, stop)]
-        if not all(ports):
+        starts, goals = (dict(self._ports(pose)) for pose in (start, stop))
+        if not (starts and goals):
             raise Unproved("a pose is too near the singular curves of the range for its aspect to be decided")
-        goals = {(side, self.ends[side].aspects[cell]): cell for side, cell in ports[1]}
-        before: dict[tuple[int, int], tuple[tuple[int, int], Cell, Spot, Cell] | None] = {}
-        entries: dict[tuple[int, int], tuple[Cell, Spot]] = {}
-        queue: deque[tuple[int, int]] = deque()
-        for side, cell in ports[0]:
-            node = side, self.ends[side].aspects[cell]
-            if node not in before:
-                before[node], entries[node] = None, (cell, _spot(start.angles))
-                queue.append(node)
+        aims = {self._node(side, cell) for side, cell in goals.items()}
+        before: dict[Node, tuple[Node, Bridge] | None] = {
+            self._node(side, cell): None for side, cell in starts.items()
+        }
+        queue = deque(before)
         while queue:
             node = queue.popleft()
-            if node in goals:
-                corners = self._corners(node, before, entries, goals[node], stop)
-                length = start.legs[0] / slice_map.scale
+            if node in aims:
+                # from the stop backwards: the side, the cells of both ends, and the spot at the last
+                last, target = goals[node[0]], _spot(stop.angles)
+                moves = []
+                while (step := before[node]) is not None:
+                    moves.append((node[0], step[1][1], target, last))
+                    node, (last, _, target) = step
+                moves.append((node[0], starts[node[0]], target, last))
+                corners = self._corners(_spot(start.angles), moves[::-1])
+                length = start.legs[0] / start.slice_map.scale
                 whole = [(*_spot(start.angles), length), *corners, (*corners[-1][:2], length)]
-                return straightened(slice_map, self.sign, start, stop, whole)
+                return straightened(start.slice_map, self.sign, start, stop, whole)
             side = node[0]
-            for bridge in self.bridges:
-                here, there = bridge[:2] if side == 0 else bridge[1::-1]
-                other = 1 - side, self.ends[1 - side].aspects[there]
-                if self.ends[side].aspects[here] == node[1] and other not in before:
-                    before[other] = node, here, bridge[2], there
-                    entries[other] = there, bridge[2]
-                    queue.append(other)
+            for one, other, spot in self.bridges:
+                here, there = (one, other) if side == 0 else (other, one)
+                beyond = self._node(1 - side, there)
+                if self._node(side, here) == node and beyond not in before:
+                    before[beyond] = node, (here, there, spot)
+                    queue.append(beyond)
         return None
+
+    def _node(self, side: int, cell: Cell) -> Node:
+        return side, self.ends[side].aspects[cell]
 
     def _ports(self, pose: IsolatedPose) -> Iterator[tuple[int, Cell]]:
         """The ends of the range to which the fixed leg can move at a pose, with the cells there."""
@@ -255,29 +264,11 @@ class Range:
             if sign_at(cells.slice_map, cells.length, pose.angles) == self.sign:
                 yield side, cells.cell_of(pose.angles)
 
-    def _corners(
-        self,
-        node: tuple[int, int],
-        before: dict[tuple[int, int], tuple[tuple[int, int], Cell, Spot, Cell] | None],
-        entries: dict[tuple[int, int], tuple[Cell, Spot]],
-        goal: Cell,
-        stop: IsolatedPose,
-    ) -> list[Corner]:
-        chain = [node]
-        while (step := before[chain[-1]]) is not None:
-            chain.append(step[0])
-        chain.reverse()
+    def _corners(self, spot: Spot, moves: Iterable[tuple[int, Cell, Spot, Cell]]) -> list[Corner]:
+        """A polyline from a spot through moves in the slices, each from a cell to a spot of another cell."""
         corners: list[Corner] = []
-        spot = entries[chain[0]][1]
-        for k, here in enumerate(chain):
-            cells = self.ends[here[0]]
-            first = entries[here][0]
-            if k + 1 < len(chain):
-                following = before[chain[k + 1]]
-                assert following is not None, "only the first has nothing before it"
-                last, target = following[1], following[2]
-            else:
-                last, target = goal, _spot(stop.angles)
+        for side, first, target, last in moves:
+            cells = self.ends[side]
             way = cells.way(spot, first, target, last)
             if way is None:
                 raise Unproved("a way between two slices was lost")

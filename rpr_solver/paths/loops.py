@@ -39,10 +39,9 @@ from rpr_solver.model.joint_points import JointPoint, free_legs
 from rpr_solver.model.lengths import Bounds, slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.isolated import Angles, Image, IsolatedPose, local_map
 from rpr_solver.paths.path import Path, PathOptions, PathTerms, path_of
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, outside, prove
-from rpr_solver.paths.route import Arc, ControlPoint, Route, expanded
+from rpr_solver.paths.route import Angles, Arc, ControlPoint, Image, IsolatedPose, Route, expanded, local_map
 from rpr_solver.slices.cusp_table import solve_slice
 from rpr_solver.slices.eliminant import Eliminant, kept_eliminant
 from rpr_solver.slices.slice_table import SliceTable

@@ -37,10 +37,9 @@ from rpr_solver.model.lengths import Bounds, ExactLimits, limits_json, read_limi
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import Row, counted, csv_text, html_table, shortened, with_floats
 from rpr_solver.notebook.figure import Figure, draw
-from rpr_solver.paths.isolated import by_leg
 from rpr_solver.paths.others import OtherPose, PathPose, numbered, other_poses
 from rpr_solver.paths.proofs import PROOF_BITS, ProvedRoute
-from rpr_solver.paths.route import Route
+from rpr_solver.paths.route import Route, by_leg
 from rpr_solver.paths.samples import BOUND_DIGITS, PathSample, SamplingPlan
 from rpr_solver.singular.singular_curves import SingularCurves
 

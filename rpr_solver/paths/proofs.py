@@ -23,8 +23,7 @@ from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.slice_map import SliceMap
-from rpr_solver.paths.isolated import Image, Legs
-from rpr_solver.paths.route import Arc, Expansion, Route, bounded, expanded
+from rpr_solver.paths.route import Arc, Expansion, Image, Legs, Route, bounded, expanded
 
 NO_BOUNDS: Bounds = (None, None)
 

@@ -24,10 +24,9 @@ from rpr_solver.exact.rationals import exact_or_none, exact_str
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.paths.boxes import BITS, FIRST_LEVEL, Box, Boxes, PosePoint, Verdict
-from rpr_solver.paths.isolated import IsolatedPose, Legs
 from rpr_solver.paths.joint_paths import Corner, straightened
 from rpr_solver.paths.proofs import PROOF_BITS, PathLimits, ProvedRoute, prove
-from rpr_solver.paths.route import Arc, Point
+from rpr_solver.paths.route import Arc, IsolatedPose, Legs, Point
 
 _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 """By the number of coordinates that are cut: the levels, one after another, at which cutting stops."""
