@@ -27,18 +27,18 @@ from rpr_solver.errors import InputError
 from service.webhooks.sending import Answer, RefusedError, post
 from service.webhooks.settings import SecretError, WebhookSettings, fits, target_of
 from worker.answers.kinds import is_batch
-from worker.jobs.callbacks import Attempt, Callbacks, Delivery, State
+from worker.jobs.callbacks import Callbacks, Delivery, DeliveryAttempt, State
 from worker.jobs.views import JobView
 from worker.settings import WorkerSettings
 
 log = logging.getLogger("rpr_cusps.service")
 
 _SENDERS = 8
-_OF_ONE_HOST = 2
-_OF_ONE_PATTERN = 4  # the owner of a domain can create any number of names in it
-_REST = 3.0  # of a host that did not answer in time, in time-outs
-_LOOK = 0.5  # seconds between two looks at what is due
-_LONGEST_WISH = 86400.0  # of a Retry-After
+_MAX_PER_HOST = 2
+_MAX_PER_PATTERN = 4  # the owner of a domain can create any number of names in it
+_REST_FACTOR = 3.0  # of a host that did not answer in time, in time-outs
+_POLL_PAUSE = 0.5  # seconds between two looks at what is due
+_MAX_RETRY_AFTER = 86400.0  # seconds
 _JITTER = 0.2
 
 LEASE_MARGIN = 20.0
@@ -71,7 +71,7 @@ class Deliverer:
         self._settings = settings
         self._shown = shown
         self._lease = settings.webhook_timeout_seconds + margin
-        self._rest = _REST * settings.webhook_timeout_seconds
+        self._rest = _REST_FACTOR * settings.webhook_timeout_seconds
         self._sending: list[str] = []
         self._is_free = threading.Event()
 
@@ -82,7 +82,7 @@ class Deliverer:
                 self._is_free.clear()
                 delivery = self._claimed() if len(self._sending) < _SENDERS else None
                 if delivery is None:
-                    self._is_free.wait(_LOOK)
+                    self._is_free.wait(_POLL_PAUSE)
                 else:
                     self._sending.append(delivery.host)
                     senders.submit(self._deliver, delivery)
@@ -99,9 +99,9 @@ class Deliverer:
     def _must_wait(self) -> list[str]:
         """Returns the hosts and patterns that have their share of the senders."""
         hosts = tuple(self._sending)
-        full = [host for host, count in Counter(hosts).items() if count >= _OF_ONE_HOST]
+        full = [host for host, count in Counter(hosts).items() if count >= _MAX_PER_HOST]
         patterns = [pattern for pattern in self._settings.hosts if pattern.startswith("*.")]
-        return full + [p for p in patterns if sum(fits(host, p) for host in hosts) >= _OF_ONE_PATTERN]
+        return full + [p for p in patterns if sum(fits(host, p) for host in hosts) >= _MAX_PER_PATTERN]
 
     def _deliver(self, delivery: Delivery) -> None:
         try:
@@ -116,13 +116,13 @@ class Deliverer:
 
     def attempt(self, delivery: Delivery) -> None:
         """Make one attempt, and note how it ended."""
-        at, status, problem, wish = time.time(), None, None, None
+        at, status, problem, retry_after = time.time(), None, None, None
         state: State = "pending"
         rest = 0.0
         try:
             target = target_of(delivery.url, self._settings)
             answer = post(target, delivery.id, event_of(delivery, self._shown), self._settings)
-            status, wish = answer.status, answer.retry_after
+            status, retry_after = answer.status, answer.retry_after
             state, problem = judged(answer)
         except (RefusedError, InputError) as error:
             state, problem = "refused", str(error)
@@ -130,9 +130,9 @@ class Deliverer:
             log.warning("webhooks cannot be signed: RPR_CUSPS_WEBHOOK_SECRET_FILE %s", error)
             problem = "it could not be signed"
         except (httpcore.TimeoutException, TimeoutError) as error:
-            problem, rest = _told(error), self._rest
+            problem, rest = _problem_of(error), self._rest
         except (httpcore.NetworkError, httpcore.ProtocolError, OSError) as error:
-            problem = _told(error)
+            problem = _problem_of(error)
         except Exception as error:
             log.exception("a delivery failed")
             problem = type(error).__name__
@@ -142,11 +142,11 @@ class Deliverer:
             if delivery.claim > len(pauses):
                 state = "exhausted"
             else:
-                delay = pause(pauses[delivery.claim - 1], wish)
-        self._callbacks.settle(delivery, state, Attempt(at, status, problem), delay, rest)
+                delay = pause(pauses[delivery.claim - 1], retry_after)
+        self._callbacks.settle(delivery, state, DeliveryAttempt(at, status, problem), delay, rest)
 
 
-def _told(error: Exception) -> str:
+def _problem_of(error: Exception) -> str:
     return f"{type(error).__name__}: {error}".removesuffix(": ")[:200]
 
 
@@ -161,9 +161,9 @@ def judged(answer: Answer) -> tuple[State, str | None]:
     return "pending", f"the receiver answered {answer.status}"
 
 
-def pause(seconds: float, wish: float | None) -> float:
+def pause(seconds: float, retry_after: float | None) -> float:
     """Returns the time until the next attempt: a little more than planned, or `Retry-After`."""
-    return max(seconds * random.uniform(1, 1 + _JITTER), min(wish or 0.0, _LONGEST_WISH))
+    return max(seconds * random.uniform(1, 1 + _JITTER), min(retry_after or 0.0, _MAX_RETRY_AFTER))
 
 
 def event_type(view: JobView) -> str:

@@ -37,7 +37,7 @@ class TooManyCallbacksError(Exception):
 
 
 @dataclass(frozen=True)
-class Attempt:
+class DeliveryAttempt:
     """One attempt at a delivery.
 
     Attributes:
@@ -82,7 +82,7 @@ class Delivery:
     claim: int
     next_at: str | None
     job: JobView
-    attempts: tuple[Attempt, ...]
+    attempts: tuple[DeliveryAttempt, ...]
 
     @property
     def host(self) -> str:
@@ -128,7 +128,12 @@ class Callbacks:
         return _delivery(dict(zip(reply[::2], reply[1::2], strict=True))) if reply else None
 
     def settle(
-        self, delivery: Delivery, state: State, attempt: Attempt, delay: float = 0.0, rest: float = 0.0
+        self,
+        delivery: Delivery,
+        state: State,
+        attempt: DeliveryAttempt,
+        delay: float = 0.0,
+        rest: float = 0.0,
     ) -> bool:
         """Note how an attempt ended; the next one is due in `delay` seconds if it is still pending.
 
@@ -176,8 +181,8 @@ def _delivery(raw: Mapping[bytes, bytes]) -> Delivery:
     )
 
 
-def _attempt(kept: Mapping[str, object]) -> Attempt:
-    return Attempt(
+def _attempt(kept: Mapping[str, object]) -> DeliveryAttempt:
+    return DeliveryAttempt(
         at=cast(float, kept["at"]),
         status=cast("int | None", kept.get("status")),
         problem=cast("str | None", kept.get("problem")),

@@ -34,7 +34,7 @@ _PAUSE, _LONGEST = 1.0, 0.1
 
 
 @dataclass(frozen=True)
-class Item:
+class StoredKey:
     """One key; `age` in seconds, None if it has no lifetime; `size` in bytes."""
 
     key: bytes
@@ -53,7 +53,7 @@ class Stock:
     size: int = 0
     oldest: float | None = None
 
-    def add(self, item: Item) -> None:
+    def add(self, item: StoredKey) -> None:
         """Count one key."""
         self.keys += 1
         self.size += item.size
@@ -93,7 +93,7 @@ class Inventory:
         """Remove the keys of a greater age, and the oldest while all keys take more bytes."""
         items = [item for page in self._pages() for item in self._items(page)]
         excess = sum(item.size for item in items) - (max_bytes if max_bytes is not None else float("inf"))
-        chosen: list[Item] = []
+        chosen: list[StoredKey] = []
         for item in sorted(items, key=lambda item: -(item.age or 0.0)):
             if item.age is None or item.kind == OTHER:
                 continue
@@ -143,7 +143,7 @@ class Inventory:
             )
             yield page
 
-    def _items(self, keys: Sequence[bytes], *, sizes: bool = True) -> Iterator[Item]:
+    def _items(self, keys: Sequence[bytes], *, sizes: bool = True) -> Iterator[StoredKey]:
         with self.redis.pipeline(transaction=False) as pipe:
             for key in keys:
                 pipe.pttl(key)
@@ -156,7 +156,7 @@ class Inventory:
                 continue
             kind, version = self._kind(key)
             age = max(0.0, self._lifetime(kind) - left / 1000) if left >= 0 else None
-            yield Item(key, kind, version, left, age, size or 0)
+            yield StoredKey(key, kind, version, left, age, size or 0)
 
     def _kind(self, key: bytes) -> tuple[str, str]:
         """Returns the kind of a key, and the version of the solver to which it belongs."""
@@ -177,7 +177,7 @@ class Inventory:
         }
         return lifetimes.get(kind, settings.result_ttl)
 
-    def _not_needed(self, items: Iterable[Item]) -> list[Item]:
+    def _not_needed(self, items: Iterable[StoredKey]) -> list[StoredKey]:
         """Returns those that no active job of their version can need."""
         items = list(items)
         versions = sorted({item.version for item in items})
@@ -192,7 +192,7 @@ class Inventory:
         }
         return [item for item in items if item.kind == "job" or (item.age or 0.0) >= ages[item.version]]
 
-    def _take(self, items: Sequence[Item]) -> int:
+    def _take(self, items: Sequence[StoredKey]) -> int:
         if not items:
             return 0
         chosen, lifetimes = [item.key for item in items], [item.left for item in items]

@@ -28,7 +28,7 @@ Duty = Literal["light", "all"]
 DUTIES: tuple[Duty, ...] = get_args(Duty)
 
 
-_MOST_CHUNKS = 1000  # of a batch, unless its items take so long that a chunk would come near the deadline
+_MAX_CHUNKS = 1000  # of a batch, unless its items take so long that a chunk would come near the deadline
 
 
 _SAFE_SHARE = 0.25  # of the deadline, for all items of a chunk
@@ -103,7 +103,7 @@ def plan_batch(costs: Sequence[float], settings: WorkerSettings) -> Plan:
     total, longest = sum(costs), max(costs)
     mean = total / len(costs)
     size = max(1, min(settings.chunk_size, int(settings.chunk_seconds / max(mean, 1e-9))))
-    size = max(size, -(-len(costs) // _MOST_CHUNKS))
+    size = max(size, -(-len(costs) // _MAX_CHUNKS))
     size = max(1, min(size, int(_SAFE_SHARE * settings.deadline / max(longest, 1e-9))))
     is_heavy = max(longest, mean * size) > settings.heavy_seconds
     lane: Lane = "heavy-batch" if is_heavy else "batch"

@@ -27,8 +27,8 @@ from worker.jobs.views import JobView, Listing, view_of
 from worker.lua import VIEW_FIELDS
 from worker.settings import WorkerSettings
 
-_REMEMBERED_SECONDS = 10.0  # in which a question is not written again
-_REMEMBERED = 10_000
+_REWRITE_SECONDS = 10.0  # a question that was kept is not written again for so long
+_MAX_REMEMBERED = 10_000
 
 
 class JobLookup:
@@ -65,7 +65,7 @@ class JobLookup:
         version = self.versions.other_of(job_id)
         if version is None:
             return None
-        if len(self._of_others) >= _REMEMBERED:
+        if len(self._of_others) >= _MAX_REMEMBERED:
             self._of_others.clear()
         return self._of_others.setdefault(job_id, type(self)(self.redis, self.settings.of_version(version)))
 
@@ -85,14 +85,14 @@ class JobLookup:
     def remember(self, request: JobRequest) -> bool:
         """Keep a question with a known answer, for `asked`; returns False if Redis refuses."""
         now = time.monotonic()
-        if now - self._remembered.get(request.job_id, -_REMEMBERED_SECONDS) < _REMEMBERED_SECONDS:
+        if now - self._remembered.get(request.job_id, -_REWRITE_SECONDS) < _REWRITE_SECONDS:
             return True
         text = zlib.compress(as_kept(request).to_json().encode(), 1)
         try:
             self.redis.set(self.store.keys.question(request.job_id), text, ex=self.settings.job_ttl)
         except RedisError:
             return False
-        if len(self._remembered) >= _REMEMBERED:
+        if len(self._remembered) >= _MAX_REMEMBERED:
             self._remembered.clear()
         self._remembered[request.job_id] = now
         return True

@@ -51,7 +51,7 @@ local function count_work(record, active, chunk, parts, open)
     end
 end
 
--- Gives a chunk with so many parts to do to the heavy lane, with its share of the job's work.
+-- Moves a chunk, with `parts` left to do, to the heavy lane with its share of the job's work.
 local function move_work(record, active, chunk, parts)
     local fields = redis.call('HMGET', record, 'lane', 'left', 'apart', 'total', 'done', 'chunk_count')
     local lane, left, apart, total, done, chunk_count = unpack(fields)

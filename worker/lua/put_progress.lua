@@ -1,5 +1,5 @@
 -- Records the progress of a job of one chunk that counts its own steps; after an interruption, only once the
--- new attempt is as far as the last one. Returns 0 if the attempt is out of date.
+-- new attempt has caught up with the last one. Returns 0 if the attempt is out of date.
 -- include: jobs
 -- keys: record chunks events
 -- args: run index attempt done total

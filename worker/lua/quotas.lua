@@ -45,7 +45,7 @@ local function held_by_ledger()
     return bytes, due
 end
 
--- Returns the seconds until so many bytes have gone by themselves; 0 if active jobs must end before.
+-- Returns the seconds until `excess` bytes have expired; 0 if active jobs must end before.
 local function seconds_until_gone(due, excess)
     table.sort(due, function(a, b) return a[1] < b[1] end)
     for _, entry in ipairs(due) do

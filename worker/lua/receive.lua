@@ -1,4 +1,4 @@
--- The same for a question of which so much has come, and more will within so many seconds.
+-- The same for a question of which `size` bytes have come so far; more come within `seconds`.
 -- include: quotas
 -- keys: client ledger
 -- args: job_id job_prefix size max_bytes grace seconds

@@ -86,7 +86,7 @@ class RunAgain:
     detail: str = ""
 
 
-Outcome = Failed | GivenUp | RunAgain
+ExitOutcome = Failed | GivenUp | RunAgain
 """The outcome of a chunk that its work horse could not record."""
 
 UNRECORDED = 75
@@ -98,7 +98,7 @@ UNANSWERED = RunAgain("horses", "worker-crashed", "The worker repeatedly ended w
 
 def judge_exit(
     status: int | None, ended_for: str | None, settings: WorkerSettings, *, has_advanced: bool = False
-) -> Outcome | None:
+) -> ExitOutcome | None:
     """Returns the outcome for a wait status, or None if the horse ended normally and has recorded everything.
 
     `ended_for` is the worker's reason for ending the horse, if it did. `has_advanced`: items of a batch were

@@ -25,10 +25,10 @@ from worker.logs import about
 from worker.process.horse import (
     UNANSWERED,
     BeatAlarm,
+    ExitOutcome,
     GivenUp,
     Horse,
     IdleHorse,
-    Outcome,
     RunAgain,
     Task,
     judge_exit,
@@ -288,7 +288,7 @@ class Runs:
             return self.attempts.items_done(run.ref) > run.items_done
         return False
 
-    def _settle(self, run: Run, outcome: Outcome | None) -> None:
+    def _settle(self, run: Run, outcome: ExitOutcome | None) -> None:
         """Record the outcome of a chunk that no work horse runs any more."""
         ref = run.ref
         try:
@@ -301,7 +301,7 @@ class Runs:
         except RedisError as error:
             log.warning("the outcome of %s could not be recorded: %s", ref.rq_id, error)
 
-    def _record(self, run: Run, outcome: Outcome) -> None:
+    def _record(self, run: Run, outcome: ExitOutcome) -> None:
         if isinstance(outcome, RunAgain):
             self._interruptions.run_again(run.ref, outcome.lost, outcome.kind, outcome.detail)
             return

@@ -38,7 +38,7 @@ from tests.support.receivers import Receiver, receiving, silent
 from tests.support.service_server import GEOMETRY, serving
 from tests.support.stack import running
 from tests.support.tls import Certificates
-from worker.jobs.callbacks import MAX_CALLBACKS_PER_JOB, Attempt, Callbacks
+from worker.jobs.callbacks import MAX_CALLBACKS_PER_JOB, Callbacks, DeliveryAttempt
 from worker.settings import WorkerSettings
 
 SECRETS = [f"whsec_{base64.b64encode(bytes([n]) * 32).decode()}" for n in (1, 2)]
@@ -572,8 +572,8 @@ def test_who_comes_too_late_changes_nothing(idle: httpx.Client, idle_redis: Redi
     assert early is not None
     assert callbacks.claim(60) is None  # it is leased
     late = until(lambda: callbacks.claim(60))
-    assert not callbacks.settle(early, "delivered", Attempt(time.time(), 200))
-    assert callbacks.settle(late, "gone", Attempt(time.time(), 410))
+    assert not callbacks.settle(early, "delivered", DeliveryAttempt(time.time(), 200))
+    assert callbacks.settle(late, "gone", DeliveryAttempt(time.time(), 410))
     assert log_of(idle, job_id)[0]["state"] == "gone"
 
 

@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -26,6 +25,7 @@ from tests.support.jobs import a_request, ended
 from tests.support.processes import PATIENCE, Workers, until
 from worker.connection import SOCKET_TIMEOUT, connect
 from worker.jobs.chunks import ChunkQueue
+from worker.jobs.installation import Roster
 from worker.jobs.queue import JobQueue
 from worker.process.presence import Commands, Presence
 from worker.settings import WorkerSettings
@@ -110,8 +110,10 @@ def test_a_suspended_worker_takes_no_chunk(valkey: EmbeddedValkey, redis: Redis,
         queue = JobQueue(redis)
         until(lambda: [each.get_state() for each in rq.Worker.all(connection=redis)] == ["suspended"])
         view = queue.submit(a_request("1"))
-        time.sleep(0.5)
-        assert queue.depth() == queue.workers() == 1
+        [name] = Roster(redis, queue.settings).names()
+        before = redis.zscore(queue.records.keys.workers, name)
+        until(lambda: redis.zscore(queue.records.keys.workers, name) > before)  # it stays on the roster
+        assert queue.depth() == 1
         rq.suspension.resume(redis)
         assert ended(queue, view.id).status == "succeeded"
         rq.suspension.suspend(redis)
