@@ -37,7 +37,7 @@ STANDARD_INPUT = "-"
 GEOMETRY = (
     "GEOMETRY is a JSON file, - for standard input, or a built-in manipulator: "
     f'{", ".join(_FIRST)} or {_LAST}. Numbers are exact: 17.04, "17.04", "426/25". A file may have a name '
-    "and a unit, or be an answer of rpr-cusps in JSON, whose geometry is taken."
+    "and a unit, or be an answer of rpr-cusps in JSON, whose geometry is used."
 )
 
 _OPTIONS = {name: f"--{name.replace('_', '-')}" for name in ("digits", "fixed_leg", "samples", "method")}

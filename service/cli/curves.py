@@ -1,5 +1,5 @@
-"""Follow each cusp, by proof, as the length of one leg varies, from the transition where it appears to the
-one where it vanishes. The names of the curves depend on the manipulator and the leg alone, not on the
+"""Follow each cusp, by proof, as the length of one leg varies, from the transition at which it is born to the
+one at which it vanishes. The names of the curves depend only on the manipulator and the leg, not on the
 requested range or points."""
 
 from __future__ import annotations

@@ -39,12 +39,12 @@ def read_document(name: str) -> Mapping[str, Any]:
 
 
 _VERIFY = """\
-Check a document that rpr-cusps has printed, by independent means: its equations are derived anew from the
-geometry by SymPy, and every digit and count is proved again by exact integers and intervals, without the
-solver and its libraries.
+Verify a document of rpr-cusps by independent means: its equations are derived again from the geometry by
+SymPy, and every digit and count is proved by exact integers and intervals, without the solver and its
+libraries.
 
 Exit status: 0 every claim is established, 1 a claim is refused, 2 bad input, 3 nothing is refused, but the
-claims that the first line names are not established."""
+claims named in the first line are not established."""
 _VERIFY_EXAMPLES = """\
 examples:
   rpr-cusps solve innocenti --l1 14.98 --format json > table.json
@@ -89,7 +89,7 @@ def _page(answer: Mapping[str, Any]) -> Page:
 
 
 _EXPORT = """\
-Write a cusp table or a census as a script for another system, which computes the same anew from the
+Write a cusp table or a census as a script for another system. The script repeats the computation from the
 geometry and compares: its last line is "agrees" or "differs". For msolve, a slice is written as a system of
 equations."""
 _EXPORT_EXAMPLES = """\

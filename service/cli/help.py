@@ -130,9 +130,7 @@ class Parser(argparse.ArgumentParser):
         self.error(f"unknown option {options[0]}" + (f"; did you mean --{near[0]}?" if near else ""))
 
 
-_COMPLETION = (
-    """Print what makes a shell complete the commands, options and files of rpr-cusps at the Tab key."""
-)
+_COMPLETION = """Print the code for completion of commands, options and files by the Tab key of a shell."""
 _COMPLETION_EXAMPLES = """\
 examples:
   eval "$(rpr-cusps completion bash)"              in ~/.bashrc

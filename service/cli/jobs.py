@@ -44,13 +44,13 @@ def print_job(job: dict[str, object]) -> None:
 
 
 _CANCEL = """\
-Withdraw from a job or a batch of a service and print its state. A job is canceled unless others wait for
-it too; what is done of a batch can still be fetched."""
+Withdraw a question or a batch and print its state. A job is canceled unless other clients wait for it; the
+answers so far of a batch can still be fetched."""
 _CANCEL_EXAMPLES = """\
 examples:
   rpr-cusps cancel ct-0f3a… --url http://127.0.0.1:8000
   rpr-cusps cancel ba-5d41…
-  rpr-cusps cancel ct-0f3a… --force              whoever else waits for it
+  rpr-cusps cancel ct-0f3a… --force              for all subscribers
 """
 
 
@@ -69,16 +69,16 @@ def _run_cancel(args: argparse.Namespace) -> int:
 
 
 _JOBS = """\
-List the jobs and batches of a service: those of the key RPR_CUSPS_API_KEY. All with a key of scope admin
-and, without keys, on the computer of the service itself."""
+List the jobs and batches of a service that were asked for with the key RPR_CUSPS_API_KEY. A key of scope
+admin lists all, and so does the computer of a service without keys."""
 _JOBS_EXAMPLES = """\
 examples:
-  rpr-cusps jobs                                 what is queued or running, the newest first
-  rpr-cusps jobs --all --limit 20                also what has ended
+  rpr-cusps jobs                                 queued and running ones, the newest first
+  rpr-cusps jobs --all --limit 20                ended ones, too
   rpr-cusps jobs --url https://cusps.example.com --format json
 
-ESTIMATE is the estimated work in seconds of one core, RUNS how long it has run; a job that runs for many
-times its estimate is one to look at. rpr-cusps cancel JOB --force ends one for all who asked for it.
+ESTIMATE is the estimated work in seconds of one core, RUNS its running time. A job that runs for many times
+its estimate may need attention: rpr-cusps cancel JOB --force ends it for all subscribers.
 """
 _COLUMNS = ("id", "kind", "status", "created_at", "estimate_s", "runs_s", "overruns", "key")
 _TITLES = ("ID", "KIND", "STATUS", "CREATED", "ESTIMATE", "RUNS", "OVERRUNS", "KEY")
@@ -125,9 +125,9 @@ _FETCH_EXAMPLES = """\
 examples:
   rpr-cusps fetch ct-0f3a… --url http://127.0.0.1:8000
   rpr-cusps fetch ct-0f3a… --format csv > cusps.csv
-  rpr-cusps fetch ba-5d41… --no-wait             what is done of a batch
+  rpr-cusps fetch ba-5d41… --no-wait             the answers so far of a batch
 
-Ctrl-C leaves the job or the batch as it is.
+Ctrl-C does not cancel the job or the batch.
 """
 
 

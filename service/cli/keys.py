@@ -1,6 +1,5 @@
-"""Make, list and revoke the API keys of a service. They are kept where the service keeps its jobs: in the
-given Redis, or in a data directory, whether or not the service is running. A change takes effect within two
-seconds."""
+"""Create, list and revoke the API keys of a service. They are stored with its jobs: in the given Redis, or in
+a data directory, whether or not the service is running. A change takes effect within two seconds."""
 
 from __future__ import annotations
 

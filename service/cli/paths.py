@@ -1,6 +1,6 @@
-"""Find a motion of the legs that meets no singularity and leads to another pose of the same leg lengths: a
-loop round a cusp, or a path between two given poses, or why there is none. It is proved along the whole path,
-not only at the samples."""
+"""Find a path without a singularity to another pose of the same leg lengths: a loop round a cusp, or a path
+between two given poses, or the reason why there is none. It is proved along the whole path, not only at the
+samples."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Draw a slice, a census, the curves of cusps, a loop round a cusp, or the mechanism. The suffix of the file
-says whether it is SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need the extra `plot`."""
+"""Draw a slice, a census, the cusp curves, a loop round a cusp, or the mechanism. The suffix of the file
+selects SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need the extra `plot`."""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ def _poses(table: Mapping[str, Any]) -> Page:
 
 _SINGULAR = """\
 Draw the singular curves of a slice, with the number of poses in each region of the free legs' lengths, and
-the aspects. How the curves run between their special points is proved; samples keep the tolerance."""
+the aspects. The topology of the curves is proved; samples keep the tolerance."""
 _SINGULAR_EXAMPLES = """\
 examples:
   rpr-cusps singular innocenti --l1 14.98

@@ -33,7 +33,7 @@ _SERVE_EXAMPLES = """\
 examples:
   rpr-cusps serve
   rpr-cusps serve --port 8080 --workers 8 --data-dir /var/lib/rpr-cusps
-  rpr-cusps serve --host 0.0.0.0                 for other computers: first make a key, see keys
+  rpr-cusps serve --host 0.0.0.0                 for other computers: first create a key, see keys
   rpr-cusps serve --workers 0 --redis-url redis://queue:6379/0    only the API; see worker
 
 Settings come from the environment: RPR_CUSPS_MAX_SLICES and the other limits of /v1/limits,

@@ -1,6 +1,6 @@
-"""Show and bound what a service keeps: results, eliminants and ended jobs, in the given Redis or in a data
-directory, whether or not the service is running. What an active job needs is never removed. Or move all,
-with waiting jobs and API keys, to another Redis or Valkey of whatever version, by a file."""
+"""Inspect and prune the store of a service: results, eliminants and ended jobs, in the given Redis or in a
+data directory, whether or not the service is running. Data of active jobs is never removed. Export and import
+move everything, with waiting jobs and API keys, to another Redis or Valkey of any version."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ DESCRIPTION = __doc__
 EXAMPLES = """\
 examples:
   rpr-cusps store status                            keys and bytes by kind
-  rpr-cusps store prune --older-than 30d            what was not asked for again in 30 days
+  rpr-cusps store prune --older-than 30d            what was not used for 30 days
   rpr-cusps store prune --max-bytes 500MB           the oldest, until 500 MB are left
-  rpr-cusps store export cusps.store                all that is kept, while the service is stopped
+  rpr-cusps store export cusps.store                everything, while the service is stopped
   rpr-cusps store import cusps.store --redis-url redis://127.0.0.1:6379/0
 
-By themselves results go at the end of their lifetime (RPR_CUSPS_RESULT_TTL, RPR_CUSPS_ELIMINANT_TTL), and
-earlier when the store is nearly full (RPR_CUSPS_STORE_MAX_MB, or maxmemory of Redis).
+Results are removed at the end of their lifetime (RPR_CUSPS_RESULT_TTL, RPR_CUSPS_ELIMINANT_TTL), or earlier
+when the store is nearly full (RPR_CUSPS_STORE_MAX_MB, or maxmemory of Redis).
 """
 _SECONDS = {"s": 1, "m": 60, "h": 3600, "d": 86400}
 _BYTES = {"": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}

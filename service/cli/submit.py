@@ -102,8 +102,9 @@ def _csv(rows: Sequence[Sequence[str]]) -> str:
 _SUBMIT = """\
 Send many questions to a service as one batch, and print their answers in order, as they arrive.
 
-FILE is a JSON array of items, NDJSON with an item a line, or CSV with a geometry a row; - is standard input.
-An item is {"id": …, "kind": …, "request": …}; docs/batches.md has the kinds and the columns."""
+FILE is a JSON array of items, NDJSON with one item in each line, or CSV with one geometry in each row; - is
+standard input. An item is {"id": …, "kind": …, "request": …}; docs/batches.md has the kinds and the
+columns."""
 _SUBMIT_EXAMPLES = """\
 examples:
   rpr-cusps submit batch.ndjson > answers.ndjson
@@ -111,7 +112,7 @@ examples:
   generate-designs | rpr-cusps submit - --url https://cusps.example.com
   id=$(rpr-cusps submit batch.json --no-wait) && rpr-cusps fetch $id
 
-Ctrl-C cancels the batch, and says how to fetch what was done.
+Ctrl-C cancels the batch, and prints how to fetch the answers so far.
 """
 
 

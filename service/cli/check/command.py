@@ -1,10 +1,10 @@
 """Prove or refute a requirement: a maximum or minimum number of cusps in every slice of a range of lengths,
 or the number of cusps in single slices.
 
-Several geometries are checked in parallel. A folder stands for the geometries in its *.json files and in
-those of the folders within it, hidden ones excepted; files without a geometry are named and ignored. With
-limits on the other legs, only cusps strictly within them are counted. That there are no cusps does not prove
-that the assembly mode cannot change."""
+Several geometries are checked in parallel. A folder means the geometries in its *.json files and in those of
+its subfolders, except hidden ones; files without a geometry are listed and ignored. With limits on the other
+legs, only cusps strictly within them are counted. The absence of cusps does not prove that the assembly mode
+cannot change."""
 
 from __future__ import annotations
 
