@@ -20,8 +20,10 @@ from service.api.problems import ProblemError, ProblemType
 from service.api.routes.shared import (
     LIST_RESPONSES,
     Before,
+    Force,
     MostItems,
     StatusWanted,
+    Subscription,
     deliveries,
     end,
     follow,
@@ -36,20 +38,6 @@ router = APIRouter(tags=["batches"])
 BatchId = Annotated[str, Path(description="The id of the batch.", examples=[doc.EXAMPLE_ID])]
 After = Annotated[
     int, Query(ge=-1, description="Only items after this position: the last one that was received.")
-]
-Subscription = Annotated[
-    str,
-    Query(
-        pattern="^[0-9a-f]{1,64}$|^$",
-        description="Withdraws this batch; from `links.cancel` of the answer to its submission.",
-    ),
-]
-Force = Annotated[
-    bool,
-    Query(
-        description="Cancels the batch for all callers; needs a key with scope `admin`, or on a service "
-        "without keys a call from its own computer."
-    ),
 ]
 CallbackUrl = Annotated[
     str,

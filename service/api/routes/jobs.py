@@ -17,8 +17,10 @@ from service.api.problems import ProblemError, ProblemType
 from service.api.routes.shared import (
     LIST_RESPONSES,
     Before,
+    Force,
     MostItems,
     StatusWanted,
+    Subscription,
     deliveries,
     end,
     follow,
@@ -32,20 +34,6 @@ from worker.jobs.views import JobView
 router = APIRouter(tags=["jobs"])
 
 JobId = Annotated[str, Path(description="The id of the job.", examples=[doc.EXAMPLE_JOB_ID])]
-Subscription = Annotated[
-    str,
-    Query(
-        pattern="^[0-9a-f]{1,64}$|^$",
-        description="Withdraws this question; from `links.cancel` of the answer to it.",
-    ),
-]
-Force = Annotated[
-    bool,
-    Query(
-        description="Cancels the job for all subscribers; needs a key with scope `admin`, or on a service "
-        "without keys a call from its own computer."
-    ),
-]
 Known = Annotated[
     bool,
     Query(

@@ -35,6 +35,20 @@ Before = Annotated[
     ),
 ]
 MostItems = Annotated[int, Query(ge=1, le=100, description="The maximum number of entries.", alias="limit")]
+Subscription = Annotated[
+    str,
+    Query(
+        pattern="^[0-9a-f]{1,64}$|^$",
+        description="Withdraws this question or batch; from `links.cancel` of the answer to its submission.",
+    ),
+]
+Force = Annotated[
+    bool,
+    Query(
+        description="Cancels it for all callers; needs a key with scope `admin`, or on a service without "
+        "keys a call from its own computer."
+    ),
+]
 
 _STATES: Mapping[str | None, frozenset[Status]] = {
     **{status: frozenset({status}) for status in get_args(Status)},
