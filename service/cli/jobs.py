@@ -26,11 +26,6 @@ examples:
 """
 
 
-def _configure_status(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `status`."""
-    remote.add_job(parser)
-
-
 def _run_status(args: argparse.Namespace) -> int:
     """Run `status`; returns the exit status."""
     with remote.client_of(args.url) as client:
@@ -183,7 +178,7 @@ def _fetch_batch(args: argparse.Namespace) -> int:
 
 
 COMMANDS = {
-    "status": Command(_STATUS, _STATUS_EXAMPLES, _configure_status, _run_status),
+    "status": Command(_STATUS, _STATUS_EXAMPLES, remote.add_job, _run_status),
     "jobs": Command(_JOBS, _JOBS_EXAMPLES, _configure_jobs, _run_jobs),
     "fetch": Command(_FETCH, _FETCH_EXAMPLES, _configure_fetch, _run_fetch),
     "cancel": Command(_CANCEL, _CANCEL_EXAMPLES, _configure_cancel, _run_cancel),

@@ -177,9 +177,11 @@ def test_slices_come_in_the_order_asked_while_the_job_runs(base_url: str, fresh:
     assert anyio.run(main) == streamed
 
 
-def test_the_first_slices_are_there_before_the_last(base_url: str, fresh: Callable[[], str]) -> None:
+def test_the_first_slices_are_there_before_the_last(
+    client_type: type[ServiceClient], base_url: str, fresh: Callable[[], str]
+) -> None:
     asked = cusp_table(ZEIN, [fresh() for _ in range(300)], digits=400)
-    with ServiceClient(base_url) as client:
+    with client_type(base_url) as client:
         slices = client.slices(asked)
         next(slices)
         job = client.job(asked.question.job_request().job_id)
