@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 from itertools import pairwise
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.censuses import Cuts
-from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
-from rpr_solver.verify.core.reader import Record, decimal, refusal
+from rpr_solver.verify.censuses import Range
+from rpr_solver.verify.claims import Claim, ClaimStatus, judged
+from rpr_solver.verify.core.numbers import decimal
+from rpr_solver.verify.core.reader import Record, refusal
 from rpr_solver.verify.core.schema import Document
-from rpr_solver.verify.core.system import System
-from rpr_solver.verify.counts import OPEN, changed, sampled
-from rpr_solver.verify.points import Point, Points
-from rpr_solver.verify.slices import sorted_turns
-from rpr_solver.verify.within_limits import Limits
+from rpr_solver.verify.core.system import Surface
+from rpr_solver.verify.cusps import Limits, Point, Slice
+from rpr_solver.verify.events import Events, bits_of
+from rpr_solver.verify.tables import sorted_turns
 
-_SAMPLES = 2
+_CROSSINGS = "the lengths at which a cusp crosses a limit are not found anew"
 
 
 def check_claims(document: Document, progress: Progress) -> Iterator[Claim]:
@@ -26,16 +25,12 @@ def check_claims(document: Document, progress: Progress) -> Iterator[Claim]:
 
 
 class _Report:
-    """A report as it is printed; its intervals are those of a census without poses."""
-
     def __init__(self, document: Document) -> None:
-        self.members, self.geometry, self.fixed = document.members, document.geometry, document.fixed
+        self.members, self.fixed = document.members, document.fixed
         self.requirement: Record = self.members["requirement"]
         self.rows: tuple[Record, ...] = self.members["intervals"]
-        span = self.requirement["range"]
         length = decimal(self.members["digits"], 0, zero=False)
         cuts = [length(row["from"], f"/intervals/{n}/from") for n, row in enumerate(self.rows) if n]
-        self.cuts = Cuts(self.geometry, cuts, span["from"], span["to"])
         bounds = {
             int(name[1]): (limit.get("min"), limit.get("max"))
             for name, limit in (self.requirement.get("limits") or {}).items()
@@ -44,46 +39,54 @@ class _Report:
             if low is not None and high is not None and low >= high:
                 raise refusal(f"/requirement/limits/l{leg}", "holds no length")
         self.limits = Limits(bounds)
+        span, surface = self.requirement["range"], Surface.of(document.geometry, document.fixed)
+        self.range = Range(Events(surface, bits_of(cuts)), cuts, span["from"], span["to"])
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
-        fit = list(self._fitting())
+        fit = [*self._fitting(), *self.range.ordered("/intervals", self.rows)]
         yield from fit
         if any(claim.status is ClaimStatus.REFUSED for claim in fit):
             return
         violations = self.members["violations"]
         total = len(self.rows) + len(violations)
+        still_open = [_CROSSINGS] if self.limits.bounded else []
+        counted = []
         for n, row in enumerate(self.rows):
             progress(n, total)
-            # within limits a slice takes long, and two more are counted beside the ends
-            samples = 1 if self.limits.bounded else _SAMPLES
-            yield sampled(f"/intervals/{n}/count", row["count"], self.cuts.bounds(n), self._count, samples)
-            if n:
-                numbers = self.rows[n - 1]["count"], row["count"]
-                at, cut = f"/intervals/{n}/from", self.cuts.lengths[n - 1]
-                yield changed(at, cut, self.cuts.around(n - 1), numbers, self._count)
+            counted.append(self.range.counted(n, row["count"], self.limits.counted, still_open))
+        yield from counted
+        for n, group in enumerate(self.range.at if not self.limits.bounded else ()):
+            claim, at = "the number of cusps changes here", f"/intervals/{n + 1}/from"
+            if not group and self.range.events.open:
+                yield self.range.rests_on_all(at, claim)
+            else:
+                yield judged(at, claim, bool(group), "an event is found there", "no event is there")
         violated = False
         for k, violation in enumerate(violations):
             progress(len(self.rows) + k, total)
-            claims = list(self._example(k, violation))
-            violated = violated or all(claim.status is ClaimStatus.PROVED for claim in claims)
-            yield from claims
-        at, claim = "/degenerate", "what is degenerate throughout an interval, or along a curve"
-        yield Claim(at, claim, ClaimStatus.NOT_CHECKED, OPEN)
-        yield self._passed(violated)
+            example = self._example(k, violation)
+            violated = violated or example.status is ClaimStatus.PROVED
+            yield example
+        degenerate = self.range.degenerate(self.members["degenerate"])
+        yield degenerate
+        claim = "the requirement is met" if self.members["passed"] else "the requirement is not met"
+        if violated:
+            yield Claim("/passed", claim, ClaimStatus.PROVED, "as an example shows")
+        elif all(part.established for part in (*counted, degenerate)):
+            yield Claim("/passed", claim, ClaimStatus.PROVED, "as the numbers of all intervals show")
+        else:
+            yield Claim("/passed", claim, ClaimStatus.CHECKED, "by some slices in each interval")
         progress(total, total)
-
-    def _count(self, length: Fraction) -> tuple[int, bool] | None:
-        return self.limits.counted(self.geometry, self.fixed, length)
 
     def _violates(self, number: int) -> bool:
         most, least = (self.requirement[name] for name in ("max_cusps", "min_cusps"))
         return (most is not None and number > most) or (least is not None and number < least)
 
     def _fitting(self) -> Iterator[Claim]:
-        """That the members follow from the intervals, and that these fill the range."""
+        """That the members follow from the intervals."""
 
         def claim(at: str, text: str, right: bool) -> Claim:
-            return Claim(at, text, status_of(right), "as printed" if right else "they contradict each other")
+            return judged(at, text, right, "as printed", "they contradict each other")
 
         counts = [row["count"] for row in self.rows]
         names = ("from", "to", "count")
@@ -98,59 +101,44 @@ class _Report:
             text = f"{name.replace('_', ' ')} in the intervals"
             yield claim(f"/{name}", text, self.members[name] == number)
         yield claim("/violations", "these intervals violate the requirement", listed == violating)
-        fits = self.cuts.fit(self.rows) and all(a != b for a, b in pairwise(counts))
-        if self.cuts.stop is not None and self.cuts.stop <= self.cuts.start:
-            fits = False
-        yield claim("/intervals", "the intervals fill the range, with different neighbours", fits)
-        yield self.cuts.ascending("/intervals")
+        different = all(a != b for a, b in pairwise(counts))
+        yield claim("/intervals", "neighbouring intervals have different numbers", different)
 
-    def _passed(self, violated: bool) -> Claim:
-        """The verdict: one slice refutes a requirement, all slices of the range meet it."""
-        if violated:
-            return Claim("/passed", "the requirement is not met", ClaimStatus.PROVED, "as an example shows")
-        claim = "the requirement is met" if self.members["passed"] else "the requirement is not met"
-        return Claim("/passed", claim, ClaimStatus.CHECKED, f"by some slices in each interval; {OPEN}")
-
-    def _example(self, k: int, violation: Record) -> Iterator[Claim]:
-        """The claim that an example is a slice of its interval with this number of cusps within the limits,
-        and these cusps."""
+    def _example(self, k: int, violation: Record) -> Claim:
+        """That an example is a slice of its interval with so many cusps within the limits, and these."""
         at, example = f"/violations/{k}/example", violation["example"]
         claim, length = (
             "a slice of this interval, with its cusps within the limits",
             example[f"l{self.fixed}"],
         )
         n = next(n for n, row in enumerate(self.rows) if row["from"] == violation["from"])
-        bounds, listed = self.cuts.bounds(n), example["cusps"]
-        last = n == len(self.rows) - 1 and self.cuts.stop is None
-        if bounds is None or not bounds[0] < length or (length >= bounds[1] and not last):
-            yield Claim(at, claim, ClaimStatus.REFUSED, "it is outside the interval")
-            return
+        cuts, listed = self.range.cuts, example["cusps"]
+        low = self.range.start if n == 0 else cuts[n - 1].upper
+        high = cuts[n].lower if n < len(cuts) else self.range.stop
+
+        def refused(reason: str) -> Claim:
+            return Claim(at, claim, ClaimStatus.REFUSED, reason)
+
+        if not low < length or (high is not None and length >= high):
+            return refused("it is outside the interval")
         if len(listed) != violation["count"]:
-            yield Claim(at, claim, ClaimStatus.REFUSED, f"{len(listed)} cusps are listed")
-            return
-        system = System.of(self.geometry, self.fixed, length)
-        points, boxes = Points(system), []
-        for n, row in enumerate(listed):
-            box, (status, reason) = points.cusp(Point.of(row, system))
-            if box is None or status is not ClaimStatus.PROVED:
-                yield Claim(f"{at}/cusps/{n}", claim, ClaimStatus.REFUSED, reason)
-                return
-            if self.limits.admit({leg.number: points.length(leg, box) for leg in system.legs}) is not True:
-                yield Claim(f"{at}/cusps/{n}", claim, ClaimStatus.REFUSED, "it is not within the limits")
-                return
-            boxes.append(box)
-        thetas = [row[f"theta{self.fixed}_deg"].value for row in listed]
-        if any(x.meets(y) for n, x in enumerate(boxes) for y in boxes[:n]) or not sorted_turns(thetas):
-            yield Claim(
-                at, claim, ClaimStatus.REFUSED, "two listed cusps are one pose, or they are not sorted"
-            )
-            return
-        found = self._count(length)
-        if found is not None and found[0] != len(listed):
-            yield Claim(at, claim, ClaimStatus.REFUSED, f"the slice has {found[0]}")
-            return
-        proved = found is not None and found[1]
-        reason = "each is proved in a box, with its digits; there are no others"
-        if not proved:
-            reason = "each is proved in a box, with its digits; that there are no others is not"
-        yield Claim(at, claim, ClaimStatus.PROVED if proved else ClaimStatus.CHECKED, reason)
+            return refused(f"{len(listed)} cusps are listed")
+        part = Slice(self.range.events.surface.at(length))
+        if part.eliminant is None or not (part.eliminant.form or part.eliminant.rest):
+            return Claim(at, claim, ClaimStatus.NOT_CHECKED, "the cusps of the slice are not found anew")
+        points = [Point.of(row, part.system) for row in listed]
+        located, cusps = part.located(points)
+        wrong = next((found.finding[1] for found in located if found.box is None), None)
+        if wrong is not None or not sorted_turns([point.theta.value for point in points]):
+            return refused(wrong or "they are not sorted")
+        boxes = [found.box for found in located if found.box is not None]
+        if any(self.limits.admit(part, box) is not True for box in boxes):
+            return refused("a cusp is not within the limits")
+        within = [self.limits.admit(part, box) for box in cusps.boxes]
+        if within.count(True) > len(boxes):
+            return refused(f"the slice has {within.count(True)}")
+        if cusps.complete and None not in within:
+            reason = "each is proved in a box, with its digits; there are no others"
+            return Claim(at, claim, ClaimStatus.PROVED, reason)
+        reason = "each is proved in a box, with its digits; that there are no others is not"
+        return Claim(at, claim, ClaimStatus.CHECKED, reason)

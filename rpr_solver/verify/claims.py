@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -29,6 +29,10 @@ class ClaimStatus(StrEnum):
     """It contradicts what is proved here, or is not borne out where a right document would be."""
 
 
+Finding = tuple[ClaimStatus, str]
+"""How something stands, and why."""
+
+
 class Outcome(StrEnum):
     """What a verification comes to.
 
@@ -37,7 +41,7 @@ class Outcome(StrEnum):
     """
 
     ESTABLISHED = "established"
-    """Every claim is proved, or wrong with no more than the error probability that is stated."""
+    """Every claim is proved."""
     NOT_ESTABLISHED = "not established"
     """No claim is refused, but some are open: they are named, and nothing may rest on them."""
     REFUSED = "refused"
@@ -53,8 +57,6 @@ class Claim:
         claim: what is claimed.
         status: how it stands.
         reason: why, in one sentence.
-        error_probability: of a claim that is checked by random numbers of the operating system, a bound of
-            the probability that it is wrong all the same; None if there is no such bound.
 
     >>> claim = Claim("/slices/0/count", "these 6 cusps are all", ClaimStatus.REFUSED, "there are 7")
     >>> claim.to_json()["status"], claim.established
@@ -65,20 +67,16 @@ class Claim:
     claim: str
     status: ClaimStatus
     reason: str
-    error_probability: str | None = None
 
     @property
     def established(self) -> bool:
-        """Whether it is proved, or checked with a stated error probability."""
-        if self.status is ClaimStatus.PROVED:
-            return True
-        return self.status is ClaimStatus.CHECKED and self.error_probability is not None
+        """Whether it is proved."""
+        return self.status is ClaimStatus.PROVED
 
     def to_json(self) -> dict[str, Any]:
         """The claim as a member of the document."""
         about = {"at": self.at, "claim": self.claim, "status": self.status.value, "reason": self.reason}
-        chance = {"error_probability": self.error_probability} if self.error_probability else {}
-        return {**about, "established": self.established, **chance}
+        return {**about, "established": self.established}
 
 
 @dataclass(frozen=True)
@@ -157,9 +155,7 @@ class Verification:
         rest = f"; not read, so not established: {', '.join(self.unread)}" if self.unread else ""
         if self.open:
             return f"NOT ESTABLISHED, though nothing is refuted: {_named(self.open)}{rest}"
-        chances = {claim.error_probability for claim in self.claims if claim.error_probability}
-        but = f", but for an error probability below {', '.join(sorted(chances))}" if chances else ""
-        return f"ESTABLISHED: all {len(self.claims)} claims of this {self.kind}{but}{rest}"
+        return f"ESTABLISHED: all {len(self.claims)} claims of this {self.kind}{rest}"
 
     def to_json(self) -> dict[str, Any]:
         """The document of the verification."""
@@ -192,6 +188,25 @@ def _named(claims: Iterable[Claim]) -> str:
     return "; ".join(parts)
 
 
-def status_of(right: bool) -> ClaimStatus:
-    """Proved or refused."""
-    return ClaimStatus.PROVED if right else ClaimStatus.REFUSED
+def judged(at: str, claim: str, right: bool, reason: str, wrong: str = "it does not hold") -> Claim:
+    """A claim that is proved or refused."""
+    return Claim(at, claim, *((ClaimStatus.PROVED, reason) if right else (ClaimStatus.REFUSED, wrong)))
+
+
+def matching(fits: Sequence[Sequence[int]]) -> list[int | None]:
+    """A different choice for each, as many as there can be (augmenting paths)."""
+    owner: dict[int, int] = {}
+
+    def placed(n: int, tried: set[int]) -> bool:
+        for k in fits[n]:
+            if k not in tried:
+                tried.add(k)
+                if k not in owner or placed(owner[k], tried):
+                    owner[k] = n
+                    return True
+        return False
+
+    for n in range(len(fits)):
+        placed(n, set())
+    chosen = {n: k for k, n in owner.items()}
+    return [chosen.get(n) for n in range(len(fits))]

@@ -8,14 +8,20 @@ from typing import Any
 from rpr_solver.contract import Progress, check_integer, silent
 from rpr_solver.verify.censuses import census_claims
 from rpr_solver.verify.checks import check_claims
-from rpr_solver.verify.claims import Claim, ClaimStatus, Verification, status_of
-from rpr_solver.verify.core.reader import names_of_unread, parsed, size_of
+from rpr_solver.verify.claims import Claim, ClaimStatus, Verification, judged
+from rpr_solver.verify.core.reader import (
+    LEAST_CHARACTERS,
+    UNITS_OF_A_CHARACTER,
+    ExhaustedError,
+    bounded,
+    check_texts,
+    names_of_unread,
+    parsed,
+)
 from rpr_solver.verify.core.schema import Document, read_document
-from rpr_solver.verify.core.texts import check_texts
-from rpr_solver.verify.core.work import LEAST_CHARACTERS, UNITS_OF_A_CHARACTER, ExhaustedError, bounded
 from rpr_solver.verify.curves import curve_claims
 from rpr_solver.verify.poses import pose_claims
-from rpr_solver.verify.slices import table_claims
+from rpr_solver.verify.tables import table_claims
 
 CLAIMS: Mapping[str, Callable[[Document, Progress], Iterator[Claim]]] = {
     "cusp-table": table_claims,
@@ -58,10 +64,9 @@ def verify_document(
     """
     check_integer(effort, "effort", "1 to 1000", 1, 1000)
     value = parsed(document) if isinstance(document, str | bytes) else document
-    if isinstance(value, Mapping):
-        check_texts(value)
+    size = check_texts(value) if isinstance(value, Mapping) else 0
     read = read_document(value)
-    units = UNITS_OF_A_CHARACTER * max(LEAST_CHARACTERS, size_of(value)) * effort
+    units = UNITS_OF_A_CHARACTER * max(LEAST_CHARACTERS, size) * effort
     claims = (_hash_claim(read), *_within(units, CLAIMS[read.kind](read, progress)))
     unread = tuple(sorted(names_of_unread(read.members)))
     return Verification(read.kind, read.geometry.hash, str(value["solver_version"]), claims, unread)
@@ -80,6 +85,6 @@ def _within(units: int, claims: Iterator[Claim]) -> Iterator[Claim]:
 
 
 def _hash_claim(document: Document) -> Claim:
-    right = document.members["geometry_hash"] == document.geometry.hash
-    reason = "it is the SHA-256 of the geometry as printed" if right else f"it is {document.geometry.hash}"
-    return Claim("/geometry_hash", "the hash of the geometry", status_of(right), reason)
+    right, own = document.members["geometry_hash"] == document.geometry.hash, document.geometry.hash
+    reason = "it is the SHA-256 of the geometry as printed"
+    return judged("/geometry_hash", "the hash of the geometry", right, reason, f"it is {own}")

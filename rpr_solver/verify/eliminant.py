@@ -2,18 +2,21 @@
 
 A *line* is a value of u = tan(θ/2). Every pose in which three or more poses coalesce has J = E = 0, so it
 lies on a line where the resultant vanishes, and the order of the resultant there is at least the number of
-these poses.
+these poses. Above a simple root of Q is exactly one; on other lines α is cut into pieces until J, or E along
+either leg, excludes 0 on each.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 
-from rpr_solver.verify.core.modular import simple_and_apart
-from rpr_solver.verify.core.resultants import interpolated_resultant
-from rpr_solver.verify.core.roots import Root, real_roots
+from rpr_solver.verify.core.intervals import Interval, cos_sin, pi
+from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
+from rpr_solver.verify.core.reader import spend
+from rpr_solver.verify.core.roots import Root, real_roots, refined, simple_and_apart
 from rpr_solver.verify.core.surds import (
     ONE,
     ZERO,
@@ -21,15 +24,20 @@ from rpr_solver.verify.core.surds import (
     Poly,
     Ring,
     Surd,
-    derivative,
+    interpolated,
     primitive,
     rational,
 )
-from rpr_solver.verify.core.system import System, at_half_tangent
+from rpr_solver.verify.core.surds import derivative as slope_of
+from rpr_solver.verify.core.system import System, Trig, at_half_tangent, derivative
 
 DEGREE = 24
 _CIRCULAR = rational([1, 0, 1])
 _SAMPLES = 6
+_LINE_BITS, _LEAST_APART = 128, 32
+_PIECES, _DEPTH = 48, 40
+NEARBY = 20
+"""Poses are cut out with 2^−20 radians on either side."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +54,7 @@ class _Cut:
         counts = []
         for reverse in (False, True):
             orders = []
-            for p, degree in ((system.singular, 2), (system.first.kernel, 3)):
+            for p, degree in ((system.singular, 2), (system.legs[0].kernel, 3)):
                 rows = [at_half_tangent(p, degree, degree, Fraction(u)) for u in samples]
                 rows = [row[::-1] for row in rows] if reverse else rows
                 orders.append(
@@ -67,12 +75,14 @@ class _Cut:
 
 
 def _resultant(system: System, cut: _Cut) -> Poly:
-    return interpolated_resultant(
-        system.ring,
-        lambda u: cut.applied(at_half_tangent(system.singular, 2, 2, Fraction(u)), 0),
-        lambda u: cut.applied(at_half_tangent(system.first.kernel, 3, 3, Fraction(u)), 1),
-        48,
-    )
+    points, values = range(-DEGREE, DEGREE + 1), []
+    for u in points:
+        j, e = (
+            cut.applied(at_half_tangent(p, degree, degree, Fraction(u)), which)
+            for which, (p, degree) in enumerate(((system.singular, 2), (system.legs[0].kernel, 3)))
+        )
+        values.append(system.ring.resultant(j, e))
+    return interpolated(points, values)
 
 
 @dataclass(frozen=True)
@@ -182,7 +192,7 @@ class Eliminant:
         for multiplicity, part in self.parts.items():
             rest = ring.field_quotient(part, self.single) if multiplicity == 1 else part
             whole = ring.product(whole, rest)
-        common = ring.gcd(whole, derivative(whole))
+        common = ring.gcd(whole, slope_of(whole))
         return ring.field_quotient(whole, common)
 
     @cached_property
@@ -194,3 +204,134 @@ class Eliminant:
     def special_at_infinity(self) -> bool:
         """Whether the line u = ∞, where θ = 180°, is one of them."""
         return not self.form or bool(self.at_infinity) or len(self.along) < 3 or len(self.closed) < 3
+
+
+def opposite(bits: int) -> Pair:
+    """The line θ = 180°."""
+    return Interval.of(-1, bits), Interval.of(0, bits)
+
+
+def separation(eliminant: Eliminant) -> int:
+    """Bits at which the directions of all real lines are told apart."""
+    bits, ring = _LEAST_APART, eliminant.ring
+    forms = ((eliminant.single, eliminant.single_roots), (eliminant.special, eliminant.special_roots))
+    roots = [(form, root) for form, roots in forms for root in roots]
+    while True:
+        roots = [(form, refined(ring, form, root, Fraction(1, 1 << bits))) for form, root in roots]
+        lines = [direction(ring, form, root, bits) for form, root in roots]
+        if eliminant.special_at_infinity:
+            lines.append(opposite(bits))
+        if not any(meet(x, y) for n, x in enumerate(lines) for y in lines[:n]):
+            return bits
+        bits *= 2
+
+
+def meet(first: Pair, second: Pair) -> bool:
+    """Whether two directions may be the same."""
+    return all(x.meets(y) for x, y in zip(first, second, strict=True))
+
+
+def special_lines(system: System, eliminant: Eliminant, apart: int) -> Iterator[Pair]:
+    """The real lines that may hold several poses with J = E = 0, or spurious ones.
+
+    Args:
+        system: the slice.
+        eliminant: its lines.
+        apart: bits to which they are needed besides.
+    """
+    sizes = (
+        part.bit_length()
+        for p in (system.singular, *(leg.kernel for leg in system.legs))
+        for x in p.values()
+        for part in x
+    )
+    bits = _LINE_BITS + max(sizes) + 2 * apart
+    for root in eliminant.special_roots:
+        yield direction(system.ring, eliminant.special, root, bits)
+    if eliminant.special_at_infinity:
+        yield opposite(bits)
+
+
+@dataclass(frozen=True)
+class _OnLine:
+    """A trigonometric polynomial in α alone, with its derivative."""
+
+    value: dict[tuple[int, int], Interval]
+    slope: dict[tuple[int, int], Interval]
+
+    @classmethod
+    def of(cls, p: Trig, line: Pair, radicand: int) -> _OnLine:
+        return cls(*(_collapsed(q, line, radicand) for q in (p, derivative(p, theta=False))))
+
+    def excludes_zero(self, pair: Pair, middle: Pair, radius: Interval) -> bool:
+        """Whether it has no zero for any α of an interval, by the mean value theorem if not at once."""
+        if _sum(self.value, pair).sign:
+            return True
+        return bool((_sum(self.value, middle) + _sum(self.slope, pair) * radius).sign)
+
+
+def unlisted(system: System, line: Pair, listed: Sequence[Interval], apart: int) -> Fraction | None:
+    """An α in radians near which a pose with J = E = 0 cannot be excluded on a line; None if there is none.
+
+    Args:
+        system: the slice.
+        line: cosine and sine of θ.
+        listed: intervals of α, in radians, that are left out.
+        apart: the line is known to so many bits besides, and as many more cuts are made.
+    """
+    bits, functions = line[0].bits, (system.singular, *(leg.kernel for leg in system.legs))
+    on_line = [_OnLine.of(p, line, system.ring.radicand) for p in functions]
+    half = pi(bits).upper
+    step = -(-2 * half // _PIECES)
+    todo = [(-half + k * step, -half + (k + 1) * step, 0) for k in range(_PIECES)]
+    holes = [hole for x in listed for hole in _turned(x, bits)]
+    while todo:
+        lower, upper, depth = todo.pop()
+        if any(a <= lower and upper <= b for a, b in holes):
+            continue
+        alpha = Interval(lower, upper, bits)
+        middle = (lower + upper) // 2
+        pair, at_middle = cos_sin(alpha), cos_sin(Interval(middle, middle, bits))
+        radius = Interval(lower - middle, upper - middle, bits)
+        if any(f.excludes_zero(pair, at_middle, radius) for f in on_line):
+            continue
+        if depth == _DEPTH + apart:
+            return alpha.middle
+        todo += [(lower, middle, depth + 1), (middle, upper, depth + 1)]
+    return None
+
+
+def _turned(x: Interval, bits: int) -> list[tuple[int, int]]:
+    """An interval of α, and the same a turn away, in units of 2^−bits."""
+    turn = 2 * pi(bits).lower
+    low, high = (Interval.of(Fraction(end, 1 << x.bits), bits) for end in (x.lower, x.upper))
+    # rounded inwards, and 2π being known to two units only
+    return [(low.upper + k * turn + 4, high.lower + k * turn - 4) for k in (-1, 0, 1)]
+
+
+def nearby(x: Interval) -> Interval:
+    """All angles within 2^−20 radians of an interval."""
+    return Interval.of(x.middle, x.bits, x.radius + Fraction(1, 1 << NEARBY))
+
+
+def _collapsed(p: Trig, line: Pair, radicand: int) -> dict[tuple[int, int], Interval]:
+    bits = line[0].bits
+    one = Interval.of(1, bits)
+    at = Directions((one, one), line, radicand)
+    rows: dict[tuple[int, int], dict[tuple[int, int, int, int], tuple[int, int]]] = {}
+    for (i, j, k, m), x in p.items():
+        rows.setdefault((i, j), {})[0, 0, k, m] = x
+    return {key: at.value(row) for key, row in rows.items()}
+
+
+def _sum(coefficients: dict[tuple[int, int], Interval], alpha: Pair) -> Interval:
+    cos, sin = alpha
+    spend(2 * len(coefficients), cos.bits)
+    total = Interval(0, 0, cos.bits)
+    powers = [Interval.of(1, cos.bits)]
+    for (i, j), x in coefficients.items():
+        while len(powers) <= i:
+            powers.append(powers[-1] * cos)
+        term = x * powers[i]
+        total += term * sin if j else term
+    return total

@@ -1,5 +1,9 @@
-"""Poses of a joint vector: all are computed independently, and each printed pose must be a different one of
-them."""
+"""Poses of a joint vector: all are found anew, and each printed one must be another of them.
+
+With B1 = X, v₂ = R(α) b₂ − A2 and v₃ likewise, the legs are |X|² = s₁, |X + v₂|² = s₂, |X + v₃|² = s₃. The
+differences are linear in X, so X = n / det; then |n|² = s₁ det², of degree 3 in cos α and sin α, holds at
+every pose. SymPy expands the squares. Lengths are multiplied by ``unit``, squares by its square.
+"""
 
 from __future__ import annotations
 
@@ -7,26 +11,98 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 from rpr_solver.contract import Progress
-from rpr_solver.verify.claims import Claim, ClaimStatus, status_of
-from rpr_solver.verify.closure import Closure
-from rpr_solver.verify.core.angles import cos_sin, radians
-from rpr_solver.verify.core.boxes import Directions, Pair, direction
-from rpr_solver.verify.core.intervals import Interval
-from rpr_solver.verify.core.printed import Printed
-from rpr_solver.verify.core.reader import Record
-from rpr_solver.verify.core.roots import Root, has_root, real_roots
+from rpr_solver.verify.claims import Claim, ClaimStatus, judged, matching
+from rpr_solver.verify.core.intervals import Interval, cos_sin, radians
+from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
+from rpr_solver.verify.core.numbers import Geometry, Printed
+from rpr_solver.verify.core.reader import Record, spend
+from rpr_solver.verify.core.roots import Root, formal_parts, has_root, real_roots
 from rpr_solver.verify.core.schema import Document
-from rpr_solver.verify.core.surds import ZERO, Poly, Surd
-from rpr_solver.verify.core.system import Trig, in_half_tangent
-from rpr_solver.verify.full import form_of, proportional
-from rpr_solver.verify.slices import sorted_turns
+from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, primitive
+from rpr_solver.verify.core.system import Trig, in_half_tangent, normal_form, variables
+from rpr_solver.verify.tables import form_of, proportional, sorted_turns
 
+DEGREE = 6
 _ANGLES = ("theta1_deg", "theta2_deg", "theta3_deg")
 _NAMES = ("alpha_deg", *_ANGLES, "b1_x", "b1_y")
 _SPARE_BITS = 64
 Vector = tuple[Interval, Interval]
+
+
+@dataclass(frozen=True)
+class Closure:
+    """The closure equations, as trigonometric polynomials in α.
+
+    Attributes:
+        vectors: v₂ and v₃, by their components.
+        right: the right hand sides of 2 vᵢ · X = rightᵢ.
+        determinant: det = 4 v₂ × v₃.
+        numerators: n = det · X.
+        whole: |n|² − s₁ det².
+        upright: the y-components of the legs, times det.
+    """
+
+    geometry: Geometry
+    squares: tuple[Fraction, Fraction, Fraction]
+    unit: int
+    ring: Ring
+    vectors: tuple[tuple[Trig, Trig], tuple[Trig, Trig]]
+    right: tuple[Trig, Trig]
+    determinant: Trig
+    numerators: tuple[Trig, Trig]
+    whole: Trig
+    upright: tuple[Trig, Trig, Trig]
+
+    @classmethod
+    def of(cls, geometry: Geometry, squares: tuple[Fraction, Fraction, Fraction]) -> Closure:
+        """Derives the equations from squared lengths in the user's unit."""
+        spend(10_000, 4 * geometry.bits)
+        symbols = variables(geometry, squares)
+        (ca, sa), unit = symbols.alpha, symbols.unit
+        x, y = symbols.theta  # used as the unknown B1
+        scaled = [int(square * unit**2) for square in squares]
+        vectors, lines = [], []
+        for leg in (2, 3):
+            (mx, my), (ax, ay) = symbols.platform[leg - 1], symbols.base[leg - 1]
+            v = ca * mx - sa * my - ax, sa * mx + ca * my - ay
+            difference = (x + v[0]) ** 2 + (y + v[1]) ** 2 - x**2 - y**2
+            constant = difference.subs([(x, 0), (y, 0)]) - (scaled[leg - 1] - scaled[0])
+            lines.append((difference.diff(x), difference.diff(y), -constant))
+            vectors.append(v)
+        (a, b, e), (c, d, f) = lines
+        determinant, n = a * d - b * c, (e * d - f * b, f * a - e * c)
+        whole = n[0] ** 2 + n[1] ** 2 - scaled[0] * determinant**2
+
+        def trig(p: Any) -> Trig:
+            return normal_form(symbols, p)
+
+        return cls(
+            geometry,
+            squares,
+            unit,
+            Ring(symbols.radicand),
+            ((trig(vectors[0][0]), trig(vectors[0][1])), (trig(vectors[1][0]), trig(vectors[1][1]))),
+            (trig(e), trig(f)),
+            trig(determinant),
+            (trig(n[0]), trig(n[1])),
+            trig(whole),
+            (trig(n[1]), *(trig(n[1] + v[1] * determinant) for v in vectors)),  # type: ignore[arg-type]
+        )
+
+    @cached_property
+    def sextic(self) -> tuple[Surd, ...]:
+        """The form of degree 6 in t = tan(α/2), primitive: seven coefficients."""
+        row = in_half_tangent(self.whole, DEGREE // 2, lambda _k, _m: 1)
+        short = primitive(row)
+        return short + ((0, 0),) * (DEGREE + 1 - len(short))
+
+    @cached_property
+    def parts(self) -> dict[int, Poly]:
+        """Multiplicity → the form of the roots with it, a root at α = 180° as a leading zero."""
+        return formal_parts(self.ring, self.sextic)
 
 
 def pose_claims(document: Document, progress: Progress) -> Iterator[Claim]:
@@ -87,7 +163,7 @@ class _Poses:
         if doubt or len(found) != len(self.poses):  # roots may be far closer than the digits
             found, doubt, fits = self._found_at(4 * self.bits)
         claim = "a pose with these digits and this multiplicity"
-        chosen = _matching(fits)
+        chosen = matching(fits)
         for n, k in enumerate(chosen):
             at, pose = f"/poses/{n}", self.poses[n]
             if k is None:
@@ -119,8 +195,7 @@ class _Poses:
         claim, at = "the sixth-degree polynomial of direct kinematics", "/polynomial"
         form = form_of(self.closure.ring, self.members["polynomial"])
         right = form is not None and proportional(self.closure.ring, form, self.closure.sextic)
-        reason = "it is a multiple of the one derived from the legs" if right else "it is another"
-        return Claim(at, claim, status_of(right), reason)
+        return judged(at, claim, right, "it is a multiple of the one derived from the legs")
 
     def _numbers(self) -> Iterator[Claim]:
         shape = {m: len(part) - 1 for m, part in self.closure.parts.items()}
@@ -138,12 +213,12 @@ class _Poses:
             ),
             ("/certificate/factors", "degrees and multiplicities of the factors", listed == shape),
         ):
-            yield Claim(at, claim, status_of(right), "counted" if right else "it is another")
+            yield judged(at, claim, right, "counted")
 
     def _sorted(self) -> Claim:
         alphas = [pose["alpha_deg"].value for pose in self.poses]
         right = sorted_turns(alphas)
-        return Claim("/poses", "the poses are sorted by alpha", status_of(right), "as printed")
+        return judged("/poses", "the poses are sorted by alpha", right, "as printed")
 
     def _found_at(self, bits: int) -> tuple[list[_Found], str, list[list[int]]]:
         """What is found at a precision, and for each printed pose the numbers of those that it may be."""
@@ -263,8 +338,8 @@ class _Poses:
     def _curves(self) -> Claim:
         mine = ["0" if t == 1 else "180" for t in (1, -1) if self._circle(t)]
         right = [curve["alpha_deg"] for curve in self.members["curves"]] == mine
-        reason = "both linear equations vanish there, and nowhere else" if right else "they are others"
-        return Claim("/curves", "the curves of poses", status_of(right), reason)
+        reason = "both linear equations vanish there, and nowhere else"
+        return judged("/curves", "the curves of poses", right, reason)
 
     def _circle(self, cos: int) -> bool:
         """Whether both linear equations vanish at α = 0 or 180°, which is exact."""
@@ -275,25 +350,6 @@ class _Poses:
         zero = Root(Fraction(0), Fraction(0), inverted=False)
         ends = {1: zero, -1: Root(Fraction(0), Fraction(0), inverted=True)}
         return any(self._circle(cos) and root == end for cos, end in ends.items())
-
-
-def _matching(fits: Sequence[Sequence[int]]) -> list[int | None]:
-    """A different choice for each, as many as there can be (augmenting paths)."""
-    owner: dict[int, int] = {}
-
-    def placed(n: int, tried: set[int]) -> bool:
-        for k in fits[n]:
-            if k not in tried:
-                tried.add(k)
-                if k not in owner or placed(owner[k], tried):
-                    owner[k] = n
-                    return True
-        return False
-
-    for n in range(len(fits)):
-        placed(n, set())
-    chosen = {n: k for k, n in owner.items()}
-    return [chosen.get(n) for n in range(len(fits))]
 
 
 def _on_half_tangents(p: Trig) -> tuple[Surd, ...]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from rpr_solver.verify.core.texts import MAX_DEPTH
+from rpr_solver.verify.core.reader import MAX_DEPTH
 
 _INTEGER = re.compile(r"0|-?[1-9][0-9]*", re.ASCII)
 

@@ -10,7 +10,7 @@ from pydantic.json_schema import SkipJsonSchema
 
 from rpr_solver import MAX_DIGITS, MIN_DIGITS, Manipulator
 from rpr_solver.errors import InputError
-from rpr_solver.verify.core.texts import check_texts
+from rpr_solver.verify.core.reader import check_texts
 from service.schemas.answers import GeometryText, optional
 from service.schemas.document import Expected, Source, unnamed
 from service.schemas.exact_json import json_kind, plain

@@ -7,17 +7,16 @@ from functools import cache
 from typing import Any
 
 from rpr_solver import EXAMPLES
-from rpr_solver.verify.chains import Place
+from rpr_solver.verify.chains import Place, Pose
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.schema import read_document
-from rpr_solver.verify.core.system import System
-from rpr_solver.verify.links import Pose
-from rpr_solver.verify.points import Point, Points
-from rpr_solver.verify.surface import Surface
+from rpr_solver.verify.core.system import Surface, System
+from rpr_solver.verify.cusps import Point, Slice
 from rpr_solver.verify.tubes import Tube
 from tests.support.shared import curves_of
 from tests.support.verified import geometry_of
 
+_BITS = 200
 PAST = 1
 """The number of the chain past the end at which the two curves join."""
 
@@ -42,8 +41,9 @@ def poses() -> Mapping[Place, Pose]:
         for point in curve["points"]:
             length = point["l1"]
             system = System.of(surface().geometry, 1, length)
-            box, _ = Points(system).cusp(Point.of(point, system))
-            assert box
+            [found], _ = Slice(system).located([Point.of(point, system)], _BITS)
+            box = found.box
+            assert box is not None
             scaled = Interval.of(length * surface().unit, box.alpha.bits)
             result[curve["name"], length] = Pose(box.alpha, box.theta, scaled)
     return result

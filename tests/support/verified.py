@@ -8,12 +8,10 @@ from typing import Any
 
 from rpr_solver import ClaimStatus, InputError, Manipulator, SolverError, Verification, verify_document
 from rpr_solver.contract import silent
-from rpr_solver.verify.core.manipulator import Geometry
-from rpr_solver.verify.core.printed import Printed
-from rpr_solver.verify.core.reader import decimal
+from rpr_solver.verify.core.numbers import Geometry, Printed, decimal
+from rpr_solver.verify.core.reader import ExhaustedError, bounded
 from rpr_solver.verify.core.schema import Document as ReadDocument
 from rpr_solver.verify.core.schema import read_document
-from rpr_solver.verify.core.work import ExhaustedError, bounded
 from rpr_solver.verify.documents import CLAIMS
 from tests.rpr_solver.long_run import manipulator
 from tests.support.families import FAMILIES, family

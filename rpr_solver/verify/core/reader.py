@@ -1,37 +1,34 @@
-"""The one reader: from bytes, or what JSON made of them, to frozen values by a closed schema.
+"""The one reader: from bytes, or what JSON made of them, to frozen values by a closed schema, within bounds.
 
-A reader takes a JSON value and the JSON pointer of it, and returns a value of its type, or refuses it. Every
-number has one text: decimals as :class:`Printed`, exact numbers as fractions, counts as integers. Objects
-become read-only mappings with the members of the schema and no others, lists become tuples.
+A reader takes a JSON value and the JSON pointer of it, and returns a value of its type, or refuses it.
+Objects become read-only mappings with the members of the schema and no others, lists become tuples.
+
+What bounds the work on a document: all texts are looked at once before anything is read. Every number is as
+long as the question's or as its digits explain; those of a certificate, and of polynomials and equations, are
+products of many sides and lengths. Then operations are counted, so that the bound is the same everywhere. A
+unit is at most some two microseconds of one core: a product of two short numbers, with what goes with it.
 """
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from decimal import Decimal
 from fractions import Fraction
-from math import gcd, isqrt
+from math import lcm
 from types import MappingProxyType
 from typing import Any
 
+from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS
 from rpr_solver.errors import InputError, shown
-from rpr_solver.verify.core.printed import Printed
 
 Read = Callable[[object, str], Any]
 Record = Mapping[str, Any]
 
-MOST_DIGITS = 10_000
-"""The longest decimal that is read, in digits; the greatest exponent."""
-_MOST_LETTERS, _PYTHON_READS = 2_000_000, 4000
-_MOST_DEPTH, _LONGEST_COUNT = 20, 12
-_INTEGER = re.compile(r"0|-?[1-9][0-9]*", re.ASCII)
-_EXACT = re.compile(r"(-?)(0|[1-9][0-9]*)(?:\.([0-9]*[1-9]))?", re.ASCII)
-_QUOTIENT = re.compile(r"(-?[1-9][0-9]*)/([1-9][0-9]*)", re.ASCII)
-_DECIMAL = re.compile(r"-?([0-9]+)(?:\.([0-9]+))?(?:e([+-][0-9]{1,4}))?", re.ASCII)
-_SHORT = re.compile(r"(-?[1-9][0-9]*)e-([1-9][0-9]{0,3})", re.ASCII)
-_ROOT = re.compile(r"sqrt\((.+)\)", re.ASCII)
+_LONGEST_COUNT = 12
 
 
 def refusal(at: str, message: str) -> InputError:
@@ -73,27 +70,6 @@ def parsed(source: str | bytes) -> Any:
         raise
     except (ValueError, RecursionError) as error:
         raise refusal("", f"is not JSON: {shown(str(error))}") from None
-
-
-def size_of(value: object, depth: int = 0) -> int:
-    """About the number of characters of a document as JSON, which bounds the work on it.
-
-    Raises:
-        InputError: it is deeper than any document, or has a value that JSON has not.
-    """
-    if depth > _MOST_DEPTH:
-        raise refusal("", "is deeper than any document")
-    if isinstance(value, Mapping):
-        return 2 + sum(len(str(name)) + 4 + size_of(item, depth + 1) for name, item in value.items())
-    if isinstance(value, list | tuple):
-        return 2 + sum(2 + size_of(item, depth + 1) for item in value)
-    if isinstance(value, str):
-        return 2 + len(value)
-    if isinstance(value, int):
-        return 1 + value.bit_length() // 3
-    if value is None:
-        return 4
-    raise refusal("", f"has {shown(value)}, which is no value of a document")
 
 
 def record(required: Mapping[str, Read], optional: Mapping[str, Read] = MappingProxyType({})) -> Read:
@@ -206,145 +182,188 @@ def names_of_unread(value: object, at: str = "") -> set[str]:
     return set()
 
 
-def integer(value: object, at: str) -> int:
-    """An integer as a text."""
-    if not isinstance(value, str) or len(value) > _MOST_LETTERS or not _INTEGER.fullmatch(value):
-        raise refusal(at, f"{shown(value)} is not an integer as documents write it")
-    return _integer(value)
+MAX_DEPTH = 32
+"""Maximum depth of a document; none of the contract comes near it."""
+
+MOST_NUMBER_DIGITS = 400
+"""The default limit on the digits of a side or a length, as for the solver's input."""
+
+_NUMBER = re.compile(r"[+-]?(\d*)(?:\.(\d*))?(?:[eE]([+-]?\d{1,9}))?", re.ASCII)
+_PRODUCTS = frozenset({"certificate", "polynomial", "equation"})
+_FACTORS = 100  # coefficients have at most 74 sides as factors
+_SPARE = 10
+_SPREAD = 4
+_SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+
+Member = tuple[str, Any, bool]
+"""The dotted name of a member, its value, and whether it is a product of many sides."""
 
 
-def exact(value: object, at: str) -> Fraction:
-    """An exact number as a text: a decimal if it terminates, else p/q in lowest terms."""
-    if not isinstance(value, str) or len(value) > _MOST_LETTERS:
-        raise refusal(at, f'{shown(value)} is not an exact number as documents write it, such as "14.98"')
-    if (quotient := _QUOTIENT.fullmatch(value)) is not None:
-        n, d = (_integer(part) for part in quotient.groups())
-        odd = d
-        for p in (2, 5):
-            while odd % p == 0:
-                odd //= p
-        if odd > 1 and gcd(n, d) == 1:
-            return Fraction(n, d)
-    elif (decimal := _EXACT.fullmatch(value)) is not None and value != "-0":
-        sign, whole, part = decimal[1], decimal[2], decimal[3] or ""
-        number = Fraction(_integer(whole + part), 10 ** len(part))
-        return -number if sign else number
-    raise refusal(at, f'{shown(value)} is not an exact number as documents write it, such as "14.98"')
-
-
-def short(value: object, at: str) -> Fraction:
-    """An exact number, or an integer with a negative power of ten."""
-    form = _SHORT.fullmatch(value) if isinstance(value, str) else None
-    return Fraction(integer(form[1], at), 10 ** int(form[2])) if form else exact(value, at)
-
-
-def short_positive(value: object, at: str) -> Fraction:
-    """The same, > 0."""
-    x = short(value, at)
-    if x <= 0:
-        raise refusal(at, f"is {shown(value)}; it must be > 0")
-    return x
-
-
-def exact_within(
-    low: Fraction | int, high: Fraction | int | None = None, *, ends: bool = False
-) -> Callable[[object, str], Fraction]:
-    """An exact number between two others, or one of them if ``ends``."""
-
-    def read(value: object, at: str) -> Fraction:
-        x = exact(value, at)
-        inside = low < x and (high is None or x < high)
-        if not inside and not (ends and x in (low, high)):
-            raise refusal(at, f"is {shown(value)}, beyond what is possible here")
-        return x
-
-    return read
-
-
-POSITIVE = exact_within(0)
-"""An exact length > 0."""
-
-
-def square_of(value: object, at: str) -> Fraction:
-    """The square of a length > 0: an exact number, or sqrt() of one that is no square."""
-    root = _ROOT.fullmatch(value) if isinstance(value, str) else None
-    if root is None:
-        return POSITIVE(value, at) ** 2
-    x = POSITIVE(root[1], at)
-    if isqrt(x.numerator) ** 2 == x.numerator and isqrt(x.denominator) ** 2 == x.denominator:
-        raise refusal(at, f"is {shown(value)}, a root of a square")
-    return x
-
-
-def radicand(value: object, at: str) -> int:
-    """The N of a text sqrt(N)."""
-    root = _ROOT.fullmatch(value) if isinstance(value, str) else None
-    number = integer(root[1], at) if root else 0
-    if number < 2:
-        raise refusal(at, f"{shown(value)} is not sqrt() of an integer > 1")
-    return number
-
-
-def decimal(digits: int, least: int | None = None, most: int | None = None, *, zero: bool = True) -> Read:
-    """A decimal with this number of significant digits, as documents print it; "0" is an exact zero.
+def check_texts(
+    document: Mapping[str, Any], *, number_digits: int = MOST_NUMBER_DIGITS, most_digits: int = MAX_DIGITS
+) -> int:
+    """Refuses a document that cannot be read in a time that its length explains; else about its length.
 
     Args:
-        digits: significant digits.
-        least: the number is greater.
-        most: the number is not greater.
-        zero: whether it may be 0.
+        document: a document, as JSON reads it.
+        number_digits: maximum number of digits of a side or a length.
+        most_digits: maximum of the document's own ``digits`` that explains longer numbers.
+
+    Returns:
+        About the number of characters of the document as JSON.
+
+    Raises:
+        InputError: naming the member: it has a number that is too long, or a text that is none, or it is
+            nested too deeply.
+
+    >>> check_texts({"digits": 15, "slices": [{"l1": "14." + "9" * 999}]})
+    Traceback (most recent call last):
+    rpr_solver.errors.InputError: slices[0].l1: has 1001 digits; here at most 425 are read, for 15 digits
     """
-
-    def read(value: object, at: str) -> Printed:
-        match = _DECIMAL.fullmatch(value) if isinstance(value, str) and len(value) < 3 * MOST_DIGITS else None
-        if match is None or not isinstance(value, str):
-            raise refusal(at, f"{shown(value)} is not a decimal of {digits} digits as documents print it")
-        if value == "0" and zero:
-            return Printed.exact_zero()
-        significant = (match[1] + (match[2] or "")).lstrip("0")
-        place = int(match[3] or 0) - len(match[2] or "") + len(significant) - 1
-        if abs(place) > MOST_DIGITS or value != _text(significant, place, negative=value.startswith("-")):
-            raise refusal(at, f"{shown(value)} is not a decimal as documents print it")
-        if len(significant) != digits:
-            raise refusal(at, f"{shown(value)} has {len(significant)} significant digits, not {digits}")
-        unit = Fraction(10) ** (place - digits + 1)
-        number = _integer(significant) * unit * (-1 if value.startswith("-") else 1)
-        if (least is not None and number <= least) or (most is not None and number > most):
-            raise refusal(at, f"is {shown(value)}, beyond what is possible here")
-        return Printed(value, number, unit / 2)
-
-    return read
-
-
-def _text(significant: str, place: int, *, negative: bool) -> str:
-    """The text of a decimal with its leading digit at a place; empty if there is no digit."""
-    if not significant:
-        return ""
-    if -7 <= place < 0:
-        plain = f"0.{'0' * (-place - 1)}{significant}"
-    elif 0 <= place < len(significant):
-        plain = f"{significant[: place + 1]}.{significant[place + 1 :]}".removesuffix(".")
-    else:
-        plain = f"{significant[0]}.{significant[1:]}".removesuffix(".") + f"e{place:+d}"
-    return "-" + plain if negative else plain
+    own = _own_digits(document.get("digits"), most_digits)
+    most = number_digits + own + _SPARE
+    longest, size, products = 0, 0, []
+    for name, value, is_product in _members(document):
+        letters = len(value) if isinstance(value, str) else 4
+        size += name.count(".") + len(name.rpartition(".")[2]) + letters + 6
+        if is_product:
+            products.append((name, value))
+            continue
+        length = _length(value, most)
+        if length > most:
+            raise _too_long(name, length, most, own)
+        longest = max(longest, length)
+    most = _FACTORS * (_unit_digits(document) + max(longest, own) + _SPARE)
+    for name, value in products:
+        length = _length(value)
+        if length > most:
+            raise _too_long(name, length, most, own)
+    return size
 
 
-def _integer(letters: str) -> int:
-    return int(letters) if len(letters) < _PYTHON_READS else int(Decimal(letters))
+def _own_digits(digits: object, most: int) -> int:
+    """The digits that a document says it has; the least, if it says nothing of the kind."""
+    text = str(digits) if isinstance(digits, int | str) else ""
+    own = int(text) if text.isdecimal() and len(text) <= len(str(MAX_DIGITS)) else 0
+    return own if MIN_DIGITS <= own <= most else MIN_DIGITS
 
 
-def polynomial(variable: str, degree: int) -> Read:
-    """The coefficients of a polynomial over ℤ[ω], with ω², or 1 if there is no ω."""
-    numbers = rows(integer, degree + 1, degree + 1)
-    read_members = record(
-        {"variable": word(variable), "degree": count(degree, degree), "coefficients": numbers},
-        {"omega": radicand, "omega_coefficients": numbers},
-    )
+def _too_long(name: str, length: int, most: int, digits: int) -> InputError:
+    return InputError.of(name, f"has {length} digits; here at most {most} are read, for {digits} digits")
 
-    def read(value: object, at: str) -> Record:
-        members: Record = read_members(value, at)
-        if ("omega" in members) != ("omega_coefficients" in members):
-            raise refusal(at, "has one of omega and omega_coefficients without the other")
-        return members
 
-    return read
+def _members(document: Mapping[str, Any]) -> Iterator[Member]:
+    """All members that hold neither members nor elements; without recursion, so that any depth is seen."""
+    waiting: list[tuple[str, Any, bool, int]] = [("", document, False, 0)]
+    while waiting:
+        name, value, is_product, depth = waiting.pop()
+        if not isinstance(value, Mapping | list | tuple):
+            if isinstance(value, str) and not _is_text(value):
+                raise InputError.of(name, "is no text: it has half of a character (a lone surrogate)")
+            yield name, value, is_product
+            continue
+        if depth >= MAX_DEPTH:
+            raise InputError.of(name[:100], f"is nested more than {MAX_DEPTH} levels deep")
+        if not isinstance(value, Mapping):
+            waiting += [(f"{name}[{k}]", item, is_product, depth + 1) for k, item in enumerate(value)]
+            continue
+        for key, item in value.items():
+            if not isinstance(key, str) or not _is_text(key):
+                shown = ascii(key)[:60]
+                raise InputError.of(name, f"has the member {shown}, which is no text")
+            place = f"{name}.{key[:60]}" if name else key[:60]
+            waiting.append((place, item, is_product or key in _PRODUCTS, depth + 1))
+
+
+def _is_text(text: str) -> bool:
+    if text.isascii():
+        return True
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _length(value: object, most: int = 0) -> int:
+    """The significant digits of a number, or a quarter of its size's, whichever is more.
+
+    Of a decimal of more than ``most`` digits, those of numerator or denominator; of any other text those of
+    its longest number.
+    """
+    if isinstance(value, int):
+        return int(value.bit_length() * 0.30103) + 1
+    if not isinstance(value, str):
+        return 0
+    text = value.strip()
+    number = _NUMBER.fullmatch(text)
+    if number is None:
+        return max(map(len, re.findall(r"\d+", text)), default=0)
+    whole, part, exponent = number[1] or "", number[2] or "", int(number[3] or 0)
+    digits = (whole + part).strip("0")
+    places = exponent + len(whole.lstrip("0")) if whole.strip("0") else exponent - len(part)
+    size = abs(places) // _SPREAD
+    if size <= most < len(digits) <= _SPREAD * most:
+        side = _side(text)  # 2^-1300 has the digits of 5^1300, but is a quotient of fewer
+        return _digits(side) if side is not None else len(digits)
+    return max(len(digits), size)
+
+
+def _digits(x: Fraction) -> int:
+    return int(max(x.numerator.bit_length(), x.denominator.bit_length()) * 0.30103) + 1
+
+
+def _unit_digits(document: Mapping[str, Any]) -> int:
+    """The digits of the longest side as an integer in the smallest common unit; 0 if they cannot be read."""
+    geometry = document.get("geometry")
+    texts: Sequence[object] = [geometry.get(name) for name in _SIDES] if isinstance(geometry, Mapping) else ()
+    sides = [side for text in texts if (side := _side(text)) is not None]
+    unit = lcm(*(side.denominator for side in sides))
+    return max((_digits(side * unit) for side in sides), default=0)
+
+
+def _side(text: object) -> Fraction | None:
+    if not isinstance(text, str | int):
+        return None
+    try:
+        above, _, below = str(text).partition("/")
+        return Fraction(Decimal(above)) / Fraction(Decimal(below or "1"))
+    except (ArithmeticError, ValueError):
+        return None
+
+
+UNITS_OF_A_CHARACTER = 80
+LEAST_CHARACTERS = 100_000
+"""A shorter document has the work of one of this length: about ten seconds."""
+_SHORT_BITS, _SHIFT = 256, 20
+
+_left: ContextVar[list[int] | None] = ContextVar("left", default=None)
+
+
+class ExhaustedError(Exception):
+    """A document needs more work than its length allows."""
+
+
+@contextmanager
+def bounded(units: int) -> Iterator[list[int]]:
+    """Counts the work within, in the first entry of a list as what is left of it."""
+    left = [units]
+    token = _left.set(left)
+    try:
+        yield left
+    finally:
+        _left.reset(token)
+
+
+def spend(products: int, bits: int = 0) -> None:
+    """Counts products, or quotients, of numbers of some length.
+
+    Raises:
+        ExhaustedError: the work is used up.
+    """
+    left = _left.get()
+    if left is None:
+        return
+    left[0] -= products if bits < _SHORT_BITS else products * (1 + (bits * bits >> _SHIFT))
+    if left[0] < 0:
+        raise ExhaustedError

@@ -3,6 +3,9 @@
 (1 + x)ⁿ p(1/(1 + x)) has at least as many changes of sign as p has roots in (0, 1): none proves that there
 is no root, one that there is exactly one. Bisection ends, as the roots are simple (Vincent). A form of
 degree n has the whole line within reach: |u| < 1, |u| > 1 by the reversed form, and ±1 and ∞.
+
+That roots are simple is proved modulo a prime: ω ↦ a square root of the radicand modulo p maps ℤ[ω] to the
+field of p elements. If the image keeps its degree and is prime to its derivative, the discriminant is not 0.
 """
 
 from __future__ import annotations
@@ -12,10 +15,10 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, isqrt
 
-from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, derivative, size_of, trimmed
-from rpr_solver.verify.core.work import spend
+from rpr_solver.verify.core.reader import spend
+from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Ring, Surd, derivative, primitive, size_of, trimmed
 
-_GUARD_BITS = 64
+_GUARD_BITS, _TRIES = 64, 4
 
 
 @dataclass(frozen=True)
@@ -173,3 +176,75 @@ def shifted(p: Sequence[Surd]) -> list[Surd]:
                 for k in range(len(part) - 2, start - 1, -1):
                     part[k] += part[k + 1]
     return list(zip(first, second, strict=True))
+
+
+def formal_parts(ring: Ring, form: Sequence[Surd]) -> dict[int, Poly]:
+    """Multiplicity → the form of the roots with it; a root at infinity is a leading zero of its part."""
+    finite = primitive(form)
+    if len(finite) > 1 and simple_and_apart(ring, finite, (ONE,)):
+        parts = {1: finite}
+    else:
+        parts = ring.squarefree_parts(finite)
+    if finite and (missing := len(form) - len(finite)):
+        parts[missing] = (*parts.get(missing, (ONE,)), ZERO)
+    return parts
+
+
+def simple_and_apart(ring: Ring, p: Poly, other: Poly) -> bool:
+    """Whether some prime proves that ``p`` has only simple roots, and none in common with ``other``."""
+    for prime, omega in _places(ring.radicand):
+        image, beside = ([(a + b * omega) % prime for a, b in form] for form in (p, other))
+        if _simple(image, prime) and _coprime(image, beside, prime):
+            return True
+    return False
+
+
+def proves_simple(ring: Ring, p: Poly, prime: int, omega: int) -> bool:
+    """Whether a prime, with a square root of the radicand modulo it, proves that ``p`` has only simple roots.
+
+    The prime must be below 2^64, where SymPy's test of primes is a proof.
+    """
+    from sympy.ntheory import isprime
+
+    if not 2 < prime < 1 << 64 or not isprime(prime) or (omega * omega - ring.radicand) % prime:
+        return False
+    return _simple([(a + b * omega) % prime for a, b in p], prime)
+
+
+def _simple(image: Sequence[int], prime: int) -> bool:
+    """Whether the image keeps the degree and is prime to its derivative."""
+    return bool(image[-1]) and _coprime(image, [k * x % prime for k, x in enumerate(image)][1:], prime)
+
+
+def _places(radicand: int) -> Iterator[tuple[int, int]]:
+    """Primes below 2^61, each with a square root of the radicand."""
+    from sympy.ntheory import prevprime, sqrt_mod
+
+    prime, found = 1 << 61, 0
+    while found < _TRIES:
+        prime = int(prevprime(prime))
+        root = sqrt_mod(radicand % prime, prime)
+        if root is not None:
+            found += 1
+            yield prime, int(root)
+
+
+def _coprime(p: Sequence[int], q: Sequence[int], prime: int) -> bool:
+    """Whether two polynomials modulo a prime share no root in any extension."""
+    p, q = _trimmed(p), _trimmed(q)
+    while q:
+        inverse = pow(q[-1], -1, prime)
+        rest = list(p)
+        for k in reversed(range(len(rest) - len(q) + 1)):
+            factor = rest[k + len(q) - 1] * inverse % prime
+            for i, x in enumerate(q, k):
+                rest[i] = (rest[i] - factor * x) % prime
+        p, q = q, _trimmed(rest)
+    return len(p) == 1
+
+
+def _trimmed(p: Sequence[int]) -> list[int]:
+    size = len(p)
+    while size and not p[size - 1]:
+        size -= 1
+    return list(p[:size])

@@ -7,25 +7,27 @@ from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, MOST_CUSPS, MOST_POSES
-from rpr_solver.verify.core.manipulator import Geometry
-from rpr_solver.verify.core.reader import (
+from rpr_solver.verify.core.numbers import (
     MOST_DIGITS,
     POSITIVE,
-    Read,
-    Record,
-    count,
+    Geometry,
     decimal,
     exact,
     exact_within,
     integer,
-    nothing_or,
     polynomial,
-    record,
-    refusal,
-    rows,
     short,
     short_positive,
     square_of,
+)
+from rpr_solver.verify.core.reader import (
+    Read,
+    Record,
+    count,
+    nothing_or,
+    record,
+    refusal,
+    rows,
     text,
     told,
     truth,

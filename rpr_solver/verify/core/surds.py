@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import gcd
+from math import gcd, lcm
 
-from rpr_solver.verify.core.work import spend
+from rpr_solver.verify.core.reader import spend
 
 Surd = tuple[int, int]
 Poly = tuple[Surd, ...]
@@ -120,28 +120,49 @@ class Ring:
             _subtract(self, rest, lead, q, k)
         return trimmed(rest)
 
-    def gcd(self, p: Poly, q: Poly) -> Poly:
-        """A greatest common divisor over the field ℚ(ω), by subresultants, primitive over ℤ."""
-        if len(p) < len(q):
-            p, q = q, p
-        if not q:
-            return primitive(p)
-        p, q = primitive(p), primitive(q)
-        scale: Surd = (-1, 0)
-        first = True
-        while q:
+    def chain(self, p: Poly, q: Poly) -> tuple[list[Poly], Surd]:
+        """The subresultant remainders of two polynomials, p and q first, and their resultant.
+
+        Both have their true degrees, that of q not above that of p (Collins 1967; Cohen 1993, 3.3.7).
+        """
+        rows, sign, lead, scale = [p, q], 1, ONE, ONE
+        while len(q) > 1:
             step = len(p) - len(q)
-            if first:
-                divisor: Surd = (-1 if step % 2 == 0 else 1, 0)
-                first = False
-            else:
-                divisor = self.times((-p[-1][0], -p[-1][1]), self.power(scale, step))
-            rest = tuple(self.over(x, divisor) for x in self.pseudo_remainder(p, q))
-            lead = (-q[-1][0], -q[-1][1])
-            if step > 0:
+            sign = -sign if len(p) % 2 == 0 == len(q) % 2 else sign
+            divisor = self.times(lead, self.power(scale, step))
+            p, q = q, tuple(self.over(x, divisor) for x in self.pseudo_remainder(p, q))
+            lead = p[-1]
+            if step:
                 scale = self.over(self.power(lead, step), self.power(scale, step - 1))
-            p, q = q, rest
-        return primitive(p) if len(p) > 1 else (ONE,)
+            if not q:
+                return rows, ZERO
+            rows.append(q)
+        degree = len(p) - 1
+        last = self.over(self.power(q[0], degree), self.power(scale, degree - 1)) if degree else ONE
+        return rows, (sign * last[0], sign * last[1])
+
+    def gcd(self, p: Poly, q: Poly) -> Poly:
+        """A greatest common divisor over the field ℚ(ω), primitive over ℤ."""
+        p, q = sorted((primitive(p), primitive(q)), key=len, reverse=True)
+        last = self.chain(p, q)[0][-1] if q else p
+        return primitive(last) if len(last) > 1 else (ONE,)
+
+    def resultant(self, p: Sequence[Surd], q: Sequence[Surd]) -> Surd:
+        """Sylvester's determinant for the formal degrees, which are the lengths less 1."""
+        m, n = len(p) - 1, len(q) - 1
+        first, second = trimmed(p), trimmed(q)
+        k, i = m + 1 - len(first), n + 1 - len(second)
+        if not first or not second or (k and i):
+            return ZERO
+        sign = -1 if k * n % 2 else 1
+        factor = self.times(self.power(first[-1], i), self.power(second[-1], k))
+        if len(first) < len(second):
+            sign = -sign if (len(first) - 1) * (len(second) - 1) % 2 else sign
+            first, second = second, first
+        a, b = content(first), content(second)
+        scale = sign * a ** (len(second) - 1) * b ** (len(first) - 1)
+        x, y = self.times(factor, self.chain(primitive(first), primitive(second))[1])
+        return scale * x, scale * y
 
     def squarefree_parts(self, p: Poly) -> dict[int, Poly]:
         """Multiplicity → the product of the factors over ℚ(ω) with this multiplicity (Yun)."""
@@ -201,10 +222,15 @@ def trimmed(p: Sequence[Surd]) -> Poly:
     return tuple(p[:size])
 
 
+def content(p: Sequence[Surd]) -> int:
+    """The greatest integer that divides all coefficients; 1 if all are 0."""
+    return gcd(*(part for x in p for part in x)) or 1
+
+
 def primitive(p: Sequence[Surd]) -> Poly:
-    """Divided by the greatest integer that divides all coefficients."""
-    content = gcd(*(part for x in p for part in x)) or 1
-    return trimmed([(a // content, b // content) for a, b in p])
+    """Divided by its content."""
+    divisor = content(p)
+    return trimmed([(a // divisor, b // divisor) for a, b in p])
 
 
 def derivative(p: Poly) -> Poly:
@@ -215,3 +241,22 @@ def derivative(p: Poly) -> Poly:
 def rational(coefficients: Sequence[int]) -> Poly:
     """A polynomial with integer coefficients."""
     return trimmed([(c, 0) for c in coefficients])
+
+
+def interpolated(points: Sequence[int], values: Sequence[tuple[Fraction | int, Fraction | int]]) -> Poly:
+    """A multiple in ℤ[ω] of the polynomial with these values, by Newton's divided differences."""
+    parts = []
+    for i in (0, 1):
+        slopes = [Fraction(value[i]) for value in values]
+        size = max(x.numerator.bit_length() + x.denominator.bit_length() for x in slopes)
+        for k in range(1, len(points)) if any(slopes) else ():
+            spend(len(points), size)
+            for n in range(len(points) - 1, k - 1, -1):
+                slopes[n] = (slopes[n] - slopes[n - 1]) / (points[n] - points[n - k])
+        row = [Fraction(0)] * len(points)
+        for k in reversed(range(len(points))):
+            row = [below - points[k] * x for below, x in zip([Fraction(0), *row], row, strict=False)]
+            row[0] += slopes[k]
+        parts.append(row)
+    unit = lcm(*(x.denominator for row in parts for x in row))
+    return primitive([(int(a * unit), int(b * unit)) for a, b in zip(*parts, strict=True)])

@@ -1,4 +1,4 @@
-"""The equations of a slice, derived by SymPy from the legs: no formula of the solver is used.
+"""The equations of all slices and of one, derived by SymPy from the legs: no formula of the solver is used.
 
 With leg i of length L in the direction θ, B_i = A_i + L (cos θ, sin θ), and every other corner of the
 platform is B_k = B_i + R(α) (b_k − b_i). The free legs have the squared lengths f and g. From these two
@@ -7,21 +7,21 @@ SymPy differentiates
     J = f_α g_θ − f_θ g_α,    E = v·∇J  with  v = (−f_θ, f_α)  or  (−g_θ, g_α),    W = v·∇E:
 
 J = 0 where two poses coalesce, E = 0 (v spans the kernel of the map's derivative there) where three do.
-All lengths are multiplied by ``unit``, which makes them integers and integer multiples of ω.
+All lengths are multiplied by ``unit``, which makes the corners integers and integer multiples of ω.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import comb, gcd, lcm
-from typing import Any
+from typing import Any, Generic, TypeVar
 
-from rpr_solver.verify.core.manipulator import Geometry
+from rpr_solver.verify.core.numbers import Geometry
+from rpr_solver.verify.core.reader import spend
 from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd, rational
-from rpr_solver.verify.core.work import spend
 
 Monomial = tuple[int, int, int, int]
 """Exponents of cos α, sin α (0 or 1), cos θ, sin θ (0 or 1)."""
@@ -29,45 +29,113 @@ Monomial = tuple[int, int, int, int]
 Trig = Mapping[Monomial, Surd]
 """A trigonometric polynomial in α and θ, in normal form: sin² is replaced by 1 − cos²."""
 
+Graded = tuple[Trig, ...]
+"""A trigonometric polynomial in α and θ by the powers of the scaled length of the fixed leg."""
+
+Form = TypeVar("Form")
+Other = TypeVar("Other")
+
 
 @dataclass(frozen=True)
-class Leg:
+class Leg(Generic[Form]):
     """A free leg with its squared length, and what follows from it along its kernel vector v."""
 
     number: int
-    squared: Trig
-    alpha: Trig
-    theta: Trig
+    squared: Form
+    alpha: Form
+    theta: Form
     """The derivatives of the squared length."""
-    kernel: Trig
+    kernel: Form
     """E = v·∇J."""
-    kernel2: Trig
+    kernel2: Form
     """v·∇E."""
+
+    def mapped(self, change: Callable[[Form], Other]) -> Leg[Other]:
+        """The same leg with other forms."""
+        forms = (self.squared, self.alpha, self.theta, self.kernel, self.kernel2)
+        return Leg(self.number, *map(change, forms))
+
+
+@dataclass(frozen=True)
+class Surface:
+    """All slices of a manipulator and one fixed leg at once; ``singular`` is J / L, without its content."""
+
+    geometry: Geometry
+    fixed: int
+    unit: int
+    ring: Ring
+    legs: tuple[Leg[Graded], Leg[Graded]]
+    singular: Graded
+
+    @classmethod
+    def of(cls, geometry: Geometry, fixed: int) -> Surface:
+        """Derives the equations."""
+        spend(50_000, 8 * geometry.bits)
+        symbols = variables(geometry)
+        singular, *legs = derive(symbols, geometry, fixed)
+        first, second = (
+            Leg(number, *(graded(symbols, part) for part in leg))
+            for number, leg in zip(geometry.free_legs(fixed), legs, strict=True)
+        )
+        ring = Ring(symbols.radicand)
+        return cls(geometry, fixed, symbols.unit, ring, (first, second), graded(symbols, singular[0]))
+
+    @property
+    def coefficient_bits(self) -> int:
+        """The size of the largest coefficient of J and E."""
+        forms = (self.singular, *(leg.kernel for leg in self.legs))
+        return max(part.bit_length() for p in forms for row in p for x in row.values() for part in x)
+
+    @cached_property
+    def slopes(self) -> tuple[Graded, Graded]:
+        """The derivatives of J in α and θ."""
+        return slope(self.singular, theta=False), slope(self.singular, theta=True)
+
+    def at(self, length: Fraction) -> System:
+        """The slice of a length."""
+        n, d = (length * self.unit).as_integer_ratio()
+
+        def here(p: Graded, degree: int | None = None) -> Trig:
+            result: dict[Monomial, Surd] = {}
+            top = len(p) - 1 if degree is None else degree
+            for k, row in enumerate(p):
+                factor = n**k * d ** (top - k)
+                for key, (a, b) in row.items():
+                    x, y = result.get(key, ZERO)
+                    result[key] = (x + a * factor, y + b * factor)
+            return {key: x for key, x in result.items() if x != ZERO}
+
+        first, second = (replace(leg.mapped(here), squared=here(leg.squared, 2)) for leg in self.legs)
+        return System(self, length, self.unit * d, (first, second), here(self.singular))
 
 
 @dataclass(frozen=True)
 class System:
-    """A slice: the manipulator with one leg of a given length."""
+    """A slice: the manipulator with one leg of a given length; forms are right but for positive factors.
 
-    geometry: Geometry
-    fixed: int
+    Squared lengths are those of lengths in ``unit``.
+    """
+
+    surface: Surface
     length: Fraction
     unit: int
-    ring: Ring
-    first: Leg
-    second: Leg
+    legs: tuple[Leg[Trig], Leg[Trig]]
     singular: Trig
-    """J, without its integer content."""
 
     @classmethod
     def of(cls, geometry: Geometry, fixed: int, length: Fraction) -> System:
-        """Derives the equations."""
-        return _derived(geometry, fixed, length)
+        """Derives the equations of one slice."""
+        return Surface.of(geometry, fixed).at(length)
 
     @property
-    def legs(self) -> tuple[Leg, Leg]:
-        """The free legs."""
-        return self.first, self.second
+    def fixed(self) -> int:
+        """The fixed leg."""
+        return self.surface.fixed
+
+    @property
+    def ring(self) -> Ring:
+        """The ring of the coefficients."""
+        return self.surface.ring
 
     @cached_property
     def along(self) -> Poly:
@@ -80,12 +148,13 @@ class System:
         """The quadratic in u of |L e(θ) − a|² = |m|², the first free leg having length 0."""
         ax, ay = self._base()
         length = int(self.length * self.unit)
-        side = int(self.geometry.side_squared(self.fixed, self.first.number) * self.unit**2)
-        even = length**2 + ax**2 + ay**2 - side
+        side = self.surface.geometry.side_squared(self.fixed, self.legs[0].number)
+        even = length**2 + ax**2 + ay**2 - int(side * self.unit**2)
         return rational([even - 2 * length * ax, -4 * length * ay, even + 2 * length * ax])
 
     def _base(self) -> tuple[int, int]:
-        here, there = (self.geometry.base[leg - 1] for leg in (self.fixed, self.first.number))
+        base = self.surface.geometry.base
+        here, there = base[self.fixed - 1], base[self.legs[0].number - 1]
         x, y = ((b - a) * self.unit for a, b in zip(here, there, strict=True))
         return int(x), int(y)
 
@@ -104,14 +173,14 @@ class Variables:
     platform: tuple[tuple[Any, Any], ...]
 
 
-def variables(geometry: Geometry, lengths: Iterable[Fraction], squares: Iterable[Fraction] = ()) -> Variables:
-    """The ring, with a unit that makes the given lengths, or squares of lengths, and all corners integral."""
+def variables(geometry: Geometry, squares: Iterable[Fraction] = ()) -> Variables:
+    """The ring, with a unit that makes the corners, and given squares of lengths, integral."""
     from sympy.polys.domains.pythonintegerring import PythonIntegerRing
     from sympy.polys.rings import ring
 
     factor, radicand = geometry.height
     numbers = (geometry.a2x, geometry.a3x, geometry.a3y, geometry.d1, geometry.foot, factor)
-    unit = lcm(*(x.denominator for x in (*numbers, *lengths, *squares)))
+    unit = lcm(*(x.denominator for x in (*numbers, *squares)))
     # Python's own integers, whatever else is installed
     polynomials, ca, sa, ct, st, w, ell = ring("ca, sa, ct, st, w, ell", PythonIntegerRing())
     omega = polynomials(1) if radicand == 1 else w
@@ -157,17 +226,9 @@ def graded(symbols: Variables, p: Any) -> tuple[Trig, ...]:
     return tuple(result.get(power, {}) for power in range(max(result) + 1))
 
 
-@dataclass(frozen=True)
-class Derived:
-    """J, and for each free leg its squared length, the derivatives of it, v·∇J and v·∇(v·∇J): for SymPy."""
-
-    singular: Any
-    legs: tuple[tuple[Any, ...], tuple[Any, ...]]
-
-
-def derive(symbols: Variables, geometry: Geometry, fixed: int, length: Any) -> Derived:
-    """Derives the equations from the legs, for a scaled length that is a number or a variable."""
-    (ca, sa), (ct, st) = symbols.alpha, symbols.theta
+def derive(symbols: Variables, geometry: Geometry, fixed: int) -> tuple[tuple[Any, ...], ...]:
+    """Derives the equations from the legs, for SymPy: J / L, and for each free leg what :class:`Leg` has."""
+    (ca, sa), (ct, st), length = symbols.alpha, symbols.theta, symbols.length
 
     def normal(p: Any) -> Any:
         return _reduced(symbols, p)
@@ -190,9 +251,7 @@ def derive(symbols: Variables, geometry: Geometry, fixed: int, length: Any) -> D
     f, g = squared(first), squared(second)
     singular = normal(d_alpha(f) * d_theta(g) - d_theta(f) * d_alpha(g))
     content = gcd(*(int(c) for c in singular.coeffs())) or 1
-    singular = singular.quo_ground(content)
-    if length == symbols.length:
-        singular = singular.quo(length)  # the derivatives in θ hold it
+    singular = singular.quo_ground(content).quo(length)  # the derivatives in θ hold it
 
     def leg_of(p: Any) -> tuple[Any, ...]:
         slopes = d_alpha(p), d_theta(p)
@@ -203,19 +262,7 @@ def derive(symbols: Variables, geometry: Geometry, fixed: int, length: Any) -> D
         kernel = along(singular)
         return (p, *slopes, kernel, along(kernel))
 
-    return Derived(singular, (leg_of(f), leg_of(g)))
-
-
-def _derived(geometry: Geometry, fixed: int, length: Fraction) -> System:
-    spend(20_000, 8 * geometry.bits)
-    symbols = variables(geometry, (length,))
-    parts = derive(symbols, geometry, fixed, int(length * symbols.unit))
-    first, second = (
-        Leg(number, *(normal_form(symbols, part) for part in leg))
-        for number, leg in zip(geometry.free_legs(fixed), parts.legs, strict=True)
-    )
-    singular = normal_form(symbols, parts.singular)
-    return System(geometry, fixed, length, symbols.unit, Ring(symbols.radicand), first, second, singular)
+    return (singular,), leg_of(f), leg_of(g)
 
 
 def derivative(p: Trig, *, theta: bool) -> Trig:
@@ -237,6 +284,16 @@ def derivative(p: Trig, *, theta: bool) -> Trig:
         elif cos:
             add(cos - 1, 1, other, x, -cos)
     return {key: x for key, x in result.items() if x != ZERO}
+
+
+def slope(p: Graded, *, theta: bool) -> Graded:
+    """The derivative of each row."""
+    return tuple(derivative(row, theta=theta) for row in p)
+
+
+def multiple(p: Trig, factor: int) -> Trig:
+    """An integer multiple."""
+    return {key: (a * factor, b * factor) for key, (a, b) in p.items()}
 
 
 def at_half_tangent(p: Trig, degree: int, order: int, u: Fraction) -> tuple[Surd, ...]:

@@ -6,7 +6,9 @@ refusal, by a refused claim, or by a claim that the first line calls not establi
 
 from __future__ import annotations
 
+import cmath
 import json
+import math
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass
@@ -290,6 +292,37 @@ def _(document: Document) -> None:
     roots[1] = deepcopy(roots[0])
 
 
+def _posed(document: Document, alpha: float, theta: float) -> None:
+    """Puts a pose with right lengths among the cusps of a slice."""
+    g = {name: float(x) for name, x in document["geometry"].items() if name != "orientation"}
+    part = document["slices"][0]
+    foot = (g["d1"] ** 2 + g["d3"] ** 2 - g["d2"] ** 2) / (2 * g["d1"])
+    turn = cmath.rect(1, math.radians(alpha))
+    corner = cmath.rect(float(part["l1"]), math.radians(theta))
+    height = math.sqrt(max(0.0, g["d3"] ** 2 - foot**2)) * (
+        -1 if document["geometry"]["orientation"] == "cw" else 1
+    )
+    ends = (
+        corner + g["d1"] * turn - g["a2x"],
+        corner + complex(foot, height) * turn - complex(g["a3x"], g["a3y"]),
+    )
+    numbers = {"alpha_deg": alpha, "theta1_deg": theta, "l2": abs(ends[0]), "l3": abs(ends[1])}
+    cusp = {name: "0" if x == 0 else f"{x:#.15g}" for name, x in numbers.items()}
+    part["cusps"].append(cusp)
+    part["cusps"].sort(key=lambda row: float(row["theta1_deg"]))
+    part["count"] += 1
+
+
+@forgery("a pose that is no cusp", "table", "/slices/0/cusps/")
+def _(document: Document) -> None:
+    _posed(document, 12.3456789012345, 23.4567890123456)
+
+
+@forgery("a pose with a leg that is stationary", "table", "/slices/0/cusps/")
+def _(document: Document) -> None:
+    _posed(document, 0.0, 0.0)
+
+
 # Poses
 @forgery("a pose dropped, another twice at an angle of two", "two at an angle", "/poses/1")
 def _(document: Document) -> None:
@@ -394,13 +427,13 @@ for _kind in ("swallowtail", "node", "higher", "quadruple", "isolated-point", "l
     _fake_event(_kind)
 
 
-@forgery("a transition that changes nothing", "census", "/transitions/0")
+@forgery("a transition that changes nothing", "census", "/intervals/1/count")
 def _(document: Document) -> None:
     document["transitions"][0]["count_after"] = document["transitions"][0]["count_before"]
     document["intervals"][1]["count"] = document["intervals"][0]["count"]
 
 
-@forgery("a transition by four", "full census", "/transitions/0")
+@forgery("a transition by four", "full census", "/intervals/1/count")
 def _(document: Document) -> None:
     for n, row in enumerate(document["transitions"]):
         row["count_after"] += 2
@@ -413,6 +446,28 @@ def _(document: Document) -> None:
 def _(document: Document) -> None:
     row = document["transitions"][0]
     row["kind"] = row["events"][0]["kind"] = "lips" if row["kind"] != "lips" else "swallowtail"
+
+
+@forgery("another digit of an event", "census", "/transitions/0/events/0")
+def _(document: Document) -> None:
+    event = document["transitions"][0]["events"][0]
+    event["l2"] = event["l2"][:-1] + str((int(event["l2"][-1]) + 1) % 10)
+
+
+@forgery("an event twice", "census", "/transitions/0/events/1")
+def _(document: Document) -> None:
+    events = document["transitions"][0]["events"]
+    events.append(deepcopy(events[0]))
+
+
+@forgery("transitions that do not ascend", "full census", "/transitions")
+def _(document: Document) -> None:
+    rows, parts = document["transitions"], document["intervals"]
+    first, second = rows[0], rows[1]
+    for name in ("l1", "kind", "events"):
+        first[name], second[name] = second[name], first[name]
+    for n in (0, 1):
+        parts[n]["to"] = parts[n + 1]["from"] = rows[n]["l1"]
 
 
 @forgery("another kind of the length alone", "census", "/transitions/0/kind")
@@ -474,14 +529,14 @@ def _is_of(document: Document, event: Document) -> bool:
     return abs(Fraction(event["l1"]["centre"]) - length) < Fraction(1, 10**9)
 
 
-@forgery("a transition hidden with its box", "full census", f"{FULL}/systems/")
+@forgery("a transition hidden with its box", "full census", "/transitions")
 def _(document: Document) -> None:
     full = document["certificate"]["full"]
     full["events"] = [event for event in full["events"] if not _is_of(document, event)]
     _hide(document, 0)
 
 
-@forgery("a transition hidden, its box kept", "full census", f"{FULL}/events/")
+@forgery("a transition hidden, its box kept", "full census", "/transitions")
 def _(document: Document) -> None:
     _hide(document, 0)
 
@@ -512,7 +567,7 @@ def _(document: Document) -> None:
     numbers[5] = str(int(numbers[5]) + 1)
 
 
-@forgery("a box twice", "full census", f"{FULL}/systems/")
+@forgery("a box twice", "full census", f"{FULL}/events/1")
 def _(document: Document) -> None:
     events = document["certificate"]["full"]["events"]
     events.insert(1, deepcopy(events[0]))
@@ -636,6 +691,12 @@ def _(document: Document) -> None:
     document["certificate"]["full"]["chains"][0]["tubes"][0]["radii"] = ["10", "10"]
 
 
+@forgery("a point beyond the end of its curve", "curves", "/curves/")
+def _(document: Document) -> None:
+    end = next(c["from"] for c in document["curves"] if c["from"]["events"] and c["points"])
+    end["l1"] = "1.01000000000000"
+
+
 put("a tube without width", "full curves", f"{FULL}/chains/0/tubes/0/radii", ["0", "0"])
 put("a tube of a length below 0", "full curves", f"{FULL}/chains/0/tubes/0/l1", "-1")
 put("a chain without tubes", "full curves", f"{FULL}/chains/0/tubes", [])
@@ -662,7 +723,7 @@ put("the other verdict", "report", "/passed", True)
 put("more cusps found", "report", "/max_cusps_found", 24)
 put("fewer cusps found", "report", "/min_cusps_found", 0)
 put("a violation less", "report", "/violations/0", ..., "/violations")
-put("a verdict that some slices bear out", "passed", "/passed", True)
+put("a bound that an interval exceeds", "passed", "/requirement/max_cusps", 5, "/passed")
 put(
     "a limit of an alias",
     "limits",

@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
+from copy import deepcopy
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 import pytest
 
 import rpr_solver
 from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, census, verify_document
 from rpr_solver.contract import document_head
-from rpr_solver.verify.censuses import Cuts
+from rpr_solver.verify.censuses import COMPLETE, Range
+from rpr_solver.verify.core.system import Surface
+from rpr_solver.verify.events import Events
 from tests.support.families import family
-from tests.support.mutations import OF_CENSUSES
+from tests.support.mutations import OF_CENSUSES, OF_FULL_CENSUSES
 from tests.support.verified import accepted, accepted_but_no_mutation, geometry_of, printed, random_documents
 
 
 def test_a_part_of_a_census_and_its_mutations() -> None:
     document = census(EXAMPLES["zein-flat"], digits=15, start=37, stop=38).to_json()
     verification = accepted_but_no_mutation(document, OF_CENSUSES, 2, seed=4)
-    assert [claim.at for claim in verification.open] == [
-        "/intervals/0/count",
-        "/intervals/1/count",
-        "/degenerate",
-        "/transitions",
-    ]
+    assert verification.established
     assert verification.unread[-1] == "/solver_version"
     assert "/intervals/*/aspects" in verification.unread
 
@@ -39,15 +39,15 @@ def test_an_end_of_the_range_between_a_transition_and_its_printed_digits() -> No
     document = census(EXAMPLES["zein-flat"], digits=15, start="31.86357389393821", stop="31.9").to_json()
     assert document["transitions"][0]["l1"] == "31.8635738939382"
     accepted(document)
+    events = Events(Surface.of(geometry_of(EXAMPLES["zein-flat"]), 1), 100)
     for start, stop, status in (
         ("31.8", "31.9", ClaimStatus.PROVED),
         ("31.8", "31.86357389393816", ClaimStatus.CHECKED),
         ("31.86357389393826", "31.9", ClaimStatus.REFUSED),
         ("31.8", "31.86357389393814", ClaimStatus.REFUSED),
     ):
-        lengths = [printed(document["transitions"][0]["l1"])]
-        geometry = geometry_of(EXAMPLES["zein-flat"])
-        found = Cuts(geometry, lengths, Fraction(start), Fraction(stop)).ascending("/x")
+        span = Range(events, [printed(document["transitions"][0]["l1"])], Fraction(start), Fraction(stop))
+        found = next(span.ordered("/x", [{"from": "", "to": ""}, {"from": "", "to": ""}]))
         assert found.status is status, (start, stop)
 
 
@@ -65,9 +65,11 @@ def test_neighbours_closer_than_their_digits() -> None:
     head = document_head(m, 15, 2) | {"range": {"from": "2.61", "to": "2.612"}}
     certificate = {"method": "events", "lengths_examined": 2, "counts_by": "exact slices"}
     document = {**head, "transitions": rows, "intervals": parts, "certificate": certificate}
-    verification = accepted(document)
-    open_claims = [claim.at for claim in verification.claims if claim.status is ClaimStatus.NOT_CHECKED]
-    assert {"/transitions/0", "/transitions/1", "/intervals/1/count"} <= set(open_claims)
+    assert accepted(document).established
+    for n in (0, 2):
+        parts[n]["count"] += 2
+        rows[n // 2]["count_after" if n else "count_before"] += 2
+        assert not verify_document(document).accepted
 
 
 @pytest.mark.parametrize(
@@ -88,3 +90,85 @@ def test_random_censuses() -> None:
 
     for n, document in random_documents(11, 25, made, degenerate_every=5):
         accepted_but_no_mutation(document, OF_CENSUSES, 2, n)
+
+
+Document = dict[str, Any]
+DOCUMENT = census(Manipulator(9, 4, 11, 14, 15, 13), digits=15, start=24, certificate="full").to_json()
+FULL = "/certificate/full"
+
+
+def test_with_it_no_transition_is_missing() -> None:
+    verification = accepted(DOCUMENT)
+    assert 0 < len(DOCUMENT["transitions"]) < len(DOCUMENT["certificate"]["full"]["events"])
+    assert {claim.status for claim in verification.claims} == {ClaimStatus.PROVED}
+    [claim] = [claim for claim in verification.claims if claim.claim == "these are all transitions"]
+    assert claim.reason == COMPLETE
+
+
+def no_event(document: Document) -> None:
+    """Above one root."""
+    document["certificate"]["full"]["events"].pop(0)
+
+
+def no_root(document: Document) -> None:
+    document["certificate"]["full"]["systems"][1]["real_roots"].pop()
+
+
+def twice_an_event(document: Document) -> None:
+    events = document["certificate"]["full"]["events"]
+    events.insert(1, deepcopy(events[0]))
+
+
+def a_moved_box(document: Document) -> None:
+    side = document["certificate"]["full"]["events"][2]["alpha_deg"]
+    side["centre"] = side["centre"][:-5] + "99999"
+
+
+def another_kind(document: Document) -> None:
+    event = document["certificate"]["full"]["events"][0]
+    event["kind"] = "lips" if event["kind"] == "swallowtail" else "swallowtail"
+
+
+def another_coefficient(document: Document) -> None:
+    coefficients = document["certificate"]["full"]["systems"][0]["polynomial"]["coefficients"]
+    coefficients[7] = str(int(coefficients[7]) + 1)
+
+
+def another_prime(document: Document) -> None:
+    document["certificate"]["full"]["systems"][0]["squarefree"]["prime"] = "1000005"
+
+
+def no_second_system(document: Document) -> None:
+    document["certificate"]["full"]["systems"].pop()
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (no_event, "/events"),
+        (no_root, "/systems/1/real_roots"),
+        (twice_an_event, "/events/1"),
+        (a_moved_box, "/events/2"),
+        (another_kind, "/events/0"),
+        (another_coefficient, "/systems/0/polynomial"),
+        (another_prime, "/systems/0/squarefree"),
+        (no_second_system, "/systems"),
+    ],
+)
+def test_a_wrong_part_is_named(change: Callable[[Document], None], where: str) -> None:
+    document = deepcopy(DOCUMENT)
+    change(document)
+    assert f"{FULL}{where}" in [claim.at for claim in verify_document(document).refused]
+
+
+@pytest.mark.long
+@pytest.mark.timeout(480)
+def test_random_censuses_with_full_certificates() -> None:
+    def made(m: Manipulator, n: int, _: random.Random) -> rpr_solver.Census:
+        return census(m, digits=15, fixed_leg=n % 3 + 1, certificate="full")
+
+    closed = 0
+    for n, document in random_documents(12, 9, made, degenerate_every=6):
+        verification = accepted_but_no_mutation(document, OF_FULL_CENSUSES, 2, n)
+        closed += verification.established
+    assert closed > 5

@@ -1,105 +1,110 @@
-"""One event: its digits and its kind."""
+"""All events of a fixed leg, and one by itself."""
 
 from __future__ import annotations
 
-import random
-from dataclasses import replace
-from fractions import Fraction
+from functools import cache
 
 import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, census
+from rpr_solver.verify import events as found_anew
 from rpr_solver.verify.core.schema import POSE_KINDS, read_document
-from rpr_solver.verify.events import EventBox, event_finding, proved_event
-from rpr_solver.verify.surface import CRITICAL, Surface
+from rpr_solver.verify.core.system import Surface
+from rpr_solver.verify.events import Events, event_finding, never_degenerate
+from rpr_solver.verify.tables import form_of, proportional
 from tests.support.families import family
-from tests.support.mutations import other_digit
-from tests.support.verified import printed, typed
+from tests.support.verified import geometry_of, printed, typed
+
+SMALL = Manipulator(9, 4, 11, 14, 15, 13)
+
+
+@cache
+def events_of(manipulator: Manipulator, leg: int = 1, bits: int = 100) -> Events:
+    return Events(Surface.of(geometry_of(manipulator), leg), bits)
 
 
 def test_an_event_and_what_is_wrong_with_others() -> None:
-    document = census(EXAMPLES["zein-flat"], digits=15, start=37, stop=38).to_json()
-    surface = Surface.of(read_document(document).geometry, 1)
-    [row] = document["transitions"]
-    [event] = row["events"]
+    document = census(SMALL, digits=15, start=24).to_json()
+    events = events_of(SMALL)
+    assert events.open == ()
+    [event] = document["transitions"][0]["events"]
 
-    def found(length: str = row["l1"], **change: str) -> tuple[ClaimStatus, str]:
-        return event_finding(surface, printed(length), typed({**event, **change}))
+    def found(length: str = document["transitions"][0]["l1"], **change: str) -> tuple[ClaimStatus, str]:
+        return event_finding(events.surface, printed(length), typed({**event, **change}), events)
 
     assert found()[0] is ClaimStatus.PROVED
-    assert found(l2=event["l2"][:-1] + "0")[1] == "a digit of l2 is wrong" or event["l2"].endswith("0")
-    assert found("37.5000000000000")[0] is ClaimStatus.REFUSED
-    assert found(alpha_deg="12.3456789012345")[0] is ClaimStatus.REFUSED
-    for kind in POSE_KINDS:
-        assert found(kind=kind)[0] is (ClaimStatus.PROVED if kind == event["kind"] else ClaimStatus.REFUSED)
+    digit = "1" if event["l2"].endswith("0") else "0"
+    for wrong in (
+        found(l2=event["l2"][:-1] + digit),
+        found("37.5000000000000"),
+        found(alpha_deg="12.3456789012345"),
+        *(found(kind=kind) for kind in POSE_KINDS if kind != event["kind"]),
+    ):
+        assert wrong == (
+            ClaimStatus.REFUSED,
+            f"it is none of the {len(events.found)} events that are found anew",
+        )
 
 
-@pytest.mark.parametrize("digits", [15, 60])
-def test_lips_and_beaks_are_told_apart(digits: int) -> None:
-    document = census(EXAMPLES["zein-flat"], digits=digits, start="26.39", stop="26.45").to_json()
-    surface = Surface.of(read_document(document).geometry, 1)
-    [row] = document["transitions"]
-    [event] = row["events"]
-    length = printed(row["l1"])
-    assert event["kind"] == "beak-to-beak"
-    assert event_finding(surface, length, typed(event))[0] is ClaimStatus.PROVED
-    wrong = event_finding(surface, length, typed({**event, "kind": "lips"}))
-    assert wrong == (ClaimStatus.REFUSED, "the Hessian of J is not that of lips")
+@pytest.mark.parametrize(
+    ("manipulator", "leg"),
+    [(SMALL, 2), (EXAMPLES["innocenti"], 3), (EXAMPLES["zein-flat"], 1), (family("isosceles"), 1)],
+)
+def test_all_events_are_those_of_the_solver(manipulator: Manipulator, leg: int) -> None:
+    events = events_of(manipulator, leg)
+    assert events.open == ()
+    rows = [row for row in census(manipulator, digits=15, fixed_leg=leg).transitions for _ in row.events]
+    assert len(rows) == len(events.found)
+    for row, event in zip(rows, events.found, strict=True):
+        assert printed(row.length).rounds(event.length(events.surface))
+        assert event.kind in [other.kind for other in row.events]
 
 
-def test_an_event_where_inputs_have_as_many_digits_as_it_is_printed_with() -> None:
-    sides = ("10.50574108981997", "-12.01173661051592", "-5.30692247377106")
-    m = Manipulator(*sides, "13.26111964865003", "11.59790153732381", "9.30259012975855")
-    document = census(m, digits=15, fixed_leg=3, start="4.26", stop="4.27").to_json()
-    [row] = document["transitions"]
-    [event] = row["events"]
-    surface = Surface.of(read_document(document).geometry, 3)
-    assert event["kind"] == "beak-to-beak"
-    assert event_finding(surface, printed(row["l3"]), typed(event))[0] is ClaimStatus.PROVED
+@pytest.mark.parametrize("name", ["similar", "right angles", "congruent", "both flat"])
+def test_where_events_are_not_isolated_all_is_open(name: str) -> None:
+    assert "the events are not isolated" in events_of(family(name)).open
 
 
-def test_the_digits_of_a_node_that_cusps_leave() -> None:
-    document = census(family("similar, mirrored"), digits=15, fixed_leg=2).to_json()
-    surface = Surface.of(read_document(document).geometry, 2)
-    [row, *_] = [row for row in document["transitions"] if row["kind"] == "node"]
-    [event] = row["events"]
-    length = printed(row["l2"])
-    status, reason = event_finding(surface, length, typed(event))
-    assert status is ClaimStatus.CHECKED
-    assert "grad J = 0" in reason
-    digit = "1" if event["l1"].endswith("0") else "0"
-    wrong = {**event, "l1": event["l1"][:-1] + digit}
-    assert event_finding(surface, length, typed(wrong)) == (ClaimStatus.REFUSED, "a digit of l1 is wrong")
+def test_eliminants_are_those_of_a_certificate() -> None:
+    document = census(EXAMPLES["innocenti"], digits=15, start=31, fixed_leg=3, certificate="full").to_json()
+    listed = read_document(document).members["certificate"]["full"]["systems"]
+    for eliminant, system in zip(events_of(EXAMPLES["innocenti"], 3).eliminants, listed, strict=True):
+        form = form_of(eliminant.ring, system["polynomial"])
+        assert form is not None
+        assert any(b for _, b in form)
+        assert proportional(eliminant.ring, form, eliminant.form)
 
 
-def test_an_event_without_a_regular_system() -> None:
-    document = census(family("congruent, mirrored"), digits=15).to_json()
-    surface = Surface.of(read_document(document).geometry, 1)
-    row = document["transitions"][0]
-    [event] = row["events"]
-    length = printed(row["l1"])
-    assert event_finding(surface, length, typed(event))[0] is ClaimStatus.NOT_CHECKED
-    for name in ("alpha_deg", "theta1_deg", "l2", "l3"):
-        wrong = {**event, name: other_digit(random.Random(1), event[name])}
-        assert event_finding(surface, length, typed(wrong))[0] is ClaimStatus.REFUSED
+def test_an_event_by_itself_where_not_all_are_known() -> None:
+    manipulator = family("similar, mirrored")
+    document, events = census(manipulator, digits=15).to_json(), events_of(manipulator)
+    assert events.open
+    generic = [
+        row for row in document["transitions"] if row["kind"] in ("lips", "beak-to-beak", "swallowtail")
+    ]
+    for row in generic[:2]:
+        length = printed(row["l1"])
+        found = event_finding(events.surface, length, typed(row["events"][0]), events)
+        assert found[0] in (ClaimStatus.PROVED, ClaimStatus.CHECKED)
+        digit = "1" if row["events"][0]["l2"].endswith("0") else "0"
+        wrong = {**row["events"][0], "l2": row["events"][0]["l2"][:-1] + digit}
+        assert event_finding(events.surface, length, typed(wrong), events)[0] is ClaimStatus.REFUSED
+    other = {**document["transitions"][0]["events"][0], "kind": "higher"}
+    length = printed(document["transitions"][0]["l1"])
+    assert event_finding(events.surface, length, typed(other), events)[0] is ClaimStatus.NOT_CHECKED
 
 
-def test_the_zero_of_a_box_and_boxes_that_are_none() -> None:
-    document = census(EXAMPLES["zein-flat"], digits=15, start=38, certificate="full").to_json()
-    read = read_document(document)
-    surface, entries = Surface.of(read.geometry, 1), read.members["certificate"]["full"]["events"]
-    box = next(EventBox.of(entry, 1) for entry in entries if entry["kind"] == "beak-to-beak")
-    found = proved_event(surface, box)
-    assert found is not None
-    assert found.system == CRITICAL
-    assert found.length(surface).contains(box.length[0]) or found.length(surface).radius < box.length[1]
-    tangent = found.tangent(surface)
-    assert tangent is not None
-    assert tangent.radius < Fraction(1, 10**30)
-    for name in ("length", "alpha", "theta"):
-        centre, radius = getattr(box, name)
-        for side in ((centre + 3 * radius, radius), (centre + 400, radius), (centre, Fraction(9))):
-            assert proved_event(surface, replace(box, **{name: side})) is None
-    turned = replace(box, length=(-box.length[0], box.length[1]), theta=(box.theta[0] - 180, box.theta[1]))
-    assert "> 0" in turned.fault
-    assert proved_event(surface, turned) is None
+@pytest.mark.parametrize(("fixed", "count"), [(1, 8), (3, 8)])
+def test_j_is_zero_at_permanent_poses_for_every_length(fixed: int, count: int) -> None:
+    surface = Surface.of(geometry_of(EXAMPLES["twelve-cusps"]), fixed)
+    poses = list(found_anew._poses(surface))
+    assert len(poses) == count
+    for pose in poses:
+        values = [pose.value(row) for row in surface.singular]
+        assert all(x.contains(0) and x.radius < 1e-60 for x in values)
+    assert never_degenerate(surface)
+
+
+@pytest.mark.parametrize("name", ["similar", "right angles", "flat base"])
+def test_nothing_is_claimed_of_special_manipulators(name: str) -> None:
+    assert not never_degenerate(Surface.of(geometry_of(family(name)), 1))

@@ -5,23 +5,24 @@ from __future__ import annotations
 import pytest
 
 from rpr_solver import verify_document
-from rpr_solver.verify import full_censuses
-from rpr_solver.verify.events import EventBox, ProvedEvent, proved_event
-from rpr_solver.verify.surface import Surface
+from rpr_solver.verify import censuses, checks, curves
+from rpr_solver.verify.core.system import Surface
+from rpr_solver.verify.events import Events
 from tests.rpr_solver.verify.forgeries import _BASES, FORGERIES, Forgery, base, first_line
 
-KNOWN: dict[tuple[str, EventBox], ProvedEvent | None] = {}
+KNOWN: dict[tuple[str, int, int], Events] = {}
 
 
 @pytest.fixture(autouse=True)
-def _each_box_is_proved_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    def proved(surface: Surface, box: EventBox) -> ProvedEvent | None:
-        key = (surface.geometry.hash, box)
+def _the_events_of_a_manipulator_are_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    def found(surface: Surface, bits: int) -> Events:
+        key = (surface.geometry.hash, surface.fixed, bits)
         if key not in KNOWN:
-            KNOWN[key] = proved_event(surface, box)
+            KNOWN[key] = Events(surface, bits)
         return KNOWN[key]
 
-    monkeypatch.setattr(full_censuses, "proved_event", proved)
+    for module in (censuses, checks, curves):
+        monkeypatch.setattr(module, "Events", found)
 
 
 def test_there_are_enough_of_all_kinds() -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from rpr_solver.verify.core.intervals import Interval
-from rpr_solver.verify.core.krawczyk import proved_zero
+from rpr_solver.verify.core.intervals import Interval, degrees, radians
+from rpr_solver.verify.core.krawczyk import Equations, around, proved_zero, zero_near
+from rpr_solver.verify.core.system import Trig
+from tests.support.verified import printed
 
 BITS = 120
 
@@ -52,3 +54,34 @@ def test_no_zero_and_a_double_one_are_not_proved() -> None:
     assert proved_zero(Square(-1), [Interval.of(1, BITS)], 60) is None
     assert proved_zero(Square(0), [Interval.of(Fraction(1, 100), BITS)], 60) is None
     assert proved_zero(Square(), [Interval.of(0, BITS)], 60) is None
+
+
+SUM: Trig = {(1, 0, 0, 0): (2, 0), (0, 0, 0, 0): (-1, 0)}
+"""2 cos α − 1."""
+SINE: Trig = {(0, 0, 0, 1): (2, 0), (0, 0, 0, 0): (0, -1)}
+"""2 sin θ − √2."""
+
+
+def at(alpha: float | str, theta: float | str) -> tuple[Interval, Interval]:
+    """Two angles in radians."""
+    return radians(Fraction(alpha), 300), radians(Fraction(theta), 300)
+
+
+def test_a_zero_and_its_neighbours() -> None:
+    equations = Equations.of(SUM, SINE, 2)
+    box = zero_near(equations, *at("60.1", "44.9"), 200)
+    assert box is not None
+    assert degrees(box.alpha).contains(60)
+    assert degrees(box.theta).contains(45)
+    assert degrees(box.alpha).radius < Fraction(1, 1 << 190)
+    assert box.meets(box)
+    other = zero_near(equations, *at(-60, 45), 100)
+    assert other is not None
+    assert not box.meets(other)
+    assert box.meets(around(printed("60.00"), printed("45.0"), 80, 2))
+
+
+def test_no_box_without_a_regular_zero() -> None:
+    assert zero_near(Equations.of(SUM, SUM, 2), *at(60, 45), 60) is None
+    one: Trig = {(0, 0, 0, 0): (1, 0), (1, 0, 0, 0): (-1, 0)}
+    assert zero_near(Equations.of(one, SINE, 2), *at(1, 45), 60) is None

@@ -18,9 +18,10 @@ from rpr_solver import (
     poses_of_squares,
     verify_document,
 )
+from rpr_solver.verify.poses import Closure
 from tests.support.families import family
 from tests.support.mutations import OF_POSES
-from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
+from tests.support.verified import accepted, accepted_but_no_mutation, geometry_of, random_documents
 
 
 def _fold(m: Manipulator, l1: int, theta: str) -> tuple[Fraction, Fraction]:
@@ -108,3 +109,22 @@ def test_random_joint_vectors() -> None:
 
     for n, document in random_documents(7, 100, table, degenerate_every=4):
         accepted_but_no_mutation(document, OF_POSES, 6, n)
+
+
+def closure_of(name: str, *lengths: int) -> Closure:
+    manipulator = EXAMPLES[name] if name in EXAMPLES else family(name)
+    first, second, third = (Fraction(length) ** 2 for length in lengths)
+    return Closure.of(geometry_of(manipulator), (first, second, third))
+
+
+def test_the_polynomial_of_the_solver() -> None:
+    mine = closure_of("zein-flat", 20, 20, 20).sextic
+    theirs = poses(EXAMPLES["zein-flat"], 20, 20, 20, digits=15).polynomial
+    assert [a * theirs.a[0] for a, _ in mine] == [mine[0][0] * a for a in theirs.a]
+    assert not any(b for _, b in mine)
+
+
+def test_multiplicities_and_a_root_at_180_degrees() -> None:
+    assert {k: len(p) - 1 for k, p in closure_of("both flat", 3, 10, 13).parts.items()} == {1: 2, 4: 1}
+    turned = closure_of("congruent", 5, 5, 5)
+    assert sum(k * (len(p) - 1) for k, p in turned.parts.items()) == 6

@@ -3,35 +3,49 @@
 from __future__ import annotations
 
 import json
+import random
 from collections.abc import Callable
+from copy import deepcopy
 from fractions import Fraction
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rpr_solver import InputError
+from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, census, table_document, verify_document
 from rpr_solver.exact.decimals import round_fraction
 from rpr_solver.exact.rationals import exact_str
-from rpr_solver.verify.core.reader import (
-    count,
+from rpr_solver.verify import documents
+from rpr_solver.verify.claims import Outcome
+from rpr_solver.verify.core.numbers import (
     decimal,
     exact,
     integer,
-    names_of_unread,
-    parsed,
     polynomial,
     radicand,
-    record,
-    rows,
     short,
     short_positive,
     square_of,
+)
+from rpr_solver.verify.core.reader import (
+    MAX_DEPTH,
+    ExhaustedError,
+    bounded,
+    check_texts,
+    count,
+    names_of_unread,
+    parsed,
+    record,
+    rows,
+    spend,
     told,
     truth,
     unread,
     word,
 )
+from rpr_solver.verify.core.schema import kind_of, read_document
+from tests.rpr_solver.verify.forgeries import base
 
 FRACTIONS = st.fractions() | st.decimals(allow_nan=False, allow_infinity=False, places=12).map(Fraction)
 
@@ -128,3 +142,207 @@ def test_a_polynomial_has_as_many_coefficients_as_its_degree_says() -> None:
     for change in ({"omega": "sqrt(3)"}, {"coefficients": ["1"]}, {"degree": 2}, {"variable": "u"}):
         with pytest.raises(InputError):
             read({**form, **change}, "")
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("table", "cusp-table"),
+        ("full table", "cusp-table"),
+        ("poses", "poses"),
+        ("census", "census"),
+        ("full census", "census"),
+        ("full curves", "cusp-curves"),
+        ("limits", "check"),
+    ],
+)
+def test_every_kind_is_read(name: str, kind: str) -> None:
+    document = base(name)
+    assert kind_of(document) == read_document(document).kind == kind
+    for member in document:
+        if member not in ("degenerate", "certificate"):
+            with pytest.raises(InputError):
+                read_document({k: x for k, x in document.items() if k != member})
+        with pytest.raises(InputError):
+            read_document({**document, member: {"x": 1}})
+
+
+@pytest.mark.parametrize(
+    ("member", "name"),
+    [("samples", "a path"), ("checks", "a list of reports of checks"), ("verdict", "a verification")],
+)
+def test_other_documents_are_named(member: str, name: str) -> None:
+    with pytest.raises(
+        InputError, match=f"is, {name}, of no kind that can be verified; known are cusp-table"
+    ):
+        kind_of({member: []})
+
+
+TABLE = table_document(EXAMPLES["zein-flat"], [10], digits=15)
+
+
+def nested(depth: int) -> Any:
+    value: Any = "x"
+    for _ in range(depth):
+        value = [value]
+    return value
+
+
+def with_member(place: tuple[str | int, ...], value: object) -> dict[str, Any]:
+    document = deepcopy(TABLE)
+    parent: Any = document
+    for name in place[:-1]:
+        parent = parent[name]
+    parent[place[-1]] = value
+    return document
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "named"),
+    [
+        (("geometry", "d1"), "1" * 5000, "geometry.d1"),
+        (("geometry", "d1"), "1/" + "3" * 15000, "geometry.d1"),
+        (("geometry", "\ud800"), "1", "geometry"),
+        (("geometry", "unit"), "\ud800", "geometry.unit"),
+        (("slices", 0, "l1"), "14." + "9" * 1000, "slices[0].l1"),
+        (("slices", 0, "l1"), "9" * 4400, "slices[0].l1"),
+        (("slices", 0, "l1"), "1/" + "3" * 430, "slices[0].l1"),
+        (("slices", 0, "l1"), "1e99999", "slices[0].l1"),
+        (("slices", 0, "l1"), "1." + "7" * 500 + "e999999999", "slices[0].l1"),
+        (("slices", 0, "l1"), 10**5000, "slices[0].l1"),
+        (("slices", 0, "count"), 10**500, "slices[0].count"),
+        (("slices", 0, "cusps", 1, "l2"), "1." + "7" * 5000, "slices[0].cusps[1].l2"),
+        (("slices", 0, "cusps", 1, "l2"), "1." + "7" * 5000 + "x", "slices[0].cusps[1].l2"),
+        (
+            ("slices", 0, "certificate", "factors", 0, "origin"),
+            "7" * 100_000,
+            "slices[0].certificate.factors",
+        ),
+        (("more",), nested(5000), "more"),
+        (("more",), nested(MAX_DEPTH), "more"),
+        (("digits",), "9" * 5000, "digits"),
+    ],
+    ids=lambda value: ascii(value)[:30] if isinstance(value, str | tuple) else "",
+)
+def test_what_is_too_long_or_no_text_is_named(
+    place: tuple[str | int, ...], value: object, named: str
+) -> None:
+    document = with_member(place, value)
+    with pytest.raises(InputError) as caught:
+        verify_document(document)
+    [problem] = caught.value.problems
+    assert problem.field.startswith(named)
+    assert len(problem.message) < 200
+    assert problem.message.encode()
+
+
+def test_the_digits_of_a_document_explain_its_numbers() -> None:
+    cusp = ("slices", 0, "cusps", 0, "l2")
+    check_texts({**with_member(cusp, "1." + "7" * 900), "digits": 900})
+    with pytest.raises(InputError, match="here at most 1310 are read, for 900 digits"):
+        check_texts({**with_member(cusp, "1." + "7" * 1500), "digits": 900})
+    with pytest.raises(InputError, match="for 15 digits"):
+        check_texts({**with_member(cusp, "1." + "7" * 900), "digits": 900}, most_digits=500)
+    check_texts(with_member(("slices", 0, "l1"), "9" * 40), number_digits=40)
+    with pytest.raises(InputError, match=r"slices\[0\].l1"):
+        check_texts(with_member(("slices", 0, "l1"), "9" * 70), number_digits=40)
+
+
+def test_quotients_of_few_digits_may_be_decimals_of_many() -> None:
+    check_texts(with_member(("slices", 0, "l1"), f"0.{5**1300:01300d}"))  # 2^-1300
+    check_texts(with_member(("slices", 0, "l1"), "0." + "0" * 399 + "1"))
+
+
+def test_long_sides_explain_the_certificate() -> None:
+    sides = [f"{x}.{'7318526940' * 2}{k}" for k, x in enumerate((15, 1, 10, 17, 16, 20))]
+    m = Manipulator(*sides)
+    for document in (
+        table_document(m, ["14.98"], digits=15, certificate="full"),
+        census(m, digits=15, certificate="full").to_json(),
+    ):
+        check_texts(document)
+        check_texts(document, number_digits=22)
+
+
+def test_longer_numbers_than_python_reads_are_read() -> None:
+    digits = "7" * 6000
+    assert exact(f"{digits}/19", "x") * 19 == exact(digits, "x") == (10**6000 - 1) // 9 * 7
+    assert exact(f"1.{digits}", "x") == 1 + exact(digits, "x") / 10**6000
+    printed = decimal(6000)(f"-0.{digits}", "x")
+    assert printed.value * 10**6000 == -exact(digits, "x")
+
+
+def test_products_of_long_numbers_count_more() -> None:
+    with bounded(10**9) as left:
+        spend(10)
+        short = 10**9 - left[0]
+        spend(10, 10_000)
+        assert 10**9 - left[0] > 50 * short
+    spend(10**12)  # nothing is counted outside
+    with pytest.raises(ExhaustedError), bounded(5):
+        spend(6)
+
+
+def test_what_is_left_is_open_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(documents, "UNITS_OF_A_CHARACTER", 1)
+    verification = verify_document(base("table"))
+    assert verification.outcome is Outcome.NOT_ESTABLISHED
+    assert verification.claims[-1].status is ClaimStatus.NOT_CHECKED
+    assert "what is not named here (the document)" in verification.summary
+    assert verify_document(base("table"), effort=100).established
+    with pytest.raises(InputError, match="effort"):
+        verify_document(base("table"), effort=0)
+
+
+def _long_sides(digits: int) -> list[str]:
+    draw = random.Random(digits)
+    return [f"{x}.{draw.randrange(10**digits):0{digits}}1" for x in (15, 1, 10, 17, 16, 20)]
+
+
+def _of_many_parts(count: int) -> dict[str, Any]:
+    """A table of many slices without cusps, which takes as long as one of as many with cusps."""
+    document = base("table")
+    part = {"count": 0, "cusps": [], "degenerate_points": []}
+    document["slices"] = [{"l1": f"{n}.5", **part} for n in range(1, count)]
+    return document
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: _of_many_parts(500),
+        lambda: table_document(Manipulator(*_long_sides(60)), "14.98", digits=15),
+        lambda: {
+            **base("report"),
+            "intervals": [{"from": "36", "to": "38", "count": 4}],
+            "violations": [],
+            "passed": True,
+            "max_cusps_found": 4,
+            "min_cusps_found": 4,
+        },
+    ],
+)
+def test_no_document_takes_more_than_its_length_allows(make: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(documents, "UNITS_OF_A_CHARACTER", 4)  # a twentieth, to save time
+    spent: list[int] = []
+
+    def counted(units: int) -> Any:
+        manager = bounded(units)
+
+        class Counted:
+            def __enter__(self) -> list[int]:
+                self.left = manager.__enter__()
+                return self.left
+
+            def __exit__(self, *error: Any) -> None:
+                manager.__exit__(*error)
+                spent.append(units - self.left[0])
+
+        return Counted()
+
+    monkeypatch.setattr(documents, "bounded", counted)
+    document = make()
+    verify_document(document)
+    allowed = 4 * max(100_000, 2 * len(json.dumps(document)))
+    # a single step may overrun what is left, by no more than its own size
+    assert spent[0] < 2 * allowed

@@ -1,12 +1,14 @@
 """Real roots by Descartes' rule, against SymPy's Sturm sequences."""
 
+from __future__ import annotations
+
 import random
 from fractions import Fraction
 
 import pytest
 import sympy as sp
 
-from rpr_solver.verify.core.roots import real_roots, refined, shifted
+from rpr_solver.verify.core.roots import real_roots, refined, shifted, simple_and_apart
 from rpr_solver.verify.core.surds import Poly, Ring, rational
 
 X = sp.Symbol("x")
@@ -70,3 +72,12 @@ def test_a_root_beside_the_end_of_its_interval() -> None:
 
 def test_a_shift() -> None:
     assert shifted([(1, 0), (0, 1), (2, 0)]) == [(3, 1), (4, 1), (2, 0)]
+
+
+def test_simple_roots_and_shared_ones() -> None:
+    ring = Ring(7)
+    simple, other = ((1, 1), (2, 0), (0, 3)), rational([5, 1])
+    assert simple_and_apart(ring, simple, other)
+    assert not simple_and_apart(ring, ring.product(simple, simple), other)
+    assert not simple_and_apart(ring, ring.product(simple, other), other)
+    assert simple_and_apart(Ring(1), rational([-2, 0, 1]), other)

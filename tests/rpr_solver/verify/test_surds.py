@@ -1,11 +1,25 @@
 """Arithmetic with a + b ω, against SymPy and floats."""
 
+from __future__ import annotations
+
 import math
 
 import pytest
 import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
+from sympy.polys.matrices import DomainMatrix
 
-from rpr_solver.verify.core.surds import Indivisible, Poly, Ring, derivative, primitive, rational
+from rpr_solver.verify.core.surds import (
+    Indivisible,
+    Poly,
+    Ring,
+    Surd,
+    derivative,
+    interpolated,
+    primitive,
+    rational,
+)
 
 RING = Ring(7)
 W = sp.sqrt(7)
@@ -59,3 +73,53 @@ def test_signs_of_long_numbers_close_to_each_other() -> None:
         for near, sign in ((root, -1), (root + 1, 1), (2 * root, 1), (root // 2, -1)):
             assert RING.sign((near, -unit)) == sign
             assert RING.sign((-near, unit)) == -sign
+
+
+T, U = sp.symbols("t u")
+
+
+def test_a_resultant_with_an_irrational_coefficient() -> None:
+    p, q = T**2 + sp.sqrt(5) * T - 3, 2 * T**3 - T + sp.sqrt(5)
+    a, b = Ring(5).resultant([(-3, 0), (0, 1), (1, 0)], [(0, 1), (-1, 0), (0, 0), (2, 0)])
+    assert sp.expand(sp.resultant(p, q, T) - a - b * sp.sqrt(5)) == 0
+
+
+def test_formal_degrees_and_zero_pivots() -> None:
+    assert Ring(1).resultant([(1, 0), (2, 0), (0, 0)], [(3, 0), (1, 0), (0, 0)]) == (0, 0)
+    assert Ring(1).resultant([(0, 0), (1, 0)], [(5, 0), (0, 0), (1, 0)]) == (5, 0)
+
+
+def test_interpolation_in_the_other_variable() -> None:
+    p, q = T**2 + U * T - U**2 + 1, U * T**2 + 3
+    points = range(-4, 5)
+    values = [Ring(1).resultant([(1 - u * u, 0), (u, 0), (1, 0)], [(3, 0), (0, 0), (u, 0)]) for u in points]
+    expected = sp.Poly(sp.resultant(p, q, T), U)
+    assert [a for a, _ in interpolated(points, values)] == [int(c) for c in reversed(expected.all_coeffs())]
+    assert interpolated([0, 1, 2], [(0, 0), (0, 0), (1, 0)]) == ((0, 0), (-1, 0), (1, 0))
+
+
+def sylvester(p: list[Surd], q: list[Surd], omega: int) -> int:
+    """The determinant for the formal degrees, by SymPy, with an integer for ω."""
+    m, n = len(p) - 1, len(q) - 1
+    rows = [[0] * k + [a + b * omega for a, b in reversed(p)] + [0] * (n - 1 - k) for k in range(n)]
+    rows += [[0] * k + [a + b * omega for a, b in reversed(q)] + [0] * (m - 1 - k) for k in range(m)]
+    return int(DomainMatrix(rows, (m + n, m + n), sp.ZZ).det())
+
+
+@given(
+    st.lists(st.tuples(st.integers(-3, 3), st.integers(-2, 2)), min_size=2, max_size=5),
+    st.lists(st.tuples(st.integers(-3, 3), st.integers(-2, 2)), min_size=2, max_size=4),
+)
+def test_resultants_of_formal_degrees_are_determinants(p: list[Surd], q: list[Surd]) -> None:
+    a, b = Ring(7).resultant(p, q)
+    # modulo 10⁶ − 7 the number 1000 is a root of 7
+    assert (a + 1000 * b - sylvester(p, q, 1000)) % (10**6 - 7) == 0
+
+
+def test_the_linear_remainder_has_the_common_root() -> None:
+    ring = Ring(1)
+    common, p, q = rational([-3, 1]), rational([1, 0, 2, 5]), rational([4, 1, 1])
+    rows, whole = ring.chain(ring.product(common, p), ring.product(common, q))
+    assert whole == (0, 0)
+    [linear] = [row for row in rows if len(row) == 2]
+    assert primitive(linear) in (common, rational([3, -1]))

@@ -1,0 +1,341 @@
+"""The cusps of a slice, all found anew: one above each simple root of Q, on other lines by a search.
+
+Above a simple root the common root of J and E in tan(α/2) is that of their linear subresultant. On a line of
+a multiple or spurious root, α is cut into pieces until J, or E along either leg, excludes 0 on each; what is
+left is a cusp that is proved, or a doubt. Each cusp is proved by Krawczyk's test.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import atan2, isqrt
+
+from rpr_solver.verify.claims import ClaimStatus, Finding, matching
+from rpr_solver.verify.core.intervals import Interval, angle_near, cos_sin, degrees, pi, radians
+from rpr_solver.verify.core.krawczyk import (
+    Box,
+    Equations,
+    Pair,
+    around,
+    common_on_axis,
+    direction,
+    zero_near,
+)
+from rpr_solver.verify.core.numbers import Printed
+from rpr_solver.verify.core.reader import Record
+from rpr_solver.verify.core.roots import Root, refined
+from rpr_solver.verify.core.surds import Indivisible, Ring, Surd, primitive, trimmed
+from rpr_solver.verify.core.system import Leg, System, Trig, in_half_tangent
+from rpr_solver.verify.eliminant import Eliminant, meet, nearby, separation, special_lines, unlisted
+
+_SPARE_BITS, _COUNT_BITS = 40, 60
+_MOST_DOUBTS = 12
+"""The most poses that are looked at on one line; J has degree 4 there."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """A printed point of a slice: α and θ in degrees, the lengths of the free legs."""
+
+    alpha: Printed
+    theta: Printed
+    lengths: tuple[Printed, Printed]
+    names: tuple[str, ...]
+
+    @classmethod
+    def of(cls, point: Record, system: System) -> Point:
+        """The point of a document."""
+        names = ("alpha_deg", f"theta{system.fixed}_deg", *(f"l{leg.number}" for leg in system.legs))
+        alpha, theta, first, second = (point[name] for name in names)
+        return cls(alpha, theta, (first, second), names)
+
+    @property
+    def numbers(self) -> tuple[Printed, ...]:
+        """All four numbers."""
+        return self.alpha, self.theta, *self.lengths
+
+    @property
+    def bits(self) -> int:
+        """Bits well below the last printed digit of the angles and the lengths."""
+        least = min((x.half for x in self.numbers if not x.is_zero), default=Fraction(1))
+        return (least.denominator // least.numerator).bit_length() + _SPARE_BITS
+
+
+@dataclass(frozen=True)
+class Located:
+    """A printed cusp, its proved box if there is one, and what is found about its digits."""
+
+    point: Point
+    box: Box | None
+    finding: Finding
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A line, and an interval of α, where it cannot be excluded that three poses coalesce."""
+
+    line: Pair
+    alpha: Interval
+
+    def meets(self, area: Box) -> bool:
+        """Whether a pose of an area may be the one in doubt."""
+        here = area.directions
+        return meet(here.theta, self.line) and meet(here.alpha, cos_sin(self.alpha))
+
+
+@dataclass(frozen=True)
+class Cusps:
+    """All cusps of a slice.
+
+    Attributes:
+        boxes: proved, each of another cusp.
+        doubts: where others may be.
+        close: how many cusps on lines of doubt are not proved to be alone within 2^−20 radians.
+        missing: how many simple roots have no proved cusp.
+    """
+
+    boxes: tuple[Box, ...]
+    doubts: tuple[Doubt, ...]
+    close: int
+    missing: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether it is proved that there are no others."""
+        return not (self.doubts or self.close or self.missing)
+
+
+class Slice:
+    """A slice with its equations, and its cusps as they are asked for."""
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+
+    @cached_property
+    def eliminant(self) -> Eliminant | None:
+        """Its lines; None if spurious factors do not divide the resultant, which no theorem excludes."""
+        try:
+            return Eliminant.of(self.system)
+        except Indivisible:
+            return None
+
+    @cached_property
+    def _kernel(self) -> list[Equations]:
+        radicand = self.system.ring.radicand
+        return [Equations.of(self.system.singular, leg.kernel, radicand) for leg in self.system.legs]
+
+    def counted(self) -> tuple[int, bool] | None:
+        """The number of cusps, and whether it is proved; None if the resultant vanishes."""
+        if self.eliminant is None or not self.eliminant.form:
+            return None
+        if self.eliminant.generic:
+            return len(self.eliminant.single_roots), True
+        found = self.cusps()
+        return len(found.boxes) + found.missing, found.complete
+
+    def cusps(self, bits: int = _COUNT_BITS) -> Cusps:
+        """All cusps, in boxes of some 2^−``bits`` at most."""
+        assert self.eliminant is not None
+        apart = separation(self.eliminant)
+        boxes: list[Box] = []
+        doubts: list[Doubt] = []
+        close = missing = 0
+        for root in self.eliminant.single_roots:
+            box = self._above(root, max(bits, 2 * apart), apart)
+            if box is None or any(box.meets(other) for other in boxes):
+                missing += 1
+            else:
+                boxes.append(box)
+        for line in special_lines(self.system, self.eliminant, apart):
+            own, alone = self._on(line, max(bits, 2 * apart), apart, doubts)
+            if any(box.meets(other) for box in own for other in boxes):
+                missing += 1
+            boxes += own
+            close += len(own) - alone
+        boxes.sort(key=lambda box: box.theta.middle)
+        return Cusps(tuple(boxes), tuple(doubts), close, missing)
+
+    def _above(self, root: Root, bits: int, apart: int) -> Box | None:
+        """The cusp above a simple root of Q."""
+        ring, form = self.system.ring, self.eliminant.single  # type: ignore[union-attr]
+        for fine in (2 * apart + _SPARE_BITS, 4 * apart + 3 * _SPARE_BITS):
+            narrow = refined(ring, form, root, Fraction(1, 1 << fine))
+            line = direction(ring, form, narrow, fine)
+            n, d = ((narrow.lower + narrow.upper) / 2).as_integer_ratio()
+            ratio = (d, n) if narrow.inverted else (n, d)
+            j = _on_line(self.system.singular, 2, *ratio)
+            e = _on_line(self.system.legs[0].kernel, 3, *ratio)
+            for alpha in common_angles(ring, j, e, fine):
+                for order in (0, 1, 3):
+                    box = self.cusp_near(alpha, angle_of(line), max(bits, (order + 1) * apart), order * apart)
+                    if box is not None and meet(box.directions.theta, line):
+                        return box
+        return None
+
+    def _on(self, line: Pair, bits: int, apart: int, doubts: list[Doubt]) -> tuple[list[Box], int]:
+        """The cusps on a special line, and how many are proved to be alone; doubts are added to the list."""
+        assert self.eliminant is not None
+        size = line[0].bits
+        angles = {"alpha = 0 deg": Interval.of(0, size), "alpha = 180 deg": pi(size)}
+        holes = [nearby(angles[curve]) for curve in self.eliminant.cut.curves]
+        boxes: list[Box] = []
+        alone, most = 0, len(doubts) + _MOST_DOUBTS
+        while (alpha := unlisted(self.system, line, holes, apart)) is not None:
+            start = Interval.of(alpha, size)
+            box = self.cusp_near(start, angle_of(line), bits)
+            if box is None or not meet(box.directions.theta, line) or any(box.meets(x) for x in boxes):
+                holes.append(nearby(start))
+                doubts.append(Doubt(line, holes[-1]))
+                if len(doubts) > most:
+                    break
+                continue
+            boxes.append(box)
+            room = self._alone(box)
+            alone += room is not None
+            holes.append(nearby(box.alpha) if room is None else room)
+        return boxes, alone
+
+    def cusp_near(self, alpha: Interval, theta: Interval, bits: int, apart: int = 0) -> Box | None:
+        """The proved box of the cusp near two angles in radians, others being 2^−``apart`` away; or None."""
+        for leg, equations in zip(self.system.legs, self._kernel, strict=True):
+            box = zero_near(equations, alpha, theta, bits, apart)
+            if box and any(box.directions.value(slope).sign for slope in (leg.alpha, leg.theta)):
+                return box
+        return None
+
+    def _alone(self, box: Box) -> Interval | None:
+        """All α of a wide box about that of a cusp, which holds no other zero of J = E = 0; or None."""
+        found = (equations.alone(box) for equations in self._kernel)
+        return next((wide.alpha for wide in found if wide is not None), None)
+
+    def located(self, printed: Sequence[Point], bits: int = 0) -> tuple[list[Located], Cusps]:
+        """A different cusp for each printed one, and all cusps."""
+        cusps = self.cusps(max((bits, *(point.bits for point in printed))))
+        boxes = list(cusps.boxes)
+        known = [self._values(box) for box in boxes]
+        wrong = [[self._wrong(x, *pair) for pair in zip(boxes, known, strict=True)] for x in printed]
+        for n, point in enumerate(printed):
+            if None in wrong[n]:
+                continue
+            size = point.bits + _SPARE_BITS
+            start = radians(point.alpha.value, size), radians(point.theta.value, size)
+            box = self.cusp_near(*start, max(bits, point.bits))
+            if box is not None and not any(box.meets(other) for other in boxes):
+                boxes.append(box)
+                for row, other in zip(wrong, printed, strict=True):
+                    row.append(self._wrong(other, box, self._values(box)))
+        chosen = matching([[k for k, name in enumerate(row) if name is None] for row in wrong])
+        result = []
+        for point, row, k in zip(printed, wrong, chosen, strict=True):
+            if k is not None:
+                reason = "a proved box holds one regular zero of (J, E); each digit is right"
+                result.append(Located(point, boxes[k], (ClaimStatus.PROVED, reason)))
+                continue
+            names = ", ".join(dict.fromkeys(name for name in row if name)) or "another is printed alike"
+            reason = f"it is none of the {len(boxes)} cusps that are found anew: wrong in {names}"
+            result.append(Located(point, None, (ClaimStatus.REFUSED, reason)))
+        return result, cusps
+
+    def _values(self, box: Box) -> list[Interval]:
+        return [degrees(box.alpha), degrees(box.theta), *(self.length(leg, box) for leg in self.system.legs)]
+
+    def _wrong(self, point: Point, box: Box, values: Sequence[Interval]) -> str | None:
+        """The first printed number that is wrong for a cusp; None if all are right."""
+        turns = (360, 360, 0, 0)
+        for name, printed, value, turn in zip(point.names, point.numbers, values, turns, strict=True):
+            if not printed.is_zero:
+                if not printed.rounds(value, turn):
+                    return name
+            elif not value.contains(0) or not any(
+                common_on_axis(pair, box, theta=name != "alpha_deg") for pair in self._kernel
+            ):
+                return name
+        return None
+
+    def area(self, point: Point) -> Box | None:
+        """All poses that round to a degenerate one, None if J = E = 0 or its lengths are excluded there."""
+        functions = [self.system.singular, *(leg.kernel for leg in self.system.legs)]
+        bits = point.bits + max(pair.coefficient_bits for pair in self._kernel)
+        box = around(point.alpha, point.theta, bits, self.system.ring.radicand)
+        if any(box.directions.value(p).sign for p in functions):
+            return None
+        legs = zip(point.lengths, self.system.legs, strict=True)
+        return None if any(x.rounds(self.length(leg, box)) is False for x, leg in legs) else box
+
+    def length(self, leg: Leg[Trig], box: Box) -> Interval:
+        """The length of a free leg in the user's unit."""
+        scaled = box.directions.value(leg.squared).root()
+        return scaled.over(Interval.of(self.system.unit, scaled.bits))
+
+
+def common_angles(ring: Ring, p: Sequence[Surd], q: Sequence[Surd], bits: int) -> Iterator[Interval]:
+    """Angles α in radians near the common root tan(α/2) of two forms that nearly have one, in two ways.
+
+    It is the root of their linear subresultant. A wrong angle does no harm.
+    """
+    for inverted in (False, True):
+        forms = (primitive(trimmed(form[::-1] if inverted else form)) for form in (p, q))
+        second, first = sorted(forms, key=len)
+        if len(second) < 2:
+            continue
+        linear = next((row for row in ring.chain(first, second)[0] if len(row) == 2), None)
+        if linear is None:
+            continue
+        guard = bits + max(part.bit_length() for x in linear for part in x)
+        omega = isqrt(ring.radicand << (2 * guard))
+        y, x = ((a << guard) + b * omega for a, b in linear)
+        y, x = (x, -y) if inverted else (-y, x)
+        if size := max(abs(x), abs(y)):
+            cos, sin = (Interval.of(Fraction(part, size), bits) for part in (x, y))
+            norm = cos * cos + sin * sin
+            yield angle_of(((cos * cos - sin * sin).over(norm), (sin * cos).scaled(2).over(norm)))
+
+
+def angle_of(pair: Pair) -> Interval:
+    """The angle in radians of a direction, about."""
+    cos, sin = pair
+    guess = Fraction(atan2(float(sin.middle), float(cos.middle)))
+    return angle_near(cos, sin, Interval.of(guess, cos.bits))
+
+
+def _on_line(p: Trig, degree: int, n: int, d: int) -> tuple[Surd, ...]:
+    """A polynomial of this degree in α and in θ, by tan(α/2), where tan(θ/2) = n/d."""
+    cos, sin, one = d * d - n * n, 2 * n * d, d * d + n * n
+    return in_half_tangent(p, degree, lambda k, m: cos**k * sin**m * one ** (degree - k - m))
+
+
+Bounds = tuple[Fraction | None, Fraction | None]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Open joint limits of the free legs, in the user's unit; None is no limit."""
+
+    of_legs: Mapping[int, Bounds]
+
+    @property
+    def bounded(self) -> bool:
+        """Whether there is any limit."""
+        return any(bound is not None for bounds in self.of_legs.values() for bound in bounds)
+
+    def admit(self, part: Slice, box: Box) -> bool | None:
+        """Whether the lengths at a cusp are strictly within the limits; None if intervals do not tell."""
+        sides: list[bool | None] = []
+        for leg in part.system.legs:
+            x = part.length(leg, box)
+            for bound, side in zip(self.of_legs.get(leg.number, ()), (1, -1), strict=False):
+                if bound is not None:
+                    off = (x - Interval.of(bound, x.bits)).sign
+                    sides.append(None if not off else off == side)
+        return False if False in sides else None if None in sides else True
+
+    def counted(self, part: Slice) -> tuple[int, bool] | None:
+        """The number of cusps of a slice within the limits, and whether it is proved; None if it is open."""
+        if not self.bounded or part.eliminant is None or not part.eliminant.form:
+            return part.counted()
+        cusps = part.cusps()
+        sides = [self.admit(part, box) for box in cusps.boxes]
+        return None if None in sides else (sides.count(True), cusps.complete)
