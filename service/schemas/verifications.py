@@ -57,9 +57,9 @@ class VerifiedClaim(BaseModel):
     claim: str
     status: Literal["proved", "checked", "not checked", "refused"]
     reason: str
-    established: bool = Field(description="Proved, or wrong with at most `error_probability`.")
+    established: bool = Field(description="Whether it is proved.")
     error_probability: str | None = optional(
-        "For a claim checked by random numbers of the operating system: a bound, such as `2^-200`."
+        "Of a claim that rests on random numbers, a bound such as `2^-200`; at present there is none."
     )
 
 

@@ -83,7 +83,7 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         },
     ),
     "verification": (
-        verify_document(TABLE, deadline=60),
+        verify_document(TABLE, effort=2, deadline=60),
         lambda: {**ZEIN.identity_json(), **rpr_solver.verify_document(TABLE).to_json()},
     ),
     "path": (

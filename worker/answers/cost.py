@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import permutations
-from math import gcd, isqrt, lcm
+from math import gcd, inf, isqrt, lcm
 from typing import Any
 
 INTERVALS = 20
@@ -66,6 +66,7 @@ class Sizes:
             one by one.
         fineness: by how much finer than a whole picture curves are drawn, as a root.
         objects: how many objects stand in the lists of a document: cusps, poses, events, points, tubes.
+        limit: seconds after which a verification stops, as the length of the document and its effort allow.
     """
 
     geometry: int
@@ -79,6 +80,7 @@ class Sizes:
     objects: int = 0
     is_slice: bool = True
     is_special: bool = False
+    limit: float = inf
     fineness: int = 0
 
 

@@ -63,6 +63,10 @@ def verification(request: JobRequest, _store: Store, progress: Progress) -> Docu
     return {**request.identity_json(), **verified.to_json()}
 
 
+_SECONDS, _CHARACTERS = 12.0, 100_000
+"""How long a verification takes at most for each so many characters, at the usual effort."""
+
+
 def parts_to_verify(document: Mapping[str, Any]) -> int:
     """Returns the number of slices that a verification solves: those listed, or one in each interval.
 
@@ -84,14 +88,17 @@ def _tubes(document: Mapping[str, Any]) -> int:
 def _to_verify(content: Content, size: Sizes) -> Sizes:
     document = content["document"]
     lengths = exact_bits(document, size.lengths, size.digits)
-    return replace(size, lengths=lengths, count=parts_to_verify(document))
+    limit = _SECONDS * content.get("effort", 1) * max(1.0, len(str(document)) / _CHARACTERS)
+    return replace(size, lengths=lengths, count=parts_to_verify(document), limit=limit)
 
 
-def _part_to_verify(_content: Content, size: Sizes) -> Mapping[str, tuple[Sizes, str]]:
+def _part_to_verify(content: Content, size: Sizes) -> Mapping[str, tuple[Sizes, str]]:
     part = replace(size, count=1, objects=0, lengths=min(size.lengths, SHORT_BITS))
     digits = digits_of_bits(size.lengths)
     has = f"its numbers have up to {digits} digits, and {size.objects} objects are listed"
-    return {"document": (part, f"verify a part of it: {has}")}
+    effort = content.get("effort", 1)
+    less = {"effort": (replace(size, limit=size.limit / effort), "1 is the least")} if effort > 1 else {}
+    return {"document": (part, f"verify a part of it: {has}"), **less}
 
 
 def _verification_cost(size: Sizes) -> float:
@@ -101,7 +108,7 @@ def _verification_cost(size: Sizes) -> float:
     numbers = 0.012 * size.geometry + 1e-4 * size.geometry**2 + 2e-3 * size.lengths + 8e-6 * size.lengths**2
     slices = 0.2 + numbers + 2e-4 * size.digits + 2e-8 * size.digits**2
     objects = 0.012 + 2e-5 * (bits + size.digits) + 3e-6 * size.objects
-    return 0.3 + slices * size.count + objects * size.objects
+    return min(size.limit, 0.3 + slices * size.count + objects * size.objects)
 
 
 def _poses_cost(size: Sizes) -> float:

@@ -56,6 +56,7 @@ _BASES: dict[str, Callable[[], Document]] = {
     "poses": lambda: poses(ZEIN, 20, 21, 22, digits=15).to_json(),
     "two at an angle": lambda: poses(Manipulator(5, 2, -3, 5, 6, 5), 3, 3, 7, digits=15).to_json(),
     "census": lambda: census(ZEIN, digits=15, start=36, stop=38).to_json(),
+    "two transitions": lambda: census(ZEIN, digits=15, start=31, stop=38).to_json(),
     "full census": lambda: census(SMALL, digits=15, start=24, certificate="full").to_json(),
     "curves": lambda: (
         cusp_curves(ZEIN, digits=15).part("0.5", "1.2", lengths=[Fraction(1), Fraction(21, 20)]).to_json()
@@ -460,7 +461,7 @@ def _(document: Document) -> None:
     events.append(deepcopy(events[0]))
 
 
-@forgery("transitions that do not ascend", "full census", "/transitions")
+@forgery("transitions that do not ascend", "two transitions", "/transitions")
 def _(document: Document) -> None:
     rows, parts = document["transitions"], document["intervals"]
     first, second = rows[0], rows[1]

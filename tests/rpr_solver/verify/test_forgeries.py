@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 
 from rpr_solver import verify_document
@@ -10,6 +13,7 @@ from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.events import Events
 from tests.rpr_solver.verify.forgeries import _BASES, FORGERIES, Forgery, base, first_line
 
+VERIFIER = Path(censuses.__file__).parent
 KNOWN: dict[tuple[str, int, int], Events] = {}
 
 
@@ -41,3 +45,16 @@ def test_a_forgery_is_refused_or_its_claim_named(forgery: Forgery) -> None:
     line = first_line(forgery.document())
     assert line.startswith(("REFUSED: ", "NOT ESTABLISHED")) or forgery.at.endswith("aspects"), line
     assert forgery.at in line.replace("/*", "/0") or forgery.at in line, (forgery.at, line)
+
+
+def test_each_hypothesis_of_a_claim_has_a_forgery_that_violates_it() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "verify.md").read_text(encoding="utf-8")
+    section = page.partition("## Why it is sound\n")[2].partition("### What stays open\n")[0]
+    rows = [line.strip("| ").split(" | ") for line in section.splitlines() if line.startswith("| ")]
+    hypotheses = [row for row in rows if row[0] != "hypothesis"]
+    assert len(hypotheses) > 60
+    names = {forgery.name for forgery in FORGERIES}
+    for hypothesis, where, violated in hypotheses:
+        assert violated.strip("`") in names, hypothesis
+        for module in re.findall(r"`([a-z/_]+)`", where):
+            assert (VERIFIER / f"{module}.py").is_file(), module
