@@ -105,7 +105,7 @@ class _Report:
         yield claim("/intervals", "neighbouring intervals have different numbers", different)
 
     def _example(self, k: int, violation: Record) -> Claim:
-        """That an example is a slice of its interval with so many cusps within the limits, and these."""
+        """The claim that an example is a slice of its interval with these cusps within the limits."""
         at, example = f"/violations/{k}/example", violation["example"]
         claim, length = (
             "a slice of this interval, with its cusps within the limits",

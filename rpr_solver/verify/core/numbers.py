@@ -162,7 +162,7 @@ def radicand(value: object, at: str) -> int:
 
 
 def decimal(digits: int, least: int | None = None, most: int | None = None, *, zero: bool = True) -> Read:
-    """A decimal of so many significant digits, as documents print it; "0" is an exact zero.
+    """A decimal with this number of significant digits, as documents print it; "0" is an exact zero.
 
     Args:
         digits: significant digits.

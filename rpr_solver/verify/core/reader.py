@@ -242,7 +242,7 @@ def check_texts(
 
 
 def _own_digits(digits: object, most: int) -> int:
-    """The digits that a document says it has; the least, if it says nothing of the kind."""
+    """The digits that a document claims to have; the minimum if it does not say."""
     text = str(digits) if isinstance(digits, int | str) else ""
     own = int(text) if text.isdecimal() and len(text) <= len(str(MAX_DIGITS)) else 0
     return own if MIN_DIGITS <= own <= most else MIN_DIGITS
