@@ -28,6 +28,7 @@ from rpr_solver.curves.neighbourhood import (
     value_of_each,
     values,
 )
+from rpr_solver.exact.krawczyk import Slopes, passes, passing_radii
 from rpr_solver.exact.real_roots import ball_of
 
 BOUND_BITS = 64
@@ -35,7 +36,6 @@ _NEWTON_STEPS = 6
 _NEAR = arb(2) ** -40
 """A step that is smaller by this factor than its box is the last one: the next would be beyond all bits."""
 _SLIM = arb(2) ** -20
-_TRIALS = 3
 _MOST_HALVINGS = 8
 _EITHER_SIGN = arb(0, 1)
 
@@ -224,52 +224,35 @@ class Bounds:
         sizes, (p, q), least = self._residues(reach, off)
         # a curve that the parabola meets exactly, as a fixed pose, needs a positive radius all the same
         first, second = (2 * x if x > 0 else reach * _SLIM for x in least)
-        wide = first, second
-        for _ in range(_TRIALS):
-            a, b, c, d = _steepness(sizes, p + wide[0], q + wide[1])
-            if _passes(least, (a, b, c, d), wide):
-                return wide, a + d
-            # 3/2 times the radii that would just pass if the derivatives did not change
-            det = (1 - a) * (1 - d) - b * c
-            if not (a < 1 and det > 0):
-                return None, a + b + c + d
-            factor = arb(3) / (2 * det)
-            wide = (
-                (factor * ((1 - d) * least[0] + b * least[1])).abs_upper(),
-                (factor * (c * least[0] + (1 - a) * least[1])).abs_upper(),
-            )
-        return None, a + d
+        return passing_radii(
+            least, (first, second), lambda radii: _steepness(sizes, p + radii[0], q + radii[1])
+        )
 
     def passes(self, reach: arb, radii: Two) -> bool:
         """Whether given radii pass Krawczyk's test."""
         sizes, (p, q), least = self._residues(reach, (arb(0), arb(0)))
-        return _passes(least, _steepness(sizes, p + radii[0], q + radii[1]), radii)
+        return passes(least, _steepness(sizes, p + radii[0], q + radii[1]), radii)
 
     def _residues(self, reach: arb, off: Two) -> tuple[list[arb_mat], Two, Two]:
         """The bounds as matrices in p and q, the largest p and q on the parabola, and bounds of G + off."""
         p, q = on_parabola(self.slopes, self.bends, reach)
         sizes = [at_parameter(size, reach) for size in self.sizes]
         least = []
-        for whole, (once, twice), (error, second_error), beside in zip(
+        for whole, (once, twice), (error, second_error), offset in zip(
             value_of_each(sizes, p, q), self.cancelled, self.errors, off, strict=True
         ):
             residue = (
                 whole.abs_upper() - reach * (once + reach * twice) + reach * (error + reach * second_error)
             )
-            least.append((residue + beside).abs_upper())
+            least.append((residue + offset).abs_upper())
         return sizes, (p, q), (least[0], least[1])
 
 
-def _steepness(sizes: list[arb_mat], p: arb, q: arb) -> tuple[arb, arb, arb, arb]:
+def _steepness(sizes: list[arb_mat], p: arb, q: arb) -> Slopes:
     """Bounds of the derivatives of N in p and q."""
     first, second = values(sizes, p, q)
     a, b, c, d = (x.abs_upper() for x in (first[1, 0], first[0, 1], second[1, 0], second[0, 1]))
     return a, b, c, d
-
-
-def _passes(least: Two, steepness: tuple[arb, arb, arb, arb], radii: Two) -> bool:
-    (a, b, c, d), (p, q) = steepness, radii
-    return bool(least[0] + a * p + b * q < p and least[1] + c * p + d * q < q)
 
 
 def _absolute(pair: Two) -> Two:

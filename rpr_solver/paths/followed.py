@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat, arb_poly, ctx
 
+from rpr_solver.exact.krawczyk import Slopes, Two, passing_radii
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.route import Angles, Arc, Expansion, Image, bounded, expanded, local_map, newton_step
 
@@ -26,7 +27,6 @@ _NEWTON_STEPS = 12
 
 Triple = tuple[arb, arb, arb]
 """α, θ and τ; or a direction in their space."""
-Two = tuple[arb, arb]
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,6 @@ def solved(slopes: Sequence[Sequence[arb]], values: Sequence[arb], middle: Seque
 _FIRST_STEP, _LARGEST_STEP, _SMALLEST_STEP = 0.125, 0.5, 2.0**-20
 _LONGER, _SHORTER = 1.2, 0.6
 _MOST_PIECES = 200
-_TRIALS = 3
 
 
 @dataclass(frozen=True)
@@ -276,32 +275,20 @@ class _Tube:
         ]
         floor = arb(2) ** -(ctx.prec // 2)
         least = [x + floor for x in least]
-        radii = 2 * least[0], 2 * least[1]
-        for _ in range(_TRIALS):
-            box = _place(hat, across, piece, (arb(0, radii[0]), arb(0, radii[1])))
-            rows = carrier.slopes(box)
-            (a, b), (c, d) = (
-                [
-                    abs(sum((inverse[i, m] * _dot(rows[m], n) for m in range(2)), arb(0)) - (i == k))
-                    for k, n in enumerate(across)
-                ]
+        rows: tuple[Triple, Triple, Triple] | None = None
+
+        def slopes_over(radii: Two) -> Slopes:
+            nonlocal rows
+            rows = carrier.slopes(_place(hat, across, piece, (arb(0, radii[0]), arb(0, radii[1]))))
+            a, b, c, d = (
+                abs(sum((inverse[i, m] * _dot(rows[m], n) for m in range(2)), arb(0)) - (i == k))
                 for i in range(2)
+                for k, n in enumerate(across)
             )
-            if (
-                least[0] + a * radii[0] + b * radii[1] < radii[0]
-                and least[1] + c * radii[0] + d * radii[1] < radii[1]
-            ):
-                break
-            # 3/2 times the radii that would just pass if the slopes did not change
-            det = (1 - a) * (1 - d) - b * c
-            if not (a < 1 and det > 0):
-                return None
-            factor = arb(3) / (2 * det)
-            radii = (
-                (factor * ((1 - d) * least[0] + b * least[1])).abs_upper(),
-                (factor * (c * least[0] + (1 - a) * least[1])).abs_upper(),
-            )
-        else:
+            return a, b, c, d
+
+        radii, _ = passing_radii((least[0], least[1]), (2 * least[0], 2 * least[1]), slopes_over)
+        if radii is None or rows is None:
             return None
         pose = carrier.pose(hat)
         at, over = (expanded(carrier.slice_map, pose, x, k) for x, k in ((middle, 1), (piece, 2)))
