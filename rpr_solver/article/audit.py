@@ -30,7 +30,10 @@ from typing import Any
 from flint import arb, ctx
 
 from rpr_solver.article.couples import (
+    AuditReport,
     CouplePoses,
+    CoupleReport,
+    FactorReport,
     adjugate_stands,
     count_real,
     couple_by_balls,
@@ -39,7 +42,6 @@ from rpr_solver.article.couples import (
     rejected_by_balls,
 )
 from rpr_solver.article.eliminant import DEGREE, ArticleEliminant, KnownFactor
-from rpr_solver.article.report import AuditReport, CoupleReport, FactorReport
 from rpr_solver.contract import DEFAULT_DIGITS, Progress, check_digits, silent
 from rpr_solver.errors import SolverError
 from rpr_solver.exact.decimals import digit_bits

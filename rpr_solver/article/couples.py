@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypedDict
 
 from flint import acb_poly, arb, arb_poly, ctx
 
 from rpr_solver.article.equations import LEG_ALONG, Legs, Vector, adjugate
-from rpr_solver.article.report import CoupleReport
 from rpr_solver.exact.decimals import round_all, round_ball
+from rpr_solver.exact.factors import FactorShape
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.classify import PoseKind
@@ -25,6 +25,50 @@ from rpr_solver.model.joint_points import ClassifiedPoint, joint_point, point_of
 from rpr_solver.model.slice_map import Leg, SliceMap
 from rpr_solver.slices.grid import larger
 from rpr_solver.slices.reference import SlicePoses
+
+
+class CoupleReport(TypedDict):
+    """A couple (α, θ1) above a real root; its verdict is ``"kept"``, ``"degenerate"`` or ``"rejected"``."""
+
+    alpha_deg: str
+    theta1_deg: str
+    verdict: str
+    reason: str
+
+
+class FactorReport(TypedDict):
+    """A factor of the eliminant: its origin, the reason for it, and the couples above its real roots.
+
+    ``irreducible`` are its own factors over the field of coefficients.
+    ``rejected_in_step_6`` counts the real solutions of (13) that violate (14); None if they were not counted.
+    """
+
+    origin: str
+    degree: int
+    multiplicity: int
+    irreducible: list[FactorShape]
+    reason: str
+    real_roots: int
+    rejected_in_step_6: int | None
+    couples: list[CoupleReport]
+
+
+class Conjecture(TypedDict):
+    """Whether all cusps of the slice belong to the factor of degree 24, as the article conjectures."""
+
+    holds: bool
+    answer: str
+
+
+class AuditReport(TypedDict):
+    """The article's steps 1 to 7: the equations, the eliminant's factors, and the conjecture."""
+
+    equations: str
+    eliminant_degree: int
+    h: str
+    factors: list[FactorReport]
+    conjecture: Conjecture
+
 
 KEPT, DEGENERATE, REJECTED = "kept", "degenerate", "rejected"
 _TRIPLE = "three direct kinematic solutions coincide"

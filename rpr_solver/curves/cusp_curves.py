@@ -29,7 +29,7 @@ from rpr_solver.contract import (
 )
 from rpr_solver.curves.chains import full_certificate
 from rpr_solver.curves.cusp_curve import CurveEnd, CurvePoint, CuspCurve
-from rpr_solver.curves.destinations import Tracker
+from rpr_solver.curves.follower import Tracker
 from rpr_solver.curves.naming import name_cusps, tracks
 from rpr_solver.exact.rationals import Exact, exact_str
 from rpr_solver.model.joint_points import JointPoint

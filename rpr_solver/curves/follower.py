@@ -5,19 +5,28 @@ are cusps: a zero is a cusp unless ∇f = 0, v·∇E = 0 or ∇J = 0, and poses 
 which would be a second curve in the tube. E can be taken along either leg; it is taken along the leg with
 the larger gradient, since a cusp may pass a pose at which the other gradient vanishes
 (mathematics.md#tubes-of-cusps).
+
+A table lists every cusp of its slice. So if the box of a tube is disjoint from all cusps of a table but one,
+it contains that one (mathematics.md#tubes-of-cusps); nothing is decided by proximity.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 
 from flint import arb, ctx
 
 from rpr_solver.curves.neighbourhood import ALONG_L, CuspForms, Neighbourhood, Place
 from rpr_solver.curves.tubes import Tube, build
-from rpr_solver.exact.precision import TUBE_BITS, decided_or_none
+from rpr_solver.exact.precision import MATCH_BITS, TUBE_BITS, decided, decided_or_none
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import ball_of
+from rpr_solver.model.half_tangent import HalfTangent
+from rpr_solver.slices.cusp_table import solve_slice
+from rpr_solver.slices.eliminant import Eliminant
+from rpr_solver.slices.slice_table import SliceTable
 
 _FIRST_BITS = 128
 _FIRST_REACH = Fraction(1, 32)
@@ -99,3 +108,108 @@ class Follower:
             return across
         worth = (axis, across.reach) if across else None
         return build(around, ALONG_L, upwards, self._reach, worth=worth) or across
+
+
+_TUBES_A_TURN = 16
+_PATIENCE, _GREAT_PATIENCE = 512, 1 << 13
+"""The budget of tubes for one cusp: between slices of a survey, and between arbitrary slices."""
+
+Cusp = tuple[Fraction, int]
+"""A cusp by the length of its slice and its index in the table, from 0."""
+
+
+class Tracker:
+    """The slices of one eliminant, with at least ``digits`` digits, and the followers of their cusps.
+
+    ``known`` are slices solved to exactly this number of digits, which need not be solved again.
+    """
+
+    def __init__(self, eliminant: Eliminant, digits: int, known: Iterable[SliceTable] = ()) -> None:
+        self.eliminant, self.digits = eliminant, digits
+        self.forms = CuspForms(eliminant.slice_map)
+        self._tables = {(table.length, digits): table for table in known}
+
+    def table(self, length: Fraction, digits: int = 0) -> SliceTable:
+        """The table of a slice, cached."""
+        key = length, max(digits, self.digits)
+        if key not in self._tables:
+            self._tables[key] = solve_slice(self.eliminant, *key)
+        return self._tables[key]
+
+    def follower(self, cusp: Cusp, *, upwards: bool) -> Follower:
+        """The follower of a cusp towards greater or smaller lengths."""
+        length, index = cusp
+
+        def start(bits: int) -> Place:
+            return self._places(length, bits)[index]
+
+        return Follower(self.forms, start, self._scaled(length), upwards=upwards)
+
+    def destinations(
+        self,
+        followers: Mapping[int, Follower],
+        low: Fraction,
+        high: Fraction,
+        *,
+        until_full: Fraction | None = None,
+    ) -> dict[int, Cusp]:
+        """The first cusp of two slices that each follower reaches, without leaving the lengths between.
+
+        Followers that reach neither slice are omitted. With ``until_full``, stop as soon as every cusp of
+        that slice has been matched, and spend a larger budget until then.
+        """
+        patience = _PATIENCE if until_full is None else _GREAT_PATIENCE
+        met: dict[int, Cusp] = {}
+        still_free = None if until_full is None else self.table(until_full).count
+        waiting = deque((name, follower, 0) for name, follower in followers.items())
+        ends = {self._scaled(length): length for length in (low, high)}
+        scaled_low, scaled_high = ends
+        while waiting and still_free != 0:
+            name, follower, spent = waiting.popleft()
+            try:
+                arrival = follower.walk(scaled_low, scaled_high, _TUBES_A_TURN)
+            except LostError:
+                continue
+            if arrival is not None:
+                scaled, place = arrival
+                length = ends[scaled]
+                met[name] = length, self._index(place, length)
+                if still_free is not None and length == until_full:
+                    still_free -= 1
+            elif spent < patience:
+                waiting.append((name, follower, spent + _TUBES_A_TURN))
+        return met
+
+    def place(self, cusp: Cusp, bits: int) -> tuple[Place, arb]:
+        """A box that contains a cusp and no other zero of its slice, and its scaled length."""
+        length, index = cusp
+        place = self._places(length, bits)[index]
+        with ctx.workprec(bits):
+            return place, ball_of(self._scaled(length))
+
+    def _index(self, place: Place, length: Fraction) -> int:
+        def index(bits: int) -> int | None:
+            with ctx.workprec(bits):
+                near = [i for i, cusp in enumerate(self._places(length, bits)) if not place.apart(cusp)]
+            return near[0] if len(near) == 1 else None
+
+        message = f"cusps of the slice {exact_str(length)} are too close to tell which is followed"
+        return decided(index, _FIRST_BITS, MATCH_BITS, message)
+
+    def _places(self, length: Fraction, bits: int) -> list[Place]:
+        table = self.table(length, bits // 6)
+        with ctx.workprec(bits):
+            return [
+                Place(*(_half_tangent(angle, table.digits) for angle in cusp.coordinates[:2]))
+                for cusp in table.cusps
+            ]
+
+    def _scaled(self, length: Fraction) -> Fraction:
+        return length * self.eliminant.slice_map.scale
+
+
+def _half_tangent(degrees: str, digits: int) -> HalfTangent:
+    """The ball of an angle that was rounded to ``digits`` digits."""
+    angle = ball_of(Fraction(degrees))
+    angle = arb(angle.mid(), angle.rad() + abs(angle) * arb(10) ** (1 - digits)) * arb.pi() / 360
+    return HalfTangent(angle.sin(), angle.cos())

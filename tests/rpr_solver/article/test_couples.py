@@ -17,13 +17,13 @@ from rpr_solver.article.couples import (
     KEPT,
     REJECTED,
     CouplePoses,
+    CoupleReport,
     adjugate_stands,
     count_real,
     couple_by_balls,
     exact_couple,
     rejected_by_balls,
 )
-from rpr_solver.article.report import CoupleReport
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model import jets

@@ -1,4 +1,4 @@
-"""A follower's boxes along cusp curves, against independently solved slices and a predictor-corrector."""
+"""Followed cusps and the cusps of other slices that they reach, against a predictor-corrector."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import mpmath as mp
 import pytest
 from flint import arb, ctx
 
-from rpr_solver import EXAMPLES, Eliminant, Manipulator
-from rpr_solver.curves.follower import Follower, LostError
+from rpr_solver import EXAMPLES, Eliminant, Manipulator, Unproved, solve_slice
+from rpr_solver.curves.follower import Cusp, Follower, LostError, Tracker
 from rpr_solver.curves.neighbourhood import CuspForms, Place
 from rpr_solver.model.half_tangent import HalfTangent
-from tests.support.definitions import Point, Slices
-from tests.support.places import cusps_of, place
+from tests.support.definitions import Point, Slices, distance
+from tests.support.places import cusps_in, cusps_of, place
 from tests.support.shared import eliminant_of
 
 DIGITS = 30
@@ -169,3 +169,120 @@ def test_at_a_swallowtail_there_is_no_way_up_or_down() -> None:
         walking = Follower(CuspForms(eliminant.slice_map), start, scale, upwards=upwards)
         with pytest.raises(LostError):
             walking.walk(scale / 2, 2 * scale, TUBES)
+
+
+PAIRS = [
+    pytest.param(FLAT, 1, "34.6", "36.2", id="two die"),
+    pytest.param(FLAT, 2, "36", "40.1", id="leg 2, two are born"),
+    pytest.param(FLAT, 3, "30.6", "32.1", id="leg 3, one turns twice"),
+    pytest.param(FLAT, 1, "26.16", "29", id="over three transitions"),
+    pytest.param(INNOCENTI, 1, "28.0", "28.1", id="an irrational platform"),
+]
+
+
+def all_from(tracker: Tracker, start: Fraction, other: Fraction) -> dict[int, Cusp]:
+    """Where all cusps of a slice come to on the way to another."""
+    upwards = start < other
+    followers = {i: tracker.follower((start, i), upwards=upwards) for i in range(tracker.table(start).count)}
+    return tracker.destinations(followers, *sorted((start, other)))
+
+
+def traced(slices: Slices, tracker: Tracker, start: Fraction, other: Fraction) -> dict[int, Cusp]:
+    """The same, in floating point."""
+    low, high = sorted((start, other))
+    ends = {decimal(x): x for x in (low, high)}
+    cusps = {x: cusps_in(tracker.table(x)) for x in (low, high)}
+    result = {}
+    for i, cusp in enumerate(cusps[start]):
+        end, point = slices.trace(cusp, decimal(low), decimal(high), upwards=start < other)
+        length = ends[end]
+        [index] = [k for k, x in enumerate(cusps[length]) if distance(x, point) < 1e-12]
+        result[i] = length, index
+    return result
+
+
+@pytest.mark.parametrize(("m", "leg", "low", "high"), PAIRS)
+def test_every_cusp_comes_to_where_its_curve_leads(m: Manipulator, leg: int, low: str, high: str) -> None:
+    tracker, slices = Tracker(eliminant_of(m, leg), DIGITS), Slices.of(m, leg)
+    ends = Fraction(low), Fraction(high)
+    ways = {}
+    for start, other in (ends, ends[::-1]):
+        destinations = all_from(tracker, start, other)
+        assert destinations == traced(slices, tracker, start, other)
+        ways.update({(start, i): cusp for i, cusp in destinations.items()})
+    # every curve has two ends, and each leads to the other
+    assert set(ways) == {(end, i) for end in ends for i in range(tracker.table(end).count)}
+    assert all(ways[there] == here != there for here, there in ways.items())
+
+
+def test_where_the_first_two_cusps_are_born_they_meet_each_other() -> None:
+    tracker = Tracker(eliminant_of(FLAT), DIGITS)
+    below, above = Fraction("0.4"), Fraction(1)
+    assert tracker.table(below).count == 0
+    assert all_from(tracker, above, below) == {0: (above, 1), 1: (above, 0)}
+
+
+def test_no_more_is_done_once_a_slice_is_full() -> None:
+    tracker = Tracker(eliminant_of(FLAT), DIGITS)
+    below, above = Fraction("0.4"), Fraction(1)
+    followers = {i: tracker.follower((above, i), upwards=False) for i in (0, 1)}
+    assert tracker.destinations(followers, below, above, until_full=below) == {}
+    low, high = Fraction("34.6"), Fraction("36.2")
+    followers = {i: tracker.follower((low, i), upwards=True) for i in range(8)}
+    met = tracker.destinations(followers, low, high, until_full=high)
+    assert sorted(index for length, index in met.values() if length == high) == list(range(6))
+    whole = all_from(tracker, low, high)
+    assert met.items() <= whole.items()
+
+
+def test_a_follower_that_is_lost_is_missing_and_others_are_not() -> None:
+    """One starts in the swallowtail at L1 = 1, where no tube leads up."""
+    m = Manipulator(*map(Fraction, (2, -4, 4, 1, 4, 3)), orientation="cw")
+    tracker = Tracker(eliminant_of(m), DIGITS)
+    low, high = Fraction(1), Fraction(2)
+    assert tracker.table(low).count > 0
+    followers = {i: tracker.follower((low, i), upwards=True) for i in range(tracker.table(low).count)}
+
+    def swallowtail(_: int) -> Place:
+        return Place(HalfTangent(arb(0), arb(1)), HalfTangent(arb(1), arb(0)))
+
+    scale = tracker.eliminant.slice_map.scale
+    lost = Follower(CuspForms(tracker.eliminant.slice_map), swallowtail, low * scale, upwards=True)
+    met = tracker.destinations({-1: lost, **followers}, low, high)
+    assert set(met) == set(followers)
+
+
+def test_nothing_is_decided_by_nearness() -> None:
+    """A box that holds two cusps has come to neither; one that holds one cusp has, however wide it is."""
+    tracker = Tracker(eliminant_of(FLAT), DIGITS)
+    low, high = Fraction(29), Fraction(30)
+    alphas = [cusp[0] for cusp in cusps_in(tracker.table(high))]
+    thetas = [cusp[1] for cusp in cusps_in(tracker.table(high))]
+
+    class Arrived(Follower):
+        box: Place
+
+        def walk(self, low: Fraction, high: Fraction, tubes: int) -> tuple[Fraction, Place]:  # noqa: ARG002
+            return high, self.box
+
+    follower = Arrived(CuspForms(tracker.eliminant.slice_map), lambda _: follower.box, high, upwards=True)
+    with ctx.workprec(128):
+        follower.box = Place(place(alphas[0], thetas[0], 1e-9).alpha, HalfTangent(arb(0, 1), arb(0, 1)))
+    assert tracker.destinations({5: follower}, low, high) == {5: (high, 0)}
+    with ctx.workprec(128):
+        follower.box = Place(HalfTangent(arb(0, 1), arb(0, 1)), HalfTangent(arb(0, 1), arb(0, 1)))
+    with pytest.raises(Unproved, match="slice 30 are too close to tell"):
+        tracker.destinations({5: follower}, low, high)
+
+
+def test_tables_are_kept_and_known_ones_taken() -> None:
+    eliminant = eliminant_of(FLAT)
+    known = solve_slice(eliminant, Fraction(29), DIGITS)
+    tracker = Tracker(eliminant, DIGITS, [known])
+    assert tracker.table(Fraction(29)) is known
+    solved = tracker.table(Fraction(30))
+    assert solved is tracker.table(Fraction(30), DIGITS - 5)
+    assert (solved.length, solved.digits) == (30, DIGITS)
+    precise = tracker.table(Fraction(29), 60)
+    assert precise.digits == 60
+    assert tracker.table(Fraction(29)) is known
