@@ -1,6 +1,4 @@
-"""Follow each cusp, by proof, as the length of one leg varies, from the transition at which it is born to the
-one at which it vanishes. The names of the curves depend only on the manipulator and the leg, not on the
-requested range or points."""
+"""Censuses and cusp curves on the command line."""
 
 from __future__ import annotations
 
@@ -11,11 +9,60 @@ from typing import Any
 import rpr_solver
 from service.cli import arguments, remote
 from service.cli.help import Command
-from service.cli.pages import Page, Section, about, counted, degenerate_notes, rows_of, write_document
+from service.cli.pages import (
+    Page,
+    Section,
+    about,
+    counted,
+    counted_range,
+    degenerate_notes,
+    rows_of,
+    write_document,
+)
+from service.cli.questions import command
+from service.schemas.censuses import CensusRequest
 from service.schemas.curves import CuspCurvesRequest
 
-DESCRIPTION = f"{__doc__}\n\n{arguments.GEOMETRY}"
-EXAMPLES = """\
+_CENSUS = """\
+Find every length at which the number of cusps changes, with its kind and poses, and the number of cusps in
+between. The list is proved complete."""
+_CENSUS_EXAMPLES = """\
+examples:
+  rpr-cusps census innocenti --digits 20
+  rpr-cusps census innocenti --l1-range 28:31 --format json
+  rpr-cusps census robot.json --l2-range :40 --format csv     leg 2 fixed
+"""
+
+
+def _census(document: Mapping[str, Any]) -> Page:
+    leg = f"l{document['fixed_leg']}"
+    intervals, transitions = document["intervals"], document["transitions"]
+    ends = document["range"]
+    below = "" if ends["to"] is None else f" up to {ends['to']}"
+    counts = [interval["count"] for interval in intervals]
+    cusps = counted_range(min(counts), max(counts), "cusp")
+    title = f"{leg.upper()} from {ends['from']}{below}: {cusps}, {counted(len(transitions), 'transition')}"
+    rows = [["from", "to", "cusps", "aspects"]]
+    rows += ([i["from"], i["to"] or "∞", str(i["count"]), str(i.get("aspects") or "")] for i in intervals)
+    events = [
+        {leg: t[leg], "cusps": f"{t['count_before']} → {t['count_after']}", **event}
+        for t in transitions
+        for event in t["events"]
+    ]
+    sections = [Section(title, rows, degenerate_notes(document))]
+    if events:
+        keys = [leg, "cusps", *(key for key in events[0] if key not in (leg, "cusps"))]
+        sections.append(Section("Transitions", rows_of(events, keys)))
+    return Page(about(document), sections, document["digits"])
+
+
+_CURVES = f"""\
+Follow each cusp, by proof, as the length of one leg varies, from the transition at which it is born to the
+one at which it vanishes. The names of the curves depend only on the manipulator and the leg, not on the
+requested range or points.
+
+{arguments.GEOMETRY}"""
+_CURVES_EXAMPLES = """\
 examples:
   rpr-cusps curves innocenti --digits 15
   rpr-cusps curves innocenti --l1-range 27:29:0.1 --format csv
@@ -23,7 +70,7 @@ examples:
 """
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
+def _configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
     arguments.add_ranges(
@@ -39,7 +86,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     remote.add_url(parser)
 
 
-def run(args: argparse.Namespace) -> int:
+def _run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     question = _question(args)
     document = remote.answer_of(args.url, question, "steps")
@@ -84,4 +131,14 @@ def _page(document: Mapping[str, Any], has_points: bool) -> Page:
     return Page(about(document), sections, document["digits"])
 
 
-COMMANDS = {"curves": Command(DESCRIPTION, EXAMPLES, configure, run)}
+COMMANDS = {
+    "census": command(
+        CensusRequest,
+        _CENSUS,
+        _CENSUS_EXAMPLES,
+        page=_census,
+        words={"range": "the range of lengths; either end may be omitted (default: all)"},
+        steps="steps",
+    ),
+    "curves": Command(_CURVES, _CURVES_EXAMPLES, _configure, _run),
+}

@@ -42,6 +42,7 @@ COMMANDS = {
 _MODULES = {
     **{
         "check": "check.command",
+        "census": "curves",
         "singular": "poses",
         "aspects": "poses",
         "verify": "documents",

@@ -20,6 +20,7 @@ from service.api.batches.bodies import Cutter, Elements, Lines
 from service.api.batches.items import COLUMNS, Rows
 from service.api.problems import ProblemError
 from service.api.threads import Threads
+from service.schemas.catalog import questions
 from service.schemas.censuses import CensusRequest
 from service.schemas.curves import CuspCurvesRequest
 from service.schemas.limits import Limits
@@ -154,6 +155,10 @@ GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54
 def test_the_page_names_every_kind_and_every_column() -> None:
     page = (ROOT / "docs/batches.md").read_text(encoding="utf-8")
     assert {*KIND_NAMES, *COLUMNS} <= set(re.findall(r"`(\w[\w-]*)`", page))
+    rows = [line for line in page.splitlines() if line.startswith("| `")]
+    for question in questions():
+        [row] = [row for row in rows if f"`POST {question.path}`" in row]
+        assert all(f"`{kind.name}`" in row for kind in question.kinds)
 
 
 @pytest.mark.parametrize(

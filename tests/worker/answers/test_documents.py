@@ -12,6 +12,8 @@ from worker.answers.censuses import CENSUS
 from worker.answers.curves import CUSP_CURVES
 from worker.answers.documents import POSES, VERIFICATION
 from worker.answers.kinds import as_kept, request_from_json
+from worker.answers.pictures import DRAWN
+from worker.answers.plots import PLOTS
 from worker.answers.requests import JobRequest
 from worker.jobs.chunks import ChunkRef
 from worker.jobs.queue import JobQueue
@@ -189,3 +191,7 @@ def test_progress_is_reported_a_few_times_a_second() -> None:
     for step in range(5):
         progress(step, 5)
     assert reports == [(0, 5)]
+
+
+def test_every_plot_can_be_drawn() -> None:
+    assert tuple(DRAWN) == PLOTS
