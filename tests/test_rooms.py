@@ -27,7 +27,7 @@ MAY_IMPORT = {
     "rpr_solver.paths": "errors contract notebook exact model kinematics slices transitions singular",
     "rpr_solver.exports": "errors exact model slices",
     "rpr_solver.verify": "errors contract",
-    "rpr_solver.figures": "errors notebook",
+    "rpr_solver.figures": "errors contract notebook",
     "rpr_solver": "errors contract notebook figures exact model kinematics slices transitions "
     "margins article curves paths singular verify exports",
     # worker: jobs in Redis, and the processes that compute

@@ -31,11 +31,6 @@ class Scale:
         """The pixel of a value."""
         return self.start + (value - self.low) / (self.high - self.low) * (self.stop - self.start)
 
-    @property
-    def pixel(self) -> float:
-        """The change of value over one pixel, positive."""
-        return abs((self.high - self.low) / (self.stop - self.start))
-
 
 @dataclass(frozen=True)
 class WidenedScale:
@@ -140,18 +135,6 @@ class Frame:
         return cls(
             box, Scale(values.x0, values.x1, box.x0, box.x1), Scale(values.y0, values.y1, box.y1, box.y0)
         )
-
-    @classmethod
-    def square(cls, box: Box, values: Box) -> Frame:
-        """As :meth:`of`, with equal scales in both directions: more values are shown in one of them."""
-        pixel = max(values.width / box.width, values.height / box.height)
-        (x, y), w, h = values.centre, box.width * pixel / 2, box.height * pixel / 2
-        return cls.of(box, Box(x - w, y - h, x + w, y + h))
-
-    @property
-    def values(self) -> Box:
-        """The box of values."""
-        return Box(self.x.low, self.y.low, self.x.high, self.y.high)
 
     def place(self, point: Point) -> Point:
         """The place of a point in the picture."""

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import Any
 
+from rpr_solver.contract import letter
 from rpr_solver.figures.axes import Frame
 from rpr_solver.figures.labels import OccupancyGrid, names_inside
-from rpr_solver.figures.sheet import WIDTH, letters, listed, number, sheet, short, swatches
+from rpr_solver.figures.sheet import WIDTH, listed, number, sheet, short, swatches
 from rpr_solver.figures.strands import CIRCLE, Angles, SliceCurves, cusp_mark, cusp_marks, smooth
 from rpr_solver.notebook import counted
 from rpr_solver.notebook.figure import Figure
@@ -237,7 +238,7 @@ class _JointPlane:
         single = [[k] for k in range(len(self._places)) if not any(k in group for group in groups)]
         for group in (*single, *groups):
             box = Box.around([self._places[k] for k in group])
-            words = ", ".join(letters(k + 1) for k in group)
+            words = ", ".join(letter(k + 1) for k in group)
             yield room.near(box.centre, words, 15, 16 + max(box.width, box.height) / 2, "cusp")
 
     def _placed(self, parted: Sequence[Window], room: OccupancyGrid) -> tuple[list[list[Shape]], float]:
@@ -285,7 +286,7 @@ class _JointPlane:
         for k, spot in spots:
             yield cusp_mark(k + 1, spot)
             if k not in crowd or k in window.members:
-                yield inside.near(spot, letters(k + 1), 14, 14, "cusp")
+                yield inside.near(spot, letter(k + 1), 14, 14, "cusp")
         scale = Text((box.x0 + 6, box.y1 - 10), f"× {short(zoom, 2)}", 11.5, "soft", halo="paper")
         corner = inside.near((box.x1 - 26, box.y1 - 10), scale.words, 11.5, 0, "soft")
         yield Text(corner.at, scale.words, 11.5, "soft", "middle", halo="paper")
@@ -304,7 +305,7 @@ class _JointPlane:
 
     def _facts(self, names: Sequence[str]) -> str:
         cusps = [
-            f"{letters(k)} at {names[0]} = {short(cusp[self._names[0]], 6)}, {names[1]} = "
+            f"{letter(k)} at {names[0]} = {short(cusp[self._names[0]], 6)}, {names[1]} = "
             f"{short(cusp[self._names[1]], 6)}"
             for k, cusp in enumerate(self._curves.cusps, 1)
         ]

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from math import atan2, ceil, cos, degrees, radians, sin
 from typing import Any
 
+from rpr_solver.contract import letter
 from rpr_solver.figures.axes import Frame
 from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.mechanism import Triangles, Triple, View, base_shapes, joint, platform_shape
-from rpr_solver.figures.sheet import letters, number, sheet, short
+from rpr_solver.figures.sheet import number, sheet, short
 from rpr_solver.figures.strands import Angles, SliceCurves, cusp_mark, smooth
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import (
@@ -50,7 +51,7 @@ def loop_figure(path: Mapping[str, Any], curves: Mapping[str, Any] | None = None
     course = _Course.of(path)
     leg, cusp = path["fixed_leg"], path["cusp"]
     slice_name = f"L{leg} = {short(path[f'l{leg}'], 8)}"
-    around = f"round cusp {letters(cusp)} at {slice_name}" if cusp else f"at {slice_name}"
+    around = f"round cusp {letter(cusp)} at {slice_name}" if cusp else f"at {slice_name}"
     start, stop = path["from"]["pose"], path["to"]["pose"]
     shapes = [*_joint_plane(course, curves), *_mechanism(course, start, stop)]
     text = (
@@ -132,7 +133,7 @@ def _curves(document: Mapping[str, Any], frame: Frame, room: OccupancyGrid) -> I
         if at in _PLOT.grown(-8):
             room.add_point(at)
             yield cusp_mark(k, at)
-            yield room.near(at, letters(k), 15, 16, "cusp")
+            yield room.near(at, letter(k), 15, 16, "cusp")
 
 
 def _arrow(loop: Sequence[Point]) -> Iterator[Shape]:

@@ -31,19 +31,6 @@ def box_of(text: Text) -> Box:
     return Box(left, text.at[1] - 0.55 * text.size, left + wide, text.at[1] + 0.55 * text.size)
 
 
-def letters(number: int) -> str:
-    """The letters of a cusp by its number from 1: A to Z, then AA, AB and so on.
-
-    >>> [letters(n) for n in (1, 26, 27, 53)]
-    ['A', 'Z', 'AA', 'BA']
-    """
-    text = ""
-    while number:
-        number, rest = divmod(number - 1, 26)
-        text = chr(ord("A") + rest) + text
-    return text
-
-
 def short(text: str | float, digits: int = 4) -> str:
     """A number as a reader of a picture wants it, with few significant digits; all of its integer part.
 

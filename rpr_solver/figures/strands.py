@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from math import cos, hypot, radians, sin
 from typing import Any
 
+from rpr_solver.contract import letter
 from rpr_solver.figures.mechanism import Triangles
-from rpr_solver.figures.sheet import letters, number
+from rpr_solver.figures.sheet import number
 from rpr_solver.notebook.scene import (
     Box,
     Disc,
@@ -221,7 +222,7 @@ def _is_near(a: Point, b: Point, window: Box) -> bool:
 
 def cusp_mark(number: int, place: Point) -> Group:
     """The circle round a cusp, named by its letter."""
-    return Group((Disc(place, CIRCLE, Paint(stroke="cusp", width=2)),), f"cusp {letters(number)}")
+    return Group((Disc(place, CIRCLE, Paint(stroke="cusp", width=2)),), f"cusp {letter(number)}")
 
 
 def cusp_marks(places: Sequence[Point]) -> list[Group]:

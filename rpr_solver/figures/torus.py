@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
 
+from rpr_solver.contract import letter
 from rpr_solver.figures.axes import Frame, angle_ticks
 from rpr_solver.figures.labels import OccupancyGrid, names_inside
-from rpr_solver.figures.sheet import WIDTH, letters, sheet, short, swatches
+from rpr_solver.figures.sheet import WIDTH, sheet, short, swatches
 from rpr_solver.figures.strands import Angles, Projection, SliceCurves, cusp_marks, smooth
 from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import (
@@ -48,7 +49,7 @@ def torus_figure(document: Mapping[str, Any]) -> Figure:
         room.add_line(line)
     for cusp in cusps:
         room.add_point(cusp)
-    names = [room.near(cusp, letters(k), 15, 16, "cusp") for k, cusp in enumerate(cusps, 1)]
+    names = [room.near(cusp, letter(k), 15, 16, "cusp") for k, cusp in enumerate(cusps, 1)]
     roles = list(_roles(aspects))
     legend = {role: f"{area.words}{'' if role.endswith('1') else ', another aspect'}" for area, role in roles}
     shapes = [

@@ -63,10 +63,6 @@ class Box:
         """The box with a margin on every side; a negative one shrinks it."""
         return Box(self.x0 - by, self.y0 - by, self.x1 + by, self.y1 + by)
 
-    def meets(self, other: Box) -> bool:
-        """Whether the boxes have inner points in common."""
-        return self.x0 < other.x1 and other.x0 < self.x1 and self.y0 < other.y1 and other.y0 < self.y1
-
     def __contains__(self, point: Point) -> bool:
         return self.x0 <= point[0] <= self.x1 and self.y0 <= point[1] <= self.y1
 

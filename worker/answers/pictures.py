@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rpr_solver.contract import number_of
+from rpr_solver.contract import letter, number_of
 from rpr_solver.figures.census import census_figure
 from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.locus import locus_figure
 from rpr_solver.figures.loop import loop_figure
 from rpr_solver.figures.mechanism import point_figure, poses_figure
-from rpr_solver.figures.sheet import letters
 from rpr_solver.figures.torus import torus_figure
 from rpr_solver.notebook.figure import Figure
 
@@ -47,7 +46,7 @@ def _mechanism(content: Mapping[str, Any], shown: Source) -> Figure:
     cusps = {vertex["cusp"]: vertex for vertex in vertices if vertex["kind"] == "cusp"}
     number = number_of(number, len(cusps))
     leg, length = content["fixed_leg"], content["length"]
-    title = f"The mechanism at cusp {letters(number)}, L{leg} = {length}"
+    title = f"The mechanism at cusp {letter(number)}, L{leg} = {length}"
     return point_figure(content["geometry"], leg, length, cusps[number], title)
 
 

@@ -54,7 +54,6 @@ def test_a_widened_interval_is_known_as_such() -> None:
 def test_linear_scale() -> None:
     scale = Scale(0, 5, 300, 100)
     assert (scale(0), scale(5), scale(2.5)) == (300, 100, 200)
-    assert scale.pixel == pytest.approx(0.025)
     assert [text for _, text in angle_ticks(90)] == ["−180°", "−90°", "0°", "90°", "180°"]
 
 
@@ -65,10 +64,3 @@ def test_ticks_are_where_their_values_are() -> None:
     assert {"0", "10", "20", "30", "40", "50", "L2"} <= by_words.keys()
     assert by_words["20"][0] == frame.place((20, 0))[0] == 300
     assert [text.turn for text in texts if text.words == "L3"] == [-90]
-
-
-def test_square_frames_have_one_scale() -> None:
-    frame = Frame.square(Box(0, 0, 400, 200), Box(0, 0, 10, 10))
-    assert frame.x.pixel == frame.y.pixel
-    assert frame.values == Box(-5, 0, 15, 10)
-    assert frame.line([(5, 5)]) == [(200, 100)]

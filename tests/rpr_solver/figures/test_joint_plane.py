@@ -11,8 +11,8 @@ from math import cos, pi, sin
 import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, SingularCurves, singular_curves
+from rpr_solver.contract import letter
 from rpr_solver.figures.joint_plane import CLEAR, Spot, joint_figure, windows
-from rpr_solver.figures.sheet import letters
 from rpr_solver.notebook.scene import Group, Path, Point, area
 from tests.support.pictures import check, every, words
 
@@ -81,19 +81,19 @@ def test_the_figures_of_the_article_and_beyond(name: str, length: str, count: in
     figure = joint_figure(curves(name, length).to_json())
     check(figure)
     shown = [word for text in words(figure) for word in text.split(", ")]
-    assert {letters(k) for k in range(1, count + 1)} <= set(shown)
+    assert {letter(k) for k in range(1, count + 1)} <= set(shown)
     assert sum(word.startswith("×") for word in shown) >= insets
     assert (insets == 0) == (not any(word.startswith("×") for word in shown))
     assert figure.scene.title == f"Singular curves at L1 = {length}: {count} cusps"
     groups = [shape.name for shape in every(figure.scene.shapes) if isinstance(shape, Group)]
-    assert {f"cusp {letters(k)}" for k in range(1, count + 1)} <= set(groups)
+    assert {f"cusp {letter(k)}" for k in range(1, count + 1)} <= set(groups)
 
 
 def test_letters_are_those_of_the_table() -> None:
     slices = curves("innocenti", "14.98")
     text = joint_figure(slices.to_json()).scene.description
     for k, cusp in enumerate(slices.table.cusps, 1):
-        assert f"{letters(k)} at L2 = {float(cusp.l2):.6g}, L3 = {float(cusp.l3):.6g}" in text
+        assert f"{letter(k)} at L2 = {float(cusp.l2):.6g}, L3 = {float(cusp.l3):.6g}" in text
 
 
 def test_regions_with_their_numbers_of_poses() -> None:

@@ -3,6 +3,7 @@
 from rpr_solver.figures.labels import OccupancyGrid
 from rpr_solver.figures.sheet import box_of
 from rpr_solver.notebook.scene import Box
+from tests.support.pictures import meet
 
 
 def test_labels_near_one_point_do_not_cover_each_other_or_lines() -> None:
@@ -12,7 +13,7 @@ def test_labels_near_one_point_do_not_cover_each_other_or_lines() -> None:
     boxes = [box_of(room.near((100, 100), name, 14, 12)) for name in "ABC"]
     for k, box in enumerate(boxes):
         assert not (box.y0 < 100 < box.y1)
-        assert not any(box.meets(other) for other in boxes[:k])
+        assert not any(meet(box, other) for other in boxes[:k])
 
 
 def test_a_label_in_a_corner_stays_inside() -> None:

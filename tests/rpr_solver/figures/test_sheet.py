@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver.errors import InputError
-from rpr_solver.figures.sheet import box_of, caption_of, exact, letters, listed, number, sheet, short, width
+from rpr_solver.figures.sheet import box_of, caption_of, exact, listed, number, sheet, short, width
 from rpr_solver.notebook.scene import Text
 from tests.support.pictures import GEOMETRY, check, words
 
@@ -35,11 +35,6 @@ def test_numbers() -> None:
     assert exact("426/25") == Decimal("17.04")
     with pytest.raises(InputError, match=r"1e400 is too large to be drawn"):
         number("1e400")
-
-
-def test_letters_go_on_after_z() -> None:
-    assert [letters(n) for n in (1, 8, 27, 702, 703)] == ["A", "H", "AA", "ZZ", "AAA"]
-    assert len({letters(n) for n in range(1, 1000)}) == 999
 
 
 def test_the_box_of_a_text_is_where_its_anchor_says() -> None:

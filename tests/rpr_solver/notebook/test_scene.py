@@ -67,8 +67,6 @@ def test_a_line_inside_is_one_piece_and_one_outside_is_none() -> None:
 
 def test_boxes() -> None:
     assert Box.around([(3, 1), (-1, 4)]) == Box(-1, 1, 3, 4)
-    assert Box(0, 0, 2, 2).meets(Box(1, 1, 3, 3))
-    assert not Box(0, 0, 2, 2).meets(Box(2, 0, 3, 3))
     assert distance((0, 0), (3, 4)) == 5
 
 
