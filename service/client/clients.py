@@ -23,13 +23,8 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-class AsyncServiceClient:
-    """A client of one service, on asyncio or trio; with the key `RPR_CUSPS_API_KEY`, if that is set and
-    wanted.
-
-    Raises:
-        ServiceError: the URL is not an HTTP address.
-    """
+class AsyncJobClient:
+    """The jobs and batches of one service: their state, lists, results and end."""
 
     _connection_type: ClassVar[type[Connection]] = Connection
 
@@ -46,6 +41,65 @@ class AsyncServiceClient:
     async def aclose(self) -> None:
         """Close the connections, as the end of `async with` does."""
         await self._connection.close()
+
+    async def wait(self, batch_id: str, on_progress: OnProgress = silent) -> Batch:
+        """Waits for the end of a batch; `on_progress(done, total)` follows it.
+
+        Raises:
+            ServiceError: the service refused, failed, or cannot be reached.
+        """
+        return Batch.model_validate(await Conversation(self._connection, on_progress).end(batch_id))
+
+    async def version(self) -> dict[str, Any]:
+        """Returns the versions of the service and of its solver."""
+        return await self._object("GET", "/version")
+
+    async def batch(self, batch_id: str) -> Batch:
+        """Returns the state of a batch, with the numbers of its items by state."""
+        return Batch.model_validate(await self.job(batch_id))
+
+    async def job(self, job_id: str) -> dict[str, Any]:
+        """Returns the state of a job, or of a batch."""
+        return await self._object("GET", address(job_id))
+
+    def jobs(self, status: ListedStatus | None = None) -> AsyncGenerator[ListedJob, None]:
+        """Yields the jobs that the caller may see, the newest first; `status`: those in this state only."""
+        return self._list("/v1/jobs", status)
+
+    def batches(self, status: ListedStatus | None = None) -> AsyncGenerator[ListedJob, None]:
+        """Yields the batches that the caller may see, as :meth:`jobs` does."""
+        return self._list("/v1/batches", status)
+
+    async def result(
+        self, job_id: str, accept: str = "application/json", on_progress: OnProgress = silent
+    ) -> bytes:
+        """Waits for a job and returns its result in a media type."""
+        return await Conversation(self._connection, on_progress).result(job_id, accept)
+
+    async def cancel(self, job_id: str, *, force: bool = False) -> dict[str, Any]:
+        """Withdraws from a job or a batch and returns its state; a job goes on if others wait for it, unless
+        an operator ends it by `force`."""
+        return await self._object("DELETE", address(job_id) + ("?force=true" if force else ""))
+
+    async def _list(self, path: str, status: ListedStatus | None) -> AsyncGenerator[ListedJob, None]:
+        following: str | None = f"{path}?status={status}" if status else path
+        while following is not None:
+            page = JobList.model_validate(await self._object("GET", following))
+            for item in page.items:
+                yield item
+            following = page.next
+
+    async def _object(self, method: str, path: str) -> dict[str, Any]:
+        return await Conversation(self._connection).object(Call(method, path))
+
+
+class AsyncServiceClient(AsyncJobClient):
+    """A client of one service, on asyncio or trio; with the key `RPR_CUSPS_API_KEY`, if that is set and
+    wanted.
+
+    Raises:
+        ServiceError: the URL is not an HTTP address.
+    """
 
     async def ask(
         self, asked: Asked[M], on_progress: OnProgress = silent, *, callback_url: str | None = None
@@ -177,56 +231,6 @@ class AsyncServiceClient:
         )
         return reader.results()
 
-    async def wait(self, batch_id: str, on_progress: OnProgress = silent) -> Batch:
-        """Waits for the end of a batch; `on_progress(done, total)` follows it.
-
-        Raises:
-            ServiceError: the service refused, failed, or cannot be reached.
-        """
-        return Batch.model_validate(await Conversation(self._connection, on_progress).end(batch_id))
-
-    async def version(self) -> dict[str, Any]:
-        """Returns the versions of the service and of its solver."""
-        return await self._object("GET", "/version")
-
-    async def batch(self, batch_id: str) -> Batch:
-        """Returns the state of a batch, with the numbers of its items by state."""
-        return Batch.model_validate(await self.job(batch_id))
-
-    async def job(self, job_id: str) -> dict[str, Any]:
-        """Returns the state of a job, or of a batch."""
-        return await self._object("GET", address(job_id))
-
-    def jobs(self, status: ListedStatus | None = None) -> AsyncGenerator[ListedJob, None]:
-        """Yields the jobs that the caller may see, the newest first; `status`: those in this state only."""
-        return self._list("/v1/jobs", status)
-
-    def batches(self, status: ListedStatus | None = None) -> AsyncGenerator[ListedJob, None]:
-        """Yields the batches that the caller may see, as :meth:`jobs` does."""
-        return self._list("/v1/batches", status)
-
-    async def result(
-        self, job_id: str, accept: str = "application/json", on_progress: OnProgress = silent
-    ) -> bytes:
-        """Waits for a job and returns its result in a media type."""
-        return await Conversation(self._connection, on_progress).result(job_id, accept)
-
-    async def cancel(self, job_id: str, *, force: bool = False) -> dict[str, Any]:
-        """Withdraws from a job or a batch and returns its state; a job goes on if others wait for it, unless
-        an operator ends it by `force`."""
-        return await self._object("DELETE", address(job_id) + ("?force=true" if force else ""))
-
-    async def _list(self, path: str, status: ListedStatus | None) -> AsyncGenerator[ListedJob, None]:
-        following: str | None = f"{path}?status={status}" if status else path
-        while following is not None:
-            page = JobList.model_validate(await self._object("GET", following))
-            for item in page.items:
-                yield item
-            following = page.next
-
-    async def _object(self, method: str, path: str) -> dict[str, Any]:
-        return await Conversation(self._connection).object(Call(method, path))
-
 
 class _BlockingClient(AsyncServiceClient):
     """The same methods over a connection that blocks: they never suspend, and need no event loop."""
@@ -255,7 +259,7 @@ def _iterating(
 def _like(method: Callable[..., Any], call: Callable[P, T]) -> Callable[P, T]:
     """Returns a method of the one client with the name, texts and types of that of the other."""
     update_wrapper(call, method)
-    call.__qualname__ = method.__qualname__.removeprefix("Async")
+    call.__qualname__ = f"ServiceClient.{method.__name__}"
     signature = inspect.signature(method)
     returns = re.sub(
         r"^AsyncGenerator\[(.*), None\]$", r"Generator[\1, None, None]", signature.return_annotation
