@@ -290,8 +290,8 @@ def check_address(url: str) -> None:
         _ = parts.port
     except ValueError:
         raise ValueError(
-            "the address is not of the form redis://[user:password@]host[:port][/database]; in a password "
-            "/ is written %2F, # %23 and ? %3F"
+            "the URL is not of the form redis://[user:password@]host[:port][/database]; in a password / is "
+            "written %2F, # %23 and ? %3F"
         ) from None
     if parts.scheme in ("redis", "rediss") and not re.fullmatch(r"/?[0-9]*", parts.path):
-        raise ValueError("the database in the address must be a number, as in redis://127.0.0.1:6379/0")
+        raise ValueError("the database in the URL must be a number, as in redis://127.0.0.1:6379/0")

@@ -54,7 +54,7 @@ class Breaker:
         """
         moment = self._next_question
         if moment is not None and time.monotonic() < moment:
-            raise RedisConnectionError("it did not answer a moment ago, and is not asked")
+            raise RedisConnectionError("it did not answer a moment ago, and is not tried again yet")
 
     def enter(self) -> None:
         """The same just before a question: while one client finds out, the others do not ask.

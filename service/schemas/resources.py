@@ -172,7 +172,7 @@ def _kind(value: object) -> str:
 def _request(value: object) -> Mapping[str, Any]:
     if isinstance(value, Mapping):
         return value
-    raise InputError.of("", f"is {json_kind(value)}; give an object, as posted alone")
+    raise InputError.of("", f"is {json_kind(value)}; give an object, as in the call of its kind")
 
 
 class BatchItem(Document):
@@ -191,7 +191,7 @@ class BatchItem(Document):
     request: Annotated[
         Mapping[str, Any],
         PlainValidator(_request, json_schema_input_type=dict[str, Any]),
-        Expected("give the question, as posted alone"),
+        Expected("give the question, as in the call of its kind"),
     ] = Field(description="The question as in its own call, but without `deadline_s`.")
 
 

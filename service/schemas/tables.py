@@ -250,7 +250,7 @@ Equal requests share one job, and slices that requests have in common are comput
     @classmethod
     def _full_is_for_the_fast_method(cls, certificate: str, info: ValidationInfo) -> str:
         if certificate == FULL and info.data.get("method") == ARTICLE:
-            raise InputError.of("", "is full, which goes with method fast, but method is article")
+            raise InputError.of("", "is full, which requires method fast, but method is article")
         return certificate
 
     @field_validator("method")

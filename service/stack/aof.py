@@ -113,8 +113,8 @@ def check_manifest(data_dir: Path, say: Callable[[str], object]) -> None:
     if kinds != ["base", "incr"]:
         names = ", ".join(sorted(match[0] for match in parts))
         raise EmbeddedError(
-            f"{manifest} is missing, and its content cannot be told from the files beside it ({names}); "
-            f"restore {directory} from a back-up, or move it away to start empty"
+            f"{manifest} is missing, and its content cannot be inferred from the files beside it ({names}); "
+            f"restore {directory} from a backup, or move it away to start empty"
         )
     lines = [f"file {match[0]} seq {int(match[1])} type {match[2][0]}\n" for match in parts]
     _write(manifest, "".join(sorted(lines, key=lambda line: line.endswith("i\n"))))
@@ -149,7 +149,7 @@ def _what_to_do(path: Path, damage: Damage, *, is_last: bool) -> str:
     )
     cut = f"; or keep only what precedes it: cp {path} {path}.bak && truncate -s {damage.start} {path}"
     return (
-        f"{path} is damaged at byte {damage.start}, and {follows}; restore {path.parent} from a back-up"
+        f"{path} is damaged at byte {damage.start}, and {follows}; restore {path.parent} from a backup"
         f"{cut if is_last else ''}; or move {path.parent} away to start empty"
     )
 

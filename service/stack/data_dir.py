@@ -180,11 +180,11 @@ def _open(path: Path) -> int:
     except OSError as error:
         if error.errno != errno.ELOOP:
             raise
-        raise EmbeddedError(f"{path} is a symbolic link, which might lead anywhere; remove it") from None
+        raise EmbeddedError(f"{path} is a symbolic link, which could point anywhere; remove it") from None
     info = os.fstat(fd)
     if not stat.S_ISREG(info.st_mode) or info.st_nlink != 1 or info.st_uid != os.geteuid():
         os.close(fd)
-        raise EmbeddedError(f"{path} is not a file of our own; remove it")
+        raise EmbeddedError(f"{path} is not a file of this service; remove it")
     os.fchmod(fd, 0o600)
     return fd
 

@@ -228,7 +228,7 @@ def _advice(data_dir: Path) -> str:
     files = data_dir / DIRECTORY
     if not files.exists():
         return ""
-    return f"; if its data is damaged, restore {files} from a back-up, or move it away to start empty"
+    return f"; if its data is damaged, restore {files} from a backup, or move it away to start empty"
 
 
 def _last_words(log_file: Path) -> str:

@@ -53,8 +53,8 @@ def check_keys(listener: socket.socket, redis_url: str, where: str) -> None:
         raise StackError(f"cannot read the keys from Redis: {error}") from error
     if not any(key.state(time.time()) == "valid" for key in keys):
         raise StackError(
-            f"on {listener.getsockname()[0]} the service asks for keys, and there is none yet: make one with "
-            f"`rpr-cusps keys create NAME{where}`, or let everyone in with --insecure"
+            f"on {listener.getsockname()[0]} the service requires keys, and none exists: create one with "
+            f"`rpr-cusps keys create NAME{where}`, or give access to everyone with --insecure"
         )
 
 

@@ -59,7 +59,7 @@ def export_store(redis: Redis, settings: WorkerSettings, path: Path) -> Moved:
     """
     _check_alone(redis, "exported")
     if redis.exists(_mark(settings)):
-        raise TransferError("an import into this Redis was cut off; import the file again")
+        raise TransferError("an import into this Redis was interrupted; import the file again")
     partial = path.with_name(f"{path.name}.partial")
     try:
         if path.exists():
@@ -293,12 +293,12 @@ def _read(file: BinaryIO, settings: WorkerSettings, take: Callable[[Command], ob
     head = _next(file)
     about = _remark(head, _TITLE)
     if about is None or about.get("format") != _FORMAT:
-        raise TransferError("this is no file of rpr-cusps store export, or one of a newer release")
+        raise TransferError("this is not a file of rpr-cusps store export, or it is from a newer release")
     for name, own in (("prefix", settings.key_prefix), ("queue", settings.queue_name)):
         if about.get(name) != own:
             variable = {"prefix": "RPR_CUSPS_KEY_PREFIX", "queue": "RPR_CUSPS_QUEUE_NAME"}[name]
             raise TransferError(
-                f"the file is of an installation with {variable}={about.get(name)}, not {own}"
+                f"the file is from an installation with {variable}={about.get(name)}, not {own}"
             )
     command, keys = head, set()
     while (end := _remark(command, _END)) is None:
@@ -312,9 +312,9 @@ def _read(file: BinaryIO, settings: WorkerSettings, take: Callable[[Command], ob
         size += len(data)
         command = _next(file)
         if not command:
-            raise TransferError(f"the file is cut off at byte {size}, or damaged there")
+            raise TransferError(f"the file ends early at byte {size}, or damaged there")
     if end != {"keys": len(keys), "sha256": digest.hexdigest()} or file.read(1):
-        raise TransferError("the file is damaged, or was changed: its checksum is another")
+        raise TransferError("the file is damaged, or was changed: its checksum differs")
     return Moved(len(keys), size + len(_packed(command)))
 
 
@@ -381,7 +381,9 @@ class _Sender:
                 pipe.execute()
         except RedisError as error:
             reason = str(error).rpartition("caused error: ")[2]  # redis-py quotes the command before it
-            raise TransferError(f"Redis did not take all ({reason}); mend that and import again") from error
+            raise TransferError(
+                f"Redis did not accept all data ({reason}); fix that and import again"
+            ) from error
         self._commands, self._size = [], 0
 
 

@@ -108,7 +108,7 @@ class _Backend(httpcore.NetworkBackend):
         addresses = _look_up(host, port, _left(self._end))
         allowed = [address for address in addresses if is_allowed(address, self._networks)][:_MOST_ADDRESSES]
         if not allowed:
-            raise RefusedError(f"{host} is {addresses[0]}, which is no public address")
+            raise RefusedError(f"{host} is {addresses[0]}, which is not a public address")
         while True:
             address, *allowed = allowed
             time_for_one = _left(self._end) / (1 + len(allowed))
@@ -140,7 +140,7 @@ def _look_up(host: str, port: int, seconds: float) -> list[str]:
     try:
         return answer.result(seconds)
     except TimeoutError:
-        raise httpcore.ConnectTimeout(f"the name {host} was not found out in time") from None
+        raise httpcore.ConnectTimeout(f"the name {host} was not resolved in time") from None
 
 
 class _Stream(httpcore.NetworkStream):
@@ -174,5 +174,5 @@ class _Stream(httpcore.NetworkStream):
 def _left(end: float) -> float:
     left = end - time.monotonic()
     if left <= 0:
-        raise httpcore.ReadTimeout("the time for one attempt is over")
+        raise httpcore.ReadTimeout("the attempt exceeded its time limit")
     return left

@@ -180,7 +180,7 @@ def target_of(url: str, settings: WebhookSettings) -> Target:
     """
     shown = repr(url[:100])
     if not settings.is_on:
-        raise InputError.of(FIELD, "webhooks are off here (RPR_CUSPS_WEBHOOK_HOSTS is not set); leave it out")
+        raise InputError.of(FIELD, "webhooks are disabled (RPR_CUSPS_WEBHOOK_HOSTS is not set); omit it")
     if len(url) > LONGEST:
         raise InputError.of(FIELD, f"has {len(url)} characters; at most {LONGEST} are allowed")
     if not _FORM.fullmatch(url) or "\\" in url:

@@ -167,7 +167,7 @@ def test_a_lock_that_is_a_link(tmp_path: Path) -> None:
     assert "is a symbolic link" in refusal(data)
     lock.unlink()
     lock.hardlink_to(target)
-    assert "not a file of our own" in refusal(data)
+    assert "not a file of this service" in refusal(data)
     assert target.read_text() == "precious"
 
 

@@ -260,7 +260,7 @@ def test_an_item_that_cannot_be_sent_is_named(
     before = batches_of(idle_queue)
     late = poses(ZEIN, 1, 1, 1, deadline=5)
     with client_type(idle_url) as client:
-        with pytest.raises(InputError, match=r"items\[1\]: has a deadline, which is not for items"):
+        with pytest.raises(InputError, match=r"items\[1\]: has a deadline, which is not allowed in items"):
             client.submit([*questions(58), late])
         with pytest.raises(InputError, match=r"items\[0\]: cannot be written as JSON"):
             client.submit([{"kind": "poses", "request": {"l1": object()}}])
@@ -291,9 +291,9 @@ def test_a_question_that_is_begun(
         assert isinstance(job, Job)
         assert client.job(job.id)["status"] == "queued"
         client.cancel(job.id)
-        with pytest.raises(ServiceError, match="callback_url: webhooks are off here"):
+        with pytest.raises(ServiceError, match="callback_url: webhooks are disabled"):
             client.begin(table("81.5"), callback_url="https://example.com/")
-        with pytest.raises(ServiceError, match="callback_url: webhooks are off here"):
+        with pytest.raises(ServiceError, match="callback_url: webhooks are disabled"):
             client.submit(questions(59), callback_url="https://example.com/?a&b")
     with client_type(base_url) as client:
         known = client.ask(table(fresh()))

@@ -42,7 +42,7 @@ def test_a_wrong_password_is_told_but_not_shown(redis: Redis, port: int) -> None
 
 @pytest.mark.parametrize("url", ["redis://h/notanumber", "rediss://h/0/1", "redis://user:12/secret@h/0"])
 def test_a_database_is_a_number(url: str) -> None:
-    with pytest.raises(ValueError, match=r"^the database in the address must be a number") as told:
+    with pytest.raises(ValueError, match=r"^the database in the URL must be a number") as told:
         connect(url)
     assert "secret" not in str(told.value)
 

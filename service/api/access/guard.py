@@ -169,7 +169,7 @@ def _check_host(headers: Headers, names: tuple[str, ...]) -> None:
     sent = header[:100]
     raise ProblemError(
         ProblemType.UNKNOWN_HOST,
-        f"The Host header {sent!r} is not a name of this service. Use its address, or let its operator add "
-        "the name to RPR_CUSPS_ALLOWED_HOSTS.",
+        f"The Host header {sent!r} is not a name of this service. Use its IP address, or ask its operator "
+        "to add the name to RPR_CUSPS_ALLOWED_HOSTS.",
         errors=[("Host", f"{sent!r} is not in RPR_CUSPS_ALLOWED_HOSTS")],
     )

@@ -157,7 +157,7 @@ class Elements:
                     self._state = "after"
                     break
             elif not self._depth and mark == b"}":
-                raise _invalid(f"items[{self._count}] has a closing brace too many")
+                raise _invalid(f"items[{self._count}] has an extra closing brace")
         self._drop(start)
 
     def _next_mark(self) -> bytes:

@@ -219,7 +219,7 @@ async def _repeated(
         if digest.hexdigest() != earlier.digest:
             raise ProblemError(
                 ProblemType.IDEMPOTENCY_KEY_REUSED,
-                "This Idempotency-Key was sent with another body before; take a new key for a new batch.",
+                "This Idempotency-Key was sent with another body before; use a new key for a new batch.",
                 errors=[("Idempotency-Key", "was sent with another body before")],
             )
         view = await context.redis(context.queue.get, earlier.job_id)

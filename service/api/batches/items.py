@@ -185,9 +185,9 @@ def read_item(sent: bytes | Mapping[str, Any], index: int, limits: Limits) -> It
 def _job_request(item: BatchItem, limits: Limits) -> JobRequest:
     sent = dict(item.request)
     if sent.pop("deadline_s", None) is not None:
-        raise InputError.of("request.deadline_s", "is not for items; leave it out")
+        raise InputError.of("request.deadline_s", "is not allowed in items; omit it")
     if sent.pop("callback_url", None) is not None:
-        raise InputError.of("request.callback_url", "is not for items; give it with the batch")
+        raise InputError.of("request.callback_url", "is not allowed in items; give it with the batch")
     implied = kind_named(item.kind).implied
     if implied is not None:
         sent.setdefault(*implied)

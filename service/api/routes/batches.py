@@ -118,7 +118,7 @@ async def get_results(
         raise ProblemError(
             ProblemType.INVALID_REQUEST,
             "after counts in the order of the batch; it cannot be combined with order=completion.",
-            errors=[("after", "leave it out with Prefer: order=completion")],
+            errors=[("after", "omit it with Prefer: order=completion")],
         )
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     applied = [] if seconds is None else [f"wait={seconds}"]

@@ -154,8 +154,8 @@ async def end(
     if force and not oversees(request.scope):
         raise ProblemError(
             ProblemType.FORBIDDEN,
-            "Only a key with scope admin, or on a service without keys a call from its own computer, can end "
-            "what others have asked for (force).",
+            "Only a key with scope admin, or on a service without keys a call from its own computer, can "
+            "cancel jobs of other clients (force).",
         )
 
     def act() -> JobView:

@@ -181,4 +181,4 @@ def test_settings_that_make_no_sense(name: str, value: str) -> None:
 def test_the_option_says_what_is_wrong(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["serve", "--root-path", "cusps"])
-    assert "'cusps' is no path prefix such as /cusps" in capsys.readouterr().err
+    assert "'cusps' is not a path prefix such as /cusps" in capsys.readouterr().err

@@ -298,7 +298,7 @@ def test_a_private_address_is_refused_whatever_its_name(
     with receiving() as receiver, delivering(idle_redis, webhooks(webhook_networks="")):
         delivery = over(idle, canceled(idle, receiver.url))
     assert (delivery["state"], receiver.received) == ("refused", [])
-    assert "no public address" in delivery["attempts"][0]["problem"]
+    assert "not a public address" in delivery["attempts"][0]["problem"]
 
 
 SPECIAL = [
@@ -503,7 +503,7 @@ def test_a_name_that_is_not_found_out_in_time(
         delivery = over(idle, job_id)
     hangs.set()
     assert delivery["state"] == "exhausted"
-    assert "was not found out in time" in delivery["attempts"][0]["problem"]
+    assert "was not resolved in time" in delivery["attempts"][0]["problem"]
 
 
 def test_several_callers_are_told_and_each_once(

@@ -300,7 +300,7 @@ def test_one_comes_back_to_a_batch(run_here: Run, base_url: str) -> None:
             "--no-wait: is for batches, whose ids begin with ba-; 'ct-0' is a job",
         ),
         (("fetch", "ct-0", "--after", "1"), "--after: is for batches"),
-        (("submit", "-", "--callback-url", "https://example.com/"), "callback_url: webhooks are off here"),
+        (("submit", "-", "--callback-url", "https://example.com/"), "callback_url: webhooks are disabled"),
     ],
     ids=lambda args: " ".join(args) if isinstance(args, tuple) else None,
 )
