@@ -3,21 +3,29 @@
 They serve where balls cannot decide, as at multiple roots: above an exact root, equality with zero is decided
 exactly. The factors are derived from those of the norm, which FLINT factors over ℚ
 (mathematics.md#factors-over-a-quadratic-field).
+
+Full certificates show a polynomial with what proves its real roots (:class:`Certified`). Whether two numbers,
+perhaps of different fields, are equal is shown by their minimal polynomials, as no precision does
+(mathematics.md#equal-lengths): both are roots of one, and lie in the isolating interval of the same root.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
-from typing import TypedDict
+from itertools import islice
+from typing import Any, TypedDict
 
-from flint import ctx, fmpq_poly, fmpz_poly
+from flint import ctx, fmpq_mat, fmpq_poly, fmpz_poly
 
 from rpr_solver.errors import Unproved
+from rpr_solver.exact.modular import primes
 from rpr_solver.exact.number_field import Algebraic, Field, adjoin_real_roots
-from rpr_solver.exact.precision import GREATEST_BITS, decided
-from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS, decided, decided_or_none
+from rpr_solver.exact.quadratic import Form, QuadraticPoly
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, real_roots
 
 _FIRST_BITS, _APART_BITS = 256, 1 << 12
@@ -161,3 +169,105 @@ def exact_roots(factors: list[NormFactor]) -> Iterator[ExactRoot]:
             determines = factor if factor.extra and _is_root(factor.rest, root) else None
             if multiplicity := factor.common + (factor.extra if determines else 0):
                 yield ExactRoot(root, factor.rest.radicand, multiplicity, determines)
+
+
+_PRIMES = 4
+
+
+@dataclass(frozen=True)
+class Certified:
+    """A form with its finite real roots.
+
+    Attributes:
+        form: the form, in one variable.
+        place: a prime, and ω modulo it, by which the form keeps its degree and has no multiple root
+            (mathematics.md#images-modulo-primes); None if it has one, or one at infinity, or is 0.
+        roots: all finite real roots with their multiplicities.
+    """
+
+    form: Form
+    place: tuple[int, int] | None
+    roots: tuple[tuple[RealRoot, int], ...]
+
+    @classmethod
+    def of(cls, form: Form) -> Certified:
+        """Finds the prime and the roots.
+
+        Raises:
+            Unproved: two roots could not be separated.
+        """
+        p = form.polynomial
+        place = None if p.is_zero else _place(form)
+        if place is not None:
+            return cls(form, place, tuple((root, 1) for root in real_roots(p)))
+        roots = () if p.is_zero else exact_roots(norm_factors(p))
+        return cls(form, None, tuple((root.root, root.multiplicity) for root in roots))
+
+    def to_json(self, variable: str, intervals: Iterable[tuple[Fraction, Fraction, int]]) -> dict[str, Any]:
+        """The members of a certificate, with isolating intervals of the roots and their multiplicities."""
+        return {
+            "polynomial": self.polynomial_json(variable),
+            "squarefree": self.squarefree_json(),
+            "real_roots": [
+                {"lower": exact_str(low), "upper": exact_str(high), "multiplicity": multiplicity}
+                for low, high, multiplicity in intervals
+            ],
+        }
+
+    def polynomial_json(self, variable: str) -> dict[str, Any]:
+        """The exact coefficients, from the constant one on."""
+        p, powers = self.form.polynomial, range(self.form.degree + 1)
+        result: dict[str, Any] = {
+            "variable": variable,
+            "degree": self.form.degree,
+            "coefficients": [str(p.a[k]) for k in powers],
+        }
+        if p.b:
+            result["omega"] = f"sqrt({p.radicand})"
+            result["omega_coefficients"] = [str(p.b[k]) for k in powers]
+        return result
+
+    def squarefree_json(self) -> dict[str, str] | None:
+        """The prime, and ω modulo it."""
+        return None if self.place is None else {"prime": str(self.place[0]), "omega": str(self.place[1])}
+
+
+def _place(form: Form) -> tuple[int, int] | None:
+    for p, omega in islice(primes(form.polynomial.radicand), _PRIMES):
+        image = form.polynomial.residue(p, omega)
+        if image.degree() == form.degree and image.gcd(image.derivative()).degree() == 0:
+            return p, omega
+    return None
+
+
+_EQUAL_BITS = 256
+
+
+def same_number(x: Algebraic, y: Algebraic) -> bool:
+    """Whether two real algebraic numbers are equal: one minimal polynomial, and the same root of it."""
+    if not x.ball(_EQUAL_BITS).overlaps(y.ball(_EQUAL_BITS)):
+        return False
+    minimal = minimal_polynomial(x)
+    if minimal_polynomial(y) != minimal:
+        return False
+    roots = real_roots(QuadraticPoly.rational(minimal.numer()))
+
+    def same(bits: int) -> bool | None:
+        first, second = (
+            [i for i, root in enumerate(roots) if root.refined(bits).overlaps(z.ball(bits))] for z in (x, y)
+        )
+        return first == second if len(first) == len(second) == 1 else None
+
+    return bool(decided_or_none(same, _EQUAL_BITS, LENGTH_BITS))
+
+
+def minimal_polynomial(x: Algebraic) -> fmpq_poly:
+    """The monic minimal polynomial over ℚ."""
+    n = x.field.degree
+    power, columns = x.field(1), []
+    for _ in range(n):
+        columns.append([(x * power).poly[i] for i in range(n)])
+        power = power * x.field.generator
+    characteristic = fmpq_poly(fmpq_mat(columns).charpoly())
+    common = characteristic.gcd(characteristic.derivative())
+    return characteristic / common

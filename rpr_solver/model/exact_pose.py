@@ -8,8 +8,7 @@ from fractions import Fraction
 from flint import arb, ctx
 
 from rpr_solver.exact.biform import BiForm
-from rpr_solver.exact.equal_numbers import same_number
-from rpr_solver.exact.factors import ExactRoot
+from rpr_solver.exact.factors import ExactRoot, same_number
 from rpr_solver.exact.number_field import Algebraic, common_roots, exact_omega
 from rpr_solver.exact.rationals import rational_sqrt
 from rpr_solver.model.classify import PoseKind, classify, cos_sin, tan_half

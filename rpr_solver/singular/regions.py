@@ -20,8 +20,7 @@ from rpr_solver.errors import SolverError
 from rpr_solver.exact.modular import simple_and_finite
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import real_roots
-from rpr_solver.kinematics.closure import DEGREE, Closure
-from rpr_solver.kinematics.fibre import fibre
+from rpr_solver.kinematics.fibre import DEGREE, Closure, fibre
 from rpr_solver.model.float_slice import drawn
 from rpr_solver.model.joint_points import coordinate_names
 from rpr_solver.model.slice_map import SliceMap

@@ -30,8 +30,7 @@ from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.contract import SOLVER_VERSION, check_leg, check_type
 from rpr_solver.exact.biform import BiForm
-from rpr_solver.exact.circle import Circle
-from rpr_solver.exact.elimination import at_points, ball_resultant, recovered, resultant_bound
+from rpr_solver.exact.elimination import Circle, at_points, ball_resultant, recovered, resultant_bound
 from rpr_solver.exact.quadratic import QuadraticPoly
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import Manipulator

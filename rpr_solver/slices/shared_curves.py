@@ -15,12 +15,21 @@ from math import gcd
 from flint import fmpz_mpoly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.biform import RING, BiForm, T, U, leading_coefficient, without_common_factors
+from rpr_solver.exact.biform import (
+    RING,
+    BiForm,
+    T,
+    U,
+    divides,
+    leading_coefficient,
+    rational_form,
+    value,
+    without_common_factors,
+)
 from rpr_solver.exact.elimination import resultant
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.exact.torus_forms import divides, rational_form, value
 from rpr_solver.model.classify import tan_half
 from rpr_solver.model.exact_pose import ExactPose, common_poses
 from rpr_solver.model.jets import Pose

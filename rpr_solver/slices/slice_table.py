@@ -21,9 +21,8 @@ from typing import Any, TypedDict
 
 from flint import arb, ctx
 
-from rpr_solver.exact.certified import Certified
 from rpr_solver.exact.decimals import sorted_by_balls
-from rpr_solver.exact.factors import FactorShape, shapes_json
+from rpr_solver.exact.factors import Certified, FactorShape, shapes_json
 from rpr_solver.exact.quadratic import Form
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, fraction_of

@@ -21,7 +21,20 @@ from functools import cached_property
 from flint import fmpq, fmpz_mpoly
 
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.biform import BiForm, L, leading_coefficient
+from rpr_solver.exact.biform import (
+    BiForm,
+    L,
+    along_alpha,
+    along_theta,
+    by_length,
+    curves,
+    divides,
+    form_sum,
+    leading_coefficient,
+    negative,
+    rational_form,
+    value,
+)
 from rpr_solver.exact.factors import ExactRoot, exact_roots, norm_factors
 from rpr_solver.exact.number_field import (
     Algebraic,
@@ -33,17 +46,6 @@ from rpr_solver.exact.number_field import (
     trimmed,
 )
 from rpr_solver.exact.real_roots import fraction_of
-from rpr_solver.exact.torus_forms import (
-    along_alpha,
-    along_theta,
-    by_length,
-    curves,
-    divides,
-    form_sum,
-    negative,
-    rational_form,
-    value,
-)
 from rpr_solver.model.classify import PoseKind, tan_half
 from rpr_solver.model.exact_pose import ExactPose, common_poses
 from rpr_solver.model.jets import Pose

@@ -27,7 +27,7 @@ from typing import Any
 
 from flint import arb, ctx
 
-from rpr_solver.exact.certified import Certified
+from rpr_solver.exact.factors import Certified
 from rpr_solver.exact.precision import GREATEST_BITS, decided
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.exact.real_roots import RealRoot, ball_of, fraction_of

@@ -25,7 +25,7 @@ from flint import acb, ctx
 
 from rpr_solver.contract import MIN_DIGITS, Progress
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.equal_numbers import same_number
+from rpr_solver.exact.factors import same_number
 from rpr_solver.exact.number_field import Field
 from rpr_solver.exact.precision import GREATEST_BITS, LENGTH_BITS, decided
 from rpr_solver.exact.real_roots import fraction_of

@@ -1,20 +1,28 @@
-"""Factors over ℚ(ω) from those of the norm, and real roots in number fields."""
+"""Factors over ℚ(ω) from those of the norm, roots in number fields, what proves them, and equality."""
+
+from __future__ import annotations
 
 from collections import Counter
+from fractions import Fraction
+from random import Random
 
 import pytest
-from flint import fmpz_poly
+import sympy as sp
+from flint import fmpq, fmpq_poly, fmpz_poly
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rpr_solver.exact.factors import (
+    Certified,
     exact_counterparts,
     exact_roots,
+    minimal_polynomial,
     norm_factors,
+    same_number,
     simple_and_other_roots,
 )
-from rpr_solver.exact.number_field import exact_omega
-from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.number_field import Algebraic, Field, exact_omega
+from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
 
 ROOT2 = QuadraticPoly.omega(2)
@@ -87,3 +95,71 @@ def test_a_rational_root_knows_omega(radicand: int) -> None:
     assert (exact_omega(radicand).ball(64) - omega.ball(64)).contains(0)
     assert (omega * omega - radicand).is_zero
     assert omega.sign == 1
+
+
+def of(coefficients: list[int], degree: int) -> Certified:
+    return Certified.of(Form(QuadraticPoly.rational(fmpz_poly(coefficients)), degree))
+
+
+def test_simple_roots_have_a_prime() -> None:
+    found = of([-2, 0, 1], 2)  # u² − 2
+    assert found.place is not None
+    prime = int((found.squarefree_json() or {})["prime"])
+    assert (prime > 2, [multiplicity for _, multiplicity in found.roots]) == (True, [1, 1])
+    assert found.polynomial_json("u") == {"variable": "u", "degree": 2, "coefficients": ["-2", "0", "1"]}
+
+
+def test_multiple_and_infinite_roots_have_none() -> None:
+    double, infinite = of([0, 0, -1, 1], 3), of([-2, 0, 1], 3)  # u³ − u²
+    assert sorted(multiplicity for _, multiplicity in double.roots) == [1, 2]
+    assert [double.squarefree_json(), infinite.squarefree_json()] == [None, None]
+    assert len(infinite.roots) == 2
+    assert of([0], 1).roots == ()
+
+
+def test_an_irrational_coefficient() -> None:
+    found = Certified.of(Form(QuadraticPoly(fmpz_poly([0, 1]), fmpz_poly([1]), 3), 1))  # u + √3
+    assert found.polynomial_json("u")["omega"] == "sqrt(3)"
+    [(root, multiplicity)] = found.roots
+    assert multiplicity == 1
+    assert abs(float(root.refined(60)) + 3**0.5) < 1e-15
+
+
+RATIONALS = Field.rationals()
+
+
+def field_of(*coefficients: int) -> Field:
+    """ℚ of the greatest real root."""
+    return Field(real_roots(QuadraticPoly.rational(list(coefficients)))[-1])
+
+
+ROOT_TWO = field_of(-2, 0, 1)
+BOTH = field_of(1, 0, -10, 0, 1)
+"""ℚ(√2 + √3)."""
+
+
+def in_both(text: str) -> Algebraic:
+    """√2 or √3 by the generator g: √2 = (g³ − 9 g) / 2, √3 = (11 g − g³) / 2."""
+    coefficients = {"√2": [0, fmpq(-9, 2), 0, fmpq(1, 2)], "√3": [0, fmpq(11, 2), 0, fmpq(-1, 2)]}[text]
+    return BOTH(fmpq_poly(coefficients))
+
+
+def test_conjugates_are_not_thesame_number() -> None:
+    two, other = ROOT_TWO.generator, in_both("√2")
+    assert same_number(two, other)
+    assert not same_number(two, -other)
+    assert not same_number(two, in_both("√3"))
+    assert same_number(other * other, RATIONALS(2))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_minimal_polynomials(seed: int) -> None:
+    """Against SymPy's; elements of subfields have one of lower degree."""
+    random = Random(seed)
+    a, b, c = (random.randint(-3, 3) * (k < 1 + seed % 3) for k in range(3))
+    ours = minimal_polynomial(in_both("√2") * a + in_both("√3") * b + BOTH(c))
+    x = sp.Symbol("x")
+    theirs = sp.Poly(sp.minimal_polynomial(a * sp.sqrt(2) + b * sp.sqrt(3) + c, x), x)
+    assert [Fraction(str(k)) for k in ours.coeffs()] == [
+        Fraction(str(k)) for k in theirs.monic().all_coeffs()
+    ][::-1]

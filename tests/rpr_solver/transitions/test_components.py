@@ -9,7 +9,7 @@ from itertools import pairwise
 import pytest
 
 from rpr_solver import Census, Manipulator, SolverError, census, solve_slice
-from rpr_solver.exact.torus_forms import divides
+from rpr_solver.exact.biform import divides
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.transitions.components import Components
 from tests.support.discriminant import candidate_lengths
