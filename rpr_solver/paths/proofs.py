@@ -150,17 +150,16 @@ def prove(
     if J changes its sign, the image meets a centre, a leg exceeds its limits, or the balls do not decide it.
     """
     pieces, turns, least = 0, [arb(0)] * len(centres), arb("+inf")
-    last = len(arcs) - 1
-    for number, arc in enumerate(arcs):
-        stack = [(arb(2 * k + 1) / (2 * _FIRST_CUT), 0.5 / _FIRST_CUT) for k in reversed(range(_FIRST_CUT))]
+    starts, stops = [at_ends[0], *[False] * len(arcs)], [*[False] * (len(arcs) - 1), at_ends[1]]
+    for arc, is_start, is_stop in zip(arcs, starts, stops, strict=False):
+        stack = _first_pieces()
         start = expanded(slice_map, arc, arb(0), 0)
         while stack:
             tau, half = stack.pop()
             pieces += 1
             near = expanded(slice_map, arc, tau, 1)
-            if pieces > most_pieces or near.singularity[0] * sign < 0:
-                return None
-            if limits.exclude((near.first[0], near.second[0])):
+            is_refuted = near.singularity[0] * sign < 0 or limits.exclude((near.first[0], near.second[0]))
+            if is_refuted or pieces > most_pieces:
                 return None
             wide = expanded(slice_map, arc, arb(tau, half), 2)
             radius = arb(half)
@@ -170,10 +169,10 @@ def prove(
             kept = limits.hold(
                 image,
                 (wide.first[1], wide.second[1]),
-                at_start=at_ends[0] and number == 0 and tau == half,
-                at_stop=at_ends[1] and number == last and tau + half == 1,
+                at_start=is_start and tau == half,
+                at_stop=is_stop and tau + half == 1,
             )
-            if value > 0 and image[0] > 0 and image[1] > 0 and kept:
+            if kept and all(x > 0 for x in (value, *image)):
                 end = expanded(slice_map, arc, tau + radius, 0)
                 bends = _bends(image, (start, end), centres)
             if bends is not None:
@@ -185,10 +184,19 @@ def prove(
             else:
                 quarter = half / 2
                 stack += [(tau + quarter, quarter), (tau - quarter, quarter)]
-    windings = [n for turn in turns if (n := (turn / (2 * arb.pi())).unique_fmpz()) is not None]
-    if len(windings) != len(centres):
-        return None
-    return PathProof(sign, pieces, least, tuple(map(int, windings)))
+    windings = _windings(turns)
+    return None if windings is None else PathProof(sign, pieces, least, windings)
+
+
+def _windings(turns: Sequence[arb]) -> tuple[int, ...] | None:
+    """How often angles are whole turns; None if one is not decided."""
+    found = [n for turn in turns if (n := (turn / (2 * arb.pi())).unique_fmpz()) is not None]
+    return tuple(map(int, found)) if len(found) == len(turns) else None
+
+
+def _first_pieces() -> list[tuple[arb, float]]:
+    """The middles and half lengths of the first pieces of an arc, the last piece first."""
+    return [(arb(2 * k + 1) / (2 * _FIRST_CUT), 0.5 / _FIRST_CUT) for k in reversed(range(_FIRST_CUT))]
 
 
 def _bends(image: Image, ends: tuple[Expansion, Expansion], centres: Sequence[Image]) -> list[arb] | None:

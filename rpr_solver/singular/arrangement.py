@@ -107,14 +107,13 @@ class _Arrangement:
         if not all(areas):
             raise _DegenerateError
         outer = [k for k, area in enumerate(areas) if area > 0]
+        holes = [k for k, area in enumerate(areas) if area < 0]
         home: dict[int, int | None] = {k: k for k in outer}
-        for k, area in enumerate(areas):
-            if area < 0:
-                home[k] = self._home(outlines[k], outlines, areas, outer)
+        home |= {k: self._home(outlines[k], outlines, areas, outer) for k in holes}
         windings = _windings(cycle_of, home)
         rings: dict[int | None, list[int]] = defaultdict(list)
-        for k in (*outer, *(k for k in home if areas[k] < 0)):
-            rings[home[k]].append(k)
+        for k, face in home.items():
+            rings[face].append(k)
         rings.setdefault(None, [])
         return [
             Face(windings[face], tuple(self._drawn(outlines[k]) for k in parts), face is not None)
@@ -168,27 +167,34 @@ class _Arrangement:
 
     def _near(self) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
         """Pairs of edges whose boxes meet, except neighbours."""
-        low_x, low_y = (min(p[k] for line in self._lines for p in line) for k in (0, 1))
-        high_x, high_y = (max(p[k] for line in self._lines for p in line) for k in (0, 1))
-        step_x, step_y = ((high - low) // _COLUMNS + 1 for low, high in ((low_x, high_x), (low_y, high_y)))
+        (low_x, step_x), (low_y, step_y) = self._columns(0), self._columns(1)
         cells: dict[Vector, list[tuple[tuple[int, int], int, int, int, int]]] = defaultdict(list)
         seen = set()
+        for entry in self._boxes():
+            edge, left, right, bottom, top = entry
+            for column in range((left - low_x) // step_x, (right - low_x) // step_x + 1):
+                for row in range((bottom - low_y) // step_y, (top - low_y) // step_y + 1):
+                    others = cells[column, row]
+                    for other, left2, right2, bottom2, top2 in others:
+                        apart = left > right2 or left2 > right or bottom > top2 or bottom2 > top
+                        if not apart and (other, edge) not in seen:
+                            seen.add((other, edge))
+                            if not self._joined(other, edge):
+                                yield other, edge
+                    others.append(entry)
+
+    def _columns(self, axis: int) -> tuple[int, int]:
+        """The least coordinate of all points, and the width of the columns up to the greatest."""
+        along = [point[axis] for line in self._lines for point in line]
+        return min(along), (max(along) - min(along)) // _COLUMNS + 1
+
+    def _boxes(self) -> Iterator[tuple[tuple[int, int], int, int, int, int]]:
+        """Every edge with the left, right, lower and upper bound of its box."""
         for k, line in enumerate(self._lines):
             for i, ((ax, ay), (bx, by)) in enumerate(pairwise(line)):
                 left, right = (ax, bx) if ax < bx else (bx, ax)
                 bottom, top = (ay, by) if ay < by else (by, ay)
-                edge = (k, i)
-                entry = (edge, left, right, bottom, top)
-                for column in range((left - low_x) // step_x, (right - low_x) // step_x + 1):
-                    for row in range((bottom - low_y) // step_y, (top - low_y) // step_y + 1):
-                        others = cells[column, row]
-                        for other, left2, right2, bottom2, top2 in others:
-                            apart = left > right2 or left2 > right or bottom > top2 or bottom2 > top
-                            if not apart and (other, edge) not in seen:
-                                seen.add((other, edge))
-                                if not self._joined(other, edge):
-                                    yield other, edge
-                        others.append(entry)
+                yield (k, i), left, right, bottom, top
 
     def _joined(self, first: tuple[int, int], second: tuple[int, int]) -> bool:
         """Whether two edges have an end in common; then they must not overlap."""

@@ -190,7 +190,7 @@ def _inner_points(face: Face, levels: Sequence[float]) -> Iterator[tuple[tuple[F
 
     One is tried at each of the levels between its least and its greatest second coordinate.
     """
-    xs, ys = ([point[k] for ring in face.rings for point in ring] or [1.0] for k in (0, 1))
+    xs, ys = zip(*([point for ring in face.rings for point in ring] or [(1.0, 1.0)]), strict=True)
     if not face.bounded:
         x, y = 2 * max(xs), 2 * max(ys)
         yield (Fraction(floor(x) + 1), Fraction(floor(y) + 1)), min(x, y)
@@ -201,17 +201,11 @@ def _inner_points(face: Face, levels: Sequence[float]) -> Iterator[tuple[tuple[F
     others = []
     for level in levels:
         y = low + level * (high - low)
-        cuts = sorted(
-            ax + (y - ay) / (by - ay) * (bx - ax) for (ax, ay), (bx, by) in edges if (ay > y) != (by > y)
-        )
-        gap, x = max(
-            ((b - a, (a + b) / 2) for a, b in zip(cuts[::2], cuts[1::2], strict=False)), default=(0.0, 0.0)
-        )
+        gap, x = _widest_gap(edges, y)
         others.append((x + _ASIDE * gap, y))
-        if gap / 2 > clearance:
-            distance = _distance((x, y), edges)
-            if distance > clearance:
-                best, clearance = (x, y), distance
+        distance = _distance((x, y), edges) if gap / 2 > clearance else 0.0
+        if distance > clearance:
+            best, clearance = (x, y), distance
     if clearance < _CLEAR * (high - low + max(xs) - min(xs)):
         yield (_short(best[0], 1e-9 * abs(best[0])), _short(best[1], 1e-9 * abs(best[1]))), 0.0
         return
@@ -220,6 +214,15 @@ def _inner_points(face: Face, levels: Sequence[float]) -> Iterator[tuple[tuple[F
         if room > 0:
             first, second = (_short(x, room / 4) for x in place)
             yield (first, second), room / 2
+
+
+def _widest_gap(edges: Sequence[tuple[Point, Point]], y: float) -> tuple[float, float]:
+    """The width and the middle of the widest part of a face at a level; 0 if there is none."""
+    cuts = sorted(
+        ax + (y - ay) / (by - ay) * (bx - ax) for (ax, ay), (bx, by) in edges if (ay > y) != (by > y)
+    )
+    pairs = zip(cuts[::2], cuts[1::2], strict=False)
+    return max(((b - a, (a + b) / 2) for a, b in pairs), default=(0.0, 0.0))
 
 
 def _short(x: float, error: float) -> Fraction:
