@@ -68,7 +68,7 @@ class Formatter(argparse.RawDescriptionHelpFormatter):
 
 
 def _example(line: str, width: int) -> str:
-    """Returns a command and the remark beside it; what does not fit goes on in the next line."""
+    """Returns a command and the remark beside it; what does not fit continues in the next line."""
     if len(line) <= width:
         return line
     command, _, remark = line.strip().partition("   ")

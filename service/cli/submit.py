@@ -159,7 +159,7 @@ def _run_submit(args: argparse.Namespace) -> int:
                 results = client.watch(batch, progress, as_done=args.as_done)
                 return print_results("submit", results, args.format)
         except ServiceError as error:
-            error.args = (f"{error}; {back} comes back to the batch",)
+            error.args = (f"{error}; {back} prints its answers",)
             raise
 
 

@@ -77,8 +77,8 @@ class AsyncJobClient:
         return await Conversation(self._connection, on_progress).result(job_id, accept)
 
     async def cancel(self, job_id: str, *, force: bool = False) -> dict[str, Any]:
-        """Withdraws from a job or a batch and returns its state; a job goes on if others wait for it, unless
-        an operator ends it by `force`."""
+        """Withdraws a question or a batch and returns its state; a job continues if others wait for it,
+        unless an operator ends it by `force`."""
         return await self._object("DELETE", address(job_id) + ("?force=true" if force else ""))
 
     async def _list(self, path: str, status: ListedStatus | None) -> AsyncGenerator[ListedJob, None]:

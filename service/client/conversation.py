@@ -74,7 +74,7 @@ class Conversation:
     async def post(self, asked: Asked[M], prefer: str, callback_url: str | None = None) -> httpx.Response:
         """Post a question; unless the answer is known, there is a job afterwards."""
         url = self.connection.url
-        self._outcome_unknown = _goes_on(asked.question.job_request().job_id, url, "may go on")
+        self._outcome_unknown = _continues(asked.question.job_request().job_id, url, "may continue")
         body = asked.question.body() | ({} if callback_url is None else {"callback_url": callback_url})
         response = await self.send(Call("POST", asked.path, body, prefer=prefer))
         self._outcome_unknown = ""
@@ -138,9 +138,9 @@ class Conversation:
             path = job["links"].get("cancel") or job["links"]["self"]
             job = as_object(await self.send(Call("DELETE", path), tries=1))
         except ServiceError:
-            return JobInterrupted(_goes_on(job["id"], url))
+            return JobInterrupted(_continues(job["id"], url))
         if job["status"] != "canceled":
-            return JobInterrupted(_goes_on(job["id"], url))
+            return JobInterrupted(_continues(job["id"], url))
         if not is_batch(job["id"]):
             return JobInterrupted(f"job {job['id']} is canceled")
         done = f"{job['done']} of its {job['total']} items are done; {_fetch(job['id'], url)} prints them"
@@ -208,9 +208,9 @@ def as_object(response: httpx.Response) -> dict[str, Any]:
     return document
 
 
-def _goes_on(job_id: str, url: str, verb: str = "goes on") -> str:
+def _continues(job_id: str, url: str, verb: str = "continues") -> str:
     what = "batch" if is_batch(job_id) else "job"
-    return f"{what} {job_id} {verb}; {_fetch(job_id, url)} comes back to it"
+    return f"{what} {job_id} {verb}; {_fetch(job_id, url)} prints its answer"
 
 
 def _fetch(job_id: str, url: str) -> str:

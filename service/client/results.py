@@ -87,7 +87,7 @@ def _model_of(kind: str | None) -> type[BaseModel]:
 class ResultReader:
     """Reads the results of a batch, over as many connections as it takes.
 
-    In the order of the items, a new connection goes on after the last line. As they are done, it begins
+    In the order of the items, a new connection continues after the last line. As they are done, it begins
     again, and repeated results are skipped.
 
     Args:

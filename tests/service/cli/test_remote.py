@@ -146,8 +146,8 @@ def test_ctrl_c_says_how_to_come_back_to_a_job_that_others_wait_for(
             until(lambda: awaited(idle_queue))
             process.send_signal(signal.SIGINT)
             assert process.wait(PATIENCE) == 130
-            back = f"`rpr-cusps fetch {job_id} --url {idle_url}` comes back to it"
-            assert process.stderr.read() == f"rpr-cusps solve: job {job_id} goes on; {back}\n"
+            back = f"`rpr-cusps fetch {job_id} --url {idle_url}` prints its answer"
+            assert process.stderr.read() == f"rpr-cusps solve: job {job_id} continues; {back}\n"
         assert client.job(job_id)["status"] == "queued"
         assert client.cancel(job_id)["status"] == "canceled"
 
