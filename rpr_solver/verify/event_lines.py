@@ -109,16 +109,16 @@ class EventLine:
         for theta in (False, True):
             d0, d1 = (derivative(p, theta=theta) for p in self.surface.singular)
             slopes = self.form(d0, 2, 1), self.form(d1, 1, 2)
-            rows.append(self._sum(self._times(j0, slopes[1]), self._times(j1, slopes[0]), -1))
+            rows.append(_sum(_times(self.ring, j0, slopes[1]), _times(self.ring, j1, slopes[0]), -1))
         return rows[0], rows[1], Fraction(1)
 
     def _swallowtails(self) -> Pairs:
         (c, w), (phi, _) = self._on_surfaces(), self._slopes
-        c, first = self._quotient(c, phi)
+        c, first = _quotient(self.ring, c, phi)
         second = Fraction(1)
         # the terms of v·∇E are of degree 9 in α, their sum of degree 8
         for divisor in (rational([1, 0, 1]), phi, phi, self.singular[0]):
-            w, factor = self._quotient(w, divisor)
+            w, factor = _quotient(self.ring, w, divisor)
             second *= factor
         return c, w, first ** (len(w) - 1) * second ** (len(c) - 1)
 
@@ -197,38 +197,40 @@ class EventLine:
         for k, degree in enumerate(degrees):
             term = self.form(graded[k] if k < len(graded) else {}, *degree)
             for factor in [minus] * k + [j1] * (len(degrees) - 1 - k):
-                term = self._times(term, factor)
-            total = self._sum(term, total, 1)
+                term = _times(self.ring, term, factor)
+            total = _sum(term, total, 1)
         return total
 
-    def _times(self, p: Row, q: Row) -> Row:
-        product = self.ring.product(p, q)
-        return product + (ZERO,) * (len(p) + len(q) - 1 - len(product))
 
-    @staticmethod
-    def _sum(p: Row, q: Row, sign: int) -> Row:
-        q = q + (ZERO,) * (len(p) - len(q))
-        return tuple((a + sign * c, b + sign * d) for (a, b), (c, d) in zip(p, q, strict=True))
+def _times(ring: Ring, p: Row, q: Row) -> Row:
+    product = ring.product(p, q)
+    return product + (ZERO,) * (len(p) + len(q) - 1 - len(product))
 
-    def _quotient(self, p: Row, q: Row) -> tuple[Row, Fraction]:
-        """The exact quotient, of the formal degree that is the difference of both, and its factor.
 
-        Raises:
-            ZeroDivisionError: the divisor vanishes.
-            Indivisible: there is a remainder.
-        """
-        size, q = len(p) - len(q) + 1, trimmed(q)
-        if not q:
-            raise ZeroDivisionError("a divisor vanishes on a line")
-        c, d = q[-1]
-        conjugate: Surd = (c, -d) if d else ONE
-        integral = tuple(self.ring.times(x, conjugate) for x in q)
-        scale = integral[-1][0] ** max(len(p) - len(q) + 1, 1)
-        short = self.ring.quotient(trimmed([(a * scale, b * scale) for a, b in p]), integral)
-        result = [self.ring.times(x, conjugate) for x in short]
-        divisor = content(result)
-        row = tuple((a // divisor, b // divisor) for a, b in result)
-        return row + (ZERO,) * (size - len(row)), Fraction(divisor, scale)
+def _sum(p: Row, q: Row, sign: int) -> Row:
+    q = q + (ZERO,) * (len(p) - len(q))
+    return tuple((a + sign * c, b + sign * d) for (a, b), (c, d) in zip(p, q, strict=True))
+
+
+def _quotient(ring: Ring, p: Row, q: Row) -> tuple[Row, Fraction]:
+    """The exact quotient, of the formal degree that is the difference of both, and its factor.
+
+    Raises:
+        ZeroDivisionError: the divisor vanishes.
+        Indivisible: there is a remainder.
+    """
+    size, q = len(p) - len(q) + 1, trimmed(q)
+    if not q:
+        raise ZeroDivisionError("a divisor vanishes on a line")
+    c, d = q[-1]
+    conjugate: Surd = (c, -d) if d else ONE
+    integral = tuple(ring.times(x, conjugate) for x in q)
+    scale = integral[-1][0] ** max(len(p) - len(q) + 1, 1)
+    short = ring.quotient(trimmed([(a * scale, b * scale) for a, b in p]), integral)
+    result = [ring.times(x, conjugate) for x in short]
+    divisor = content(result)
+    row = tuple((a // divisor, b // divisor) for a, b in result)
+    return row + (ZERO,) * (size - len(row)), Fraction(divisor, scale)
 
 
 def event_eliminant(surface: Surface, name: str) -> EventEliminant:

@@ -337,7 +337,7 @@ def _poses(surface: Surface) -> Iterator[Directions]:
     meeting = _times(_minus(_times(v.m, v.b), _times(v.n, v.a)), _conjugate(side))
     for direction, platform, ground in ((v.a, v.m, v.a), (v.b, v.n, v.b), (meeting, side, base)):
         turned = _unit(_times(ground, _conjugate(platform)))
-        for alpha in (turned, (-turned[0], -turned[1])):
+        for alpha in (turned, (turned[0].scaled(-1), turned[1].scaled(-1))):
             yield Directions(alpha, _unit(direction), radicand)
     for alpha in _parallel(v):
         along = _minus(_times(v.m, alpha), v.a)
@@ -349,7 +349,7 @@ def _parallel(v: _Vectors) -> Iterator[Pair]:
     mixed = _minus(_times(_conjugate(v.m), v.b), _times(v.a, _conjugate(v.n)))
     r = _imaginary(_times(_conjugate(v.m), v.n)) + _imaginary(_times(_conjugate(v.a), v.b))
     # Im(conj(z) (conj(m) b − a conj(n))) = Im(mixed) cos α − Re(mixed) sin α
-    p, q = mixed[1], -mixed[0]
+    p, q = mixed[1], mixed[0].scaled(-1)
     square = p * p + q * q
     rest = square - r * r
     if rest.sign < 0:
@@ -371,7 +371,7 @@ def _times(x: Vector, y: Vector) -> Vector:
 
 
 def _conjugate(x: Vector) -> Vector:
-    return x[0], -x[1]
+    return x[0], x[1].scaled(-1)
 
 
 def _imaginary(x: Vector) -> Interval:

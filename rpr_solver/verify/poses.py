@@ -158,7 +158,8 @@ class _Poses:
         yield self._polynomial()
         yield from self._numbers()
         yield self._curves()
-        yield self._sorted()
+        right = sorted_turns([pose["alpha_deg"].value for pose in self.poses])
+        yield judged("/poses", "the poses are sorted by alpha", right, "as printed")
         found, doubt, fits = self._found_at(self.bits)
         if doubt or len(found) != len(self.poses):  # roots may be far closer than the digits
             found, doubt, fits = self._found_at(4 * self.bits)
@@ -215,11 +216,6 @@ class _Poses:
         ):
             yield judged(at, claim, right, "counted")
 
-    def _sorted(self) -> Claim:
-        alphas = [pose["alpha_deg"].value for pose in self.poses]
-        right = sorted_turns(alphas)
-        return judged("/poses", "the poses are sorted by alpha", right, "as printed")
-
     def _found_at(self, bits: int) -> tuple[list[_Found], str, list[list[int]]]:
         """What is found at a precision, and for each printed pose the numbers of those that it may be."""
         found, doubt = self._found(bits)
@@ -233,7 +229,7 @@ class _Poses:
         for order, part in self.closure.parts.items():
             for root in real_roots(ring, part):
                 alpha = direction(ring, part, root, bits)
-                if self._is_on_curve(root):
+                if _is_on_curve(self.closure, root):
                     continue
                 regular = not has_root(ring, part, root, flat)
                 points = list(self._points(alpha, regular, touching=self._touches(root)))
@@ -336,20 +332,22 @@ class _Poses:
         return has_root(self.closure.ring, found.part, found.root, _on_half_tangents(p))
 
     def _curves(self) -> Claim:
-        mine = ["0" if t == 1 else "180" for t in (1, -1) if self._circle(t)]
+        mine = ["0" if t == 1 else "180" for t in (1, -1) if _circle(self.closure, t)]
         right = [curve["alpha_deg"] for curve in self.members["curves"]] == mine
         reason = "both linear equations vanish there, and nowhere else"
         return judged("/curves", "the curves of poses", right, reason)
 
-    def _circle(self, cos: int) -> bool:
-        """Whether both linear equations vanish at α = 0 or 180°, which is exact."""
-        parts = [p for vector in self.closure.vectors for p in vector] + list(self.closure.right)
-        return all(_value_on_axis(p, cos) == ZERO for p in parts)
 
-    def _is_on_curve(self, root: Root) -> bool:
-        zero = Root(Fraction(0), Fraction(0), inverted=False)
-        ends = {1: zero, -1: Root(Fraction(0), Fraction(0), inverted=True)}
-        return any(self._circle(cos) and root == end for cos, end in ends.items())
+def _circle(closure: Closure, cos: int) -> bool:
+    """Whether both linear equations vanish at α = 0 or 180°, which is exact."""
+    parts = [p for vector in closure.vectors for p in vector] + list(closure.right)
+    return all(_value_on_axis(p, cos) == ZERO for p in parts)
+
+
+def _is_on_curve(closure: Closure, root: Root) -> bool:
+    zero = Root(Fraction(0), Fraction(0), inverted=False)
+    ends = {1: zero, -1: Root(Fraction(0), Fraction(0), inverted=True)}
+    return any(_circle(closure, cos) and root == end for cos, end in ends.items())
 
 
 def _on_half_tangents(p: Trig) -> tuple[Surd, ...]:

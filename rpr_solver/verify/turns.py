@@ -142,7 +142,7 @@ class _Part:
 
     def _off_line(self) -> list[Interval] | None:
         """All values of w′ less the slopes of the line."""
-        return self._solved([-self._values(n, _R) for n in (0, 1)])
+        return self._solved([self._values(n, _R).scaled(-1) for n in (0, 1)])
 
     def bends(self) -> list[Interval] | None:
         """All values of w″."""
@@ -155,7 +155,7 @@ class _Part:
                 total += (self._values(n, _WR[k]) * slopes[k]).scaled(2)
                 for m in (0, 1):
                     total += self._values(n, _WW[k][m]) * slopes[k] * slopes[m]
-            right.append(-total)
+            right.append(total.scaled(-1))
         return self._solved(right)
 
     def _values(self, n: int, order: Index) -> Interval:

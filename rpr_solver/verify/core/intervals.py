@@ -44,9 +44,6 @@ class Interval:
     def __sub__(self, other: Interval) -> Interval:
         return Interval(self.lower - other.upper, self.upper - other.lower, self.bits)
 
-    def __neg__(self) -> Interval:
-        return Interval(-self.upper, -self.lower, self.bits)
-
     def __mul__(self, other: Interval) -> Interval:
         a, b, c, d, bits = self.lower, self.upper, other.lower, other.upper, self.bits
         if a >= 0 <= c:

@@ -277,7 +277,7 @@ def direction(ring: Ring, form: Poly, root: Root, bits: int) -> Pair:
     square = x * x
     norm = one + square
     cos, sin = (one - square).over(norm), x.scaled(2).over(norm)
-    return (-cos if narrow.inverted else cos), sin
+    return (cos.scaled(-1) if narrow.inverted else cos), sin
 
 
 def around(alpha: Printed, theta: Printed, bits: int, radicand: int) -> Box:

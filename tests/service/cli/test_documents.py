@@ -64,11 +64,18 @@ def test_a_census_with_a_full_certificate(run_here: Run, tmp_path: Path) -> None
     path = tmp_path / "census.json"
     path.write_text(made.stdout)
     verified = run_here("verify", str(path), "--json")
+    assert verified.returncode == 0
+    answer = json.loads(verified.stdout)
+    assert (answer["verdict"], answer["outcome"]) == ("accepted", "established")
+
+
+def test_curves_without_tubes_leave_open_that_points_are_joined(run_here: Run) -> None:
+    made = run_here("curves", "zein-flat", "--l1-range", "0.5:1.2", "--format", "json")
+    verified = run_here("verify", "-", "--json", stdin=made.stdout)
     assert verified.returncode == 3
-    assert "left open: an eliminant has multiple real roots" in verified.stdout
     answer = json.loads(verified.stdout)
     assert (answer["verdict"], answer["outcome"]) == ("accepted", "not established")
-    assert "these are all transitions (/transitions)" in answer["summary"]
+    assert "the points of a curve are joined by it" in answer["summary"] + verified.stdout
 
 
 DOCUMENT = table_document(EXAMPLES["zein-flat"], [3], digits=15)
