@@ -17,7 +17,7 @@ from service.api.answers import request_body
 from service.api.answers.request_body import Asked, Reading
 from service.api.batches import bodies
 from service.api.batches.bodies import Cutter, Elements, Lines
-from service.api.batches.items import COLUMNS, Rows
+from service.api.batches.items import COLUMNS, Rows, item_of
 from service.api.problems import ProblemError
 from service.api.threads import Threads
 from service.schemas.catalog import questions
@@ -150,6 +150,18 @@ def test_lines_and_rows_do_not_depend_on_the_cuts(items: list[Any], cuts: list[i
 
 
 GEOMETRY = {"a2x": "15.91", "a3x": "0", "a3y": "10", "d1": "17.04", "d2": "16.54", "d3": "20.84"}
+
+
+@pytest.mark.parametrize("kind", ["cusp-table", "article-table", "certified-table"])
+def test_a_row_of_a_table_has_lists_and_steps(kind: str) -> None:
+    row = {**GEOMETRY, "kind": kind, "digits": "20"}
+    several, steps = ({"l1": "27;28.1"}, {"l1_from": "1", "l1_to": "2", "l1_step": "0.5"})
+    assert item_of({**row, **several})["request"]["l1"] == ["27", "28.1"]
+    assert item_of({**row, **steps})["request"]["l1"] == {"from": "1", "to": "2", "step": "0.5"}
+    ends = {"l1_from": "1", "l1_to": "2"}
+    assert item_of({**row, **ends, "kind": "census"})["request"]["range"] == {"from": "1", "to": "2"}
+    check = item_of({**row, **ends, "kind": "check", "max_cusps": "4", "fixed_leg": "1"})["request"]
+    assert check["requirement"] == {"range": {"from": "1", "to": "2"}, "max_cusps": "4", "fixed_leg": "1"}
 
 
 def test_the_page_names_every_kind_and_every_column() -> None:
