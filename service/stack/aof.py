@@ -24,6 +24,14 @@ _REMARK = re.compile(rb"#[^\r\n]{0,1000}\r\n")
 _COMMAND = re.compile(rb"\*[1-9]\d{0,8}\r\n\$\d{1,2}\r\n[A-Za-z]")
 
 
+DIRECTORY = "appendonlydir"
+
+_MANIFEST = "appendonly.aof.manifest"
+
+_PART = re.compile(r"appendonly\.aof\.(\d+)\.(base|incr)\.(rdb|aof)")
+_ENTRY = re.compile(r"file (\S+) seq \d+ type ([bi])")
+
+
 @dataclass(frozen=True)
 class Damage:
     """What follows the last intact command of a file."""
@@ -89,13 +97,6 @@ def _resumption(data: bytes | mmap.mmap, position: int) -> int | None:
     """Returns where the first intact command after a position begins."""
     starts = (match.start() for match in _COMMAND.finditer(data, position + 1))
     return next((start for start in starts if _command(data, start) is not None), None)
-
-
-DIRECTORY = "appendonlydir"
-
-_MANIFEST = "appendonly.aof.manifest"
-_PART = re.compile(r"appendonly\.aof\.(\d+)\.(base|incr)\.(rdb|aof)")
-_ENTRY = re.compile(r"file (\S+) seq \d+ type ([bi])")
 
 
 def check_manifest(data_dir: Path, say: Callable[[str], object]) -> None:

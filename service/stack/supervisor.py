@@ -16,6 +16,13 @@ from service.stack.output import announce
 from worker.process.pool import Child, Process, Say, WorkerPool, end_all, python_program
 from worker.settings import EnvironmentSettings
 
+_STOP_PATIENCE = 6.0  # it gives open connections half of this
+_FEW_ARENAS = {"MALLOC_ARENA_MAX": "2"}
+"""Or else glibc spreads what some forty threads need over one arena each, and its memory grows for hours."""
+
+_TICK = 0.05
+_ANNOUNCE_PATIENCE = 5.0  # seconds that the announcement waits for workers, once the API answers
+
 
 class SupervisorSettings(EnvironmentSettings):
     """How the processes of one machine are looked after."""
@@ -27,11 +34,6 @@ class SupervisorSettings(EnvironmentSettings):
         description="time without a sign of life after which `serve` kills Valkey, a worker or the API "
         "and starts another, in seconds",
     )
-
-
-_STOP_PATIENCE = 6.0  # it gives open connections half of this
-_FEW_ARENAS = {"MALLOC_ARENA_MAX": "2"}
-"""Or else glibc spreads what some forty threads need over one arena each, and its memory grows for hours."""
 
 
 class ApiChild:
@@ -89,10 +91,6 @@ class ApiChild:
                 start_new_session=True,  # Ctrl-C on a terminal reaches the supervisor alone
                 pass_fds=fds,
             )
-
-
-_TICK = 0.05
-_ANNOUNCE_PATIENCE = 5.0  # seconds that the announcement waits for workers, once the API answers
 
 
 class Supervisor:

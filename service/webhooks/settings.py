@@ -18,8 +18,6 @@ from worker.settings import EnvironmentSettings, Network, Networks, each, listed
 
 _PREFIX = "whsec_"
 _LEAST_SECRET = 24  # bytes, as the specification asks for
-
-
 _HOST = re.compile(r"(\*\.)?[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*|\[?[0-9A-Fa-f:.]+\]?")
 _PAUSE = re.compile(r"[0-9]+(\.[0-9]+)?")
 _LONGEST_PAUSE, _MAX_PAUSES = 86400.0, 20

@@ -30,6 +30,11 @@ log = logging.getLogger("rpr_cusps.worker")
 Lost = Literal["", "horses", "workers"]
 """What a chunk has lost: its work horse while its worker lived, its worker too, or nothing."""
 
+STOP_PATIENCE = 1.0
+"""Seconds for which a stop command is repeated; after that, the worker itself notices from the record."""
+
+_LEFTOVER_TTL = 600
+
 
 @dataclass(frozen=True)
 class ChunkRef:
@@ -104,13 +109,6 @@ def chunk_of(
     if question.kind.by_slices:
         question = question.of_slices(parts)
     return Chunk(question, parts, first, entry.offset, has_losses, json.loads(origin or "{}"))
-
-
-STOP_PATIENCE = 1.0
-"""Seconds for which a stop command is repeated; after that, the worker itself notices from the record."""
-
-
-_LEFTOVER_TTL = 600
 
 
 class ChunkQueue:

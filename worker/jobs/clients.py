@@ -22,8 +22,9 @@ from worker.settings import WorkerSettings
 MAX_RECORD_FIELDS = 1000
 """Fields of a record, of which a dozen are its own; clients beyond that are one that never withdraws."""
 
-
 _MARGIN = 10.0  # seconds, until a request that has stopped waiting has said so
+_GRACE = 5  # seconds from the admission of a job to its record, at most
+_TTL = 7 * 86400
 
 
 @dataclass(frozen=True)
@@ -108,12 +109,6 @@ class Bytes:
     whole: int
     kept: int
     client: str = ""
-
-
-_GRACE = 5  # seconds from the admission of a job to its record, at most
-
-
-_TTL = 7 * 86400
 
 
 @dataclass(frozen=True)

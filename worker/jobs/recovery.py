@@ -24,7 +24,6 @@ log = logging.getLogger("rpr_cusps.worker")
 
 _WALK = 4000  # keys per sweep, about a millisecond of the server's time
 
-
 _LOST = "The worker crashed or was killed repeatedly ({} times). Post the request again to retry it."
 
 

@@ -32,7 +32,18 @@ from worker.process.os_limits import (
 )
 from worker.settings import WorkerSettings
 
-_FEWEST_FOR_NUMPY = 64
+log = logging.getLogger("rpr_cusps.worker")
+
+UNRECORDED = 75
+"""The exit status of a work horse that could not record its outcome, because Redis did not take it."""
+
+_FEWEST_FOR_NUMPY = 64  # slices
+_WATCHDOG_MARGIN = 15.0
+_MAX_CHUNKS = 200
+_MAX_GROWTH_BYTES = 32 * 2**20
+_MAXRSS_UNIT = 1 if sys.platform == "darwin" else 1024
+_STAYS = b"\n"
+_LOWEST_PRIORITY = 19  # niceness
 
 
 def load_solver() -> None:
@@ -89,8 +100,6 @@ class RunAgain:
 ExitOutcome = Failed | GivenUp | RunAgain
 """The outcome of a chunk that its work horse could not record."""
 
-UNRECORDED = 75
-"""The exit status of a work horse that could not record its outcome, because Redis did not take it."""
 
 UNANSWERED = RunAgain("horses", "worker-crashed", "The worker repeatedly ended without an answer.")
 """The outcome of a work horse that ended normally, but left its chunk open."""
@@ -125,16 +134,6 @@ def judge_exit(
         of = f" of {limit} MiB" if limit else ""
         return GivenUp("resource-exhausted", f"{how}, most likely at the memory limit{of}.")
     return RunAgain("horses", "worker-crashed", f"{how}, repeatedly.")
-
-
-log = logging.getLogger("rpr_cusps.worker")
-
-_WATCHDOG_MARGIN = 15.0
-_MAX_CHUNKS = 200
-_MAX_GROWTH_BYTES = 32 * 2**20
-_MAXRSS_UNIT = 1 if sys.platform == "darwin" else 1024
-_STAYS = b"\n"
-_LOWEST_PRIORITY = 19  # niceness
 
 
 @dataclass(frozen=True)

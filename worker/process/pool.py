@@ -23,6 +23,8 @@ from worker.jobs.lanes import Duty
 from worker.process.os_limits import signal_name
 from worker.settings import WorkerSettings
 
+log = logging.getLogger("rpr_cusps.worker")
+
 Process = subprocess.Popen[bytes]
 Say = Callable[[str], object]
 
@@ -38,6 +40,15 @@ _PROGRAM = (
     "import gc, importlib, sys; gc.disable(); sys.path.append(sys.argv.pop(1)); "
     "program = importlib.import_module(sys.argv.pop(1)); gc.enable(); sys.exit(program.main())"
 )
+
+_PAUSE, _FIRST_PAUSE = 1.0, 0.1  # seconds between two looks at the roster
+_TIMEOUT = 2.0
+_OUTAGE = 4.0  # seconds without an answer of Redis from which on workers cannot be judged by it
+_FORGOTTEN = 3600.0
+_RETURN = 30.0  # seconds that workers have to return after such an outage
+_HANG_SECONDS = 10.0
+_BEATS_MISSED = 3  # even if beats are rare, one that is late is no hang
+_STOP_MARGIN = 4.0
 
 
 def python_program(module: str, *arguments: str) -> list[str]:
@@ -153,13 +164,6 @@ def _ask_to_end(process: Process) -> None:
     process.send_signal(signal.SIGCONT)  # a stopped process does not hear the other signal
 
 
-_PAUSE, _FIRST_PAUSE = 1.0, 0.1
-_TIMEOUT = 2.0
-_OUTAGE = 4.0  # seconds without an answer of Redis from which on workers cannot be judged by it
-_FORGOTTEN = 3600.0
-_RETURN = 30.0  # seconds that workers have to return after such an outage
-
-
 class Attendance:
     """Reads the roster again and again, in a thread of its own: Redis may hang."""
 
@@ -204,13 +208,6 @@ class Attendance:
         self._answered = now
         heard = self._heard | {name: now - silence for name, silence in silences.items()}
         self._heard = {name: moment for name, moment in heard.items() if now - moment < _FORGOTTEN}
-
-
-log = logging.getLogger("rpr_cusps.worker")
-
-_HANG_SECONDS = 10.0
-_BEATS_MISSED = 3  # even if beats are rare, one that is late is no hang
-_STOP_MARGIN = 4.0
 
 
 class WorkerPool:
