@@ -23,7 +23,6 @@ def test_operations_hold_their_results(x: Fraction, y: Fraction, radius: Fractio
     for end in (x - radius, x, x + radius):
         assert (a + b).contains(end + y)
         assert (a - b).contains(end - y)
-        assert (-a).contains(-end)
         assert (a * b).contains(end * y)
         assert a.scaled(-3).contains(-3 * end)
         if b.sign:
@@ -33,7 +32,7 @@ def test_operations_hold_their_results(x: Fraction, y: Fraction, radius: Fractio
 def test_roots_signs_and_ends() -> None:
     two = Interval.of(2, BITS).root()
     assert two.lower**2 <= 2 << (2 * BITS) <= two.upper**2
-    assert (Interval.of(1, BITS, 2).sign, two.sign, (-two).sign) == (0, 1, -1)
+    assert (Interval.of(1, BITS, 2).sign, two.sign, two.scaled(-1).sign) == (0, 1, -1)
     assert two.inside(Fraction(7, 5), Fraction(3, 2))
     assert two.meets(Interval.of(Fraction(3, 2), 12, Fraction(1, 10)))
     assert not two.meets(Interval.of(Fraction(3, 2), 90))
