@@ -330,7 +330,7 @@ def _range(points: Sequence[Point]) -> Box:
 
 
 def _far(box: Box, target: Point) -> float:
-    """How little a box suits as an inset: its distance, and what it lacks in size."""
+    """How unsuitable a box is for an inset: its distance, and what it lacks in size."""
     return distance(box.centre, target) + 2 * (_INSET - box.width)
 
 

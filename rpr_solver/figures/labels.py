@@ -17,7 +17,7 @@ _TAKEN = 10
 
 
 class OccupancyGrid:
-    """What is taken of a picture's area, in cells of a few pixels.
+    """The occupied area of a picture, in cells of a few pixels.
 
     Lines occupy the cells that they cross; boxes of labels and marks occupy theirs permanently. Each row of
     cells is a number with a bit for each column.

@@ -1,7 +1,7 @@
 """A figure and its export formats: SVG text, PNG, PDF, a file, a notebook.
 
-What a figure of an answer shows is no matter of this room: the package hands it a function that draws
-documents (:func:`draw_with`), which stands above the rooms that ask for figures.
+This module knows no document. The package registers the function that draws documents
+(:func:`draw_with`), which stands above the rooms that ask for figures (:func:`draw`).
 """
 
 from __future__ import annotations

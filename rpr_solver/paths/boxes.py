@@ -33,7 +33,7 @@ _NEVER = 1000
 BITS = 80
 """The working precision."""
 _ALPHA, _THETA = Fraction(47, 1021), Fraction(-31, 877)
-"""Where boxes begin, in turns: nothing special lies there."""
+"""The origin of the boxes, in turns: generic, so that no special pose lies on an edge."""
 
 
 class Verdict(IntEnum):
@@ -110,7 +110,7 @@ class Boxes:
         return _ALPHA + (2 * i + 1) * half, _THETA + (2 * k + 1) * half, length
 
     def sizes(self, box: Box) -> tuple[Fraction, Fraction, Fraction]:
-        """The widths of a box, likewise."""
+        """The widths of a box, in the same units."""
         turn = Fraction(1, 1 << box[0])
         return turn, turn, (self.high - self.low) / self.lengths(box[0])
 

@@ -8,7 +8,7 @@ directions across, at the middle, and
     |A (F(p̂(r)) − F(q(τ̂(r))))| + |1 − A D| ρ < ρ        for all r of the piece, D over the radii ρ,
 
 then for each r there is exactly one point of the curve within ρ of the parabola (Krawczyk's test). The
-pose lives as long as J ≠ 0. Where the curve crosses J = 0 it turns back in τ: this is a fold, on which the
+pose exists as long as J ≠ 0. Where the curve crosses J = 0 it turns back in τ: this is a fold, on which the
 pose meets another one, and both end (mathematics.md#followed-poses).
 """
 
@@ -156,7 +156,7 @@ _MOST_PIECES = 200
 
 @dataclass(frozen=True)
 class Followed:
-    """A pose carried along: where it is at the end, or the fold on which it ends before.
+    """A pose that was followed: where it is at the end, or the fold at which it vanishes before.
 
     ``fold`` has the arc's number, and α, θ and τ there. Both are None if the pose could be followed neither
     to the end nor to a fold.

@@ -296,7 +296,7 @@ def decimal_near(x: arb, accuracy: arb | float) -> Fraction:
 
 
 def _ball(text: str, digits: int) -> arb:
-    """What a correctly rounded decimal may stand for."""
+    """The numbers that round to a decimal of these digits."""
     x = Decimal(text)
     place = x.adjusted() if x else 0
     return arb(text, arb(10) ** (place + 1 - digits))

@@ -1,5 +1,5 @@
 """Poses of a path's joint vector: those at its ends, by their numbers in the table of all poses, and what
-becomes of the others while the path is run.
+happens to the others along the path.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ _SPARE_BITS = 128
 
 @dataclass(frozen=True)
 class FoldPoint:
-    """Where a pose that is carried along meets another one, and both end: a point of a singular curve.
+    """Where a pose that is followed meets another one, and both vanish: a point of a singular curve.
 
     Attributes:
         lengths: L1, L2 and L3 there, correctly rounded, in the user's unit.
@@ -137,12 +137,12 @@ class FoldPoint:
 
 @dataclass(frozen=True)
 class OtherPose:
-    """A pose that no path was asked for, carried along by the leg lengths of one.
+    """Another pose of the joint vector, moved by the leg lengths of a path.
 
     Attributes:
         start: the pose at the start.
-        stop: the pose at the stop, if it lives so long.
-        fold: the fold on which it ends before; with ``stop`` None too, it is not decided what becomes of it.
+        stop: the pose at the end, if it exists until then.
+        fold: the fold at which it vanishes before; if ``stop`` is None too, this is undecided.
 
     >>> from rpr_solver import EXAMPLES, cusp_loop
     >>> loop = cusp_loop(EXAMPLES["innocenti"], 27, "A", samples=2).with_others()

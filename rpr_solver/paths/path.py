@@ -132,7 +132,7 @@ class Path:
         duration: the time of the last sample.
         route: the exact path.
         certificate: how the path is proved.
-        others: what becomes of the other poses meanwhile; None unless asked for (:meth:`with_others`).
+        others: what happens to the other poses; None unless asked for (:meth:`with_others`).
         between: the lengths between which the fixed leg was free; None if it was held.
         limits: the joint limits that the path keeps, proved; by the legs' numbers.
         twins: the numbers of the other cusps round which the loop goes as often: those with the same joint
@@ -209,7 +209,7 @@ class Path:
         return backwards if self.others is None else backwards.with_others()
 
     def with_others(self) -> Path:
-        """The same path, with what becomes of the other poses of the joint vector meanwhile.
+        """The same path, with what happens to the other poses of the joint vector.
 
         Each is followed by proof while the legs take the lengths of the path, to the end or to the fold on
         which it meets another one. This takes longer than the path itself.

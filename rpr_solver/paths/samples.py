@@ -180,7 +180,7 @@ class PathSample:
 
 @dataclass(frozen=True)
 class SamplingPlan:
-    """How a path is sampled."""
+    """How many samples a path has, and at which times."""
 
     count: int
     timing: str

@@ -33,7 +33,7 @@ _LEVELS: Mapping[int, Sequence[int]] = {2: (7, 9, 11), 3: (7, 8, 9)}
 _MOST_BOXES = 40_000
 _DEEPEST = 40
 _SLACK = 1
-"""How many boxes more than the fewest a way may cross, so that fewer searches are needed."""
+"""Ways may cross this many boxes more than the fewest, which saves searches."""
 
 Spot = tuple[float, float, Fraction]
 """α and θ in radians, not confined to a turn, and the scaled length."""
