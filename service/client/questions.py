@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypedDict, TypeVar, Unpack
 
 from pydantic import BaseModel
 
@@ -35,6 +35,42 @@ M = TypeVar("M", bound=BaseModel)
 
 _NO_LIMIT = 1_000_000
 _Length = Exact | Iterable[Exact]
+
+
+class CurveOptions(TypedDict, total=False):
+    """The options of `cusp_curves` beside its points: as in the library, and the deadline in seconds."""
+
+    digits: int
+    certificate: str
+    deadline: float | None
+
+
+class PathOptions(TypedDict, total=False):
+    """The options of paths: those of the library, whether the answer has the other poses, and the deadline in
+    seconds."""
+
+    limits: ExactLimits | None
+    fixed_leg: int
+    digits: int
+    samples: int
+    timing: str
+    duration: Exact
+    others: bool
+    deadline: float | None
+
+
+class PlotOptions(TypedDict, total=False):
+    """What a picture shows, its theme, and the deadline in seconds."""
+
+    length: Exact | None
+    fixed_leg: int
+    lengths: tuple[Exact, Exact, Exact] | None
+    start: Exact | None
+    stop: Exact | None
+    cusp: int | str | None
+    pose: int | None
+    theme: str
+    deadline: float | None
 
 
 @dataclass(frozen=True)
@@ -131,24 +167,23 @@ def cusp_curves(
     manipulator: Manipulator,
     *,
     fixed_leg: int = 1,
-    digits: int = DEFAULT_DIGITS,
     start: Exact | None = None,
     stop: Exact | None = None,
     lengths: _Length = (),
     samples: int | None = None,
-    certificate: str = "short",
-    deadline: float | None = None,
+    **options: Unpack[CurveOptions],
 ) -> Asked[CuspCurves]:
     """Each cusp followed from where it appears to where it vanishes."""
+    given = _complete(options, digits=DEFAULT_DIGITS, certificate="short", deadline=None)
     members: dict[str, object] = {
         "fixed_leg": fixed_leg,
         "range": _range(start, stop),
         "samples": samples,
-        "certificate": certificate,
+        "certificate": given["certificate"],
     }
     if points := _lengths(lengths):
         members[f"l{fixed_leg}"] = points
-    return _asked(CuspCurvesRequest, CuspCurves, manipulator, digits, deadline, members)
+    return _asked(CuspCurvesRequest, CuspCurves, manipulator, given["digits"], given["deadline"], members)
 
 
 def check(
@@ -177,32 +212,14 @@ def poses(
 
 
 def cusp_loop(
-    manipulator: Manipulator,
-    length: Exact,
-    cusp: int | str,
-    *,
-    limits: ExactLimits | None = None,
-    fixed_leg: int = 1,
-    digits: int = PATH_DIGITS,
-    samples: int = DEFAULT_SAMPLES,
-    timing: str = "cosine",
-    duration: Exact = 1,
-    others: bool = False,
-    deadline: float | None = None,
+    manipulator: Manipulator, length: Exact, cusp: int | str, **options: Unpack[PathOptions]
 ) -> Asked[Path]:
     """A loop of the leg lengths round a cusp, without a singularity, from one pose to another.
 
     With `others` the answer says what becomes of the other poses meanwhile.
     """
-    members = {
-        f"l{fixed_leg}": _text(length),
-        "fixed_leg": fixed_leg,
-        "cusp": str(cusp),
-        **_sampling(samples, timing, duration),
-        "others": others,
-        **_limits(limits),
-    }
-    return _asked(PathRequest, Path, manipulator, digits, deadline, members)
+    leg = options.get("fixed_leg", 1)
+    return _path(manipulator, options, {f"l{leg}": _text(length), "cusp": str(cusp)})
 
 
 def singular_curves(
@@ -232,34 +249,24 @@ def range_aspects(
     return _asked(RangeAspectsRequest, RangeAspects, manipulator, MIN_DIGITS, deadline, members)
 
 
-def plot(
-    manipulator: Manipulator,
-    plot: str = "slice",
-    *,
-    length: Exact | None = None,
-    fixed_leg: int = 1,
-    lengths: tuple[Exact, Exact, Exact] | None = None,
-    start: Exact | None = None,
-    stop: Exact | None = None,
-    cusp: int | str | None = None,
-    pose: int | None = None,
-    theme: str = "auto",
-    deadline: float | None = None,
-) -> Asked[Plot]:
+def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOptions]) -> Asked[Plot]:
     """A picture: ``"slice"``, ``"torus"``, ``"census"``, ``"locus"``, ``"loop"`` or ``"mechanism"``.
 
     A slice and a loop have the ``length`` of the fixed leg, a census and a locus a range, the mechanism all
     three ``lengths``, or a length and a cusp.
     """
-    members: dict[str, object] = {"plot": plot, "theme": theme, "fixed_leg": fixed_leg}
+    names = ("length", "lengths", "start", "stop", "cusp", "pose", "deadline")
+    given = _complete(options, fixed_leg=1, theme="auto", **dict.fromkeys(names))
+    leg, length, lengths = given["fixed_leg"], given["length"], given["lengths"]
+    members: dict[str, object] = {"plot": plot, "theme": given["theme"], "fixed_leg": leg}
     if length is not None:
-        members[f"l{fixed_leg}"] = _text(length)
+        members[f"l{leg}"] = _text(length)
     if lengths is not None:
         members |= _legs(*lengths)
-    if start is not None or stop is not None:
-        members["range"] = _range(start, stop)
-    members |= {name: str(x) for name, x in (("cusp", cusp), ("pose", pose)) if x is not None}
-    return _asked(PlotRequest, Plot, manipulator, None, deadline, members)
+    if (given["start"], given["stop"]) != (None, None):
+        members["range"] = _range(given["start"], given["stop"])
+    members |= {name: str(given[name]) for name in ("cusp", "pose") if given[name] is not None}
+    return _asked(PlotRequest, Plot, manipulator, None, given["deadline"], members)
 
 
 def joint_path(
@@ -271,28 +278,12 @@ def joint_path(
     stop: int,
     *,
     between: tuple[Exact, Exact] | None = None,
-    limits: ExactLimits | None = None,
-    fixed_leg: int = 1,
-    digits: int = PATH_DIGITS,
-    samples: int = DEFAULT_SAMPLES,
-    timing: str = "cosine",
-    duration: Exact = 1,
-    others: bool = False,
-    deadline: float | None = None,
+    **options: Unpack[PathOptions],
 ) -> Asked[Path]:
     """A path without a singularity from one pose of a joint vector to another, or why there is none."""
-    members: dict[str, object] = {
-        **_legs(l1, l2, l3),
-        "fixed_leg": fixed_leg,
-        "from": str(start),
-        "to": str(stop),
-        **_sampling(samples, timing, duration),
-        "others": others,
-        **_limits(limits),
-    }
-    if between is not None:
-        members["between"] = _range(*between)
-    return _asked(PathRequest, Path, manipulator, digits, deadline, members)
+    ends = {**_legs(l1, l2, l3), "from": str(start), "to": str(stop)}
+    members = ends if between is None else {**ends, "between": _range(*between)}
+    return _path(manipulator, options, members)
 
 
 def verify_document(
@@ -327,8 +318,39 @@ def _legs(*lengths: Exact) -> dict[str, str]:
     return {f"l{leg}": _text(x) for leg, x in enumerate(lengths, 1)}
 
 
-def _sampling(samples: int, timing: str, duration: Exact) -> dict[str, str]:
-    return {"samples": str(samples), "timing": timing, "duration": _text(duration)}
+def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, object]) -> Asked[Path]:
+    given = _complete(
+        options,
+        limits=None,
+        fixed_leg=1,
+        digits=PATH_DIGITS,
+        samples=DEFAULT_SAMPLES,
+        timing="cosine",
+        duration=1,
+        others=False,
+        deadline=None,
+    )
+    own = {
+        **members,
+        "fixed_leg": given["fixed_leg"],
+        "samples": str(given["samples"]),
+        "timing": given["timing"],
+        "duration": _text(given["duration"]),
+        "others": given["others"],
+        **_limits(given["limits"]),
+    }
+    return _asked(PathRequest, Path, manipulator, given["digits"], given["deadline"], own)
+
+
+def _complete(options: Mapping[str, Any], **defaults: Any) -> dict[str, Any]:
+    """Returns options with the defaults of those that are not given.
+
+    Raises:
+        TypeError: there is no such option.
+    """
+    if unknown := options.keys() - defaults.keys():
+        raise TypeError(f"unexpected keyword argument {min(unknown)!r}; known are {', '.join(defaults)}")
+    return {**defaults, **options}
 
 
 def _lengths(lengths: _Length) -> list[str]:

@@ -29,6 +29,7 @@ from service.client import (
     cusp_loop,
     cusp_table,
     joint_path,
+    plot,
     poses,
     range_aspects,
     singular_curves,
@@ -247,6 +248,14 @@ def test_a_canceled_task_withdraws_its_question(idle_url: str, idle_queue: JobQu
     job = idle_queue.get(job_id)
     assert job is not None
     assert job.status == "canceled"
+
+
+def test_an_option_that_does_not_exist_is_refused() -> None:
+    with pytest.raises(TypeError, match="unexpected keyword argument 'digit'"):
+        cusp_loop(ZEIN, 10, "B", digit=15)  # type: ignore[call-arg]
+    asked = plot(ZEIN, "loop", length="10", fixed_leg=2, cusp=3, deadline=9.5).question.body()
+    wanted = {"plot": "loop", "theme": "auto", "fixed_leg": 2, "l2": "10", "cusp": 3, "deadline_s": 9.5}
+    assert {name: asked[name] for name in wanted} == wanted
 
 
 def test_faults_are_named_before_anything_is_sent() -> None:
