@@ -80,7 +80,7 @@ def _too_much(error: QuotaError, quota: Quota, size: int) -> ProblemError:
     return ProblemError(
         ProblemType.TOO_MANY_REQUESTS,
         f"You have {error.jobs} active jobs with about {error.seconds:.0f} s of estimated work; the limit "
-        f"{name} is {value}. Wait for some of them, or cancel them (DELETE).",
+        f"{name} is {value}. Wait for some of them, or withdraw them (DELETE).",
         headers={"Retry-After": str(_RETRY_S)},
         extra={"limit": {"name": name, "value": value}},
     )
