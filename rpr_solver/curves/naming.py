@@ -170,18 +170,30 @@ def tracks(survey: Survey, tracker: Tracker, progress: Progress) -> Tracks:
         born = [index for index in range(above.count) if index not in taken]
         first = len(everything)
         begin(k + 1, born)
-        for name, index in enumerate(born, first):
-            # a curve that turns back from one cusp to another does so from the other to the one
-            if everything[name].born_with is None:
-                sibling = _sibling(tracker, below.length, (above.length, index))
-                if sibling is not None:
-                    other = first + born.index(sibling)
-                    everything[name].born_with, everything[other].born_with = other, name
+        _pair(everything, range(first, len(everything)), born, tracker, (below.length, above.length))
         unpaired = any(track.born_with is None for track in everything[first:])
         if unpaired and len(met) < len(names) and not _only(tracker, survey.groups[k], len(taken)):
             undecided.add(k)
         progress(k + 2, len(survey.slices))
     return Tracks(tuple(everything), frozenset(undecided))
+
+
+def _pair(
+    everything: Sequence[Track],
+    names: Sequence[int],
+    born: Sequence[int],
+    tracker: Tracker,
+    lengths: tuple[Fraction, Fraction],
+) -> None:
+    """Notes which new tracks begin together: the branches of a curve that turns back between two lengths."""
+    below, above = lengths
+    for name, index in zip(names, born, strict=True):
+        # a curve that turns back from one cusp to another does so from the other to the one
+        if everything[name].born_with is None:
+            sibling = _sibling(tracker, below, (above, index))
+            if sibling is not None:
+                other = names[born.index(sibling)]
+                everything[name].born_with, everything[other].born_with = other, name
 
 
 def _only(tracker: Tracker, group: Sequence[Event], passing: int) -> bool:

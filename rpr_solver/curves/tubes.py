@@ -119,13 +119,12 @@ def build(
     slopes, bends = _parabola(nonlinear)
     middle = on_parabola(slopes, bends, r)
     off = abs(p - middle[0]).abs_upper(), abs(q - middle[1]).abs_upper()
-    planes = None if between is None else [around.frame.of_length(length) for length in between]
+    planes = None if between is None else tuple(map(around.frame.of_length, between))
     with ctx.workprec(BOUND_BITS):
         bounds = Bounds.of(nonlinear, slopes, bends)
         least = max(abs(r).abs_upper(), arb(2) ** -(around.bits // 3))
         if worth is not None:
-            advance = slopes[others.index(worth[0])]
-            least = max(least, (worth[1] / advance).abs_lower()) if not advance.is_zero() else reach
+            least = max(least, _reach_for(worth[1], slopes[others.index(worth[0])], reach))
         reach = reach.mid()
         while reach > least:
             radii, steepness = bounds.radii(reach, off)
@@ -135,6 +134,11 @@ def build(
                     return tube
             reach /= _shortening(steepness)
     return None
+
+
+def _reach_for(advance: arb, slope: arb, reach: arb) -> arb:
+    """The least reach in which a coordinate with a slope advances so far; the whole one if it is constant."""
+    return reach if slope.is_zero() else (advance / slope).abs_lower()
 
 
 def _shortening(steepness: arb) -> int:

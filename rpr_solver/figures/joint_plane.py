@@ -276,17 +276,9 @@ class _JointPlane:
         inside = OccupancyGrid(box.grown(-3))
         for line in curves:
             inside.add_line(line)
-        spots = [(k, zoomed(place)) for k, place in enumerate(self._places)]
-        spots = [(k, spot) for k, spot in spots if spot in box.grown(-CIRCLE)]
-        for _, spot in spots:
-            inside.add_point(spot)
-        crowd = {k for k, a in spots for i, b in spots if i != k and distance(a, b) < CIRCLE}
         yield smooth(curves)
         yield Path((box.corners,), Paint(stroke="soft", width=1.4), closed=True)
-        for k, spot in spots:
-            yield cusp_mark(k + 1, spot)
-            if k not in crowd or k in window.members:
-                yield inside.near(spot, letter(k + 1), 14, 14, "cusp")
+        yield from _zoomed_cusps([zoomed(place) for place in self._places], window, box, inside)
         scale = Text((box.x0 + 6, box.y1 - 10), f"× {short(zoom, 2)}", 11.5, "soft", halo="paper")
         corner = inside.near((box.x1 - 26, box.y1 - 10), scale.words, 11.5, 0, "soft")
         yield Text(corner.at, scale.words, 11.5, "soft", "middle", halo="paper")
@@ -311,6 +303,18 @@ class _JointPlane:
         ]
         listing = f" Cusps: {'; '.join(cusps)}." if cusps else ""
         return f"Singular curves in the plane of {listed(names)}.{listing}"
+
+
+def _zoomed_cusps(places: Sequence[Point], window: Window, box: Box, room: OccupancyGrid) -> Iterator[Shape]:
+    """Yields the cusps in an inset; only those that it is for are named if others are too near."""
+    spots = [(k, place) for k, place in enumerate(places) if place in box.grown(-CIRCLE)]
+    for _, spot in spots:
+        room.add_point(spot)
+    crowd = {k for k, a in spots for i, b in spots if i != k and distance(a, b) < CIRCLE}
+    for k, spot in spots:
+        yield cusp_mark(k + 1, spot)
+        if k not in crowd or k in window.members:
+            yield room.near(spot, letter(k + 1), 14, 14, "cusp")
 
 
 def _role(poses: int) -> str:

@@ -32,7 +32,7 @@ def locus_figure(document: Mapping[str, Any]) -> Figure:
         document: as :meth:`CuspCurves.to_json` gives it, with several points on each curve.
     """
     leg = document["fixed_leg"]
-    others = [k for k in (1, 2, 3) if k != leg]
+    others = sorted({1, 2, 3} - {leg})
     names = [f"l{k}" for k in (leg, *others)]
     stop = _stop(document, names[0])
     curves = [
@@ -53,17 +53,19 @@ def locus_figure(document: Mapping[str, Any]) -> Figure:
         *_names(drawn, room),
         *_legend({end["kind"] for _, _, curve in curves for end in (curve["from"], curve["to"])}),
     ]
-    title = (
-        f"Cusp locus: {len(curves)} curves of cusps" if len(curves) != 1 else "Cusp locus: one curve of cusps"
-    )
-    notes = [
-        f"{curve['name']} from {titles[0]} = {_end(curve['from'], names[0])} ({curve['from']['kind']}) to "
-        f"{_end(curve['to'], names[0])} ({curve['to']['kind']})"
-        for _, _, curve in curves
-    ]
-    text = f"Curves of cusps in ({', '.join(titles)}), with their shadows on the floor. {'; '.join(notes)}."
+    count = len(curves)
+    title = f"Cusp locus: {'one curve' if count == 1 else f'{count} curves'} of cusps"
+    notes = "; ".join(_note(curve, titles[0], names[0]) for _, _, curve in curves)
+    text = f"Curves of cusps in ({', '.join(titles)}), with their shadows on the floor. {notes}."
     text += degenerate_facts(document)
     return sheet(title, document["geometry"], text, shapes, HEIGHT, remark=degenerate_remark(document))
+
+
+def _note(curve: Mapping[str, Any], title: str, name: str) -> str:
+    """Where a curve begins and ends."""
+    start, stop = curve["from"], curve["to"]
+    begins = f"{curve['name']} from {title} = {_end(start, name)} ({start['kind']})"
+    return f"{begins} to {_end(stop, name)} ({stop['kind']})"
 
 
 def _spots(curve: Mapping[str, Any], names: Sequence[str]) -> list[Spot]:

@@ -150,14 +150,9 @@ def _mechanism(course: _Course, start: int, stop: int) -> Iterator[Shape]:
     view = View(points, _STAGE)
     base = view.line(course.shape.base)
     rings = [view.line(platform) for platform in course.platforms]
-    room = OccupancyGrid(Box(500, 46, WIDTH - 8, HEIGHT - 30))
-    for ring in (base, rings[0], rings[-1]):
-        room.add_line([*ring, ring[0]])
-    for (x, y), head in zip(base, rings[0], strict=True):
-        room.add_box(Box(x - 12, y - 8, x + 12, y + 21))
-        room.add_line([(x, y), head])
+    ends = (rings[0], start, "line1"), (rings[-1], stop, "cusp")
     yield Path((base,), Paint("tint", "soft", 1.4, (6, 4)), closed=True)
-    for ring, pose, role in ((rings[0], start, "line1"), (rings[-1], stop, "cusp")):
+    for ring, pose, role in ends:
         yield Group((Path((ring,), Paint(stroke=role, width=1.6, dash=(5, 4)), closed=True),), f"pose {pose}")
     yield Group(tuple(base_shapes(base))[1:], "ground")
     platform = [(view.scale * x, -view.scale * y) for x, y in course.shape.platform]
@@ -168,9 +163,21 @@ def _mechanism(course: _Course, start: int, stop: int) -> Iterator[Shape]:
         yield from _leg(foot, [ring[k] for ring in rings])
     yield Group(tuple(joint(point) for point in platform), motion=_motion(moves))
     yield from (joint(point) for point in base)
+    yield from _labels(base, ends)
+
+
+def _labels(base: Sequence[Point], ends: Sequence[tuple[Sequence[Point], int, str]]) -> Iterator[Shape]:
+    """Yields the names of the base points and of the poses, where they hide nothing."""
+    (first, _, _), (last, _, _) = ends
+    room = OccupancyGrid(Box(500, 46, WIDTH - 8, HEIGHT - 30))
+    for ring in (base, first, last):
+        room.add_line([*ring, ring[0]])
+    for (x, y), head in zip(base, first, strict=True):
+        room.add_box(Box(x - 12, y - 8, x + 12, y + 21))
+        room.add_line([(x, y), head])
     for k, point in enumerate(base, 1):
         yield room.near(point, f"A{k}", 14, 15)
-    for ring, pose, role in ((rings[0], start, "line1"), (rings[-1], stop, "cusp")):
+    for ring, pose, role in ends:
         centre = sum(x for x, _ in ring) / 3, sum(y for _, y in ring) / 3
         yield room.near(centre, f"pose {pose}", 13, 4, role)
 
