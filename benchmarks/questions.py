@@ -16,7 +16,7 @@ from random import Random
 from typing import Any
 
 from rpr_solver import exact_str
-from service.schemas.catalog import question_of, questions
+from service.schemas.catalog import by_kind, questions
 from service.schemas.questions import EXAMPLE_GEOMETRY
 from service.schemas.verifications import VerificationRequest
 
@@ -66,7 +66,7 @@ def to_verify(document: Mapping[str, Any]) -> Body:
 
 def is_verification(kind: str) -> bool:
     """Whether questions of a kind are about documents."""
-    return question_of(kind) is VerificationRequest
+    return by_kind()[kind] is VerificationRequest
 
 
 def changed(kind: str, body: Body, rng: Random) -> Body:
@@ -148,7 +148,7 @@ def _other_leg(_kind: str, body: Body, rng: Random) -> None:
 
 def _other_option(kind: str, body: Body, rng: Random) -> None:
     """Gives an option of the question another of the values that its schema lists."""
-    properties = question_of(kind).model_json_schema()["properties"]
+    properties = by_kind()[kind].model_json_schema()["properties"]
     choices: dict[str, list[Any]] = {}
     for name, schema in properties.items():
         forms = [schema, *schema.get("anyOf", ())]

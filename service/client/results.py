@@ -17,7 +17,7 @@ from service.client.conversation import Conversation, OnProgress, as_object
 from service.client.questions import Answer, Asked
 from service.errors import ServiceError
 from service.schemas.answers import ProblemDocument
-from service.schemas.catalog import questions
+from service.schemas.catalog import by_kind
 from service.schemas.tables import CuspTable, CuspTableRequest
 
 _STREAM_SECONDS = 60
@@ -67,21 +67,16 @@ def item_result(line: bytes) -> ItemResult:
     head, found, rest = line.partition(b',"result":')  # within a string its quotes would have backslashes
     members = json.loads(head + b"}" if found else head)
     kind, problem = members.get("kind"), members.get("problem")
+    known = by_kind().get(kind)
     return ItemResult(
         index=members["index"],
         name=members["id"],
         kind=kind,
         status=members["status"],
-        answer=Answer(rest[:-1], _model_of(kind)) if found else None,
+        answer=Answer(rest[:-1], AnyDocument if known is None else known.answer) if found else None,
         problem=None if problem is None else ProblemDocument.model_validate(problem),
         line=line,
     )
-
-
-def _model_of(kind: str | None) -> type[BaseModel]:
-    """Returns the model of documents of a kind; those of a newer service are taken as they are."""
-    every = (question for question in questions() if kind in [own.name for own in question.kinds])
-    return next((question.answer for question in every), AnyDocument)
 
 
 class ResultReader:

@@ -6,7 +6,9 @@ with its :class:`~service.schemas.questions.Question` and its answer, and a line
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -59,6 +61,7 @@ QUESTIONS: tuple[Entry, ...] = (
 """All questions, in the order of the contract."""
 
 
+@cache
 def questions() -> tuple[type[Question], ...]:
     """Returns all questions, loaded."""
     return tuple(entry.question for entry in QUESTIONS)
@@ -69,10 +72,7 @@ def queries() -> tuple[type[Question], ...]:
     return tuple(query for question in questions() if (query := question.by_query()) is not None)
 
 
-def question_of(kind: str) -> type[Question]:
-    """Returns the question that a kind of documents answers.
-
-    Raises:
-        StopIteration: there is none.
-    """
-    return next(q for q in questions() if kind in (own.name for own in q.kinds))
+@cache
+def by_kind() -> Mapping[str, type[Question]]:
+    """Returns the questions by the names of the kinds of documents that answer them."""
+    return {kind.name: question for question in questions() for kind in question.kinds}

@@ -13,7 +13,7 @@ from rpr_solver.errors import InputError
 from service.api.answers.request_body import json_of
 from service.api.batches.bodies import Lines
 from service.api.problems import ProblemError, ProblemType
-from service.schemas.catalog import question_of
+from service.schemas.catalog import by_kind
 from service.schemas.document import Document, Source, at, part
 from service.schemas.exact_json import JsonNumber
 from service.schemas.lengths import ENDS, LEGS, SLICE_COLUMNS
@@ -109,7 +109,7 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
         return {name: cells.pop(name) for name in names if name in cells}
 
     kind, name = cells.pop("kind", CUSP_TABLE.name), taken(["id"])
-    fields = question_of(kind).model_fields if kind in KIND_NAMES else {}
+    fields = by_kind()[kind].model_fields if kind in by_kind() else {}
     parts = _parts_of(fields)
     has_range = any("range" in members for members in (fields, *parts.values()))
     request: dict[str, Any] = {"geometry": taken(GEOMETRY)}
@@ -192,7 +192,7 @@ def _job_request(item: BatchItem, limits: Limits) -> JobRequest:
     if implied is not None:
         sent.setdefault(*implied)
     try:
-        question = question_of(item.kind)
+        question = by_kind()[item.kind]
         request = part(question.model_validate, sent, Source(limits)).job_request()
         if implied is not None and item.kind != request.kind.name:
             raise InputError.of(implied[0], f"does not fit an item of the kind {item.kind}")

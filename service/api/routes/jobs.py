@@ -27,7 +27,7 @@ from service.api.routes.shared import (
     list_response,
 )
 from service.schemas.answers import Forms
-from service.schemas.catalog import questions
+from service.schemas.catalog import by_kind, questions
 from worker.answers.kinds import Answer, is_batch, kind_of_job
 from worker.jobs.views import JobView
 
@@ -88,8 +88,8 @@ async def cancel_job(
 def _forms_of(job_id: str) -> Forms:
     """Returns the forms of a job's result, or all forms if the id is not a job's."""
     kind = kind_of_job(job_id)
-    every = questions()
-    return next((q for q in every if kind in q.kinds), every[0]).forms
+    question = None if kind is None else by_kind().get(kind.name)
+    return (question or questions()[0]).forms
 
 
 @router.get(
