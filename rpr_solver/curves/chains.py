@@ -27,7 +27,7 @@ from flint import arb, ctx
 from rpr_solver.contract import Progress
 from rpr_solver.curves.cusp_curve import CurvePoint, CuspCurve
 from rpr_solver.curves.follower import LostError, Tracker
-from rpr_solver.curves.neighbourhood import CuspForms, Expansion, Frame, Place, Two
+from rpr_solver.curves.neighbourhood import CuspForms, Expansion, Frame, PoseBox, Two
 from rpr_solver.curves.tubes import (
     BOUND_BITS,
     Bounds,
@@ -127,7 +127,7 @@ class ProvedTube:
         with ctx.workprec(BOUND_BITS):
             return self._bounds().passes(ball_of(self.tube.reach), _balls(self.tube.radii))
 
-    def middle(self) -> tuple[Place, arb] | None:
+    def middle(self) -> tuple[PoseBox, arb] | None:
         """A small box that is proved to hold the point with r = 0, and its lengths; None if none is found."""
         if self._forms is None:
             return None
@@ -142,7 +142,7 @@ class ProvedTube:
             box.insert(self.tube.parameter, arb(0))
             return self._frame.outside(box[0], box[1]), self._frame.length * (1 + box[2])
 
-    def contains(self, place: Place, length: arb) -> bool:
+    def contains(self, place: PoseBox, length: arb) -> bool:
         """Whether a box lies in the tube."""
         with ctx.workprec(self.bits):
             box = list(self._frame.inside(place, length))
@@ -161,7 +161,7 @@ class ProvedTube:
 
 
 def shortened(
-    tube: Tube, forms: CuspForms, bits: int, before: ProvedTube | None, start: tuple[Place, arb] | None
+    tube: Tube, forms: CuspForms, bits: int, before: ProvedTube | None, start: tuple[PoseBox, arb] | None
 ) -> ProvedTube | None:
     """A tube in few digits that holds the start, and whose own point with r = 0 lies in the tube before.
 
@@ -198,7 +198,7 @@ def _rounded(tube: Tube, forms: CuspForms, bits: int, before: ProvedTube | None,
     places = _places(min(sizes) * fine)
     alpha, theta = (_direction(pair, places) for pair in (tube.frame.alpha, tube.frame.theta))
     with ctx.workprec(bits):
-        here = Place(*(HalfTangent(arb(s), arb(c)) for s, c in (alpha, theta)))
+        here = PoseBox(*(HalfTangent(arb(s), arb(c)) for s, c in (alpha, theta)))
         leg = forms.steeper(here, tube.frame.length, bits)
     length = fraction_of(tube.frame.length) / slice_map.scale
     once, twice = (_places(radius / reach**k * fine) for k in (1, 2))

@@ -78,10 +78,8 @@ class CuspCurves:
     def __repr__(self) -> str:
         points = counted(sum(len(curve.points) for curve in self.curves), "point")
         curves = counted(len(self.curves), "curve")
-        beside = ", degenerate" if self.degenerate else ""
-        return (
-            f"<CuspCurves L{self.fixed_leg} {self.range}: {curves}, {points}{beside}, {self.digits} digits>"
-        )
+        extra = ", degenerate" if self.degenerate else ""
+        return f"<CuspCurves L{self.fixed_leg} {self.range}: {curves}, {points}{extra}, {self.digits} digits>"
 
     def to_json(
         self, *, certificate: str = SHORT, eliminant: Eliminant | None = None, progress: Progress = silent

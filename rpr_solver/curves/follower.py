@@ -18,7 +18,7 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
-from rpr_solver.curves.neighbourhood import ALONG_L, CuspForms, Neighbourhood, Place
+from rpr_solver.curves.neighbourhood import ALONG_L, CuspForms, Neighbourhood, PoseBox
 from rpr_solver.curves.tubes import Tube, build
 from rpr_solver.exact.precision import MATCH_BITS, TUBE_BITS, decided, decided_or_none
 from rpr_solver.exact.rationals import exact_str
@@ -44,7 +44,7 @@ class Follower:
     """
 
     def __init__(
-        self, forms: CuspForms, start: Callable[[int], Place], length: Fraction, *, upwards: bool
+        self, forms: CuspForms, start: Callable[[int], PoseBox], length: Fraction, *, upwards: bool
     ) -> None:
         self.forms = forms
         self._start, self._begin, self._upwards = start, length, upwards
@@ -62,7 +62,7 @@ class Follower:
         """The precision of the last tube."""
         return self._bits
 
-    def walk(self, low: Fraction, high: Fraction, tubes: int) -> tuple[Fraction, Place] | None:
+    def walk(self, low: Fraction, high: Fraction, tubes: int) -> tuple[Fraction, PoseBox] | None:
         """Continues between ``low`` and ``high`` to the first of these two slices that the curve meets.
 
         Returns:
@@ -76,7 +76,7 @@ class Follower:
                 with ctx.workprec(self._bits):
                     met = self._tube.meets(low, high)
                     if met is not None:
-                        return met, self._tube.place_at(ball_of(met))
+                        return met, self._tube.box_at(ball_of(met))
             self._extend(low, high)
         return None
 
@@ -140,7 +140,7 @@ class Tracker:
         """The follower of a cusp towards greater or smaller lengths."""
         length, index = cusp
 
-        def start(bits: int) -> Place:
+        def start(bits: int) -> PoseBox:
             return self._places(length, bits)[index]
 
         return Follower(self.forms, start, self._scaled(length), upwards=upwards)
@@ -180,14 +180,14 @@ class Tracker:
                 waiting.append((name, follower, spent + _TUBES_A_TURN))
         return met
 
-    def place(self, cusp: Cusp, bits: int) -> tuple[Place, arb]:
+    def place(self, cusp: Cusp, bits: int) -> tuple[PoseBox, arb]:
         """A box that contains a cusp and no other zero of its slice, and its scaled length."""
         length, index = cusp
         place = self._places(length, bits)[index]
         with ctx.workprec(bits):
             return place, ball_of(self._scaled(length))
 
-    def _index(self, place: Place, length: Fraction) -> int:
+    def _index(self, place: PoseBox, length: Fraction) -> int:
         def index(bits: int) -> int | None:
             with ctx.workprec(bits):
                 near = [i for i, cusp in enumerate(self._places(length, bits)) if not place.apart(cusp)]
@@ -196,11 +196,11 @@ class Tracker:
         message = f"cusps of the slice {exact_str(length)} are too close to tell which is followed"
         return decided(index, _FIRST_BITS, MATCH_BITS, message)
 
-    def _places(self, length: Fraction, bits: int) -> list[Place]:
+    def _places(self, length: Fraction, bits: int) -> list[PoseBox]:
         table = self.table(length, bits // 6)
         with ctx.workprec(bits):
             return [
-                Place(*(_half_tangent(angle, table.digits) for angle in cusp.coordinates[:2]))
+                PoseBox(*(_half_tangent(angle, table.digits) for angle in cusp.coordinates[:2]))
                 for cusp in table.cusps
             ]
 

@@ -27,13 +27,13 @@ Expansion = list[arb_mat]
 
 
 @dataclass(frozen=True)
-class Place:
+class PoseBox:
     """A box in (α, θ) of one slice."""
 
     alpha: HalfTangent
     theta: HalfTangent
 
-    def apart(self, other: Place) -> bool:
+    def apart(self, other: PoseBox) -> bool:
         """Whether two boxes are proved to be disjoint."""
         pairs = ((self.alpha, other.alpha), (self.theta, other.theta))
         crossed = (a.numerator * b.denominator - b.numerator * a.denominator for a, b in pairs)
@@ -58,7 +58,7 @@ class CuspForms:
             self._known[bits] = _balls(self._singular, bits), (along_f, along_g)
         return self._known[bits]
 
-    def steeper(self, place: Place, length: arb, bits: int) -> int:
+    def steeper(self, place: PoseBox, length: arb, bits: int) -> int:
         """0 for leg f or 1 for leg g: the leg with the larger gradient in proportion to its size."""
         omega = omega_ball(self.slice_map.radicand, bits)
         pose = pose_of(_middle(place.alpha), _middle(place.theta), length, omega)
@@ -88,7 +88,7 @@ class Frame:
     length: arb
 
     @classmethod
-    def about(cls, place: Place, length: arb) -> Frame:
+    def about(cls, place: PoseBox, length: arb) -> Frame:
         """The frame whose origin is the midpoint of a box."""
 
         def origin(t: HalfTangent) -> Two:
@@ -98,7 +98,7 @@ class Frame:
 
         return cls(origin(place.alpha), origin(place.theta), length.mid())
 
-    def inside(self, place: Place, length: arb) -> Three:
+    def inside(self, place: PoseBox, length: arb) -> Three:
         """A box in local coordinates."""
         origins = (self.alpha, place.alpha), (self.theta, place.theta)
         x, y = (
@@ -111,10 +111,10 @@ class Frame:
         """The coordinate z of a length."""
         return (length - self.length) / self.length
 
-    def outside(self, x: arb, y: arb) -> Place:
+    def outside(self, x: arb, y: arb) -> PoseBox:
         """The box with these local coordinates."""
         alpha, theta = (HalfTangent(c * w + s, c - s * w) for (s, c), w in ((self.alpha, x), (self.theta, y)))
-        return Place(alpha, theta)
+        return PoseBox(alpha, theta)
 
     def expanded(self, *forms: Expansion) -> Iterator[Expansion]:
         """Forms by powers of z, those of x down and of y across."""
@@ -147,7 +147,7 @@ class Neighbourhood:
     bits: int
 
     @classmethod
-    def at(cls, forms: CuspForms, place: Place, length: arb, bits: int) -> Neighbourhood:
+    def at(cls, forms: CuspForms, place: PoseBox, length: arb, bits: int) -> Neighbourhood:
         """The neighbourhood of the point of the curve in a box."""
         frame = Frame.about(place, length)
         singular, coalescence = forms.at(bits)

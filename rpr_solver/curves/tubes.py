@@ -22,7 +22,7 @@ from rpr_solver.curves.neighbourhood import (
     Expansion,
     Frame,
     Neighbourhood,
-    Place,
+    PoseBox,
     Two,
     at_parameter,
     value_of_each,
@@ -60,12 +60,12 @@ class Tube:
         length = high if self.forwards else low
         return length if abs(self.frame.of_length(ball_of(length))) <= self.reach else None
 
-    def place_at(self, length: arb) -> Place:
+    def box_at(self, length: arb) -> PoseBox:
         """The box of the slice of one length, with L as parameter."""
         x, y = self._box(self.frame.of_length(length))
         return self.frame.outside(x, y)
 
-    def end(self) -> tuple[Place, arb]:
+    def end(self) -> tuple[PoseBox, arb]:
         """A small box round the curve near the end of the tube, and its lengths."""
         r = self._last()
         box = list(self._box(r))

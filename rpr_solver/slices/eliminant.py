@@ -227,12 +227,12 @@ class KeptEliminants:
     """
 
     most_bytes: int = MOST_BYTES
-    _found: OrderedDict[_Key, tuple[Eliminant, int]] = field(default_factory=OrderedDict, repr=False)
+    _stored: OrderedDict[_Key, tuple[Eliminant, int]] = field(default_factory=OrderedDict, repr=False)
     _bytes: int = 0
     _lock: Lock = field(default_factory=Lock, repr=False)
 
     def __len__(self) -> int:
-        return len(self._found)
+        return len(self._stored)
 
     def eliminant(self, manipulator: Manipulator, fixed_leg: int) -> Eliminant:
         """As :func:`eliminate`, which is only called for what is not kept.
@@ -244,20 +244,22 @@ class KeptEliminants:
         check_type(manipulator, Manipulator, "manipulator")
         key = manipulator, check_leg(fixed_leg)
         with self._lock:
-            if key in self._found:
-                self._found.move_to_end(key)
-                return replace(self._found[key][0])
+            if key in self._stored:
+                self._stored.move_to_end(key)
+                return replace(self._stored[key][0])
         # without the lock: another thread may want another manipulator meanwhile
-        found = eliminate(manipulator, fixed_leg)
-        size = sum(int(x).bit_length() // 8 + 32 for part in (found.a, found.b) for x in part.entries())
+        eliminant = eliminate(manipulator, fixed_leg)
+        size = sum(
+            int(x).bit_length() // 8 + 32 for part in (eliminant.a, eliminant.b) for x in part.entries()
+        )
         with self._lock:
-            if size <= self.most_bytes and key not in self._found:
-                self._found[key] = found, size
+            if size <= self.most_bytes and key not in self._stored:
+                self._stored[key] = eliminant, size
                 self._bytes += size
             while self._bytes > self.most_bytes:
-                _, (_, freed) = self._found.popitem(last=False)
+                _, (_, freed) = self._stored.popitem(last=False)
                 self._bytes -= freed
-        return replace(found)
+        return replace(eliminant)
 
 
 kept_eliminant = KeptEliminants().eliminant

@@ -138,15 +138,15 @@ def _real_curves(common: fmpz_mpoly) -> list[Curve]:
 
 def special_poses(forms: SliceForms) -> list[ExactPose]:
     """The poses with ∇J = 0 on simple curves that were divided out of a slice, and those with ∇f = ∇g = 0."""
-    found: list[ExactPose] = []
+    poses: list[ExactPose] = []
     for curve in forms.shared:
         own, rest = curve.form, forms.slice_map.singular.sliced(forms.length)
         simple = not divides(own * own, rest) if not own.a.is_one() else rest.zeros_at_infinity == 1
         for other in _others(forms, curve):
             for pose in () if divides(own, other) else _common(own, other, forms):
-                if _stands_out(pose, simple) and not any(pose.is_at(x) for x in found):
-                    found.append(pose)
-    return found
+                if _stands_out(pose, simple) and not any(pose.is_at(x) for x in poses):
+                    poses.append(pose)
+    return poses
 
 
 def _stands_out(pose: ExactPose, simple: bool) -> bool:

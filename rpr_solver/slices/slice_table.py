@@ -202,9 +202,9 @@ class SliceTable:
         return cls(fixed_leg, length, digits, tuple(point for point, _ in cusps), (), certificate)
 
     def __repr__(self) -> str:
-        beside = f" and {len(self.degenerate_points)} degenerate" if self.degenerate_points else ""
+        degenerate = f" and {len(self.degenerate_points)} degenerate" if self.degenerate_points else ""
         leg = f"L{self.fixed_leg}={shortened(exact_str(self.length))}"
-        return f"<SliceTable {leg}: {counted(self.count, 'cusp')}{beside}, {self.digits} digits>"
+        return f"<SliceTable {leg}: {counted(self.count, 'cusp')}{degenerate}, {self.digits} digits>"
 
     def __str__(self) -> str:
         return text_table(repr(self)[1:-1], self._records())

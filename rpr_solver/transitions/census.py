@@ -151,10 +151,8 @@ class Census:
         low, high = min(self.counts), max(self.counts)
         cusps = counted(high, "cusp") if low == high else f"{low} to {high} cusps"
         transitions = counted(len(self.transitions), "transition")
-        beside = ", degenerate" if self.degenerate else ""
-        return (
-            f"<Census L{self.fixed_leg} {self.range}: {transitions}, {cusps}{beside}, {self.digits} digits>"
-        )
+        extra = ", degenerate" if self.degenerate else ""
+        return f"<Census L{self.fixed_leg} {self.range}: {transitions}, {cusps}{extra}, {self.digits} digits>"
 
     def to_json(self) -> dict[str, Any]:
         """The contract's census document."""

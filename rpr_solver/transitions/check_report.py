@@ -190,7 +190,7 @@ def check(
         start=low,
         stop=high,
         digits=digits,
-        more=partial(_limit_cuts, requirement),
+        extra_events=partial(_limit_cuts, requirement),
     )
     slice_map = result.eliminant.slice_map
     cuts = [length_text(slice_map, group, digits) for group in result.groups]

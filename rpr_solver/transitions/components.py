@@ -153,7 +153,7 @@ def _of_wall(
     wall: BiForm, legs: list[_Gradient], others: list[BiForm], graph: tuple[BiForm, BiForm] | None
 ) -> Iterator[Component]:
     """The cusps of a wall: once for each leg, whose gradients vanish at different poses."""
-    found = []
+    components = []
     for leg in legs:
         e0 = leg.f0 * along_theta(wall)
         e1 = form_sum(leg.f1 * along_theta(wall), negative(leg.phi * along_alpha(wall)))
@@ -165,8 +165,8 @@ def _of_wall(
         crossing = list(others)
         if graph is not None:
             crossing.append(form_sum(e1 * graph[0], negative(e0 * graph[1])))
-        found.append(_component(wall, e0, e1, turning, crossing, live=True))
-    yield from found
+        components.append(_component(wall, e0, e1, turning, crossing, live=True))
+    yield from components
 
 
 def _determinant(curve: BiForm, m_alpha: BiForm, m_theta: BiForm) -> BiForm:
@@ -199,20 +199,25 @@ class ComponentEvents:
             for form in (component.turning, *component.crossing):
                 for pose in _located(slice_map, component, form):
                     yield Landmark(pose.length)
-                    for found in event(slice_map, pose) if component.live else ():
-                        yield replace(found, lasting=self._crosses(found))
+                    for landmark in event(slice_map, pose) if component.live else ():
+                        yield replace(landmark, lasting=self._crosses(landmark))
         for pose in self._resting:
-            for found in special_lengths(slice_map, pose):
-                yield replace(found, lasting=self._crosses(found) or _lasts(slice_map, pose, found))
+            for landmark in special_lengths(slice_map, pose):
+                yield replace(landmark, lasting=self._crosses(landmark) or _lasts(slice_map, pose, landmark))
             for component in self.components.components:
                 for limit in _limits(component, pose):
                     yield Landmark(limit.root)
-                    for found in event_at(slice_map, pose, limit):
-                        yield replace(found, lasting=self._crosses(found) or _lasts(slice_map, pose, found))
+                    for landmark in event_at(slice_map, pose, limit):
+                        yield replace(
+                            landmark, lasting=self._crosses(landmark) or _lasts(slice_map, pose, landmark)
+                        )
 
-    def _crosses(self, found: Landmark) -> bool:
+    def _crosses(self, landmark: Landmark) -> bool:
         """Whether two parts of the singular curve cross at an event, as they do nearby in other slices."""
-        crossing = found.pose is not None and found.pose.kind in (PoseKind.NODE, PoseKind.ISOLATED_POINT)
+        crossing = landmark.pose is not None and landmark.pose.kind in (
+            PoseKind.NODE,
+            PoseKind.ISOLATED_POINT,
+        )
         return crossing and self.components.walls
 
     def limit_events(self, leg: Leg, square: Fraction) -> Iterator[Event]:
@@ -246,20 +251,20 @@ class ComponentEvents:
 
 def distinct(group: Sequence[Event]) -> list[Event]:
     """Events of one L without repetitions, and without a pose only if none has one."""
-    found: list[tuple[Event, ExactPose]] = []
+    kept: list[tuple[Event, ExactPose]] = []
     for each in group:
         pose = each.pose
-        if isinstance(pose, ExactPose) and not any(pose.is_at(other) for _, other in found):
-            found.append((each, pose))
-    return [each for each, _ in found] or list(group[:1])
+        if isinstance(pose, ExactPose) and not any(pose.is_at(other) for _, other in kept):
+            kept.append((each, pose))
+    return [each for each, _ in kept] or list(group[:1])
 
 
-def _lasts(slice_map: SliceMap, pose: Pose[Algebraic], found: Landmark) -> bool:
+def _lasts(slice_map: SliceMap, pose: Pose[Algebraic], landmark: Landmark) -> bool:
     """Whether a pose that is singular for every L is of one kind at, below and above the L of an event."""
-    middle = fraction_of(found.scaled_length(_NEAR_BITS))
+    middle = fraction_of(landmark.scaled_length(_NEAR_BITS))
     near = (pose.omega.field(middle * (1 + sign * _NEAR)) for sign in (-1, 1))
     kinds = {ExactPose.of(slice_map, replace(pose, length=x)).kind for x in near}
-    return found.pose is not None and kinds == {found.pose.kind}
+    return landmark.pose is not None and kinds == {landmark.pose.kind}
 
 
 def _zeros(slice_map: SliceMap, first: BiForm, second: BiForm) -> Iterator[Pose[Algebraic]]:

@@ -162,7 +162,7 @@ class EventSystems:
     slice_map: SliceMap
     swallowtails: System
     critical: System
-    beside: tuple[System, ...]
+    near_shared_angles: tuple[System, ...]
     """Where cusps may meet poses of an angle α at which every pose is degenerate for its own L."""
     permanent: System
     """J0 = J1 = 0 and Z(v): the poses that are singular for every L."""
@@ -195,9 +195,9 @@ class EventSystems:
         progress(3, ELIMINATION_STEPS)
         known = y * y * y * y * _circular(8, radicand)
         swallowtails, angles = System.without_shared_angles(slice_map, c, w, known)
-        beside = () if angles is None else (System.of(slice_map, swallowtails.first, angles),)
+        near_shared_angles = () if angles is None else (System.of(slice_map, swallowtails.first, angles),)
         progress(4, ELIMINATION_STEPS)
-        return cls(slice_map, swallowtails, critical, beside, permanent, y)
+        return cls(slice_map, swallowtails, critical, near_shared_angles, permanent, y)
 
 
 def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
@@ -224,7 +224,7 @@ def limit_system(systems: EventSystems, leg: Leg, square: Fraction) -> System:
     )
     form = trig.form(on_surface, (4, 4))
     known = None
-    if not systems.beside:
+    if not systems.near_shared_angles:
         factor = systems.permanent.eliminant * systems.not_parallel
         known = factor * factor * _circular(10, slice_map.radicand)
     system = System.of(slice_map, systems.swallowtails.first, form, known)

@@ -68,7 +68,7 @@ def _systems(systems: EventSystems | None) -> Iterator[tuple[str, System]]:
     if systems is not None:
         yield "swallowtails", systems.swallowtails
         yield "critical poses", systems.critical
-        for system in systems.beside:
+        for system in systems.near_shared_angles:
             yield "beside shared angles", system
 
 

@@ -117,7 +117,7 @@ def events(systems: EventSystems) -> Iterator[Event]:
     """
     yield from _system_events(systems.swallowtails, _swallowtail)
     yield from _system_events(systems.critical, _critical)
-    for system in systems.beside:
+    for system in systems.near_shared_angles:
         yield from _system_events(system, None)
     yield from permanent_events(systems.permanent)
     yield from stretched_closings(systems.slice_map.f)

@@ -158,7 +158,7 @@ def survey(
     start: Fraction = Fraction(0),
     stop: Fraction | None = None,
     digits: int = MIN_DIGITS,
-    more: Callable[[SliceMap, LimitEvents], Iterable[Event]] | None = None,
+    extra_events: Callable[[SliceMap, LimitEvents], Iterable[Event]] | None = None,
 ) -> Survey:
     """All events strictly within a range of lengths > 0, and the slices between.
 
@@ -168,7 +168,7 @@ def survey(
         progress: callback ``progress(done, total)``; ``total`` may grow.
         start, stop: the range in the user's unit; None is an open end.
         digits: the significant digits of the slices.
-        more: gives further events, such as those of joint limits.
+        extra_events: gives further events, such as those of joint limits.
 
     Raises:
         InputError: ``fixed_leg`` is not 1, 2 or 3.
@@ -176,18 +176,20 @@ def survey(
     """
     eliminant = eliminate(manipulator, fixed_leg)
     slice_map = eliminant.slice_map
-    found = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
+    known = _events(eliminant, lambda done, _: progress(done, ELIMINATION_STEPS + 1))
     low, high = (Landmark(Field.rationals()(end * slice_map.scale)) if end else None for end in (start, stop))
     ends = [end for end in (low, high) if end is not None]
-    groups = grouped([*found.events, *ends, *(more(slice_map, found.limit_events) if more else ())])
+    groups = grouped(
+        [*known.events, *ends, *(extra_events(slice_map, known.limit_events) if extra_events else ())]
+    )
     first = 0 if low is None else _position(groups, low) + 1
     last = len(groups) if high is None else _position(groups, high)
-    inside = tuple(tuple(found.distinct(group)) for group in groups[first:last])
+    inside = tuple(tuple(known.distinct(group)) for group in groups[first:last])
     slices = []
     for length in _sample_lengths(slice_map, low, [group[0] for group in inside], high):
         slices.append(solve_slice(eliminant, length, digits))
         progress(ELIMINATION_STEPS + len(slices), ELIMINATION_STEPS + len(inside) + 1)
-    return Survey(eliminant, inside, tuple(slices), found.method, found.events, found.systems)
+    return Survey(eliminant, inside, tuple(slices), known.method, known.events, known.systems)
 
 
 @dataclass(frozen=True)

@@ -103,14 +103,14 @@ def symmetries(slice_map: SliceMap) -> tuple[Symmetry, ...]:
     """All symmetries but the identity under which one leg becomes itself or the other, perhaps reversed."""
     legs = slice_map.f, slice_map.g
     waves = [_wave(leg) for leg in legs]
-    found: list[Symmetry] = []
+    symmetries: list[Symmetry] = []
     for flips, swaps, sign in product((False, True), (False, True), (1, -1)):
         for i, j in product((0, 1), repeat=2):
             pair = (legs[i], legs[j]) if sign > 0 else (None, None)
             symmetry = _candidate(waves[i], _signed(waves[j], sign), pair, flips=flips, swaps=swaps)
             if symmetry and _is_symmetry(symmetry, waves, i, j) and not _is_identity(symmetry):
-                found.append(symmetry)
-    return tuple(found)
+                symmetries.append(symmetry)
+    return tuple(symmetries)
 
 
 def _wave(leg: Leg) -> _Wave:

@@ -6,7 +6,7 @@ import mpmath as mp
 from flint import arb, ctx
 
 from rpr_solver import Eliminant, Manipulator
-from rpr_solver.curves.neighbourhood import CuspForms, Neighbourhood, Place
+from rpr_solver.curves.neighbourhood import CuspForms, Neighbourhood, PoseBox
 from rpr_solver.model.half_tangent import HalfTangent
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices.cusp_table import SliceTable, solve_slice
@@ -31,8 +31,8 @@ def half_tangent(angle: mp.mpf, radius: float = 0.0) -> HalfTangent:
     return HalfTangent(sin, cos)
 
 
-def place(alpha: mp.mpf, theta: mp.mpf, radius: float = 0.0) -> Place:
-    return Place(half_tangent(alpha, radius), half_tangent(theta, radius))
+def place(alpha: mp.mpf, theta: mp.mpf, radius: float = 0.0) -> PoseBox:
+    return PoseBox(half_tangent(alpha, radius), half_tangent(theta, radius))
 
 
 def angle_of(t: HalfTangent) -> mp.mpf:

@@ -13,7 +13,7 @@ from flint import arb, ctx
 
 from rpr_solver import EXAMPLES, Eliminant, Manipulator, Unproved, solve_slice
 from rpr_solver.curves.follower import Cusp, Follower, LostError, Tracker
-from rpr_solver.curves.neighbourhood import CuspForms, Place
+from rpr_solver.curves.neighbourhood import CuspForms, PoseBox
 from rpr_solver.model.half_tangent import HalfTangent
 from tests.support.definitions import Point, Slices, distance
 from tests.support.places import cusps_in, cusps_of, place
@@ -39,7 +39,7 @@ def _precision() -> Iterator[None]:
 def follower(eliminant: Eliminant, cusp: Point, length: Fraction, *, upwards: bool) -> Follower:
     """From a cusp known to a few digits more than DIGITS, as a box that is a little wider."""
 
-    def start(bits: int) -> Place:
+    def start(bits: int) -> PoseBox:
         with ctx.workprec(bits):
             return place(cusp[0], cusp[1], 1e-25)
 
@@ -47,7 +47,7 @@ def follower(eliminant: Eliminant, cusp: Point, length: Fraction, *, upwards: bo
     return Follower(CuspForms(eliminant.slice_map), start, length * scale, upwards=upwards)
 
 
-def held(box: Place, points: list[Point]) -> list[int]:
+def held(box: PoseBox, points: list[Point]) -> list[int]:
     """Which points a box holds, as far as their digits tell."""
     with ctx.workprec(256):
         return [i for i, point in enumerate(points) if not place(point[0], point[1], 1e-25).apart(box)]
@@ -145,7 +145,7 @@ def test_a_start_that_is_wide_at_first_is_asked_for_more_precisely() -> None:
     cusp = cusps_of(eliminant, Fraction(29), DIGITS)[0]
     asked = []
 
-    def start(bits: int) -> Place:
+    def start(bits: int) -> PoseBox:
         asked.append(bits)
         with ctx.workprec(bits):
             return place(cusp[0], cusp[1], 1e-25 if bits > 500 else 0.5)
@@ -162,8 +162,8 @@ def test_at_a_swallowtail_there_is_no_way_up_or_down() -> None:
     eliminant = eliminant_of(m)
     scale = eliminant.slice_map.scale
 
-    def start(_: int) -> Place:
-        return Place(HalfTangent(arb(0), arb(1)), HalfTangent(arb(1), arb(0)))
+    def start(_: int) -> PoseBox:
+        return PoseBox(HalfTangent(arb(0), arb(1)), HalfTangent(arb(1), arb(0)))
 
     for upwards in (True, False):
         walking = Follower(CuspForms(eliminant.slice_map), start, scale, upwards=upwards)
@@ -243,8 +243,8 @@ def test_a_follower_that_is_lost_is_missing_and_others_are_not() -> None:
     assert tracker.table(low).count > 0
     followers = {i: tracker.follower((low, i), upwards=True) for i in range(tracker.table(low).count)}
 
-    def swallowtail(_: int) -> Place:
-        return Place(HalfTangent(arb(0), arb(1)), HalfTangent(arb(1), arb(0)))
+    def swallowtail(_: int) -> PoseBox:
+        return PoseBox(HalfTangent(arb(0), arb(1)), HalfTangent(arb(1), arb(0)))
 
     scale = tracker.eliminant.slice_map.scale
     lost = Follower(CuspForms(tracker.eliminant.slice_map), swallowtail, low * scale, upwards=True)
@@ -260,17 +260,17 @@ def test_nothing_is_decided_by_nearness() -> None:
     thetas = [cusp[1] for cusp in cusps_in(tracker.table(high))]
 
     class Arrived(Follower):
-        box: Place
+        box: PoseBox
 
-        def walk(self, low: Fraction, high: Fraction, tubes: int) -> tuple[Fraction, Place]:  # noqa: ARG002
+        def walk(self, low: Fraction, high: Fraction, tubes: int) -> tuple[Fraction, PoseBox]:  # noqa: ARG002
             return high, self.box
 
     follower = Arrived(CuspForms(tracker.eliminant.slice_map), lambda _: follower.box, high, upwards=True)
     with ctx.workprec(128):
-        follower.box = Place(place(alphas[0], thetas[0], 1e-9).alpha, HalfTangent(arb(0, 1), arb(0, 1)))
+        follower.box = PoseBox(place(alphas[0], thetas[0], 1e-9).alpha, HalfTangent(arb(0, 1), arb(0, 1)))
     assert tracker.destinations({5: follower}, low, high) == {5: (high, 0)}
     with ctx.workprec(128):
-        follower.box = Place(HalfTangent(arb(0, 1), arb(0, 1)), HalfTangent(arb(0, 1), arb(0, 1)))
+        follower.box = PoseBox(HalfTangent(arb(0, 1), arb(0, 1)), HalfTangent(arb(0, 1), arb(0, 1)))
     with pytest.raises(Unproved, match="slice 30 are too close to tell"):
         tracker.destinations({5: follower}, low, high)
 

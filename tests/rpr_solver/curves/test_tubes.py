@@ -20,7 +20,7 @@ from rpr_solver.curves.neighbourhood import (
     Expansion,
     Frame,
     Neighbourhood,
-    Place,
+    PoseBox,
     Three,
     at_parameter,
     value_of_each,
@@ -97,7 +97,7 @@ def on_curve(tube: Tube, slices: Slices, share: float) -> tuple[Point, list[mp.m
     return point, inside(base, point)
 
 
-def holds(box: Place, point: Point) -> bool:
+def holds(box: PoseBox, point: Point) -> bool:
     return not place(point[0], point[1], 1e-36).apart(box)
 
 
@@ -172,7 +172,7 @@ class TestOnCuspCurves:
         for cusp in cusps_of(eliminant, Fraction("26.39"), 40):
             tube = build(neighbourhood(FLAT, cusp, BITS), ALONG_L, True, REACH)
             assert tube is not None
-            box = tube.place_at(target)
+            box = tube.box_at(target)
             _, point = slices.trace(cusp, mp.mpf(26), mp.mpf("26.3901"), upwards=True, step=0.001)
             assert holds(box, point)
             [only] = [i for i, other in enumerate(others) if holds(box, other)]

@@ -74,7 +74,7 @@ def agree(numbers: list[mp.mpf]) -> bool:
 def test_each_form_is_what_it_is_said_to_be(m: Manipulator, fixed_leg: int) -> None:
     """Up to a constant, and with the L put in that makes the pose singular."""
     systems, slices = systems_of(m, fixed_leg), Slices.of(m, fixed_leg)
-    assert not systems.beside
+    assert not systems.near_shared_angles
 
     def quantity(name: str, over: str, power: int = 1) -> object:
         def expected(t: Fraction, v: Fraction) -> mp.mpf:
@@ -222,7 +222,7 @@ def test_they_divide_them_for_every_manipulator(
         systems = systems_of(m, fixed_leg)
     except NotGeneric:
         assume(False)
-    assume(not systems.beside and systems.critical.first.degree_t == 6)
+    assume(not systems.near_shared_angles and systems.critical.first.degree_t == 6)
     check_identities(systems, above, Fraction(square))
 
 
@@ -252,7 +252,7 @@ def test_poses_of_a_shared_angle_are_degenerate_at_their_length() -> None:
     """Right angles: α = 0 and 180° are out of C and W, and their poses with C = 0 a system of their own."""
     m = family("right angles")
     systems, slices = systems_of(m), Slices.of(m)
-    [beside] = systems.beside
+    [beside] = systems.near_shared_angles
     assert beside.first == systems.swallowtails.first
     assert beside.second.a in (T, -T)
     assert (beside.second.degree_t, beside.second.zeros_at_infinity) == (2, 1)

@@ -294,7 +294,7 @@ def test_further_lengths_are_looked_at_on_both_sides() -> None:
         return [landmark(x * slice_map.scale) for x in (*inside, outside)]
 
     stop = Fraction(60)
-    result = survey(FOLDED, 1, silent, stop=stop, more=more)
+    result = survey(FOLDED, 1, silent, stop=stop, extra_events=more)
     assert lengths_of(result) == sorted([*lengths_of(surveyed(FOLDED, stop=stop)), *inside])
     assert len(result.slices) == len(result.groups) + 1
 
@@ -307,7 +307,7 @@ def test_components_take_the_place_of_events_that_are_not_isolated(m: Manipulato
         found.extend(limit_events(slice_map.f, Fraction(10**6)))
         return found
 
-    result = survey(m, 1, silent, more=more)
+    result = survey(m, 1, silent, extra_events=more)
     assert result.method == method
     assert found
     assert len(result.groups) >= (len(found) if method == "events" else 1)
