@@ -167,10 +167,10 @@ class _Arrangement:
 
     def _near(self) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
         """Pairs of edges whose boxes meet, except neighbours."""
-        (low_x, step_x), (low_y, step_y) = self._columns(0), self._columns(1)
+        (low_x, step_x), (low_y, step_y) = _columns(self._lines, 0), _columns(self._lines, 1)
         cells: dict[Vector, list[tuple[tuple[int, int], int, int, int, int]]] = defaultdict(list)
         seen = set()
-        for entry in self._boxes():
+        for entry in _boxes(self._lines):
             edge, left, right, bottom, top = entry
             for column in range((left - low_x) // step_x, (right - low_x) // step_x + 1):
                 for row in range((bottom - low_y) // step_y, (top - low_y) // step_y + 1):
@@ -182,19 +182,6 @@ class _Arrangement:
                             if not self._joined(other, edge):
                                 yield other, edge
                     others.append(entry)
-
-    def _columns(self, axis: int) -> tuple[int, int]:
-        """The least coordinate of all points, and the width of the columns up to the greatest."""
-        along = [point[axis] for line in self._lines for point in line]
-        return min(along), (max(along) - min(along)) // _COLUMNS + 1
-
-    def _boxes(self) -> Iterator[tuple[tuple[int, int], int, int, int, int]]:
-        """Every edge with the left, right, lower and upper bound of its box."""
-        for k, line in enumerate(self._lines):
-            for i, ((ax, ay), (bx, by)) in enumerate(pairwise(line)):
-                left, right = (ax, bx) if ax < bx else (bx, ax)
-                bottom, top = (ay, by) if ay < by else (by, ay)
-                yield (k, i), left, right, bottom, top
 
     def _joined(self, first: tuple[int, int], second: tuple[int, int]) -> bool:
         """Whether two edges have an end in common; then they must not overlap."""
@@ -275,6 +262,21 @@ class _Arrangement:
     def _drawn(self, outline: Sequence[Exact]) -> tuple[Point, ...]:
         points = [(float(x) / self._scale, float(y) / self._scale) for x, y in outline]
         return (*points, points[0])
+
+
+def _columns(lines: Sequence[Sequence[Vector]], axis: int) -> tuple[int, int]:
+    """The least coordinate of all points, and the width of the columns up to the greatest."""
+    along = [point[axis] for line in lines for point in line]
+    return min(along), (max(along) - min(along)) // _COLUMNS + 1
+
+
+def _boxes(lines: Sequence[Sequence[Vector]]) -> Iterator[tuple[tuple[int, int], int, int, int, int]]:
+    """Every edge with the left, right, lower and upper bound of its box."""
+    for k, line in enumerate(lines):
+        for i, ((ax, ay), (bx, by)) in enumerate(pairwise(line)):
+            left, right = (ax, bx) if ax < bx else (bx, ax)
+            bottom, top = (ay, by) if ay < by else (by, ay)
+            yield (k, i), left, right, bottom, top
 
 
 def _windings(cycle_of: Mapping[Half, int], home: Mapping[int, int | None]) -> dict[int | None, int]:
