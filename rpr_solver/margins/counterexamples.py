@@ -16,6 +16,7 @@ from rpr_solver.transitions.census import census
 
 _FACTORS = ("1.001", "1.002", "1.004", "1.008", "1.016", "1.032", "1.064", "1.128", "1.256", "1.512", "2")
 _DIGITS = 4
+_CLOSE = (Fraction(1), Fraction(1001, 1000))
 _BISECTIONS = 6
 _SECANTS = 6
 _NEAR = Fraction(1, 20)
@@ -103,8 +104,7 @@ class Ray:
         subject = self.subject
         if not isinstance(subject, SliceCount):
             return None
-        whole = Fraction(self.estimate.radius)
-        first, second = whole, whole * Fraction("1.001")
+        first, second = (rounded_up(Fraction(self.estimate.radius) * f, 2 * _DIGITS) for f in _CLOSE)
         gap = self._window(subject, first)
         for _ in range(_SECANTS):
             other = self._window(subject, second)
@@ -112,6 +112,8 @@ class Ray:
                 return None
             rate = (other[0] - gap[0]) / (second - first)
             aim = second - other[0] / rate
+            if aim <= 0:
+                return None
             digits = max(ceil(log10(aim * abs(rate) * 16 / other[1])), _DIGITS)
             first, gap, second = second, other, rounded_up(aim, digits)
             if best := self.shows(second):
@@ -121,9 +123,16 @@ class Ray:
     def _window(self, subject: SliceCount, radius: Fraction) -> tuple[Fraction, Fraction] | None:
         """How far above the slice the middle of the nearest window with another count is, and its width."""
         length, near = subject.length, subject.length * _NEAR
-        table = census(
-            self.at(radius), fixed_leg=subject.fixed_leg, digits=30, start=length - near, stop=length + near
-        )
+        try:
+            table = census(
+                self.at(radius),
+                fixed_leg=subject.fixed_leg,
+                digits=30,
+                start=length - near,
+                stop=length + near,
+            )
+        except (InputError, SolverError):
+            return None
         ends = [Fraction(transition.length) for transition in table.transitions]
         windows = (
             ((low + high) / 2 - length, high - low)

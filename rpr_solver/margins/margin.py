@@ -14,14 +14,12 @@ from rpr_solver.exact.rationals import (
     Exact,
     exact_or_none,
     exact_str,
-    parse_all,
-    parse_exact,
-    parse_positive,
 )
 from rpr_solver.margins.boxes import Problem
 from rpr_solver.margins.counterexamples import Counterexample, Ray, rounded_down
 from rpr_solver.margins.estimates import Estimate, Mover
 from rpr_solver.margins.exclusion import MayGoOn, exclude
+from rpr_solver.margins.questions import changes
 from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
 from rpr_solver.margins.systems import LENGTHS
 from rpr_solver.model.lengths import slice_length
@@ -167,7 +165,7 @@ def margin(
     """
     check_type(manipulator, Manipulator, "manipulator")
     leg, subject, asked = _subject(manipulator, length, requirement, window, fixed_leg)
-    given = _weights(weights, tolerance)
+    given = changes(weights, tolerance)
     if tolerance is not None:
         asked["tolerance"] = {g: exact_str(w) for g, w in zip(LENGTHS, given, strict=True)}
     search = _Search(subject, manipulator, given, _Budget(most_boxes, may_go_on, progress or silent))
@@ -196,39 +194,6 @@ def _subject(
         return leg, WindowExists(manipulator, leg, exact), {"window": exact_str(exact)}
     exact = slice_length(0 if length is None else length, leg)
     return leg, SliceCount(manipulator, leg, exact), {f"l{leg}": exact_str(exact)}
-
-
-def _weights(
-    weights: Mapping[str, Exact] | None, tolerance: Exact | Mapping[str, Exact] | None
-) -> tuple[Fraction, ...]:
-    """What radii multiply, for each length."""
-    by_name = _numbers(weights or {}, "weights", Fraction(1))
-    if tolerance is None:
-        return by_name
-    if isinstance(tolerance, Mapping):
-        if weights:
-            raise InputError.of("weights", "are those of a tolerance of all lengths; here each has its own")
-        return _numbers(tolerance, "tolerance", Fraction(0))
-    common = parse_positive(tolerance, "tolerance", "a tolerance must be > 0")
-    return tuple(common * w for w in by_name)
-
-
-def _numbers(given: Mapping[str, Exact], field: str, default: Fraction) -> tuple[Fraction, ...]:
-    if not isinstance(given, Mapping) or (unknown := [name for name in given if name not in LENGTHS]):
-        name = field if not isinstance(given, Mapping) else f"{field}.{unknown[0]}"
-        raise InputError.of(name, f"unknown; give numbers for {', '.join(LENGTHS)}")
-    values = parse_all({f"{field}.{name}": x for name, x in given.items()}, _not_negative)
-    numbers = tuple(values.get(f"{field}.{name}", default) for name in LENGTHS)
-    if not any(numbers):
-        raise InputError.of(field, "are all 0, so that nothing changes; give one > 0")
-    return numbers
-
-
-def _not_negative(value: Exact, field: str) -> Fraction:
-    number = parse_exact(value, field)
-    if number < 0:
-        raise InputError.of(field, f"is {exact_str(number)}; it must be at least 0")
-    return number
 
 
 @dataclass

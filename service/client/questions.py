@@ -17,6 +17,7 @@ from service.schemas.censuses import Census, CensusRequest, CheckReport, CheckRe
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
 from service.schemas.document import Source, read
 from service.schemas.limits import Limits
+from service.schemas.margins import Margin, MarginRequest
 from service.schemas.paths import Path, PathRequest
 from service.schemas.plots import Plot, PlotRequest
 from service.schemas.poses import (
@@ -247,6 +248,30 @@ def range_aspects(
     """The aspects while the length of one leg varies within a range; an end that is missing is open."""
     members = {"range": _range(start, stop), "fixed_leg": fixed_leg}
     return _asked(RangeAspectsRequest, RangeAspects, manipulator, MIN_DIGITS, deadline, members)
+
+
+def margin(
+    manipulator: Manipulator,
+    length: Exact | None = None,
+    *,
+    requirement: Requirement | None = None,
+    window: Exact | None = None,
+    fixed_leg: int = 1,
+    weights: Mapping[str, Exact] | None = None,
+    tolerance: Exact | Mapping[str, Exact] | None = None,
+    deadline: float | None = None,
+) -> Asked[Margin]:
+    """How far the lengths may change before a slice, a requirement or a window loses its number of cusps."""
+    numbers = {f"l{fixed_leg}": length, "window": window, "tolerance": tolerance, "weights": weights}
+    members: dict[str, object] = {
+        name: {g: _text(x) for g, x in value.items()} if isinstance(value, Mapping) else _text(value)
+        for name, value in numbers.items()
+        if value is not None
+    }
+    members["fixed_leg"] = fixed_leg
+    if requirement is not None:
+        members["requirement"] = requirement.to_json()
+    return _asked(MarginRequest, Margin, manipulator, None, deadline, members)
 
 
 def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOptions]) -> Asked[Plot]:

@@ -29,6 +29,7 @@ from service.client import (
     cusp_loop,
     cusp_table,
     joint_path,
+    margin,
     plot,
     poses,
     range_aspects,
@@ -82,6 +83,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
             "range": {"from": "27", "to": None},
             "aspects": [x.to_json() for x in rpr_solver.range_aspects(FIRST, 27, fixed_leg=3)],
         },
+    ),
+    "margin": (
+        margin(FIRST, "28.1", tolerance={"d1": "0.002", "a3x": 0}),
+        lambda: rpr_solver.margin(FIRST, "28.1", tolerance={"d1": "0.002"}).to_json(),
     ),
     "verification": (
         verify_document(TABLE, effort=2, deadline=60),

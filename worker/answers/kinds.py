@@ -15,6 +15,7 @@ from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
 from worker.answers.cost import Sizes
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
+from worker.answers.margins import MARGIN
 from worker.answers.paths import PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import Document, JobRequest, Kind, Store
@@ -32,6 +33,7 @@ KINDS: tuple[Kind, ...] = (
     PATH,
     SINGULAR_CURVES,
     ASPECTS,
+    MARGIN,
     PLOT,
     CERTIFIED_TABLE,
     CERTIFIED_CENSUS,

@@ -66,6 +66,24 @@ def test_aspects_of_a_range(run_here: Run) -> None:
     assert "L3 from 0: 2 aspects" in run_here("aspects", "innocenti", "--l3-range", ":").stdout
 
 
+@pytest.mark.parametrize(
+    ("options", "status", "shown"),
+    [
+        (("--l1", "28.1", "--tolerance", "0.0005"), 0, "Margin of 10 cusps at L1 = 28.1;"),
+        (("--l1", "28.1", "--tolerance", "0.0007"), 1, "Counter-example: 8 cusps at L1 = 28.1"),
+        (("--l1-range", "22:25", "--max-cusps", "6", "--tolerance", "d1=0.1"), 0, "Margin of 6 cusps;"),
+        (("--l1-range", "27:29", "--max-cusps", "6", "--tolerance", "0.1"), 1, "does not satisfy"),
+        (("--l1", "28.1", "--window", "28.1"), 2, "--l1: give exactly one of l1, requirement and window"),
+        (("--l1", "28.1", "--weights", "d1=-1"), 2, "--weights.d1: is -1; it must be at least 0"),
+        (("--l1", "28.1", "--max-cusps", "8"), 2, "--l1-range: is missing"),
+    ],
+)
+def test_margins(run_here: Run, options: tuple[str, ...], status: int, shown: str) -> None:
+    done = run_here("margin", "innocenti", *options)
+    assert done.returncode == status
+    assert shown in (done.stderr if status == 2 else done.stdout)
+
+
 def test_a_loop_round_a_cusp_in_every_form(run_here: Run) -> None:
     args = ("paths", "innocenti", "--l1", "27", "--cusp", "B", "--samples", "41", "--timing", "trapezoid")
     expected = cusp_loop(EXAMPLES["innocenti"], 27, 2, samples=41, timing="trapezoid").to_json()

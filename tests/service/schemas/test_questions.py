@@ -20,6 +20,7 @@ from service.schemas.document import Source, read
 from service.schemas.exact_json import JsonNumber, parse_json
 from service.schemas.lengths import OpenRange, split_ends
 from service.schemas.limits import LimitError, Limits
+from service.schemas.margins import MarginRequest
 from service.schemas.paths import PathRequest
 from service.schemas.plots import PlotRequest
 from service.schemas.poses import PosesRequest, RangeAspectsRequest, SingularCurvesRequest
@@ -135,7 +136,7 @@ def test_the_digits_are_those_of_the_limits(question: type[Question]) -> None:
     assert isinstance(body, dict)
     del body["digits"]
     digits = read(question, body, Source(Limits(default_digits=50))).job_request().digits
-    of_15 = PathRequest, SingularCurvesRequest, RangeAspectsRequest, PlotRequest
+    of_15 = PathRequest, SingularCurvesRequest, RangeAspectsRequest, PlotRequest, MarginRequest
     expected = {CheckRequest: 30, **dict.fromkeys(of_15, 15)}
     assert digits == expected.get(question, 50)
 

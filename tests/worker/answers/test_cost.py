@@ -13,6 +13,7 @@ from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
 from worker.answers.items import seconds_after
 from worker.answers.kinds import KINDS
+from worker.answers.margins import MARGIN
 from worker.answers.paths import PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
@@ -47,6 +48,7 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
     PATH: {"length": "27", "cusp": 1, "samples": 101},
     SINGULAR_CURVES: {"length": "27", "tolerance": "0.001"},
     ASPECTS: {"range": {"from": "27", "to": "30"}},
+    MARGIN: {"length": "28.1", "tolerance": dict.fromkeys(("a2x", "a3x", "a3y", "d1", "d2", "d3"), "1")},
     PLOT: {"plot": "loop", "theme": "auto", "length": "27", "cusp": 1},
     CERTIFIED_TABLE: {"l1": ["14.98"]},
     CERTIFIED_CENSUS: WHOLE,

@@ -14,6 +14,7 @@ from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
 from worker.answers.kinds import KINDS, kind_of_job, request_from_json
+from worker.answers.margins import MARGIN
 from worker.answers.paths import PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import JobRequest
@@ -109,6 +110,16 @@ OF_VERSION_2 = {
             "range": {"from": "27", "to": "29"},
             "lengths": [],
             "samples": None,
+        },
+    ),
+    "ma-ef67cade4f67b44b9f5a640a0a1765f7f06e158b": JobRequest(
+        MARGIN,
+        {
+            "geometry": GEOMETRY,
+            "fixed_leg": 1,
+            "digits": 15,
+            "length": "28.1",
+            "weights": dict.fromkeys(("a2x", "a3x", "a3y", "d1", "d2", "d3"), "1"),
         },
     ),
     "ve-8f9ded9c446b06058ff1c37bc730ad24253c23d8": JobRequest(

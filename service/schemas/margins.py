@@ -1,0 +1,206 @@
+"""Margins: the question, and the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, model_validator
+
+from rpr_solver import MIN_DIGITS, exact_str
+from rpr_solver.errors import InputError
+from rpr_solver.margins.questions import changes
+from rpr_solver.margins.systems import LENGTHS
+from service.schemas.answers import DocumentHead, FixedLength, GeometryText, optional
+from service.schemas.censuses import RequirementDocument
+from service.schemas.document import Document, Source, given, part
+from service.schemas.lengths import OF_THE_FIXED_LEG, SlicesOfOneLeg
+from service.schemas.model import Model
+from service.schemas.numbers import Exact, FixedLeg, Length, exact_number
+from service.schemas.questions import Examples, Question
+from worker.answers.margins import MARGIN
+
+
+class Changes(Document):
+    """Numbers for the lengths of the geometry."""
+
+    expected: ClassVar[str] = f"give an object with some of {', '.join(LENGTHS)}"
+
+    a2x: Exact | None = None
+    a3x: Exact | None = None
+    a3y: Exact | None = None
+    d1: Exact | None = None
+    d2: Exact | None = None
+    d3: Exact | None = None
+
+    def given(self) -> dict[str, Fraction]:
+        """Those that are given."""
+        return {name: value for name, value in self if value is not None}
+
+
+def _tolerance(value: object, info: ValidationInfo) -> Fraction | Changes:
+    if isinstance(value, Mapping):
+        return part(Changes.model_validate, value, Source.of(info))
+    return exact_number(value, info)
+
+
+class Mover(FixedLength):
+    """A transition that binds the first-order radius."""
+
+    kind: str
+    sensitivity: dict[str, str] = Field(
+        description="How fast its length changes with each length of the geometry; six digits, not proved."
+    )
+
+
+class FirstOrder(Model):
+    """An estimate, no bound: the radius at which transitions would break the property if they moved
+    linearly."""
+
+    radius: str
+    binding: list[Mover]
+
+
+class Counterexample(Model):
+    """An exact geometry that does not have the property."""
+
+    radius: str = Field(description="The largest |change|/weight of its lengths.")
+    geometry: GeometryText
+    count: int | None = Field(description="The number of cusps there; null for a window.")
+    l1: str | None = optional("The length of leg 1 of a slice that shows it, exact; null for a window.")
+    l2: str | None = optional("The same, with `fixed_leg` 2.")
+    l3: str | None = optional("The same, with `fixed_leg` 3.")
+
+
+class MarginCertificate(Model):
+    """How the proved radius is proved."""
+
+    model_config = ConfigDict(extra="allow")
+
+    method: str
+    boxes: int = Field(description="The number of boxes of poses and geometries that were examined.")
+    arithmetic: str
+
+
+class Margin(DocumentHead):
+    """How far the lengths of a geometry may change before a property is lost. Radii multiply the weights."""
+
+    asked: dict[str, Any] = Field(
+        description="The slice (`l1`, `l2` or `l3`), the `requirement` or the `window`, and the `tolerance`."
+    )
+    count: int | None = Field(description="The number of cusps; null for a requirement that admits several.")
+    weights: dict[str, str] = Field(
+        description="What radii multiply, for each length: the tolerance if given."
+    )
+    validity: str | None = Field(
+        description="The radius at which a platform is flat or two base points coincide, rounded down."
+    )
+    first_order: FirstOrder | None
+    proved: str | None = Field(
+        description="All geometries within this radius have the property; null if nothing is proved."
+    )
+    counterexample: Counterexample | None
+    verdict: Literal["proved", "refuted", "open"] | None = Field(description="Null without a tolerance.")
+    reason: str | None = Field(description="Why the margin is 0, or nothing could be proved, if it is known.")
+    certificate: MarginCertificate
+
+
+class MarginRequest(SlicesOfOneLeg, Question):
+    """A manipulator, a slice, a requirement or a window, and the changes of the lengths."""
+
+    model_config = ConfigDict(json_schema_extra=OF_THE_FIXED_LEG)
+
+    expected = "send an object with geometry and one of l1, requirement and window"
+    kinds = (MARGIN,)
+    path = "/v1/margins"
+    name = "post_margin"
+    tag = ("margins", "How exactly a manipulator must be made.")
+    summary = "How far the lengths may change before the number of cusps does"
+    description = """\
+For the number of cusps of a slice, for a requirement, or for the existence of a window with a number of
+cusps: the radius within which every geometry is proved to have it, an exact counter-example beyond, and the
+first-order estimate with the transitions that bind it. With `tolerance` it is only decided whether the
+property holds within it: `proved`, `refuted` (by a counter-example within it) or `open`.
+
+A job takes some seconds. The search ends after a fixed number of steps, so that the answer is the same on
+every machine.
+"""
+    answer = Margin
+    known = "The margin."
+    needs_slices = False
+    examples: ClassVar[Examples] = {
+        "slice": ("The ten cusps of the article's first manipulator at L1 = 28.1", {"l1": "28.1"}),
+        "tolerance": ("Whether they stay within 0.0005", {"l1": "28.1", "tolerance": "0.0005"}),
+        "requirement": (
+            "At most six cusps for L1 between 21 and 26, with exact sides of the platform",
+            {
+                "requirement": {"range": {"from": 21, "to": 26}, "max_cusps": 6},
+                "weights": {"d1": 0, "d2": 0, "d3": 0},
+            },
+        ),
+    }
+
+    fixed_leg: FixedLeg = Field(
+        default=1, description="The leg whose length is fixed in a slice; a requirement names its own."
+    )
+    l1: Length | None = given("The length of leg 1 in a slice. With `fixed_leg` 2 or 3 use `l2` or `l3`.")
+    l2: Length | None = given("The length, with `fixed_leg` 2.")
+    l3: Length | None = given("The length, with `fixed_leg` 3.")
+    requirement: RequirementDocument | None = given("What all geometries are to satisfy.")
+    window: Length | None = given("A length between two transitions, whose number of cusps is to exist.")
+    tolerance: (
+        Annotated[Fraction | Changes, PlainValidator(_tolerance, json_schema_input_type=Exact | Changes)]
+        | None
+    ) = given(
+        "A change of all lengths, which multiplies the weights, or those of single lengths, the others "
+        "being exact."
+    )
+    weights: Changes | None = given(
+        "How much each length may change in comparison; 1 unless given, 0 for one that is exact."
+    )
+
+    @property
+    def length(self) -> Fraction | None:
+        """The length of the fixed leg of a slice."""
+        length: Fraction | None = getattr(self, f"l{self.fixed_leg}")
+        return length
+
+    @model_validator(mode="after")
+    def _is_one_question(self) -> Self:
+        asked = [x for x in (self.length, self.requirement, self.window) if x is not None]
+        if len(asked) != 1:
+            own = f"l{self.fixed_leg}"
+            raise InputError.of(own, f"give exactly one of {own}, requirement and window")
+        if self.requirement is not None and self.fixed_leg not in (1, self.requirement.fixed_leg):
+            raise InputError.of("fixed_leg", f"is {self.fixed_leg}, but the requirement has its own")
+        self._changes()
+        return self
+
+    def _changes(self) -> dict[str, str]:
+        tolerance = self.tolerance.given() if isinstance(self.tolerance, Changes) else self.tolerance
+        numbers = changes(None if self.weights is None else self.weights.given(), tolerance)
+        return {name: exact_str(x) for name, x in zip(LENGTHS, numbers, strict=True)}
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question."""
+        asked: dict[str, Any] = {}
+        leg = self.fixed_leg
+        if self.requirement is not None:
+            asked, leg = (
+                {"requirement": self.requirement.to_requirement().to_json()},
+                self.requirement.fixed_leg,
+            )
+        elif self.window is not None:
+            asked = {"window": exact_str(self.window)}
+        elif self.length is not None:
+            asked = {"length": exact_str(self.length)}
+        name = "weights" if self.tolerance is None else "tolerance"
+        head = {"geometry": self.geometry.to_json(), "fixed_leg": leg, "digits": MIN_DIGITS}
+        return {**head, **asked, name: self._changes()}
+
+    def _asked(self) -> dict[str, Any]:
+        content = self.content()
+        del content["digits"]
+        length = {f"l{self.fixed_leg}": content.pop("length")} if "length" in content else {}
+        return {**length, **content}
