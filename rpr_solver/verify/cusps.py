@@ -107,6 +107,12 @@ class Cusps:
         """Whether it is proved that there are no others."""
         return not (self.doubts or self.close or self.missing)
 
+    def with_one_more(self, box: Box) -> Cusps:
+        """The same with a proved cusp that was in doubt, or missing; others may be close to it."""
+        doubts = tuple(doubt for doubt in self.doubts if not doubt.meets(box))
+        missing = max(0, self.missing - (len(doubts) == len(self.doubts)))
+        return Cusps((*self.boxes, box), doubts, self.close + 1, missing)
+
 
 class Slice:
     """A slice with its equations, and its cusps as they are asked for."""
@@ -225,6 +231,7 @@ class Slice:
             box = self.cusp_near(*start, max(bits, point.bits))
             if box is not None and not any(box.meets(other) for other in boxes):
                 boxes.append(box)
+                cusps = cusps.with_one_more(box)
                 for row, other in zip(wrong, printed, strict=True):
                     row.append(self._wrong(other, box, self._values(box)))
         chosen = matching([[k for k, name in enumerate(row) if name is None] for row in wrong])
