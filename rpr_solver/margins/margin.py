@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 from rpr_solver.contract import MIN_DIGITS, Progress, check_leg, check_type, document_head, silent
 from rpr_solver.errors import InputError
@@ -123,6 +123,14 @@ def _example_json(example: Counterexample, leg: int) -> dict[str, Any]:
     }
 
 
+class SearchOptions(TypedDict, total=False):
+    """How long to search, and whom to tell."""
+
+    most_boxes: int
+    may_go_on: MayGoOn
+    progress: Progress
+
+
 def margin(
     manipulator: Manipulator,
     length: Exact | None = None,
@@ -132,9 +140,7 @@ def margin(
     fixed_leg: int = 1,
     weights: Mapping[str, Exact] | None = None,
     tolerance: Exact | Mapping[str, Exact] | None = None,
-    most_boxes: int = MOST_BOXES,
-    may_go_on: MayGoOn = lambda: True,
-    progress: Progress | None = None,
+    **search: Unpack[SearchOptions],
 ) -> Margin:
     """How far the lengths of a manipulator may change before the number of cusps does.
 
@@ -148,10 +154,9 @@ def margin(
             1 unless given, 0 for a length that is exact.
         tolerance: a change of all lengths, times the weights, or those of single lengths, the others being
             exact. Then it is only decided whether the property holds within it, and radii multiply it.
-        most_boxes: the number of boxes of all proofs together, after which the best radius so far is the
-            answer; the same on every machine.
-        may_go_on: asked now and then; when it returns False, the best so far is the answer.
-        progress: callback ``progress(done, total)``.
+        search: ``most_boxes``, the number of boxes of all proofs together, after which the best radius so far
+            is the answer, the same on every machine; ``may_go_on``, asked now and then, which ends the search
+            as well when it returns False; and ``progress(done, total)``.
 
     Raises:
         InputError: naming the argument at fault; exactly one of ``length``, ``requirement`` and ``window``
@@ -168,8 +173,8 @@ def margin(
     given = changes(weights, tolerance)
     if tolerance is not None:
         asked["tolerance"] = {g: exact_str(w) for g, w in zip(LENGTHS, given, strict=True)}
-    search = _Search(subject, manipulator, given, _Budget(most_boxes, may_go_on, progress or silent))
-    answer = search.within_one() if tolerance is not None else search.radius()
+    run = _Search(subject, manipulator, given, _Budget(**search))
+    answer = run.within_one() if tolerance is not None else run.radius()
     named = dict(zip(LENGTHS, given, strict=True))
     return Margin(manipulator, leg, asked, named, subject.count(), **answer)
 
@@ -200,9 +205,9 @@ def _subject(
 class _Budget:
     """How much a search may cost."""
 
-    most_boxes: int
-    may_go_on: MayGoOn
-    progress: Progress
+    most_boxes: int = MOST_BOXES
+    may_go_on: MayGoOn = lambda: True
+    progress: Progress = silent
     boxes: int = 0
 
     @property
