@@ -13,8 +13,7 @@ from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.access.caller import CHALLENGE, Caller, Rules, check_scope, is_known, set_caller
-from service.api.access.key_ring import KeyRing
-from service.api.access.keys import KeyStore
+from service.api.access.keys import KeyRing, KeyStore
 from service.api.context import Context
 from service.api.http.errors import problem_of
 from service.api.problems import ProblemError, ProblemType

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from service.api.batches.idempotency import KEY_PATTERN
+from service.api.batches.intake import KEY_PATTERN
 from service.api.batches.items import COLUMNS
 from service.api.contract.operations import (
     PREFERENCE_APPLIED,

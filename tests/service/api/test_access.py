@@ -18,8 +18,7 @@ from fastapi.routing import iter_route_contexts
 from service.api.access.admission import admit_work
 from service.api.access.caller import Caller, Rules
 from service.api.access.guard import RateLimit
-from service.api.access.key_ring import _MAX_AGE
-from service.api.access.keys import KeyStore, Scope, make_key
+from service.api.access.keys import _MAX_AGE, KeyStore, Scope, make_key
 from service.api.app import create_app
 from service.api.problems import ProblemError
 from service.api.settings import Settings
