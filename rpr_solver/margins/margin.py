@@ -19,8 +19,7 @@ from rpr_solver.margins.boxes import Problem
 from rpr_solver.margins.counterexamples import Counterexample, Ray, rounded_down
 from rpr_solver.margins.estimates import Estimate, Mover
 from rpr_solver.margins.exclusion import MayGoOn, exclude
-from rpr_solver.margins.questions import changes
-from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
+from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists, changes
 from rpr_solver.margins.systems import LENGTHS
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
@@ -252,15 +251,7 @@ class _Search:
         """The greatest radius that is proved, and a counter-example beyond it."""
         if reason := self._reason():
             return self._answer(proved=Fraction(0), reason=reason)
-        bounds = [Fraction(self._estimate.radius)] if self._estimate else []
-        bounds += [] if self._validity is None else [self._validity]
-        top = min(bounds) if bounds else max(abs(getattr(self.manipulator, g)) for g in LENGTHS)
-        proved, failed = Fraction(0), top
-        first = rounded_down(top * _FIRST_SHARE, _DIGITS)
-        if self._prove(first, max(self.budget.left // 8, _LEAST_BOXES)):
-            proved = first
-        else:
-            failed = first
+        proved, failed = self._first_bounds()
         example = self._refuted(None)
         if example is not None:
             failed = min(failed, example.radius) if not proved else example.radius
@@ -276,6 +267,15 @@ class _Search:
             else:
                 failed = radius
         return self._answer(proved=proved or None, example=example)
+
+    def _first_bounds(self) -> tuple[Fraction, Fraction]:
+        """A radius that is proved, and one at which the proof is not expected to succeed or failed."""
+        bounds = [Fraction(self._estimate.radius)] if self._estimate else []
+        bounds += [] if self._validity is None else [self._validity]
+        top = min(bounds) if bounds else max(abs(getattr(self.manipulator, g)) for g in LENGTHS)
+        first = rounded_down(top * _FIRST_SHARE, _DIGITS)
+        is_proved = self._prove(first, max(self.budget.left // 8, _LEAST_BOXES))
+        return (first, top) if is_proved else (Fraction(0), first)
 
     @cached_property
     def _estimate(self) -> Estimate | None:

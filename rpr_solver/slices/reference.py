@@ -7,6 +7,7 @@ everything. Otherwise Q is factored, and each special pose is classified over a 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cache, lru_cache, partial
@@ -154,39 +155,47 @@ class ReferenceSlice:
 
     def _exactly(self, q: QuadraticPoly) -> SliceTable:
         """The table from the irreducible factors over ℚ(ω); balls still settle simple roots if they can."""
-        spurious, touching = self._collinear * self._closed, self._touching()
         plane = SliceForms.of(self.slice_map, self.scaled)
         if q.is_zero:
             plane, q = without_shared_curves(plane)
         factors = norm_factors(q)
         roots = list(exact_roots(factors))
-        places: list[ExactRoot | None] = [*roots]
-        if touching is not None:
-            factors_of_q = [root.root.polynomial.a for root in roots]
-            extra = exact_roots(norm_factors(QuadraticPoly.rational(touching, q.radicand)))
-            places += (root for root in extra if root.root.polynomial.a not in factors_of_q)
         at_infinity = DEGREE_U - q.degree
-        if at_infinity or plane.shared or (touching is not None and touching.degree() < 1):
-            places.append(None)
-        points: list[ClassifiedPoint] = []
-        for root in places:
-            cusps = None
-            if root and root.multiplicity == 1 and not plane.shared:
-                own = spurious.gcd(root.root.polynomial.a).degree() == 0
-                cusps = self._by_balls([root.root]) if own else None
-            if cusps is None:
-                cusps = [point_of_pose(pose, self.digits) for pose in poses_above(plane, root)]
-            points += cusps
+        places = [*roots, *self._places_beside(roots, q, plane)]
+        points = [point for root in places for point in self._points_above(plane, root)]
         points += (point_of_pose(pose, self.digits) for pose in special_poses(plane))
-        shapes: dict[int, int] = {at_infinity: 1} if at_infinity and not plane.shared else {}
-        for degree, multiplicity in (shape for factor in factors for shape in factor.shape):
-            shapes[multiplicity] = shapes.get(multiplicity, 0) + degree
+        shapes = Counter({at_infinity: 1}) if at_infinity and not plane.shared else Counter[int]()
+        for factor in factors:
+            for degree, multiplicity in factor.shape:
+                shapes[multiplicity] += degree
         shape = [(degree, multiplicity) for multiplicity, degree in sorted(shapes.items())]
         curves = [
             {"kind": PoseKind.CURVE.value, "equation": curve.equation(self.slice_map.fixed_leg)}
             for curve in plane.shared
         ]
         return self._table(points, len(roots), shape, "exact", curves)
+
+    def _places_beside(
+        self, roots: Sequence[ExactRoot], q: QuadraticPoly, plane: SliceForms
+    ) -> Iterator[ExactRoot | None]:
+        """The places beside the roots of Q that may have a degenerate pose above them; None is u = ∞."""
+        touching = self._touching()
+        if touching is not None:
+            factors_of_q = [root.root.polynomial.a for root in roots]
+            extra = exact_roots(norm_factors(QuadraticPoly.rational(touching, q.radicand)))
+            yield from (root for root in extra if root.root.polynomial.a not in factors_of_q)
+        if q.degree < DEGREE_U or plane.shared or (touching is not None and touching.degree() < 1):
+            yield None
+
+    def _points_above(self, plane: SliceForms, root: ExactRoot | None) -> Sequence[ClassifiedPoint]:
+        """The degenerate points above a root; balls decide a simple one if they can."""
+        if root and root.multiplicity == 1 and not plane.shared:
+            spurious = self._collinear * self._closed
+            is_own = spurious.gcd(root.root.polynomial.a).degree() == 0
+            cusps = self._by_balls([root.root]) if is_own else None
+            if cusps is not None:
+                return cusps
+        return [point_of_pose(pose, self.digits) for pose in poses_above(plane, root)]
 
     def _table(
         self,

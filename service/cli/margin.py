@@ -59,20 +59,12 @@ def run(args: argparse.Namespace) -> int:
     members["tolerance"] = _numbers(args.tolerance) if "=" in (args.tolerance or "") else args.tolerance
     members["weights"] = None if args.weights is None else _numbers(args.weights)
     if args.ranges:
-        of, span, option = arguments.leg_and_range(args)
-        limits, places = arguments.joint_limits(args.limits)
-        counts = {name: getattr(args, name) for name in ("max_cusps", "min_cusps")}
-        given = {name: count for name, count in counts.items() if count is not None}
-        limited = {"limits": limits} if limits else {}
-        members["requirement"] = {"fixed_leg": of, "range": span, **given, **limited}
-        names |= {"requirement.range": option, **{f"requirement.{k}": v for k, v in places.items()}}
-        names |= {f"requirement.{name}": f"--{name.replace('_', '-')}" for name in counts}
+        members["requirement"], places = _requirement(args)
+        names |= places
     elif args.limits or args.max_cusps is not None or args.min_cusps is not None:
         raise InputError.of("--l1-range", "is missing; a requirement needs the range of lengths")
-    leg = (
-        arguments.leg_of(args.lengths, args.fixed_leg, "lengths") if args.lengths or not args.ranges else None
-    )
-    members["fixed_leg"] = leg
+    if args.lengths or not args.ranges:
+        members["fixed_leg"] = arguments.leg_of(args.lengths, args.fixed_leg, "lengths")
     for option, text in args.lengths:
         members[option[2:]], names[option[2:]] = text, option
     asked = arguments.ask(MarginRequest, args, members, arguments.source(names))
@@ -81,6 +73,18 @@ def run(args: argparse.Namespace) -> int:
     if document["verdict"] is None:
         return PROVED if document["proved"] not in (None, "0") else NOT_PROVED
     return PROVED if document["verdict"] == "proved" else NOT_PROVED
+
+
+def _requirement(args: argparse.Namespace) -> tuple[dict[str, object], dict[str, str]]:
+    """The requirement that is asked for, and the options of its members."""
+    of, span, option = arguments.leg_and_range(args)
+    limits, places = arguments.joint_limits(args.limits)
+    counts = {name: getattr(args, name) for name in ("max_cusps", "min_cusps")}
+    given = {name: count for name, count in counts.items() if count is not None}
+    limited = {"limits": limits} if limits else {}
+    options = {"range": option, **places, **{name: f"--{name.replace('_', '-')}" for name in counts}}
+    named = {f"requirement.{name}": option for name, option in options.items()}
+    return {"fixed_leg": of, "range": span, **given, **limited}, named
 
 
 def _numbers(text: str) -> dict[str, str]:
