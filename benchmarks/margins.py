@@ -21,7 +21,7 @@ from functools import partial
 from typing import Any
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, Margin, Requirement, SolverError, cusp_table, margin
-from rpr_solver.margins.systems import LENGTHS
+from rpr_solver.margins.questions import LENGTHS
 
 INNOCENTI = EXAMPLES["innocenti"]
 CASES: dict[str, tuple[Manipulator, dict[str, Any], str]] = {

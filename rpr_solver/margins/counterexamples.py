@@ -9,8 +9,8 @@ from math import ceil, log10
 
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.margins.estimates import Estimate
+from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.subjects import Found, SliceCount, Subject
-from rpr_solver.margins.systems import LENGTHS
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions.census import census
 

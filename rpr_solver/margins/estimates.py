@@ -16,8 +16,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.sensitivities import sensitivity
-from rpr_solver.margins.systems import LENGTHS
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.transitions.census import Census
 

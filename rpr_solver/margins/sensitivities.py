@@ -15,7 +15,8 @@ from flint import arb, arb_mat, arb_series, ctx
 
 from rpr_solver.exact.decimals import round_ball
 from rpr_solver.exact.real_roots import ball_of
-from rpr_solver.margins.systems import LENGTHS, Systems, moving_legs, orientation_of
+from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins.systems import Systems, moving_legs, orientation_of
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.manipulator import Manipulator
 

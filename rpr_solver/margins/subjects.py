@@ -9,11 +9,10 @@ from functools import cached_property
 from typing import NamedTuple, Protocol
 
 from rpr_solver.contract import MIN_DIGITS
-from rpr_solver.errors import InputError
-from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_positive
 from rpr_solver.margins.boxes import Limit, Problem, Span
 from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers
-from rpr_solver.margins.systems import LENGTHS, orientation_of
+from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins.systems import orientation_of
 from rpr_solver.model.joint_points import free_legs
 from rpr_solver.model.lengths import Bounds
 from rpr_solver.model.manipulator import Manipulator
@@ -261,44 +260,3 @@ def _all_lengths(manipulator: Manipulator, fixed_leg: int) -> Census:
 
 def _floats(weights: Sequence[Fraction]) -> list[float]:
     return [float(w) for w in weights]
-
-
-def changes(
-    weights: Mapping[str, Exact] | None, tolerance: Exact | Mapping[str, Exact] | None
-) -> tuple[Fraction, ...]:
-    """What radii multiply, for each of LENGTHS.
-
-    Args:
-        weights: by names; those that are missing are 1.
-        tolerance: of all lengths, times the weights, or by names, those that are missing being 0; or None.
-
-    Raises:
-        InputError: naming ``weights``, ``tolerance`` or a member of them.
-    """
-    by_name = _numbers(weights or {}, "weights", Fraction(1))
-    if tolerance is None:
-        return by_name
-    if isinstance(tolerance, Mapping):
-        if weights:
-            raise InputError.of("weights", "are those of a tolerance of all lengths; here each has its own")
-        return _numbers(tolerance, "tolerance", Fraction(0))
-    common = parse_positive(tolerance, "tolerance", "a tolerance must be > 0")
-    return tuple(common * w for w in by_name)
-
-
-def _numbers(given: Mapping[str, Exact], field: str, default: Fraction) -> tuple[Fraction, ...]:
-    if not isinstance(given, Mapping) or (unknown := [name for name in given if name not in LENGTHS]):
-        name = field if not isinstance(given, Mapping) else f"{field}.{unknown[0]}"
-        raise InputError.of(name, f"unknown; give numbers for {', '.join(LENGTHS)}")
-    values = parse_all({f"{field}.{name}": x for name, x in given.items()}, _not_negative)
-    numbers = tuple(values.get(f"{field}.{name}", default) for name in LENGTHS)
-    if not any(numbers):
-        raise InputError.of(field, "are all 0, so that nothing changes; give one > 0")
-    return numbers
-
-
-def _not_negative(value: Exact, field: str) -> Fraction:
-    number = parse_exact(value, field)
-    if number < 0:
-        raise InputError.of(field, f"is {exact_str(number)}; it must be at least 0")
-    return number

@@ -19,8 +19,6 @@ from typing import Any
 from rpr_solver.model.jets import Jet
 from rpr_solver.model.manipulator import CW, Manipulator
 
-LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
-
 Pair = tuple[Any, Any]
 """Cosine and sine of an angle, or two coordinates."""
 
@@ -58,7 +56,7 @@ def moving_legs(
     """The two moving legs.
 
     Args:
-        lengths: those of :data:`LENGTHS`, in a ring with quotients and square roots.
+        lengths: those of :data:`~rpr_solver.margins.questions.LENGTHS`, in a ring with division and roots.
         orientation: 1 for counter-clockwise, -1 for clockwise, 0 for a flat platform.
         fixed_leg: 1, 2 or 3.
         refine: may give a better form of an element.

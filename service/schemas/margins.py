@@ -10,8 +10,7 @@ from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, model_va
 
 from rpr_solver import MIN_DIGITS, exact_str
 from rpr_solver.errors import InputError
-from rpr_solver.margins.subjects import changes
-from rpr_solver.margins.systems import LENGTHS
+from rpr_solver.margins.questions import LENGTHS, changes
 from service.schemas.answers import DocumentHead, FixedLength, GeometryText, optional
 from service.schemas.censuses import RequirementDocument
 from service.schemas.document import Document, Source, given, part

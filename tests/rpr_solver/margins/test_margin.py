@@ -9,8 +9,8 @@ from rpr_solver import EXAMPLES, InputError, Manipulator, Margin, Requirement, c
 from rpr_solver.margins.counterexamples import Ray, rounded_down, rounded_up
 from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.margin import validity
+from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.subjects import SliceCount, Subject, WindowExists
-from rpr_solver.margins.systems import LENGTHS
 
 INNOCENTI = EXAMPLES["innocenti"]
 ONES = (Fraction(1),) * 6

@@ -5,7 +5,7 @@ from fractions import Fraction
 import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, census, with_sensitivities
-from rpr_solver.margins.systems import LENGTHS
+from rpr_solver.margins.questions import LENGTHS
 
 INNOCENTI = EXAMPLES["innocenti"]
 

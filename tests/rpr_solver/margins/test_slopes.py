@@ -8,8 +8,9 @@ from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
 from rpr_solver.margins.boxes import TURN, BoxRing, Problem, Span, cos_sin
+from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.slopes import UNIT
-from rpr_solver.margins.systems import LENGTHS, Systems, moving_legs, orientation_of
+from rpr_solver.margins.systems import Systems, moving_legs, orientation_of
 
 
 def problem(name: str, leg: int, length: str, radius: str, *, drift: bool = False) -> Problem:
