@@ -131,6 +131,7 @@ def test_the_client_asks_every_question() -> None:
     assert {type(asked.question) for asked, _ in KINDS.values()} == set(questions()) - of_pictures
 
 
+@pytest.mark.quick
 def test_both_clients_have_the_same_methods() -> None:
     waiting, awaited = (
         {name: method for name, method in inspect.getmembers(client, callable) if name[0] != "_"}

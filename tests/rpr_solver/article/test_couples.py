@@ -36,6 +36,8 @@ from tests.support import constructed
 from tests.support.constructed import TRIANGLE, WEST, Constructed, Pose, direction
 from tests.support.strategies import examples
 
+pytestmark = pytest.mark.quick
+
 BITS = 256
 TRIPLE = "three direct kinematic solutions coincide"
 TWO = "v.grad J != 0: only two solutions coincide"

@@ -26,6 +26,8 @@ from tests.support.constructed import (
 )
 from tests.support.strategies import examples
 
+pytestmark = pytest.mark.quick
+
 
 class TestEquations:
     """(1) → (5), (6), (8), (9), (10), (11): the solver's formulas against a derivation by SymPy."""

@@ -197,6 +197,7 @@ class TestSteeperLeg:
         assert taken == {0, 1}
 
 
+@pytest.mark.quick
 class TestHeading:
     """The way of a curve, against the tangent ∇J × ∇E in (α, θ, L) by definition."""
 

@@ -4,6 +4,7 @@ import random
 from fractions import Fraction
 
 import numpy as np
+import pytest
 from flint import arb, ctx
 
 from rpr_solver import EXAMPLES
@@ -11,6 +12,8 @@ from rpr_solver.margins.boxes import TURN, BoxRing, Problem, Span, cos_sin
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.slopes import UNIT
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of
+
+pytestmark = pytest.mark.quick
 
 
 def problem(name: str, leg: int, length: str, radius: str, *, drift: bool = False) -> Problem:

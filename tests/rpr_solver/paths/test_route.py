@@ -17,6 +17,8 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.paths.route import Arc, ControlPoint, IsolatedPose, Point, Route, bounded, expanded
 from tests.support.motions import Mover
 
+pytestmark = pytest.mark.quick
+
 FIRST = EXAMPLES["innocenti"]
 LEGS = tuple(Fraction(x) for x in (27, 30, 20))
 

@@ -17,6 +17,8 @@ from rpr_solver import EXAMPLES, Manipulator, cusp_loop, cusp_table
 from rpr_solver.paths.samples import TIMINGS, places
 from tests.support.motions import Mover, angles_of, legs_of
 
+pytestmark = pytest.mark.quick
+
 FIRST = EXAMPLES["innocenti"]
 LOOP = cusp_loop(FIRST, "28.1", "F", samples=9, digits=20)
 

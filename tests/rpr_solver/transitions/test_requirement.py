@@ -69,6 +69,7 @@ def test_at_least_one_cusp() -> None:
     assert report.violations[0].stop is not None
 
 
+@pytest.mark.quick
 def test_cusp_free_for_every_length() -> None:
     for leg in (1, 2, 3):
         report = check(SIMILAR, Requirement(fixed_leg=leg, max_cusps=0))
@@ -125,6 +126,7 @@ def test_joint_limits_of_degenerate_manipulators(name: str, fixed_leg: int) -> N
         assert reported(report, length) == count_within(family(name), requirement, length)
 
 
+@pytest.mark.quick
 def test_windows_narrower_than_any_sampling_are_found() -> None:
     """Limits 1e-25 round the leg at a swallowtail: two cusps are within them for lengths of 1e-25."""
     document = census(EXAMPLES["zein-flat"], start=37, stop=38, digits=50)

@@ -17,6 +17,8 @@ from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import PATIENCE
 from tests.support.service_server import serving
 
+pytestmark = pytest.mark.quick
+
 HOST = b"Host: localhost\r\n"
 NEXT = b"GET /version HTTP/1.1\r\n" + HOST + b"X-Request-ID: smuggled\r\n\r\n"
 BODY = b'{"x":1}'

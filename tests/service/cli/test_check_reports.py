@@ -10,12 +10,15 @@ from itertools import pairwise
 from typing import Any
 from xml.etree import ElementTree
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rpr_solver import exact_str
 from service.cli.check.files import github_annotations, junit_xml, sarif
 from service.cli.check.reports import Outcome, apart, document, page, summary
+
+pytestmark = pytest.mark.quick
 
 REQUIREMENT: dict[str, Any] = {
     "fixed_leg": 2,

@@ -16,6 +16,8 @@ from service.stack.data_dir import is_lent, make_private
 from service.stack.embedded_valkey import program
 from service.stack.errors import EmbeddedError
 
+pytestmark = pytest.mark.quick
+
 USER, GROUP = 12345, 2000
 
 
