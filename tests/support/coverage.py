@@ -16,8 +16,45 @@ from coverage import Coverage
 
 from tests.test_rooms import FILES, MAY_IMPORT, ROOT, room_of
 
-FLOORS: dict[str, int] = {}
-"""Room → percent of its lines, a little below what was measured."""
+FLOORS = {
+    "rpr_solver.errors": 99,
+    "rpr_solver.notebook": 95,
+    "rpr_solver.contract": 95,
+    "rpr_solver.exact": 97,
+    "rpr_solver.model": 95,
+    "rpr_solver.kinematics": 97,
+    "rpr_solver.slices": 95,
+    "rpr_solver.transitions": 81,
+    "rpr_solver.singular": 89,
+    "rpr_solver.margins": 58,
+    "rpr_solver.article": 96,
+    "rpr_solver.curves": 88,
+    "rpr_solver.paths": 77,
+    "rpr_solver.exports": 98,
+    "rpr_solver.verify": 75,
+    "rpr_solver.figures": 98,
+    "rpr_solver": 99,
+    "worker.logs": 37,
+    "worker.tracing": 33,
+    "worker.limits": 99,
+    "worker.settings": 91,
+    "worker.connection": 50,
+    "worker.lua": 79,
+    "worker.jobs": 47,
+    "worker.answers": 60,
+    "worker.process": 24,
+    "service.errors": 65,
+    "service.commit": 92,
+    "service.schemas": 84,
+    "service.webhooks": 41,
+    "service.api": 58,
+    "service.openapi_yaml": 35,
+    "service.stack": 35,
+    "service.client": 50,
+    "service.cli": 20,
+    "service": 99,
+}
+"""Room → percent of its lines, a little below what the quick run alone reaches; the whole suite runs more."""
 
 SETTINGS = """
 [run]
