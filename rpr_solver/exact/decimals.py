@@ -89,6 +89,11 @@ def _place(x: arb) -> int:
     return len(str(mid)) - 1 + int(exponent)
 
 
+def quotient(x: Fraction, digits: int, rounding: str) -> Decimal:
+    """An exact rational of any size, rounded as a rounding of :mod:`decimal` says to ``digits`` digits."""
+    return _rounding(digits, rounding).divide(Decimal(x.numerator), Decimal(x.denominator))
+
+
 def round_fraction(x: Fraction, digits: int) -> str:
     """An exact rational rounded to ``digits`` significant digits, halves away from zero.
 
@@ -97,8 +102,7 @@ def round_fraction(x: Fraction, digits: int) -> str:
     """
     if x == 0:
         return "0"
-    quotient = _rounding(digits, ROUND_HALF_UP).divide(Decimal(x.numerator), Decimal(x.denominator))
-    return _text(quotient, digits)
+    return _text(quotient(x, digits, ROUND_HALF_UP), digits)
 
 
 def round_down(x: arb, digits: int) -> str:
@@ -110,8 +114,7 @@ def round_down(x: arb, digits: int) -> str:
     exact = fraction_of(x)
     if exact == 0:
         return "0"
-    quotient = _rounding(digits, ROUND_DOWN).divide(Decimal(exact.numerator), Decimal(exact.denominator))
-    return _text(quotient, digits)
+    return _text(quotient(exact, digits, ROUND_DOWN), digits)
 
 
 def round_all(numbers: Iterable[arb | Fraction], digits: int) -> list[str] | None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from decimal import ROUND_DOWN, ROUND_UP, Context, Decimal
+from decimal import ROUND_DOWN, ROUND_UP
 from fractions import Fraction
 from math import ceil, log10
 
 from rpr_solver.errors import InputError, SolverError
+from rpr_solver.exact.decimals import quotient
 from rpr_solver.margins.estimates import Estimate
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.subjects import Found, SliceCount, Subject
@@ -144,13 +145,9 @@ class Ray:
 
 def rounded_up(x: Fraction, digits: int) -> Fraction:
     """The least number of ``digits`` significant digits that is not less."""
-    return _rounded(x, Context(prec=digits, rounding=ROUND_UP))
+    return Fraction(quotient(x, digits, ROUND_UP))
 
 
 def rounded_down(x: Fraction, digits: int) -> Fraction:
     """The greatest number of ``digits`` significant digits that is not greater."""
-    return _rounded(x, Context(prec=digits, rounding=ROUND_DOWN))
-
-
-def _rounded(x: Fraction, context: Context) -> Fraction:
-    return Fraction(context.divide(Decimal(x.numerator), Decimal(x.denominator)))
+    return Fraction(quotient(x, digits, ROUND_DOWN))

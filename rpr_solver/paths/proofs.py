@@ -150,8 +150,7 @@ def prove(
     if J changes its sign, the image meets a centre, a leg exceeds its limits, or the balls do not decide it.
     """
     pieces, turns, least = 0, [arb(0)] * len(centres), arb("+inf")
-    starts, stops = [at_ends[0], *[False] * len(arcs)], [*[False] * (len(arcs) - 1), at_ends[1]]
-    for arc, is_start, is_stop in zip(arcs, starts, stops, strict=False):
+    for arc, is_start, is_stop in _with_ends(arcs, at_ends):
         stack = _first_pieces()
         start = expanded(slice_map, arc, arb(0), 0)
         while stack:
@@ -186,6 +185,12 @@ def prove(
                 stack += [(tau + quarter, quarter), (tau - quarter, quarter)]
     windings = _windings(turns)
     return None if windings is None else PathProof(sign, pieces, least, windings)
+
+
+def _with_ends(arcs: Sequence[Arc], at_ends: tuple[bool, bool]) -> list[tuple[Arc, bool, bool]]:
+    """Each arc, whether it begins at the start of the path, and whether it ends at the path's end."""
+    last = len(arcs) - 1
+    return [(arc, at_ends[0] and k == 0, at_ends[1] and k == last) for k, arc in enumerate(arcs)]
 
 
 def _windings(turns: Sequence[arb]) -> tuple[int, ...] | None:

@@ -120,14 +120,6 @@ class Eliminant:
         form = resultant + (ZERO,) * (DEGREE + 1 - len(resultant))
         return cls(ring, form, w, q)
 
-    @classmethod
-    def if_any(cls, system: System) -> Eliminant | None:
-        """As :meth:`of`; None where that is impossible."""
-        try:
-            return cls.of(system)
-        except Indivisible:
-            return None
-
     @cached_property
     def finite(self) -> Poly:
         """Q without its roots at u = ∞."""

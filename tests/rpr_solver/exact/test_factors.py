@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 import sympy as sp
-from flint import fmpq, fmpq_poly, fmpz_poly
+from flint import fmpz_poly
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -21,9 +21,10 @@ from rpr_solver.exact.factors import (
     same_number,
     simple_and_other_roots,
 )
-from rpr_solver.exact.number_field import Algebraic, Field, exact_omega
+from rpr_solver.exact.number_field import exact_omega
 from rpr_solver.exact.quadratic import Form, QuadraticPoly
 from rpr_solver.exact.real_roots import real_roots
+from tests.support.number_fields import BOTH, RATIONALS, ROOT_TWO, in_both
 
 ROOT2 = QuadraticPoly.omega(2)
 X = QuadraticPoly.rational([0, 1], 2)
@@ -125,26 +126,7 @@ def test_an_irrational_coefficient() -> None:
     assert abs(float(root.refined(60)) + 3**0.5) < 1e-15
 
 
-RATIONALS = Field.rationals()
-
-
-def field_of(*coefficients: int) -> Field:
-    """ℚ of the greatest real root."""
-    return Field(real_roots(QuadraticPoly.rational(list(coefficients)))[-1])
-
-
-ROOT_TWO = field_of(-2, 0, 1)
-BOTH = field_of(1, 0, -10, 0, 1)
-"""ℚ(√2 + √3)."""
-
-
-def in_both(text: str) -> Algebraic:
-    """√2 or √3 by the generator g: √2 = (g³ − 9 g) / 2, √3 = (11 g − g³) / 2."""
-    coefficients = {"√2": [0, fmpq(-9, 2), 0, fmpq(1, 2)], "√3": [0, fmpq(11, 2), 0, fmpq(-1, 2)]}[text]
-    return BOTH(fmpq_poly(coefficients))
-
-
-def test_conjugates_are_not_thesame_number() -> None:
+def test_conjugates_are_not_the_same_number() -> None:
     two, other = ROOT_TWO.generator, in_both("√2")
     assert same_number(two, other)
     assert not same_number(two, -other)

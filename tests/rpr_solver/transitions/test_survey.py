@@ -9,16 +9,14 @@ from functools import cache
 from itertools import groupby, pairwise
 
 import pytest
-from flint import arb, fmpq, fmpq_poly
+from flint import arb
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rpr_solver import EXAMPLES, Manipulator, census, solve_slice
 from rpr_solver.contract import silent
 from rpr_solver.errors import Unproved
-from rpr_solver.exact.number_field import Algebraic, Field
-from rpr_solver.exact.quadratic import QuadraticPoly
-from rpr_solver.exact.real_roots import real_roots
+from rpr_solver.exact.number_field import Algebraic
 from rpr_solver.model.classify import PoseKind
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.aspects import aspect_cells
@@ -38,25 +36,8 @@ from rpr_solver.transitions.survey import (
 )
 from rpr_solver.transitions.symmetries import symmetries
 from tests.support.families import family
+from tests.support.number_fields import BOTH, RATIONALS, ROOT_TWO, in_both
 from tests.support.shared import census_of, eliminant_of
-
-RATIONALS = Field.rationals()
-
-
-def field_of(*coefficients: int) -> Field:
-    """ℚ of the greatest real root."""
-    return Field(real_roots(QuadraticPoly.rational(list(coefficients)))[-1])
-
-
-ROOT_TWO = field_of(-2, 0, 1)
-BOTH = field_of(1, 0, -10, 0, 1)
-"""ℚ(√2 + √3)."""
-
-
-def in_both(text: str) -> Algebraic:
-    """√2 or √3 by the generator g: √2 = (g³ − 9 g) / 2, √3 = (11 g − g³) / 2."""
-    coefficients = {"√2": [0, fmpq(-9, 2), 0, fmpq(1, 2)], "√3": [0, fmpq(11, 2), 0, fmpq(-1, 2)]}[text]
-    return BOTH(fmpq_poly(coefficients))
 
 
 def rational(x: Fraction | int) -> Landmark:
