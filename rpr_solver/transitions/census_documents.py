@@ -5,7 +5,7 @@ The functions work on the JSON of a document, so that an answer need not be comp
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from math import inf
 from typing import Any
@@ -117,6 +117,7 @@ def census_csv(document: Mapping[str, Any]) -> str:
     """A census document as CSV: a line for each interval, with the transition at its end.
 
     ``degenerate`` says what is degenerate in each slice of the interval, or in one of them as a whole curve.
+    If the events have sensitivities, so has the line: ``sensitivity_a2x`` … of the transition at its end.
 
     >>> from rpr_solver import EXAMPLES, census
     >>> print(census_csv(census(EXAMPLES["zein-flat"], start=38, stop=39, digits=15).to_json()))
@@ -126,10 +127,12 @@ def census_csv(document: Mapping[str, Any]) -> str:
     """
     leg = f"l{document['fixed_leg']}"
     kinds = {t[leg]: t["kind"] for t in document["transitions"]}
+    sensitivities = {t[leg]: _sensitivities(document, t["events"]) for t in document["transitions"]}
     records = [
         {
             **item,
             "transition_at_end": kinds.get(item["to"]),
+            **sensitivities.get(item["to"], {}),
             "degenerate": "; ".join(
                 degenerate_words(part, document["fixed_leg"])
                 for part in document.get("degenerate", ())
@@ -138,7 +141,24 @@ def census_csv(document: Mapping[str, Any]) -> str:
         }
         for item in document["intervals"]
     ]
-    return csv_text(["from", "to", "count", "transition_at_end", "degenerate"], records)
+    columns = ["from", "to", "count", "transition_at_end", "degenerate"]
+    extra = next((list(moves) for moves in sensitivities.values() if moves), [])
+    return csv_text([*columns, *extra], records)
+
+
+def _sensitivities(document: Mapping[str, Any], events: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """The columns ``sensitivity_a2x`` … of a transition; empty if the census has none.
+
+    Several events have their numbers in order, with semicolons between; a singular one has that word.
+    """
+    moves = [event["sensitivity"] for event in events if "sensitivity" in event]
+    if not moves:
+        return {}
+    return {
+        f"sensitivity_{g}": "; ".join("singular" if one is None else one[g] or "" for one in moves)
+        for g in document["geometry"]
+        if g != "orientation"
+    }
 
 
 def _overlap(part: Mapping[str, Any], interval: Mapping[str, Any]) -> bool:

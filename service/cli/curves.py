@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from decimal import Decimal
+from itertools import combinations
 from typing import Any
 
 import rpr_solver
@@ -31,6 +33,7 @@ examples:
   rpr-cusps census innocenti --digits 20
   rpr-cusps census innocenti --l1-range 28:31 --format json
   rpr-cusps census robot.json --l2-range :40 --format csv     leg 2 fixed
+  rpr-cusps census robot.json --l1-range 20:30 --digits 15 --sensitivities
 """
 
 
@@ -51,9 +54,48 @@ def _census(document: Mapping[str, Any]) -> Page:
     ]
     sections = [Section(title, rows, degenerate_notes(document))]
     if events:
-        keys = [leg, "cusps", *(key for key in events[0] if key not in (leg, "cusps"))]
+        others = (leg, "cusps", "sensitivity", "singular")
+        keys = [leg, "cusps", *(key for key in events[0] if key not in others)]
         sections.append(Section("Transitions", rows_of(events, keys)))
+    sections += _sensitivities(leg, transitions)
     return Page(about(document), sections, document["digits"])
+
+
+def _sensitivities(leg: str, transitions: Sequence[Mapping[str, Any]]) -> Iterator[Section]:
+    """The table of sensitivities, if the census has them, and what is said of transitions that have none."""
+    moving, notes = [], []
+    for transition in transitions:
+        length, events = transition[leg], transition["events"]
+        moves = [event["sensitivity"] for event in events if "sensitivity" in event]
+        if not moves:
+            notes.append(f"{leg.upper()} = {length}: no pose is known, so neither is its sensitivity")
+        for event in events:
+            if event.get("singular"):
+                notes.append(
+                    f"{leg.upper()} = {length}: {event['kind']}: not a simple transition; changes of the "
+                    "geometry may resolve it at once, so the margin there is 0"
+                )
+            elif event.get("sensitivity"):
+                shown = {g: slope or "" for g, slope in event["sensitivity"].items()}
+                moving.append({leg: length, "kind": event["kind"], **shown})
+        if any(_differ(one, other) for one, other in combinations(filter(None, moves), 2)):
+            notes.append(
+                f"{leg.upper()} = {length}: {len(events)} poses, which changes of the geometry move apart"
+            )
+    if any("sensitivity" in event for transition in transitions for event in transition["events"]):
+        title = f"Sensitivities: how fast {leg.upper()} of each transition changes with each length"
+        yield Section(title, rows_of(moving), notes)
+
+
+def _differ(one: Mapping[str, str | None], other: Mapping[str, str | None]) -> bool:
+    """Whether two sensitivities differ by more than their roundings."""
+    for a, b in zip(one.values(), other.values(), strict=True):
+        if a is not None and b is not None:
+            x, y = Decimal(a), Decimal(b)
+            units = (Decimal(1).scaleb(int(number.as_tuple().exponent)) for number in (x, y))
+            if abs(x - y) > max(units):
+                return True
+    return False
 
 
 _CURVES = f"""\

@@ -16,11 +16,10 @@ slices of a table as they are computed; `client.ask_all` asks many questions in 
 :class:`ItemResult` for each. :class:`AsyncServiceClient` is the same with `await`.
 """
 
+from service.client.bodies import Answer, Asked
 from service.client.clients import AsyncServiceClient, ServiceClient
 from service.client.connection import ClientSettings
 from service.client.questions import (
-    Answer,
-    Asked,
     census,
     check,
     cusp_curves,

@@ -1,19 +1,77 @@
-"""The body of a batch: items as lines, or a file unchanged."""
+"""What a client asks, its answer, and the body of a batch: items as lines, or a file unchanged."""
 
 from __future__ import annotations
 
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import chain
 from pathlib import Path
 from tempfile import SpooledTemporaryFile
-from typing import Any, BinaryIO, Self
+from typing import Any, BinaryIO, Generic, Self, TypeVar
+
+from pydantic import BaseModel
 
 from rpr_solver.errors import InputError
-from service.client.questions import Asked
+from service.schemas.questions import Question
+
+M = TypeVar("M", bound=BaseModel)
 
 JSON, NDJSON, CSV = "application/json", "application/x-ndjson", "text/csv"
+
+
+@dataclass(frozen=True)
+class Asked(Generic[M]):
+    """A question, and the model of its answer.
+
+    Attributes:
+        name: what the item of a batch is called, which its result repeats; nothing to a question alone.
+    """
+
+    question: Question
+    model: type[M]
+    name: str | None = None
+
+    @property
+    def path(self) -> str:
+        """Where it is posted."""
+        return self.question.path
+
+    def named(self, name: str) -> Asked[M]:
+        """Returns the same question with a name for its place in a batch."""
+        return replace(self, name=name)
+
+    @classmethod
+    def of(cls, question: Question) -> Asked[Any]:
+        """Returns a question that was read before."""
+        return Asked(question, question.answer)
+
+
+@dataclass(frozen=True)
+class Answer(Generic[M]):
+    """A document, as the service sent it.
+
+    Attributes:
+        content: compact JSON.
+        model: the model of the document.
+    """
+
+    content: bytes
+    model: type[M]
+
+    @cached_property
+    def document(self) -> dict[str, Any]:
+        """The document, its members in their order."""
+        document: dict[str, Any] = json.loads(self.content)
+        return document
+
+    @cached_property
+    def typed(self) -> M:
+        """The document as a model."""
+        return self.model.model_validate_json(self.content)
+
 
 Item = Asked[Any] | Mapping[str, Any]
 """A question, or an item in the words of the service: `{"id": …, "kind": …, "request": …}`."""

@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Any, BinaryIO, ClassVar, Concatenate, ParamSpec, Self, TypeVar
 from uuid import uuid4
 
-from service.client.bodies import Body, Item, body_of_file, body_of_items
+from service.client.bodies import Answer, Asked, Body, Item, M, body_of_file, body_of_items
 from service.client.connection import BlockingConnection, Call, Connection, finished
 from service.client.conversation import Conversation, OnProgress, address, silent
-from service.client.questions import Answer, Asked, M
 from service.client.results import ItemResult, ResultReader, slices_of
 from service.schemas.resources import Batch, Job, JobList, ListedJob, ListedStatus
 from service.schemas.tables import CuspTable

@@ -11,9 +11,8 @@ from urllib.parse import quote
 
 import httpx
 
-from service.client.bodies import Body
+from service.client.bodies import Answer, Asked, Body, M
 from service.client.connection import Call, Connection
-from service.client.questions import Answer, Asked, M
 from service.errors import JobInterrupted, ServiceError
 from service.schemas.resources import Batch, is_batch
 

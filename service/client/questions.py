@@ -1,18 +1,14 @@
-"""The questions that a client asks, in the words of the library, and their answers."""
+"""The questions that a client asks, in the words of the library."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, Generic, TypedDict, TypeVar, Unpack
-
-from pydantic import BaseModel
+from typing import Any, TypedDict, Unpack
 
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement, exact_str
 from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
 from rpr_solver.model.lengths import ExactLimits, limits_json, read_limits
+from service.client.bodies import Asked, M
 from service.schemas.censuses import Census, CensusRequest, CheckReport, CheckRequest
 from service.schemas.curves import CuspCurves, CuspCurvesRequest
 from service.schemas.document import Source, read
@@ -31,8 +27,6 @@ from service.schemas.poses import (
 from service.schemas.questions import Question
 from service.schemas.tables import CuspTable, CuspTableRequest
 from service.schemas.verifications import Verification, VerificationRequest
-
-M = TypeVar("M", bound=BaseModel)
 
 _NO_LIMIT = 1_000_000
 _Length = Exact | Iterable[Exact]
@@ -74,57 +68,6 @@ class PlotOptions(TypedDict, total=False):
     deadline: float | None
 
 
-@dataclass(frozen=True)
-class Asked(Generic[M]):
-    """A question, and the model of its answer.
-
-    Attributes:
-        name: what the item of a batch is called, which its result repeats; nothing to a question alone.
-    """
-
-    question: Question
-    model: type[M]
-    name: str | None = None
-
-    @property
-    def path(self) -> str:
-        """Where it is posted."""
-        return self.question.path
-
-    def named(self, name: str) -> Asked[M]:
-        """Returns the same question with a name for its place in a batch."""
-        return replace(self, name=name)
-
-    @classmethod
-    def of(cls, question: Question) -> Asked[Any]:
-        """Returns a question that was read before."""
-        return Asked(question, question.answer)
-
-
-@dataclass(frozen=True)
-class Answer(Generic[M]):
-    """A document, as the service sent it.
-
-    Attributes:
-        content: compact JSON.
-        model: the model of the document.
-    """
-
-    content: bytes
-    model: type[M]
-
-    @cached_property
-    def document(self) -> dict[str, Any]:
-        """The document, its members in their order."""
-        document: dict[str, Any] = json.loads(self.content)
-        return document
-
-    @cached_property
-    def typed(self) -> M:
-        """The document as a model."""
-        return self.model.model_validate_json(self.content)
-
-
 def cusp_table(
     manipulator: Manipulator,
     lengths: _Length,
@@ -157,10 +100,19 @@ def census(
     start: Exact | None = None,
     stop: Exact | None = None,
     certificate: str = "short",
+    sensitivities: bool = False,
     deadline: float | None = None,
 ) -> Asked[Census]:
-    """Every length at which the number of cusps changes."""
-    members = {"fixed_leg": fixed_leg, "range": _range(start, stop), "certificate": certificate}
+    """Every length at which the number of cusps changes.
+
+    With `sensitivities` each event says how fast it moves when the lengths of the manipulator change.
+    """
+    members = {
+        "fixed_leg": fixed_leg,
+        "range": _range(start, stop),
+        "certificate": certificate,
+        "sensitivities": sensitivities,
+    }
     return _asked(CensusRequest, Census, manipulator, digits, deadline, members)
 
 

@@ -12,9 +12,9 @@ from urllib.parse import quote
 import httpx
 from pydantic import BaseModel, ConfigDict
 
+from service.client.bodies import Answer, Asked
 from service.client.connection import Call, Connection
 from service.client.conversation import Conversation, OnProgress, as_object
-from service.client.questions import Answer, Asked
 from service.errors import ServiceError
 from service.schemas.answers import ProblemDocument
 from service.schemas.catalog import by_kind

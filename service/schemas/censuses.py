@@ -27,9 +27,34 @@ from service.schemas.answers import (
 from service.schemas.document import Document, unnamed
 from service.schemas.lengths import RANGE_COLUMNS, JointLimits, Range, range_field
 from service.schemas.model import Model
-from service.schemas.numbers import Count, Digits, FixedLeg, digits_field, fixed_leg_field
+from service.schemas.numbers import Count, Digits, FixedLeg, Flag, digits_field, fixed_leg_field
 from service.schemas.questions import Examples, Question
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
+
+
+class Sensitivity(Model):
+    """How fast the length of a transition changes with each length of the geometry: its derivatives, as many
+    digits as are proved. Null: no digit is proved, as of 0, or there is no derivative, as by the sides of a
+    flat platform."""
+
+    a2x: str | None
+    a3x: str | None
+    a3y: str | None
+    d1: str | None
+    d2: str | None
+    d3: str | None
+
+
+class CensusEvent(TransitionEvent):
+    """A degenerate pose at the length of a transition, with `sensitivities` also how it moves."""
+
+    sensitivity: Sensitivity | None = Field(
+        default=None, description="Missing unless requested; null where the pose is `singular`."
+    )
+    singular: Literal[True] | None = optional(
+        "Present where the pose is not proved to be a simple one, such as a node: changes of the geometry "
+        "may resolve it at once, so the margin there is 0."
+    )
 
 
 class Transition(FixedLength):
@@ -38,7 +63,7 @@ class Transition(FixedLength):
     kind: str = Field(description="The kind of its events; `several` if they differ.")
     count_before: int = Field(description="Number of cusps just below this length.")
     count_after: int = Field(description="Number of cusps just above this length.")
-    events: list[TransitionEvent]
+    events: list[CensusEvent]
 
 
 class CensusInterval(Interval):
@@ -198,7 +223,7 @@ then answered immediately. `Prefer: wait=N` waits for the job.
 """
     answer = Census
     known = "The census."
-    columns = (*RANGE_COLUMNS, "fixed_leg", "digits")
+    columns = (*RANGE_COLUMNS, "fixed_leg", "digits", "sensitivities")
     forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("census_csv", "interval")}
     examples: ClassVar[Examples] = {
         "whole": ("The article's first manipulator, all lengths", {"digits": 30}),
@@ -209,6 +234,10 @@ then answered immediately. `Prefer: wait=N` waits for the job.
         "full": (
             "With everything that an independent checker needs",
             {"digits": 30, "range": {"from": 28, "to": "31"}, "certificate": "full"},
+        ),
+        "sensitivities": (
+            "With the sensitivity of each transition",
+            {"digits": 30, "range": {"from": 28, "to": "31"}, "sensitivities": True},
         ),
     }
 
@@ -222,6 +251,17 @@ then answered immediately. `Prefer: wait=N` waits for the job.
         "the transitions, isolating intervals of all their real roots, a box of each event, and the length "
         "at which the cusps of each window were counted.",
     )
+    sensitivities: Flag = Field(
+        default=False,
+        description="Whether each event says how fast its transition moves when the lengths of the geometry "
+        "change.",
+    )
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question."""
+        content = super().content()
+        wanted = content.pop("sensitivities")
+        return {**content, "sensitivities": True} if wanted else content
 
 
 class CheckRequest(Question):

@@ -107,6 +107,12 @@ def _whole(value: object, info: ValidationInfo, expected: str) -> int:
     return whole_number(value, expected, is_text=Source.of(info).is_text)
 
 
+def _flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise InputError.of("", f"is {json_kind(value)}; give true or false")
+    return value
+
+
 def whole_from(least: int, most: int, what: str = "") -> PlainValidator:
     """Returns the validator of a whole number in a range, with its schema; messages may say what it is."""
     expected = f"{what}{least} to {most}"
@@ -206,6 +212,9 @@ Length = Annotated[
 
 FixedLeg = Annotated[int, PlainValidator(_fixed_leg, json_schema_input_type=Literal[FIXED_LEGS])]
 """The leg whose length is fixed in a slice."""
+
+Flag = Annotated[bool, PlainValidator(_flag, json_schema_input_type=bool)]
+"""Whether something is wanted."""
 
 PoseNumber = Annotated[int, whole_from(1, MOST_POSES, "the number of a pose, ")]
 """The number of a pose in the table of all poses of a joint vector."""

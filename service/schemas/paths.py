@@ -37,6 +37,7 @@ from service.schemas.model import Model
 from service.schemas.numbers import (
     Digits,
     FixedLeg,
+    Flag,
     Length,
     PoseNumber,
     digits_field,
@@ -89,12 +90,6 @@ def _duration(value: object, info: ValidationInfo) -> Fraction:
     if duration <= 0:
         raise InputError.of("", f"is {exact_str(duration)}; a duration must be > 0")
     return duration
-
-
-def _yes_or_no(value: object) -> bool:
-    if not isinstance(value, bool):
-        raise InputError.of("", f"is {json_kind(value)}; give true or false")
-    return value
 
 
 class Between(Document):
@@ -335,7 +330,7 @@ unless `Prefer` says otherwise; after that it is 202 with a job.
         description="The time profile of the arc length in joint space. The speed follows half a sine wave "
         "(`cosine`), rises, stays and falls for a third of the time each (`trapezoid`), or is constant.",
     )
-    others: Annotated[bool, PlainValidator(_yes_or_no, json_schema_input_type=bool)] = Field(
+    others: Flag = Field(
         default=USUAL["others"],
         description="Whether the other poses of the joint vector are followed, too, until the fold at "
         "which they vanish.",

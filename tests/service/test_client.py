@@ -60,6 +60,12 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         census(ZEIN, digits=20, start=22, stop="32"),
         lambda: rpr_solver.restrict_census(rpr_solver.census(ZEIN, digits=20).to_json(), 22, 32),
     ),
+    "census with sensitivities": (
+        census(ZEIN, digits=20, start=22, stop="32", sensitivities=True),
+        lambda: rpr_solver.with_sensitivities(
+            rpr_solver.restrict_census(rpr_solver.census(ZEIN, digits=20).to_json(), 22, 32) or {}
+        ),
+    ),
     "cusp curves": (
         cusp_curves(ZEIN, digits=15, start=3, stop=4, lengths=["3.5"], deadline=300),
         lambda: rpr_solver.cusp_curves(ZEIN, digits=15).part(3, 4, lengths=[Fraction("3.5")]).to_json(),

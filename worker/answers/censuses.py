@@ -2,17 +2,43 @@
 
 from __future__ import annotations
 
-from functools import partial
+from dataclasses import replace
 
 import rpr_solver
 from rpr_solver import Requirement
 from rpr_solver.contract import FULL, SHORT, Progress
 from worker.answers.cost import all_events
 from worker.answers.requests import ALL_LENGTHS, Document, JobRequest, Kind, Store, content_range
+from worker.answers.store import answer, known_document
+
+SENSITIVITIES = "sensitivities"
+"""The member of a question for a census whose events have their sensitivities."""
 
 
 def derive(request: JobRequest, store: Store) -> Document | None:
-    """Returns a census that follows from a known whole one with as many digits or more, else None."""
+    """Returns a census that follows from known ones, else None: from the whole one with as many digits or
+    more; with sensitivities from the same without them."""
+    return _moved(request, store) if _asks_for_sensitivities(request) else _cut(request, store)
+
+
+def _asks_for_sensitivities(request: JobRequest) -> bool:
+    return SENSITIVITIES in request.content
+
+
+def _without_sensitivities(request: JobRequest) -> JobRequest:
+    content = {name: value for name, value in request.content.items() if name != SENSITIVITIES}
+    return replace(request, content=content)
+
+
+def _moved(request: JobRequest, store: Store) -> Document | None:
+    """Returns a census with sensitivities that follows from the same without them, else None."""
+    if not _asks_for_sensitivities(request):
+        return None
+    plain = known_document(_without_sensitivities(request), store)
+    return None if plain is None else rpr_solver.with_sensitivities(plain)
+
+
+def _cut(request: JobRequest, store: Store) -> Document | None:
     start, stop = content_range(request.content)
     for digits in store.census_digits(_family(request)):
         whole = store.get_document(_whole(request, digits)) if digits >= request.digits else None
@@ -28,6 +54,8 @@ def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
     Raises:
         SolverError: a transition could not be decided.
     """
+    if _asks_for_sensitivities(request):
+        return rpr_solver.with_sensitivities(answer(_without_sensitivities(request), store, progress))
     if not store.keeps:
         return solved(request, store, progress)
     whole = store.document(
@@ -37,6 +65,17 @@ def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
     part = rpr_solver.restrict_census(whole, *content_range(request.content))
     # None: the decimals do not separate an end of the range from a transition that is very near or equal
     return solved(request, store, progress) if part is None else part
+
+
+def certified(request: JobRequest, store: Store, progress: Progress) -> Document:
+    """Compute a census with a full certificate.
+
+    Raises:
+        SolverError: a transition could not be decided.
+    """
+    if _asks_for_sensitivities(request):
+        return rpr_solver.with_sensitivities(answer(_without_sensitivities(request), store, progress))
+    return solved(request, store, progress, FULL)
 
 
 def solved(request: JobRequest, _store: Store, progress: Progress, certificate: str = SHORT) -> Document:
@@ -82,8 +121,9 @@ CENSUS = Kind("census", "ce-", compute, all_events, derive=derive)
 CERTIFIED_CENSUS = Kind(
     "certified-census",
     "cn-",
-    partial(solved, certificate=FULL),
+    certified,
     all_events,
+    derive=_moved,
     implied=("certificate", FULL),
 )
 CHECK = Kind("check", "ch-", check, all_events)

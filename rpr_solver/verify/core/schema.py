@@ -234,13 +234,14 @@ def _poses(leg: _Leg) -> Read:
 
 
 def _census(leg: _Leg) -> Read:
+    event = record(leg.degenerate_point, {"sensitivity": unread, "singular": unread})
     transition = record(
         {
             leg.length: leg.positive,
             "kind": word("several", "unclassified", *POSE_KINDS),
             "count_before": count(0, MOST_CUSPS),
             "count_after": count(0, MOST_CUSPS),
-            "events": rows(leg.event, 0, 200),
+            "events": rows(event, 0, 200),
         }
     )
     interval = record(

@@ -27,18 +27,20 @@ from worker.answers.tables import CUSP_TABLE
 
 GEOMETRY = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
 _NUMBERS = ("fixed_leg", "digits", "samples", "pose")
+_FLAGS = ("sensitivities",)
+_TRUTH: Mapping[str, bool] = {"true": True, "false": False}
 _REQUIREMENT = ("max_cusps", "min_cusps", "degenerate")
 COLUMNS = (
     "id", "kind", *GEOMETRY, *LEGS, *SLICE_COLUMNS, *_NUMBERS, "method",
     "plot", "theme", "cusp",
-    *_REQUIREMENT,
+    *_REQUIREMENT, *_FLAGS,
 )  # fmt: skip
 """All columns that there are."""
 
 _SEPARATORS = (",", ";", "\t")
 """Separators of columns, chosen by the first line; all but the comma go with decimal commas."""
 
-_WORDS = ("id", "kind", "orientation", "method", "plot", "theme", "cusp", "degenerate")
+_WORDS = ("id", "kind", "orientation", "method", "plot", "theme", "cusp", "degenerate", *_FLAGS)
 """Columns whose cells are no numbers."""
 
 
@@ -119,11 +121,16 @@ def item_of(row: Mapping[str, str]) -> Mapping[str, Any]:
         if leg in cells:
             request[leg] = _lengths(cells.pop(leg), fields.get(leg))
     request |= {x: JsonNumber(number) for x, number in taken(_NUMBERS).items()}
-    request |= cells
+    request |= _with_truth(cells)
     for own, members in parts.items():
         moved = [x for x in members if x in request and x not in fields]
         request[own] = {x: request.pop(x) for x in moved}
     return {**name, "kind": kind, "request": request}
+
+
+def _with_truth(cells: Mapping[str, str]) -> dict[str, bool | str]:
+    """Cells, those of flags as truth values."""
+    return {x: _TRUTH.get(cell.lower(), cell) if x in _FLAGS else cell for x, cell in cells.items()}
 
 
 def _lengths(text: str, field: FieldInfo | None) -> str | list[str]:

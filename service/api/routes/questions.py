@@ -107,6 +107,10 @@ _PARAMETERS: dict[str, tuple[str, dict[str, Any]]] = {
         {"type": "integer", "minimum": 1, "maximum": MOST_POSES},
     ),
     "method": ("`article`: by the article's own algorithm.", {"type": "string", "enum": list(METHODS)}),
+    "sensitivities": (
+        "Whether each transition has its sensitivity to the lengths of the geometry.",
+        {"type": "boolean"},
+    ),
     "wait": (
         f"Seconds to wait for an answer that is not known yet; {_WAIT} if missing.",
         {"type": "integer", "minimum": 0},

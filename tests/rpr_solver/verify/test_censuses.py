@@ -12,7 +12,15 @@ from typing import Any
 import pytest
 
 import rpr_solver
-from rpr_solver import EXAMPLES, ClaimStatus, InputError, Manipulator, census, verify_document
+from rpr_solver import (
+    EXAMPLES,
+    ClaimStatus,
+    InputError,
+    Manipulator,
+    census,
+    verify_document,
+    with_sensitivities,
+)
 from rpr_solver.contract import document_head
 from rpr_solver.verify.censuses import COMPLETE, Range
 from rpr_solver.verify.core.system import Surface
@@ -70,6 +78,15 @@ def test_neighbours_closer_than_their_digits() -> None:
         parts[n]["count"] += 2
         rows[n // 2]["count_after" if n else "count_before"] += 2
         assert not verify_document(document).accepted
+
+
+def test_sensitivities_are_not_read() -> None:
+    document = census(EXAMPLES["zein-flat"], digits=15, start=30, stop=33).to_json()
+    verified = verify_document(with_sensitivities(document))
+    assert "/transitions/*/events/*/sensitivity" in verified.unread
+    assert [claim.to_json() for claim in verified.claims] == [
+        claim.to_json() for claim in verify_document(document).claims
+    ]
 
 
 @pytest.mark.parametrize(

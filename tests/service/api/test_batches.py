@@ -182,11 +182,11 @@ def test_results_as_one_array(client: httpx.Client) -> None:
 
 
 def test_rows_of_every_kind(client: httpx.Client) -> None:
-    head = f"\ufeffid,kind,{HEAD},fixed_leg,l1,l1_from,l1_to,l1_step,l2,l3,digits,max_cusps"
+    head = f"\ufeffid,kind,{HEAD},fixed_leg,l1,l1_from,l1_to,l1_step,l2,l3,digits,max_cusps,sensitivities"
     rows = [
         f"a,,{ROW},,27;28.1,,,,,,20,",
         f"b,cusp-table,{ROW},,,26,28,1,,,20,",
-        f"c,census,{ROW},1,,20,30,,,,20,",
+        f"c,census,{ROW},1,,20,30,,,,20,,true",
         f'"d, e",check,{ROW},,,28,29,,,,,8',
         f"f,cusp-table,{ROW},2,,,,,17,,20,",
         "",
@@ -199,6 +199,7 @@ def test_rows_of_every_kind(client: httpx.Client) -> None:
     assert [line["kind"] for line in got[3:]] == ["check", "cusp-table", "cusp-table", "poses"]
     assert [part["l1"] for part in got[1]["result"]["slices"]] == ["26", "27", "28"]
     assert got[2]["result"]["range"] == {"from": "20", "to": "30"}
+    assert got[2]["result"]["transitions"][0]["events"][0]["sensitivity"]["d1"]
     assert got[3]["result"]["passed"] is False
     assert [line["problem"]["errors"][0]["field"] for line in got[5:]] == [
         "items[5].request.l1",

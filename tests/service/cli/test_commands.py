@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from fractions import Fraction
 from pathlib import Path
@@ -23,6 +24,7 @@ from rpr_solver import (
     singular_csv,
     singular_curves,
     table_csv,
+    with_sensitivities,
 )
 from rpr_solver.article.audit import article_document
 from service.cli.main import main
@@ -165,6 +167,37 @@ def test_a_census_in_every_form(run_here: Run) -> None:
     lines = run_here(*part).stdout.splitlines()
     assert "L1 from 22 up to 32: 4 to 8 cusps, 7 transitions" in lines
     assert sum("swallowtail" in line for line in lines) == 4
+
+
+def test_a_census_with_sensitivities_in_every_form(run_here: Run) -> None:
+    part = ("census", "zein-flat", "--l1-range", "30:33", "--digits", "15", "--sensitivities")
+    document = json.loads(run_here(*part, "--format", "json").stdout)
+    plain = census(EXAMPLES["zein-flat"], digits=15, start=30, stop=33)
+    assert document == with_sensitivities(plain.to_json())
+    [head, first, _, last] = csv.reader(run_here(*part, "--format", "csv").stdout.splitlines())
+    assert head[5:] == [f"sensitivity_{g}" for g in ("a2x", "a3x", "a3y", "d1", "d2", "d3")]
+    moves = document["transitions"][0]["events"][0]["sensitivity"]
+    assert first[5:] == [moves["a2x"], moves["a3x"], moves["a3y"], "", "", ""]
+    assert last[5:] == [""] * 6
+    text = run_here(*part).stdout
+    assert "Sensitivities: how fast L1 of each transition changes with each length" in text
+    assert moves["a3y"] in text
+
+
+def test_transitions_that_are_not_simple_are_said_to_have_no_margin(run_here: Run) -> None:
+    geometry = '{"a2x": -1, "a3x": 2, "a3y": 4, "d1": 3, "d2": 4, "d3": 5, "orientation": "cw"}'
+    part = ("census", "-", "--l1-range", "4.9:5.1", "--digits", "15", "--sensitivities")
+    done = run_here(*part, stdin=geometry)
+    assert "L1 = 5.00000000000000: quadruple: not a simple transition" in done.stdout
+    assert "the margin there is 0" in done.stdout
+    rows = run_here(*part, "--format", "csv", stdin=geometry).stdout
+    assert ",singular,singular,singular,singular,singular,singular" in rows
+
+
+def test_mirror_images_at_one_length_are_said_to_move_apart(run_here: Run) -> None:
+    geometry = '{"a2x": 6, "a3x": 3, "a3y": 7, "d1": 8, "d2": 10, "d3": 10}'
+    done = run_here("census", "-", "--fixed-leg", "3", "--digits", "15", "--sensitivities", stdin=geometry)
+    assert "2 poses, which changes of the geometry move apart" in done.stdout
 
 
 def test_a_census_of_another_leg(run_here: Run) -> None:

@@ -207,3 +207,16 @@ def test_a_full_certificate_is_a_document_of_its_own() -> None:
     refused = read_item({"kind": "certified-census", "request": body | {"certificate": "short"}}, 0, Limits())
     assert refused.problem is not None
     assert "request.certificate" in refused.problem["detail"]
+
+
+def test_sensitivities_are_another_question_and_their_absence_is_none() -> None:
+    plain, off, on = (
+        read(CensusRequest, BODY | more, JSON)
+        for more in ({}, {"sensitivities": False}, {"sensitivities": True})
+    )
+    assert plain.job_request() == off.job_request()
+    assert "sensitivities" not in plain.content()
+    assert on.job_request() != plain.job_request()
+    assert read(CensusRequest, on.body(), JSON).content() == on.content()
+    with pytest.raises(InputError, match="sensitivities: is a string; give true or false"):
+        read(CensusRequest, BODY | {"sensitivities": "true"}, JSON)

@@ -11,7 +11,7 @@ from redis import Redis
 
 import rpr_solver
 from rpr_solver import EXAMPLES, Manipulator
-from worker.answers.censuses import CENSUS
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
 from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore, compute, known_document
 from worker.settings import WorkerSettings
@@ -117,3 +117,34 @@ def test_an_end_at_a_transition(store: ResultStore) -> None:
     assert above["transitions"] == whole["transitions"][k + 1 :]
     assert below["transitions"] == whole["transitions"][:k]
     assert above["intervals"][0]["from"] == below["intervals"][-1]["to"] == "16"
+
+
+def with_(request_: JobRequest, **more: object) -> JobRequest:
+    return JobRequest(request_.kind, {**request_.content, **more})
+
+
+def test_a_stored_census_serves_the_question_for_sensitivities_too(
+    solver: Computed, store: ResultStore
+) -> None:
+    plain = get(request("34", "38"), store)
+    moving = known_document(with_(request("34", "36", digits=15), sensitivities=True), store)
+    assert solver.calls == 1
+    assert moving == rpr_solver.with_sensitivities(get(request("34", "36", digits=15), store))
+    assert moving["transitions"][0]["events"][0]["sensitivity"]["a2x"] is not None
+    assert get(request("34", "38"), store) == plain
+
+
+def test_a_question_for_sensitivities_keeps_the_census(solver: Computed, store: ResultStore) -> None:
+    asked = with_(request("34", "38"), sensitivities=True)
+    assert known_document(asked, store) is None
+    moving = get(asked, store)
+    assert moving == rpr_solver.with_sensitivities(get(request("34", "38"), store))
+    assert solver.calls == 1
+
+
+def test_certified_censuses_have_sensitivities_too(solver: Computed, store: ResultStore) -> None:
+    plain = JobRequest(CERTIFIED_CENSUS, request("34", "38").content)
+    document = get(with_(plain, sensitivities=True), store)
+    assert document == rpr_solver.with_sensitivities(get(plain, store))
+    assert "full" in document["certificate"]
+    assert solver.calls == 1
