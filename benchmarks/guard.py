@@ -51,8 +51,8 @@ def works() -> list[Work]:
     of_long_sides = Manipulator(*(f"{side}.{'1234567890' * 5}" for side in (15, 3, 10, 17, 16, 20)))
     eliminant = eliminate(m)
     return [
-        Work("elimination", 450, lambda: eliminate(m), rounds=9),
-        Work("elimination, sides of 52 digits", 8400, lambda: eliminate(of_long_sides)),
+        Work("elimination", 450, lambda: eliminate(m).a, rounds=9),
+        Work("elimination, sides of 52 digits", 8400, lambda: eliminate(of_long_sides).a),
         Work("a slice", 60, lambda: solve_slice(eliminant, 27, 90), rounds=9),
         Work("a slice of a scan", 20, lambda: list(solve_slices(eliminant, SCAN, 90)), parts=len(SCAN)),
         Work("poses", 22, lambda: poses(m, 27, 20, 20), rounds=9),

@@ -94,7 +94,7 @@ def main() -> None:
     parser.add_argument("--check", action="store_true", help="fail where the cost grows too fast")
     args = parser.parse_args()
     works: dict[str, Work] = {
-        "elimination": lambda m, _e, _x: eliminate(m),
+        "elimination": lambda m, _e, _x: eliminate(m).a,
         "slice": lambda _m, e, x: solve_slice(e, x, 15),
         "census": lambda m, _e, _x: census(m, digits=15),
         "article": lambda m, _e, x: article_table(m, x, digits=15),

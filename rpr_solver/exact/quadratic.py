@@ -100,6 +100,12 @@ def _primitive_parts(a: P, b: P) -> tuple[P, P]:
     return (a, b) if content in (0, 1) else (a / content, b / content)
 
 
+def primitive_rows(rows: Sequence[QuadraticPoly]) -> Sequence[QuadraticPoly]:
+    """Polynomials without the content that all of them have in common."""
+    content = fmpz_poly([_content(part) for row in rows for part in (row.a, row.b)]).content()
+    return rows if content in (0, 1) else [replace(row, a=row.a / content, b=row.b / content) for row in rows]
+
+
 def _content(p: fmpz_poly | fmpz_mpoly) -> fmpz:
     return p.content()  # type: ignore[union-attr]  # missing in the stubs of fmpz_mpoly
 

@@ -26,7 +26,7 @@ class SliceSolver:
     """
 
     def __init__(self, eliminant: Eliminant, lengths: Sequence[Fraction], digits: int) -> None:
-        self._eliminant, self._lengths, self._digits = eliminant, lengths, digits
+        self._eliminant, self._lengths, self._digits = eliminant.expect(len(lengths)), lengths, digits
         self._fast = fast_tables(eliminant, lengths, digits)
 
     def table(self, place: int) -> SliceTable:

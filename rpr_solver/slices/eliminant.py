@@ -13,7 +13,8 @@ With t = tan(α/2), u = tan(θ/2) and all degrees formal, eliminating t from J a
 
 The first three are factors for every geometry, and Q is integral (mathematics.md#the-eliminant). So Q is
 determined by balls round its coefficients that hold one integer each. They are computed from its values in
-26 directions, at 12 lengths, of which the negative ones come for nothing.
+26 directions, at 12 lengths, of which the negative ones come for nothing. Where few slices are asked for, Q
+is computed at their lengths alone.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from math import isqrt
 from threading import Lock
 from typing import Any
@@ -30,20 +32,74 @@ from flint import arb, arb_mat, ctx, fmpq_mat, fmpz, fmpz_mat, fmpz_poly
 
 from rpr_solver.contract import SOLVER_VERSION, check_leg, check_type
 from rpr_solver.exact.biform import BiForm
-from rpr_solver.exact.elimination import Circle, at_points, ball_resultant, recovered, resultant_bound
-from rpr_solver.exact.quadratic import QuadraticPoly
+from rpr_solver.exact.elimination import (
+    Circle,
+    at_points,
+    ball_resultant,
+    recovered,
+    resultant_bound,
+)
+from rpr_solver.exact.quadratic import QuadraticPoly, primitive_rows
 from rpr_solver.exact.real_roots import ball_of
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.model.slice_map import SliceMap
 
 DEGREE_U = 24
 DEGREE_L = 10
+FEW_SLICES = 4
+"""For so many slices Q is computed at their lengths alone: each is a sixth of the work for all lengths."""
 _LENGTHS = 6
 _POINTS = DEGREE_U + 2
 """One more than there are coefficients, as a check, and even, so that half a turn maps points to points."""
 _MULTIPLES = [sign * k for sign in (1, -1) for k in range(1, _LENGTHS + 1)]
 _FROM_LENGTHS = fmpq_mat([[k**power for power in range(2 * _LENGTHS)] for k in _MULTIPLES]).inv()
 """From values at the lengths ±1, …, ±6 to coefficients; there is one more length than coefficients."""
+
+
+@dataclass
+class Coefficients:
+    """The integers of Q = A + ω B, computed when they are needed: for the first few slices Q is not."""
+
+    slice_map: SliceMap
+    known: tuple[fmpz_mat, fmpz_mat] | None = None
+    _slices: dict[Fraction, QuadraticPoly] = field(default_factory=dict, init=False, compare=False)
+
+    def whole(self) -> tuple[fmpz_mat, fmpz_mat]:
+        """A and B, see :class:`Eliminant`.
+
+        Raises:
+            SolverError: the resultant lacks one of its known factors.
+        """
+        if self.known is None:
+            parts = recovered(self.slice_map.radicand, self._sampling.coefficients, self._sampling.bits)
+            a, b = (fmpz_mat(DEGREE_L + 1, DEGREE_U + 1, part).transpose() for part in parts)
+            self.known = a, b
+            self._slices.clear()
+        return self.known
+
+    def at(self, length: Fraction) -> QuadraticPoly:
+        """Q at one *scaled* L, primitive.
+
+        Raises:
+            SolverError: as above.
+        """
+        if self.known is None and length not in self._slices and len(self._slices) < FEW_SLICES:
+            self._slices[length] = self._sampling.at(length)
+        if q := self._slices.get(length):
+            return q
+        n, d = fmpz(length.numerator), fmpz(length.denominator)
+        powers = fmpz_mat(DEGREE_L + 1, 1, [n**k * d ** (DEGREE_L - k) for k in range(DEGREE_L + 1)])
+        a, b = (fmpz_poly((part * powers).entries()) for part in self.whole())
+        return QuadraticPoly(a, b, self.slice_map.radicand).primitive()
+
+    @property
+    def most_bytes(self) -> int:
+        """What all coefficients take at most, once they are known."""
+        return 2 * (DEGREE_U + 1) * (DEGREE_L + 1) * (self._sampling.bits // 8 + 32)
+
+    @cached_property
+    def _sampling(self) -> _Sampling:
+        return _Sampling.of(self.slice_map)
 
 
 @dataclass(frozen=True)
@@ -57,8 +113,7 @@ class Eliminant:
     Attributes:
         manipulator: the geometry.
         slice_map: the integer model of its slices, with the fixed leg, the scale and ω² (``radicand``).
-        a, b: A and B without common content, matrices of 25 rows (powers of u) and 11 columns (powers of
-            the scaled L).
+        coefficients: those of Q, as far as they are known.
         kept: what the solver of slices keeps for the next ones.
 
     >>> from rpr_solver import EXAMPLES, eliminate
@@ -68,20 +123,35 @@ class Eliminant:
 
     manipulator: Manipulator
     slice_map: SliceMap
-    a: fmpz_mat
-    b: fmpz_mat
+    coefficients: Coefficients
     kept: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __repr__(self) -> str:
         leg = self.slice_map.fixed_leg
         return f"<Eliminant of leg {leg}: degree {DEGREE_U} in u, {DEGREE_L} in L{leg}>"
 
+    @property
+    def a(self) -> fmpz_mat:
+        """A: a row for each of 25 powers of u, a column for each of 11 powers of the scaled L.
+
+        A and B have no common content.
+        """
+        return self.coefficients.whole()[0]
+
+    @property
+    def b(self) -> fmpz_mat:
+        """B, likewise."""
+        return self.coefficients.whole()[1]
+
     def at(self, length: Fraction) -> QuadraticPoly:
         """Q at one *scaled* L, primitive: A(u) + ω B(u); zero if J and E share a curve there."""
-        n, d = fmpz(length.numerator), fmpz(length.denominator)
-        powers = fmpz_mat(DEGREE_L + 1, 1, [n**k * d ** (DEGREE_L - k) for k in range(DEGREE_L + 1)])
-        a, b = (fmpz_poly((part * powers).entries()) for part in (self.a, self.b))
-        return QuadraticPoly(a, b, self.slice_map.radicand).primitive()
+        return self.coefficients.at(length)
+
+    def expect(self, slices: int) -> Eliminant:
+        """The same, with its coefficients computed now if so many slices repay it."""
+        if slices > FEW_SLICES:
+            self.coefficients.whole()
+        return self
 
     def to_json(self) -> dict[str, Any]:
         """A JSON form for caches (about 100 kB); :meth:`from_json` is its inverse."""
@@ -109,11 +179,15 @@ class Eliminant:
         a, b = (
             fmpz_mat(DEGREE_U + 1, DEGREE_L + 1, [fmpz(x) for x in str(obj[part]).split()]) for part in "ab"
         )
-        return cls(manipulator, SliceMap.of(manipulator, leg), a, b)
+        slice_map = SliceMap.of(manipulator, leg)
+        return cls(manipulator, slice_map, Coefficients(slice_map, (a, b)))
 
 
 def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
-    """Computes Q(u, L) of a manipulator and one fixed leg, to be shared by all slices (10 to 40 ms).
+    """Q(u, L) of a manipulator and one fixed leg, to be shared by all slices.
+
+    It is computed for the first few slices at their lengths (2 to 6 ms each), then or when its coefficients
+    are needed for all lengths (10 to 40 ms).
 
     Args:
         manipulator: the geometry.
@@ -121,7 +195,6 @@ def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
 
     Raises:
         InputError: naming ``manipulator`` or ``fixed_leg``.
-        SolverError: the resultant lacks one of its known factors.
 
     >>> from rpr_solver import EXAMPLES, solve_slice
     >>> eliminant = eliminate(EXAMPLES["zein-flat"], fixed_leg=3)
@@ -129,10 +202,7 @@ def eliminate(manipulator: Manipulator, fixed_leg: int = 1) -> Eliminant:
     <SliceTable L3=10: 4 cusps, 15 digits>
     """
     slice_map = SliceMap.of(manipulator, fixed_leg)
-    sampling = _Sampling.of(slice_map)
-    parts = recovered(slice_map.radicand, sampling.coefficients, sampling.bits)
-    a, b = (fmpz_mat(DEGREE_L + 1, DEGREE_U + 1, part).transpose() for part in parts)
-    return Eliminant(manipulator, slice_map, a, b)
+    return Eliminant(manipulator, slice_map, Coefficients(slice_map))
 
 
 @dataclass(frozen=True)
@@ -181,6 +251,31 @@ class _Sampling:
         scales = [ball_of(self.step**power) for power in range(DEGREE_L + 1)]
         return [x / scale for row, scale in zip(coefficients, scales, strict=True) for x in row]
 
+    def at(self, length: Fraction) -> QuadraticPoly:
+        """Q at one length, primitive.
+
+        Raises:
+            SolverError: the resultant lacks one of its known factors.
+        """
+        forms = self.slice_map.singular, self.slice_map.coalescence
+        rows = [primitive_rows(form.at(length)) for form in forms]
+        closed = self.slice_map.f.closed(length)
+        # of primitive rational factors the quotient is integral
+        factors = [QuadraticPoly.rational(p) for p in (self.along, closed / closed.content())]
+
+        def coefficients(omega: arb) -> list[arb] | None:
+            circle = Circle(_POINTS, ctx.prec)
+            j, e = (at_points(r, f.degree_u, circle, omega) for r, f in zip(rows, forms, strict=True))
+            known = at_points(factors, 2, circle, omega)
+            values = [ball_resultant(*x) / (w * w * q) for *x, (w, q) in zip(j, e, known, strict=True)]
+            found = circle.coefficients([values], DEGREE_U)
+            return None if found is None else found[0]
+
+        norms = [sum(row.norm1() for row in part) for part in rows]
+        bound = norms[0] ** forms[1].degree_t * norms[1] ** forms[0].degree_t
+        a, b = recovered(self.slice_map.radicand, coefficients, bound.bit_length())
+        return QuadraticPoly(fmpz_poly(a), fmpz_poly(b), self.slice_map.radicand)
+
     def _values(self, circle: Circle, lengths: Sequence[Fraction], omega: arb) -> list[list[arb]]:
         """A row of values of Q for each length."""
         j0, j1 = _by_length(self.singular, 1, circle, omega)
@@ -207,8 +302,8 @@ def _by_length(form: BiForm, degree: int, circle: Circle, omega: arb) -> list[li
     return [at_points(rows, form.degree_u, circle, omega) for rows in powers]
 
 
-MOST_BYTES = 8 << 20
-"""The size of the coefficients that are kept: those of about 200 manipulators of ordinary sides."""
+MOST_BYTES = 16 << 20
+"""What the coefficients that are kept may take: those of about 200 manipulators of ordinary sides."""
 
 _Key = tuple[Manipulator, int]
 
@@ -249,9 +344,7 @@ class KeptEliminants:
                 return replace(self._stored[key][0])
         # without the lock: another thread may want another manipulator meanwhile
         eliminant = eliminate(manipulator, fixed_leg)
-        size = sum(
-            int(x).bit_length() // 8 + 32 for part in (eliminant.a, eliminant.b) for x in part.entries()
-        )
+        size = eliminant.coefficients.most_bytes
         with self._lock:
             if size <= self.most_bytes and key not in self._stored:
                 self._stored[key] = eliminant, size

@@ -185,6 +185,7 @@ def survey(
     first = 0 if low is None else _position(groups, low) + 1
     last = len(groups) if high is None else _position(groups, high)
     inside = tuple(tuple(known.distinct(group)) for group in groups[first:last])
+    eliminant.expect(len(inside) + 1)
     slices = []
     for length in _sample_lengths(slice_map, low, [group[0] for group in inside], high):
         slices.append(solve_slice(eliminant, length, digits))

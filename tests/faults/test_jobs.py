@@ -460,8 +460,8 @@ def test_workers_on_one_geometry_eliminate_once(redis: Redis, workers: Workers) 
     """Three workers start on one geometry at once. One eliminates, and the others use its eliminant."""
     for _ in range(3):
         workers.start()
-    queue = jobs(redis, "counted", chunk_size=1)
-    request = a_request("14.98", "15", "16", "17", "18", "19")
+    queue = jobs(redis, "counted", chunk_size=5)
+    request = a_request(*map(str, range(14, 29)))
     assert ended(queue, queue.submit(request).id).status == "succeeded"
     assert redis.get("eliminations") == b"1"
 
@@ -472,7 +472,7 @@ def test_an_elimination_is_one_workers_as_long_as_it_takes(redis: Redis, workers
     """
     workers.start()
     queue = jobs(redis, "endless_elimination")
-    request = a_request("1")
+    request = a_request("1", "2", "3", "4", "5")
     queue.submit(request)
     lock = queue.store.keys.eliminant_lock(request.geometry_hash, 1)
     until(lambda: redis.exists(lock))

@@ -143,7 +143,7 @@ class ItemSolver:
             return True
 
         group = Group(keep)
-        slices = solved(request, Store(), absent, eliminant=lambda: self._eliminant_of(request))
+        slices = solved(request, Store(), absent, eliminant=lambda: self._eliminant_of(request, len(absent)))
         for l1, value in zip(absent, slices, strict=True):
             if "error" in value:
                 errors[l1] = value
@@ -151,8 +151,8 @@ class ItemSolver:
         group.close()
         return errors
 
-    def _eliminant_of(self, request: JobRequest) -> rpr_solver.Eliminant:
+    def _eliminant_of(self, request: JobRequest, slices: int) -> rpr_solver.Eliminant:
         of = request.geometry_hash, request.fixed_leg
         if self._eliminant is None or self._eliminant[0] != of:
-            self._eliminant = of, self.store.eliminant(request)
+            self._eliminant = of, self.store.eliminant(request, slices)
         return self._eliminant[1]

@@ -46,6 +46,10 @@ class ResultKeys:
         """The cached eliminant of a geometry."""
         return self._content("eliminant", geometry_hash, fixed_leg)
 
+    def eliminant_use(self, geometry_hash: str, fixed_leg: int) -> str:
+        """There once slices of a geometry were asked for."""
+        return self._content("eliminant-use", geometry_hash, fixed_leg)
+
     def eliminant_lock(self, geometry_hash: str, fixed_leg: int) -> str:
         """Held while one worker computes the eliminant."""
         return self._content("eliminant-lock", geometry_hash, fixed_leg)

@@ -51,8 +51,12 @@ class Store:
         del request
         return nullcontext(enter_result=True)
 
-    def eliminant(self, request: JobRequest) -> rpr_solver.Eliminant:
-        """Returns the manipulator's eliminant from the store, or computes it, in one worker at a time."""
+    def eliminant(self, request: JobRequest, slices: int = 1) -> rpr_solver.Eliminant:
+        """Returns the manipulator's eliminant for so many slices.
+
+        It is computed in one worker at a time and stored, unless its coefficients are not worth their cost.
+        """
+        del slices
         return rpr_solver.eliminate(request.manipulator, request.fixed_leg)
 
     def note_census(self, family: JobRequest, digits: int) -> None:

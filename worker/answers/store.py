@@ -153,8 +153,16 @@ class ResultStore(SliceStore):
         key = self.keys.eliminant(request.geometry_hash, request.fixed_leg)
         self.redis.set(key, dump(eliminant.to_json()), ex=self.settings.eliminant_ttl)
 
-    def eliminant(self, request: JobRequest) -> rpr_solver.Eliminant:
-        """Returns the manipulator's eliminant from the store, or computes it, in one worker at a time."""
+    def eliminant(self, request: JobRequest, slices: int = 1) -> rpr_solver.Eliminant:
+        """Returns the manipulator's eliminant for so many slices.
+
+        It is computed in one worker at a time and stored, unless only few slices of the manipulator were ever
+        asked for: then its coefficients are not worth their cost.
+        """
+        from rpr_solver.slices.eliminant import FEW_SLICES  # by those who compute: a service starts sooner
+
+        if slices <= FEW_SLICES and self._is_first_use(request):
+            return super().eliminant(request)
 
         def make() -> rpr_solver.Eliminant:
             eliminant = super(ResultStore, self).eliminant(request)
@@ -162,6 +170,15 @@ class ResultStore(SliceStore):
             return eliminant
 
         return single_flight(lambda: self.get_eliminant(request), lambda: self.eliminant_lock(request), make)
+
+    def _is_first_use(self, request: JobRequest) -> bool:
+        """Whether the eliminant is not known, and was not asked for before; notes that it was."""
+        of = request.geometry_hash, request.fixed_leg
+        with self.redis.pipeline(transaction=False) as pipe:
+            pipe.exists(self.keys.eliminant(*of))
+            pipe.set(self.keys.eliminant_use(*of), 1, nx=True, ex=self.settings.eliminant_ttl)
+            is_known, is_first = pipe.execute()
+        return bool(is_first) and not is_known
 
     def get_document(self, request: JobRequest) -> Document | None:
         """Returns a document that was computed in one piece, or None if it is not known."""

@@ -57,7 +57,9 @@ def solved(
                 yield known[l1]
                 continue
             if solve is None:
-                solve = slice_solver(request, parts, eliminant or (lambda: store.eliminant(request)))
+                solve = slice_solver(
+                    request, parts, eliminant or (lambda: store.eliminant(request, len(parts)))
+                )
             with during(l1):
                 value = solve(l1)
             yield value

@@ -162,7 +162,7 @@ def _slices(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: ResultStore)
 
     def eliminant() -> Eliminant:
         with tracing.span("elimination"):
-            eliminant = store.eliminant(chunk.request)
+            eliminant = store.eliminant(chunk.request, len(left))
         if not attempts.begin_slices(ref, one_by_one=chunk.has_losses):
             raise AttemptOver
         _expected.add(len(left))

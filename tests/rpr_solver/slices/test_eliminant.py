@@ -29,9 +29,9 @@ from rpr_solver.exact.modular import sylvester
 from rpr_solver.exact.quadratic import omega_ball
 from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.slices import eliminant as eliminant_module
-from rpr_solver.slices.eliminant import KeptEliminants, _Sampling
+from rpr_solver.slices.eliminant import FEW_SLICES, Coefficients, KeptEliminants, _Sampling
 from tests.support.shared import eliminant_of
-from tests.support.strategies import examples, manipulators
+from tests.support.strategies import examples, lengths, manipulators
 
 BITS = 4096
 
@@ -218,7 +218,7 @@ def test_a_slice_in_which_j_and_e_share_a_curve_is_zero() -> None:
 def test_a_cached_eliminant_reads_back(m: Manipulator, leg: int) -> None:
     eliminant = eliminant_of(m, leg)
     again = Eliminant.from_json(json.loads(json.dumps(eliminant.to_json())))
-    assert again == eliminant
+    assert (again.a, again.b) == (eliminant.a, eliminant.b)
     assert again.slice_map.fixed_leg == leg
 
 
@@ -226,7 +226,8 @@ def test_a_geometry_beyond_the_limit_of_requests_reads_back() -> None:
     """Whatever was once computed can be kept: here a length of 1,001 digits."""
     m = manipulator(10**1000 + 7, 3, 5, 4, 5, 6)
     zeros = fmpz_mat(25, 11)
-    stored = Eliminant(m, SliceMap.of(m), zeros, zeros).to_json()
+    slice_map = SliceMap.of(m)
+    stored = Eliminant(m, slice_map, Coefficients(slice_map, (zeros, zeros))).to_json()
     assert Eliminant.from_json(stored).manipulator == m
 
 
@@ -258,6 +259,33 @@ def test_the_radicand_is_the_square_of_the_height_up_to_a_rational_square() -> N
     ratio = height2 * slice_map.scale**2 / slice_map.radicand
     assert ratio == slice_map.g.n**2
     assert isqrt(slice_map.radicand) ** 2 != slice_map.radicand
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("leg", [1, 2, 3])
+def test_the_first_slices_are_those_of_the_whole(name: str, leg: int) -> None:
+    few, whole = eliminate(EXAMPLES[name], leg), eliminant_of(EXAMPLES[name], leg).expect(FEW_SLICES + 1)
+    for length in (Fraction(27), Fraction(1499, 97), Fraction(1, 10**9)):
+        assert few.at(length) == whole.at(length)
+    assert few.coefficients.known is None
+
+
+@given(manipulators(), lengths(), st.sampled_from([1, 2, 3]))
+@examples(40)
+def test_a_slice_alone_is_that_of_the_whole(m: Manipulator, length: Fraction, leg: int) -> None:
+    eliminant = eliminate(m, leg)
+    alone = eliminant.at(length)
+    assert alone == eliminant.expect(FEW_SLICES + 1).at(length)
+
+
+def test_coefficients_come_with_the_fifth_slice() -> None:
+    eliminant = eliminate(FIRST)
+    for k in range(FEW_SLICES):
+        eliminant.at(Fraction(k + 1))
+        eliminant.at(Fraction(1))
+        assert eliminant.coefficients.known is None
+    eliminant.at(Fraction(99))
+    assert eliminant.coefficients.known is not None
 
 
 @pytest.mark.parametrize("leg", [0, 4, "1"])
@@ -310,7 +338,7 @@ def test_the_last_used_are_kept_within_the_bound(eliminated: list[object]) -> No
         assert store._bytes <= store.most_bytes
     assert eliminated == [(FIRST, leg) for leg in (1, 1, 2, 3)]
     small = KeptEliminants(most_bytes=100)
-    assert small.eliminant(FIRST, 1) == eliminate(FIRST)
+    assert small.eliminant(FIRST, 1).a == eliminate(FIRST).a
     assert len(small) == 0
 
 
@@ -323,10 +351,10 @@ def test_what_one_caller_keeps_in_it_is_its_own() -> None:
 
 def test_threads_get_the_same() -> None:
     store = KeptEliminants()
-    expected = {leg: eliminate(FIRST, leg) for leg in (1, 2, 3)}
+    expected = {leg: eliminate(FIRST, leg).a for leg in (1, 2, 3)}
     with ThreadPoolExecutor(6) as pool:
         found = list(pool.map(lambda n: store.eliminant(FIRST, n % 3 + 1), range(60)))
-    assert all(e == expected[n % 3 + 1] for n, e in enumerate(found))
+    assert all(e.a == expected[n % 3 + 1] for n, e in enumerate(found))
     assert len(store) == 3
 
 

@@ -28,6 +28,7 @@ from rpr_solver import (
 )
 from rpr_solver.exact.biform import BiForm, L, T, U
 from rpr_solver.model.slice_map import SliceMap
+from rpr_solver.slices.eliminant import Coefficients
 from rpr_solver.transitions.degenerate import _curves
 from tests.support.families import FAMILIES, family
 from tests.support.shared import census_of, eliminant_of
@@ -163,7 +164,7 @@ def altered(singular: fmpz_mpoly, coalescence: fmpz_mpoly, *, root: int | None =
         for i, k in product(range(25), range(10)):
             a[i, k + 1] += FLAT.a[i, k]
             a[i, k] -= FLAT.a[i, k] * root
-    return Eliminant(FLAT.manipulator, slice_map, a, none)
+    return Eliminant(FLAT.manipulator, slice_map, Coefficients(slice_map, (a, none)))
 
 
 J, E = FLAT.slice_map.singular.joined, FLAT.slice_map.coalescence.joined

@@ -146,6 +146,17 @@ def test_the_eliminant_is_kept(redis: Redis) -> None:
     assert known.to_json() == eliminant.to_json()
 
 
+def test_the_eliminant_of_one_slice_is_not_worth_keeping(redis: Redis) -> None:
+    """The first question about a manipulator gets it for its slices, the second stores it."""
+    store, request = ResultStore(redis, WorkerSettings()), a_request("1")
+    assert store.eliminant(request, slices=4).coefficients.known is None
+    assert store.get_eliminant(request) is None
+    assert store.eliminant(request, slices=1).coefficients.known is not None
+    assert store.get_eliminant(request) is not None
+    other = a_request("1", fixed_leg=2)
+    assert store.eliminant(other, slices=5).coefficients.known is not None
+
+
 SLICE = b'{"l1":"14.98","count":1,"cusps":[{"alpha_deg":"12.5"}]}'
 ERROR = b'{"l1":"2","error":{"type":"solver-error","detail":"undecided"}}'
 
