@@ -19,13 +19,11 @@ from rpr_solver.margins.boxes import Problem
 from rpr_solver.margins.counterexamples import Counterexample, Ray, rounded_down
 from rpr_solver.margins.estimates import Estimate, Mover
 from rpr_solver.margins.exclusion import MayGoOn, exclude
-from rpr_solver.margins.questions import LENGTHS, changes
+from rpr_solver.margins.questions import LENGTHS, OPEN, PROVED, REFUTED, changes
 from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
 from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions.requirement import Requirement
-
-PROVED, REFUTED, OPEN = "proved", "refuted", "open"
 
 MOST_BOXES = 100_000
 """The number of boxes that a search examines, some five seconds."""

@@ -8,6 +8,9 @@ from fractions import Fraction
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact, parse_positive
 
+PROVED, REFUTED, OPEN = "proved", "refuted", "open"
+"""The verdicts on a tolerance."""
+
 LENGTHS = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
 
 

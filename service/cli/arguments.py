@@ -248,3 +248,14 @@ def read_manipulator(geometry: object) -> Manipulator:
     """
     with named("geometry"):
         return part(_MANIPULATOR.validate_python, geometry, source())
+
+
+def changes_of(text: str) -> dict[str, str]:
+    """Returns the numbers in d1=0.01,a3x=0."""
+    pairs = [part.partition("=") for part in text.split(",")]
+    return {name.strip(): number.strip() for name, _, number in pairs}
+
+
+def tolerance_of(text: str | None) -> str | dict[str, str] | None:
+    """Returns a change of all lengths, or those of single ones."""
+    return changes_of(text) if text is not None and "=" in text else text

@@ -56,8 +56,8 @@ def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     names = {"window": "--window", "tolerance": "--tolerance", "weights": "--weights"}
     members: dict[str, object] = {"window": args.window, **remote.deadline_of(args)}
-    members["tolerance"] = _numbers(args.tolerance) if "=" in (args.tolerance or "") else args.tolerance
-    members["weights"] = None if args.weights is None else _numbers(args.weights)
+    members["tolerance"] = arguments.tolerance_of(args.tolerance)
+    members["weights"] = None if args.weights is None else arguments.changes_of(args.weights)
     if args.ranges:
         members["requirement"], places = _requirement(args)
         names |= places
@@ -85,12 +85,6 @@ def _requirement(args: argparse.Namespace) -> tuple[dict[str, object], dict[str,
     options = {"range": option, **places, **{name: f"--{name.replace('_', '-')}" for name in counts}}
     named = {f"requirement.{name}": option for name, option in options.items()}
     return {"fixed_leg": of, "range": span, **given, **limited}, named
-
-
-def _numbers(text: str) -> dict[str, str]:
-    """The numbers in d1=0.01,a3x=0."""
-    pairs = [part.partition("=") for part in text.split(",")]
-    return {name.strip(): number.strip() for name, _, number in pairs}
 
 
 def _page(document: Mapping[str, Any]) -> Page:

@@ -144,10 +144,12 @@ def check(
     requirement: Requirement,
     *,
     digits: int = CHECK_DIGITS,
+    tolerance: Exact | Mapping[str, Exact] | None = None,
     deadline: float | None = None,
 ) -> Asked[CheckReport]:
-    """Whether a manipulator satisfies a requirement on its cusps."""
-    members = {"requirement": requirement.to_json()}
+    """Whether a manipulator satisfies a requirement on its cusps; with a tolerance, as `margin` has it,
+    whether every geometry within it does."""
+    members = {"requirement": requirement.to_json(), **_numbers(tolerance=tolerance)}
     return _asked(CheckRequest, CheckReport, manipulator, digits, deadline, members)
 
 
@@ -215,12 +217,7 @@ def margin(
 ) -> Asked[Margin]:
     """How far the lengths may change before a slice, a requirement or a window loses its number of cusps."""
     numbers = {f"l{fixed_leg}": length, "window": window, "tolerance": tolerance, "weights": weights}
-    members: dict[str, object] = {
-        name: {g: _text(x) for g, x in value.items()} if isinstance(value, Mapping) else _text(value)
-        for name, value in numbers.items()
-        if value is not None
-    }
-    members["fixed_leg"] = fixed_leg
+    members = {**_numbers(**numbers), "fixed_leg": fixed_leg}
     if requirement is not None:
         members["requirement"] = requirement.to_json()
     return _asked(MarginRequest, Margin, manipulator, None, deadline, members)
@@ -289,6 +286,14 @@ def _asked(
     if deadline is not None:
         own["deadline_s"] = str(deadline)
     return Asked(read(question, own, Source(limits, is_text=True)), model)
+
+
+def _numbers(**given: Exact | Mapping[str, Exact] | None) -> dict[str, object]:
+    return {
+        name: {g: _text(x) for g, x in value.items()} if isinstance(value, Mapping) else _text(value)
+        for name, value in given.items()
+        if value is not None
+    }
 
 
 def _legs(*lengths: Exact) -> dict[str, str]:

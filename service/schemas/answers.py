@@ -274,3 +274,41 @@ def csv_form(writer: str, line: str) -> Form:
         return text.encode()
 
     return Form(written, f"A header line, then one line per {line}.")
+
+
+class Mover(FixedLength):
+    """A transition that binds the first-order radius."""
+
+    kind: str
+    sensitivity: dict[str, str] = Field(
+        description="How fast its length changes with each length of the geometry; six digits, not proved."
+    )
+
+
+class FirstOrder(Model):
+    """An estimate, no bound: the radius at which transitions would break the property if they moved
+    linearly."""
+
+    radius: str
+    binding: list[Mover]
+
+
+class Counterexample(Model):
+    """An exact geometry that does not have the property."""
+
+    radius: str = Field(description="The largest |change|/weight of its lengths.")
+    geometry: GeometryText
+    count: int | None = Field(description="The number of cusps there; null for a window.")
+    l1: str | None = optional("The length of leg 1 of a slice that shows it, exact; null for a window.")
+    l2: str | None = optional("The same, with `fixed_leg` 2.")
+    l3: str | None = optional("The same, with `fixed_leg` 3.")
+
+
+class MarginCertificate(Model):
+    """How the proved radius is proved."""
+
+    model_config = ConfigDict(extra="allow")
+
+    method: str
+    boxes: int = Field(description="The number of boxes of poses and geometries that were examined.")
+    arithmetic: str

@@ -13,23 +13,34 @@ from service.schemas.answers import (
     JSON,
     JSON_FORM,
     ClosedRange,
+    Counterexample,
     Cusp,
     Degeneracy,
     DocumentHead,
+    FirstOrder,
     FixedLength,
     Forms,
     GeometryText,
     Interval,
+    MarginCertificate,
     TransitionEvent,
     csv_form,
     optional,
 )
-from service.schemas.document import Document, unnamed
-from service.schemas.lengths import RANGE_COLUMNS, JointLimits, Range, range_field
+from service.schemas.document import Document, given, unnamed
+from service.schemas.lengths import (
+    RANGE_COLUMNS,
+    JointLimits,
+    Range,
+    Tolerance,
+    changes_json,
+    range_field,
+)
 from service.schemas.model import Model
 from service.schemas.numbers import Count, Digits, FixedLeg, Flag, digits_field, fixed_leg_field
 from service.schemas.questions import Examples, Question
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
+from worker.answers.margins import CHECK
 
 
 class Sensitivity(Model):
@@ -188,13 +199,32 @@ class Violation(Interval):
     example: Example
 
 
+class ToleranceReport(Model):
+    """Whether the requirement is satisfied by every geometry within the tolerance, and by which it is not."""
+
+    tolerance: dict[str, str] = Field(description="The greatest change of each length; radii multiply it.")
+    verdict: Literal["proved", "refuted", "open"]
+    reason: str | None = Field(description="Why it is open, or no counter-example is given, if it is known.")
+    validity: str | None = Field(
+        description="The radius at which a platform is flat or two base points coincide, rounded down."
+    )
+    first_order: FirstOrder | None
+    counterexample: Counterexample | None = Field(
+        description="A geometry within the tolerance that does not satisfy the requirement; null as well if "
+        "the given one does not."
+    )
+    certificate: MarginCertificate | None = Field(description="Null if the given geometry fails.")
+
+
 class CheckReport(Model):
     """Whether a requirement is satisfied, by proof, and where it is violated."""
 
     geometry: GeometryText
     geometry_hash: str
     requirement: RequirementDocument
-    passed: bool
+    passed: bool = Field(
+        description="Whether the requirement is proved; with a tolerance, for every geometry within it."
+    )
     max_cusps_found: int
     min_cusps_found: int
     intervals: list[Interval]
@@ -204,6 +234,7 @@ class CheckReport(Model):
     degenerate: list[Degeneracy] = DEGENERATE
     solver_version: str
     digits: int
+    margin: ToleranceReport | None = optional("Present with a `tolerance` in the question.")
 
 
 class CensusRequest(Question):
@@ -280,6 +311,9 @@ strictly within the joint limits of the other legs.
 The report lists the intervals of the range with their numbers of cusps and, for each interval that violates
 the requirement, a slice with its cusps. If the requirement is violated, the response is 200 with `passed`
 false.
+
+With `tolerance` it passes only if the requirement is proved for every geometry within it. `margin` then has
+the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or `open`.
 """
     answer = CheckReport
     known = "The report."
@@ -290,11 +324,30 @@ false.
                 "requirement": {"range": {"from": 28, "to": 31}, "max_cusps": 8},
             },
         ),
+        "tolerance": (
+            "At most six for L1 between 21 and 26, however the lengths are off by 0.05",
+            {
+                "requirement": {"range": {"from": 21, "to": 26}, "max_cusps": 6},
+                "tolerance": "0.05",
+            },
+        ),
     }
 
     requirement: RequirementDocument
     digits: Digits = digits_field(CHECK_DIGITS)
+    tolerance: Tolerance | None = given(
+        "A change of all lengths of the geometry, or those of single lengths, the others being exact: the "
+        "requirement is to hold for every geometry within it."
+    )
+
+    @model_validator(mode="after")
+    def _tolerance_is_sound(self) -> Self:
+        if self.tolerance is not None:
+            changes_json(self.tolerance)
+        return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        return {**self.model_dump(), "requirement": self.requirement.to_requirement().to_json()}
+        own = self.model_dump(exclude={"tolerance"})
+        content = {**own, "requirement": self.requirement.to_requirement().to_json()}
+        return content if self.tolerance is None else {**content, "tolerance": changes_json(self.tolerance)}

@@ -1,4 +1,5 @@
-"""Lengths of the fixed leg: slices as a number, a list or a range; ranges with open ends; joint limits."""
+"""Lengths of the fixed leg: slices as a number, a list or a range; ranges with open ends; joint limits; and
+changes of the lengths of a geometry."""
 
 from __future__ import annotations
 
@@ -19,6 +20,7 @@ from pydantic import (
 
 from rpr_solver import LengthRange, exact_str, parse_exact
 from rpr_solver.errors import FieldProblem, InputError
+from rpr_solver.margins.questions import LENGTHS, changes
 from rpr_solver.model.lengths import Bounds
 from service.schemas.document import Document, Source, part, unnamed
 from service.schemas.limits import LimitError, Limits
@@ -329,3 +331,41 @@ class KeptLimits(Model):
     l1: LegLimits | None = None
     l2: LegLimits | None = None
     l3: LegLimits | None = None
+
+
+class Changes(Document):
+    """Numbers for the lengths of the geometry."""
+
+    expected: ClassVar[str] = f"give an object with some of {', '.join(LENGTHS)}"
+
+    a2x: Exact | None = None
+    a3x: Exact | None = None
+    a3y: Exact | None = None
+    d1: Exact | None = None
+    d2: Exact | None = None
+    d3: Exact | None = None
+
+    def given(self) -> dict[str, Fraction]:
+        """Those that are given."""
+        return {name: value for name, value in self if value is not None}
+
+
+def _tolerance(value: object, info: ValidationInfo) -> Fraction | Changes:
+    if isinstance(value, Mapping):
+        return part(Changes.model_validate, value, Source.of(info))
+    return exact_number(value, info)
+
+
+Tolerance = Annotated[Fraction | Changes, PlainValidator(_tolerance, json_schema_input_type=Exact | Changes)]
+"""A change of all lengths of a geometry, or those of single ones, the others being exact."""
+
+
+def changes_json(tolerance: Fraction | Changes | None, weights: Changes | None = None) -> dict[str, str]:
+    """What radii of a margin multiply, for each length, in canonical text.
+
+    Raises:
+        InputError: naming `tolerance` or `weights`.
+    """
+    given = tolerance.given() if isinstance(tolerance, Changes) else tolerance
+    numbers = changes(None if weights is None else weights.given(), given)
+    return {name: exact_str(x) for name, x in zip(LENGTHS, numbers, strict=True)}

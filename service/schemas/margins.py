@@ -2,84 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
-from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from rpr_solver import MIN_DIGITS, exact_str
 from rpr_solver.errors import InputError
-from rpr_solver.margins.questions import LENGTHS, changes
-from service.schemas.answers import DocumentHead, FixedLength, GeometryText, optional
+from service.schemas.answers import Counterexample, DocumentHead, FirstOrder, MarginCertificate
 from service.schemas.censuses import RequirementDocument
-from service.schemas.document import Document, Source, given, part
-from service.schemas.lengths import OF_THE_FIXED_LEG, SlicesOfOneLeg
-from service.schemas.model import Model
-from service.schemas.numbers import Exact, FixedLeg, Length, exact_number
+from service.schemas.document import given
+from service.schemas.lengths import (
+    OF_THE_FIXED_LEG,
+    Changes,
+    SlicesOfOneLeg,
+    Tolerance,
+    changes_json,
+)
+from service.schemas.numbers import FixedLeg, Length
 from service.schemas.questions import Examples, Question
 from worker.answers.margins import MARGIN
-
-
-class Changes(Document):
-    """Numbers for the lengths of the geometry."""
-
-    expected: ClassVar[str] = f"give an object with some of {', '.join(LENGTHS)}"
-
-    a2x: Exact | None = None
-    a3x: Exact | None = None
-    a3y: Exact | None = None
-    d1: Exact | None = None
-    d2: Exact | None = None
-    d3: Exact | None = None
-
-    def given(self) -> dict[str, Fraction]:
-        """Those that are given."""
-        return {name: value for name, value in self if value is not None}
-
-
-def _tolerance(value: object, info: ValidationInfo) -> Fraction | Changes:
-    if isinstance(value, Mapping):
-        return part(Changes.model_validate, value, Source.of(info))
-    return exact_number(value, info)
-
-
-class Mover(FixedLength):
-    """A transition that binds the first-order radius."""
-
-    kind: str
-    sensitivity: dict[str, str] = Field(
-        description="How fast its length changes with each length of the geometry; six digits, not proved."
-    )
-
-
-class FirstOrder(Model):
-    """An estimate, no bound: the radius at which transitions would break the property if they moved
-    linearly."""
-
-    radius: str
-    binding: list[Mover]
-
-
-class Counterexample(Model):
-    """An exact geometry that does not have the property."""
-
-    radius: str = Field(description="The largest |change|/weight of its lengths.")
-    geometry: GeometryText
-    count: int | None = Field(description="The number of cusps there; null for a window.")
-    l1: str | None = optional("The length of leg 1 of a slice that shows it, exact; null for a window.")
-    l2: str | None = optional("The same, with `fixed_leg` 2.")
-    l3: str | None = optional("The same, with `fixed_leg` 3.")
-
-
-class MarginCertificate(Model):
-    """How the proved radius is proved."""
-
-    model_config = ConfigDict(extra="allow")
-
-    method: str
-    boxes: int = Field(description="The number of boxes of poses and geometries that were examined.")
-    arithmetic: str
 
 
 class Margin(DocumentHead):
@@ -148,10 +90,7 @@ every machine.
     l3: Length | None = given("The length, with `fixed_leg` 3.")
     requirement: RequirementDocument | None = given("What all geometries are to satisfy.")
     window: Length | None = given("A length between two transitions, whose number of cusps is to exist.")
-    tolerance: (
-        Annotated[Fraction | Changes, PlainValidator(_tolerance, json_schema_input_type=Exact | Changes)]
-        | None
-    ) = given(
+    tolerance: Tolerance | None = given(
         "A change of all lengths, which multiplies the weights, or those of single lengths, the others "
         "being exact."
     )
@@ -173,13 +112,8 @@ every machine.
             raise InputError.of(own, f"give exactly one of {own}, requirement and window")
         if self.requirement is not None and self.fixed_leg not in (1, self.requirement.fixed_leg):
             raise InputError.of("fixed_leg", f"is {self.fixed_leg}, but the requirement has its own")
-        self._changes()
+        changes_json(self.tolerance, self.weights)
         return self
-
-    def _changes(self) -> dict[str, str]:
-        tolerance = self.tolerance.given() if isinstance(self.tolerance, Changes) else self.tolerance
-        numbers = changes(None if self.weights is None else self.weights.given(), tolerance)
-        return {name: exact_str(x) for name, x in zip(LENGTHS, numbers, strict=True)}
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
@@ -196,7 +130,7 @@ every machine.
             asked = {"length": exact_str(self.length)}
         name = "weights" if self.tolerance is None else "tolerance"
         head = {"geometry": self.geometry.to_json(), "fixed_leg": leg, "digits": MIN_DIGITS}
-        return {**head, **asked, name: self._changes()}
+        return {**head, **asked, name: changes_json(self.tolerance, self.weights)}
 
     def _asked(self) -> dict[str, Any]:
         content = self.content()

@@ -40,12 +40,23 @@ from service.errors import ServiceError
 from service.schemas.catalog import questions
 from service.schemas.plots import PlotRequest
 from tests.support.processes import until
+from worker.answers.margins import within_tolerance
 from worker.jobs.queue import JobQueue
 
 FIRST = EXAMPLES["innocenti"]
 ZEIN = EXAMPLES["zein-flat"]
 TABLE = rpr_solver.table_document(ZEIN, 10, digits=15)
 AT_MOST_4 = Requirement(start=1, stop=10, max_cusps=4)
+
+NARROW = Requirement(start=23, stop=24, max_cusps=6)
+
+
+def in_tolerance() -> object:
+    """The report on a requirement within a tolerance, put together from the library's answers."""
+    report = rpr_solver.check(FIRST, NARROW, digits=15).to_json()
+    found = rpr_solver.margin(FIRST, requirement=NARROW, tolerance={"d1": "0.001"}).to_json()
+    return within_tolerance(report, found, found["weights"])
+
 
 KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "cusp table": (
@@ -73,6 +84,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "check": (
         check(ZEIN, AT_MOST_4, digits=15),
         lambda: rpr_solver.check(ZEIN, AT_MOST_4, digits=15).to_json(),
+    ),
+    "check within a tolerance": (
+        check(FIRST, NARROW, digits=15, tolerance={"d1": "0.001"}),
+        in_tolerance,
     ),
     "poses": (
         poses(ZEIN, 15, "61/2", 40, digits=15),

@@ -1,11 +1,10 @@
-"""Censuses: the whole census is computed and kept, and its parts are cut from it. Checks of requirements."""
+"""Censuses: the whole census is computed and kept, and its parts are cut from it."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 import rpr_solver
-from rpr_solver import Requirement
 from rpr_solver.contract import FULL, SHORT, Progress
 from worker.answers.cost import all_events
 from worker.answers.requests import ALL_LENGTHS, Document, JobRequest, Kind, Store, content_range
@@ -96,18 +95,6 @@ def solved(request: JobRequest, _store: Store, progress: Progress, certificate: 
     ).to_json()
 
 
-def check(request: JobRequest, _store: Store, progress: Progress) -> Document:
-    """Prove or refute a requirement.
-
-    Raises:
-        SolverError: it could not be decided.
-    """
-    requirement = Requirement.from_json(request.content["requirement"], max_digits=1 << 20)
-    return rpr_solver.check(
-        request.manipulator, requirement, digits=request.digits, progress=progress
-    ).to_json()
-
-
 def _whole(request: JobRequest, digits: int) -> JobRequest:
     return JobRequest(CENSUS, {**request.content, "digits": digits, "range": ALL_LENGTHS})
 
@@ -126,4 +113,3 @@ CERTIFIED_CENSUS = Kind(
     derive=_moved,
     implied=("certificate", FULL),
 )
-CHECK = Kind("check", "ch-", check, all_events)

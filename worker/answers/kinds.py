@@ -11,11 +11,11 @@ from typing import Any
 
 from rpr_solver import SOLVER_VERSION
 from rpr_solver.contract import Progress
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
 from worker.answers.cost import Sizes
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
-from worker.answers.margins import MARGIN
+from worker.answers.margins import CHECK, MARGIN
 from worker.answers.paths import PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import Document, JobRequest, Kind, Store

@@ -354,6 +354,8 @@ def _check(leg: _Leg) -> Read:
         "to": nothing_or(text()),
         "count": count(0, MOST_CUSPS),
     }
+    of_margin = ("tolerance", "reason", "validity", "first_order", "counterexample", "certificate")
+    margin = record({"verdict": word("proved", "refuted", "open"), **dict.fromkeys(of_margin, unread)})
     cusps = rows(record(leg.point), 0, MOST_CUSPS)
     example = record({leg.length: POSITIVE, "cusps": cusps})
     return record(
@@ -366,7 +368,8 @@ def _check(leg: _Leg) -> Read:
             "intervals": rows(record(interval), 1, 2000),
             "violations": rows(record({**interval, "example": example}), 0, 2000),
             "degenerate": leg.degenerate,
-        }
+        },
+        {"margin": margin},
     )
 
 

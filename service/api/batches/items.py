@@ -26,7 +26,7 @@ from worker.answers.requests import JobRequest
 from worker.answers.tables import CUSP_TABLE
 
 GEOMETRY = ("a2x", "a3x", "a3y", "d1", "d2", "d3", "orientation")
-_NUMBERS = ("fixed_leg", "digits", "samples", "pose")
+_NUMBERS = ("fixed_leg", "digits", "samples", "pose", "tolerance")
 _FLAGS = ("sensitivities",)
 _TRUTH: Mapping[str, bool] = {"true": True, "false": False}
 _REQUIREMENT = ("max_cusps", "min_cusps", "degenerate")

@@ -4,7 +4,10 @@ or the number of cusps in single slices.
 Several geometries are checked in parallel. A folder means the geometries in its *.json files and in those of
 its subfolders, except hidden ones; files without a geometry are listed and ignored. With limits on the other
 legs, only cusps strictly within them are counted. The absence of cusps does not prove that the assembly mode
-cannot change."""
+cannot change.
+
+With --tolerance a geometry passes only if the requirement is proved for every geometry whose lengths are so
+close to its own. Else a counter-example is given, or the tolerance is open: neither proved nor refuted."""
 
 from __future__ import annotations
 
@@ -17,18 +20,19 @@ from typing import TextIO
 
 from pydantic import TypeAdapter
 
-from rpr_solver import CHECK_DIGITS
+from rpr_solver import CHECK_DIGITS, Requirement
 from rpr_solver.errors import InputError
 from rpr_solver.transitions.requirement import ALLOWED, REFUSED
 from service.cli import arguments, output, remote
 from service.cli.check.files import github_annotations, junit_xml, sarif
 from service.cli.check.reports import Outcome, document, page, summary
-from service.cli.check.runs import Demand, Expectation, check_all, check_by_service
+from service.cli.check.runs import Expectation, Task, check_all, check_by_service
 from service.cli.check.sources import Found, find
 from service.cli.help import Command
 from service.cli.pages import write_document
 from service.schemas.censuses import RequirementDocument
-from service.schemas.document import named, part, read
+from service.schemas.document import Document, named, part, read, renamed
+from service.schemas.lengths import Tolerance, changes_json
 from service.schemas.numbers import Digits, Length, whole_number
 from worker.process.os_limits import usable_cores
 
@@ -36,13 +40,15 @@ DESCRIPTION = f"""{__doc__}
 
 {arguments.GEOMETRY}
 
-Exit status: 0 all pass, 1 a requirement is violated or could not be decided, 2 bad input."""
+Exit status: 0 all pass, 1 a requirement is violated, open, or could not be decided, 2 bad input."""
 EXAMPLES = """\
 examples:
   rpr-cusps check innocenti --l1-range 28:31 --max-cusps 8
   rpr-cusps check innocenti --l1 14.98 --l1 27 --expect-cusps 6
   rpr-cusps check designs/ --l1-range 10:20 --max-cusps 0 --junit report.xml
   rpr-cusps check a.json b.json --l1-range 10: --min-cusps 1 --l2-limits 5:40
+  rpr-cusps check innocenti --l1-range 21:26 --max-cusps 6 --tolerance 0.05
+  rpr-cusps check robot.json --l1 28.1 --expect-cusps 10 --tolerance d1=0.0002,a3x=0.0001
 
 On GitHub Actions, each geometry that does not pass is annotated.
 """
@@ -72,6 +78,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "slice"
     )
     parser.add_argument("--degenerate", metavar="WORD", default=ALLOWED, help=text)
+    text = (
+        "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002 (the others are exact then), for "
+        "which the requirement is to hold as well"
+    )
+    parser.add_argument("--tolerance", metavar="T", help=text)
     arguments.add_digits(parser, CHECK_DIGITS)
     arguments.add_format(parser)
     parser.add_argument("--junit", metavar="FILE", help="write JUnit XML, with a test case for each geometry")
@@ -88,7 +99,7 @@ def run(args: argparse.Namespace) -> int:
     digits = CHECK_DIGITS if args.digits is None else args.digits
     with named("--digits"):
         digits = part(TypeAdapter(Digits).validate_python, digits, arguments.source())
-    demand = _demand(args)
+    task = Task(_demand(args), digits, _tolerance(args.tolerance))
     jobs = _jobs(args.jobs)
     deadline = remote.seconds_of(args)
     found = find(args.geometry, ignore_others=args.ignore_others)
@@ -100,18 +111,18 @@ def run(args: argparse.Namespace) -> int:
             if (name := getattr(args, form)) is not None
         }
         if args.url is None:
-            outcomes = check_all(geometries, demand, digits, jobs)
+            outcomes = check_all(geometries, task, jobs)
         else:
-            outcomes = check_by_service(args.url, geometries, demand, digits, deadline)
+            outcomes = check_by_service(args.url, geometries, task, deadline)
         for form, file in files.items():
             _write(file, _FILES[form](outcomes))
-    _print(outcomes, demand, found, args)
+    _print(outcomes, task, found, args)
     if any(outcome.is_bad for outcome in outcomes):
         return BAD_INPUT
     return PASSED if all(outcome.passed for outcome in outcomes) else FAILED
 
 
-def _demand(args: argparse.Namespace) -> Demand:
+def _demand(args: argparse.Namespace) -> Requirement | Expectation:
     if args.slices:
         return _expectation(args)
     if not args.ranges:
@@ -136,6 +147,23 @@ def _demand(args: argparse.Namespace) -> Demand:
     members = {"fixed_leg": leg, "range": ends, "limits": limits, "max_cusps": most, "min_cusps": least}
     members["degenerate"] = args.degenerate
     return read(RequirementDocument, members, arguments.source(names)).to_requirement()
+
+
+def _tolerance(text: str | None) -> dict[str, str] | None:
+    if text is None:
+        return None
+    names = {"tolerance": "--tolerance"}
+    given = read(_Within, {"tolerance": arguments.tolerance_of(text)}, arguments.source(names)).tolerance
+    try:
+        return changes_json(given)
+    except InputError as error:
+        raise renamed(error, arguments.source(names).called) from None
+
+
+class _Within(Document):
+    """What `--tolerance` says."""
+
+    tolerance: Tolerance
 
 
 def _expectation(args: argparse.Namespace) -> Expectation:
@@ -196,8 +224,8 @@ def _write(file: TextIO, text: str) -> None:
         raise output.OutputError(f"cannot write to {file.name!r}: {error.strerror}") from None
 
 
-def _print(outcomes: Sequence[Outcome], demand: Demand, found: Found, args: argparse.Namespace) -> None:
-    requirement = demand.to_json()
+def _print(outcomes: Sequence[Outcome], task: Task, found: Found, args: argparse.Namespace) -> None:
+    requirement = task.to_json()
     write_document(document(outcomes, requirement, found), page(outcomes, requirement, found), args.format)
     is_json = args.format == "json"
     if is_json:

@@ -23,6 +23,16 @@ _RULES = {
         "In at least one slice it has more or fewer cusps than the requirement allows, or it is degenerate "
         "where that is refused. This is proved. `rpr-cusps census FILE` shows the number for all lengths.",
     ),
+    "tolerance": (
+        "A manipulator within the tolerance violates the requirement.",
+        "The given lengths satisfy the requirement, but lengths that close to them do not: the "
+        "counter-example is an exact geometry. `rpr-cusps margin FILE` shows how far lengths may be off.",
+    ),
+    "open": (
+        "It is open whether every manipulator within the tolerance satisfies the requirement.",
+        "Neither a proof nor a counter-example was found; the message says why. A smaller tolerance, or a "
+        "range without transitions, may be proved.",
+    ),
     "degenerate": (
         "The manipulator is degenerate, which the requirement allows.",
         "Poses of every slice of an interval, or along a whole curve of one, are degenerate, as for flat, "
@@ -68,7 +78,7 @@ def junit_xml(outcomes: Sequence[Outcome]) -> str:
         if outcome.error is not None:
             kind, tag = _xml(outcome.error["type"]), "error"
         elif not outcome.passed:
-            kind, tag = "requirement", "failure"
+            kind, tag = _rule(outcome), "failure"
         else:
             continue
         element = ElementTree.SubElement(case, tag, message=_xml(outcome.message), type=kind)
@@ -102,7 +112,11 @@ def github_annotations(outcomes: Sequence[Outcome]) -> Iterator[str]:
             yield f"::warning {_where(outcome, 'degenerate')}::{_data(words)}"
         if outcome.passed:
             continue
-        title = "check failed" if outcome.error is None else f"{outcome.verdict} ({outcome.error['type']})"
+        title = (
+            f"check {outcome.verdict}"
+            if outcome.error is None
+            else f"{outcome.verdict} ({outcome.error['type']})"
+        )
         yield f"::error {_where(outcome, title)}::{_data(outcome.message)}"
 
 
@@ -115,8 +129,18 @@ def _where(outcome: Outcome, title: str) -> str:
 
 
 def _result(outcome: Outcome) -> dict[str, Any]:
-    rule = "requirement" if outcome.error is None else "input-error" if outcome.is_bad else "no-answer"
-    return _located(outcome, rule, "error", outcome.message)
+    result = _located(outcome, _rule(outcome), "error", outcome.message)
+    if outcome.counterexample is not None:
+        result["properties"] = {"counterexample": outcome.counterexample}
+    return result
+
+
+def _rule(outcome: Outcome) -> str:
+    if outcome.error is not None:
+        return "input-error" if outcome.is_bad else "no-answer"
+    if outcome.is_open:
+        return "open"
+    return "requirement" if outcome.counterexample is None else "tolerance"
 
 
 def _remark(outcome: Outcome) -> dict[str, Any]:
@@ -142,6 +166,8 @@ def _fingerprint(outcome: Outcome, rule: str) -> str:
     """Returns a fingerprint of one result for one file and requirement, independent of its numbers."""
     requirement = None if outcome.report is None else outcome.report["requirement"]
     parts = [PurePath(outcome.source).as_posix(), rule, requirement]
+    if outcome.report is not None and "margin" in outcome.report:
+        parts.append(outcome.report["margin"]["tolerance"])
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 

@@ -9,11 +9,13 @@ from fractions import Fraction
 from typing import Any
 
 from rpr_solver import EXAMPLES
+from rpr_solver.margins.questions import OPEN
 from rpr_solver.notebook import degenerate_words
 from rpr_solver.transitions.requirement import REFUSED
 from service.cli.arguments import STANDARD_INPUT
 from service.cli.check.sources import Found, Geometry, listed
 from service.cli.pages import Page, Section, counted, counted_range
+from service.schemas.lengths import LEGS
 
 _DIGITS = 6
 _PLAIN = 15
@@ -75,10 +77,22 @@ class Outcome:
         return self.error is not None and self.error["type"] == "input-error"
 
     @property
+    def is_open(self) -> bool:
+        """Whether the requirement is neither proved nor refuted within the tolerance."""
+        return self.report is not None and self.report.get("margin", {}).get("verdict") == OPEN
+
+    @property
+    def counterexample(self) -> Mapping[str, Any] | None:
+        """A geometry within the tolerance that does not satisfy the requirement, if one was found."""
+        return None if self.report is None else self.report.get("margin", {}).get("counterexample")
+
+    @property
     def verdict(self) -> str:
         """One or two words."""
         if self.passed:
             return "passed"
+        if self.is_open:
+            return "open"
         return "failed" if self.error is None else "bad input" if self.is_bad else "no answer"
 
     @property
@@ -89,6 +103,10 @@ class Outcome:
             return " ".join(self.error["detail"].split())
         if self.report is None or self.passed:
             return ""
+        if self.counterexample is not None:
+            return f"{_fails(self.counterexample)}; {_demand(self.report['requirement'])}"
+        if self.is_open:
+            return f"neither proved nor refuted within the tolerance: {self.report['margin']['reason']}"
         if not self.report["violations"]:
             return f"degenerate, which is refused: {'; '.join(self.degenerate)}"
         first = self.report["violations"][0]
@@ -117,6 +135,10 @@ class Outcome:
     def rows(self, *, shorten: bool = False) -> Iterator[list[str]]:
         """Yields what violates the requirement as a table, its headings first; shortened, the ends of an
         interval can still be told apart."""
+        if self.counterexample is not None:
+            geometry = self.counterexample["geometry"]
+            yield list(geometry)
+            yield list(map(str, geometry.values()))
         if self.report is None or not self.report["violations"]:
             return
         leg = f"l{self.report['requirement']['fixed_leg']}"
@@ -206,7 +228,8 @@ def page(outcomes: Sequence[Outcome], requirement: Mapping[str, Any], found: Fou
     for outcome in outcomes:
         notes = [f"degenerate: {words}" for words in outcome.degenerate]
         if outcome.passed:
-            sections.append(Section(f"{outcome.name}: passed, {_span(outcome)}", notes=notes))
+            within = ", within the tolerance too" if outcome.report and "margin" in outcome.report else ""
+            sections.append(Section(f"{outcome.name}: passed, {_span(outcome)}{within}", notes=notes))
             continue
         title = f"{outcome.name}: {outcome.verdict}: {outcome.message}"
         sections.append(Section(title, list(outcome.rows()), notes, failed=True))
@@ -218,8 +241,10 @@ def summary(outcomes: Sequence[Outcome], found: Found | None = None) -> str:
     bad = sum(outcome.is_bad for outcome in outcomes)
     without = sum(outcome.error is not None for outcome in outcomes) - bad
     passed = sum(outcome.passed for outcome in outcomes)
-    parts = [f"{passed} passed", f"{len(outcomes) - passed - bad - without} failed"]
-    parts += [f"{count} {what}" for count, what in ((bad, "bad"), (without, "without an answer")) if count]
+    undecided = sum(outcome.is_open for outcome in outcomes)
+    parts = [f"{passed} passed", f"{len(outcomes) - passed - undecided - bad - without} failed"]
+    others = ((undecided, "open"), (bad, "bad"), (without, "without an answer"))
+    parts += [f"{count} {what}" for count, what in others if count]
     read = "" if found is None or not found.files else f"; {counted(found.files, 'file')} read"
     if found is not None and found.ignored:
         read += f", {len(found.ignored)} ignored without a geometry: {listed(found.ignored)}"
@@ -229,16 +254,32 @@ def summary(outcomes: Sequence[Outcome], found: Found | None = None) -> str:
 def about(requirement: Mapping[str, Any]) -> str:
     """Returns the line that describes a requirement."""
     leg = requirement["fixed_leg"]
-    refused = ", nothing degenerate" if requirement.get("degenerate") == REFUSED else ""
+    last = ", nothing degenerate" if requirement.get("degenerate") == REFUSED else ""
+    last += _within(requirement["tolerance"]) if "tolerance" in requirement else ""
     if "expect_cusps" in requirement:
-        return f"cusps at L{leg} = {', '.join(requirement[f'l{leg}'])}: {_demand(requirement)}{refused}"
+        return f"cusps at L{leg} = {', '.join(requirement[f'l{leg}'])}: {_demand(requirement)}{last}"
     ends = requirement["range"]
     upper = "" if ends["to"] is None else f" up to {ends['to']}"
     limits = "".join(
         f", {key.upper()} within {bounds['min'] or 0}:{bounds['max'] or ''}"
         for key, bounds in requirement["limits"].items()
     )
-    return f"cusps for L{leg} from {ends['from']}{upper}{limits}: {_demand(requirement)}{refused}"
+    return f"cusps for L{leg} from {ends['from']}{upper}{limits}: {_demand(requirement)}{last}"
+
+
+def _within(tolerance: Mapping[str, str]) -> str:
+    """A tolerance in words."""
+    if len({*tolerance.values()}) == 1:
+        return f", with all lengths within {next(iter(tolerance.values()))}"
+    changed = [f"{name} within {number}" for name, number in tolerance.items() if number != "0"]
+    return f", with {', '.join(changed)}"
+
+
+def _fails(example: Mapping[str, Any]) -> str:
+    """What a counter-example shows."""
+    at = "".join(f" at {name.upper()} = {example[name]}" for name in LEGS if name in example)
+    lengths = (f"{name} = {x}" for name, x in example["geometry"].items() if name != "orientation")
+    return f"{counted(example['count'], 'cusp')}{at} within the tolerance, for {', '.join(lengths)}"
 
 
 def _demand(requirement: Mapping[str, Any]) -> str:

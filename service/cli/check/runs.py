@@ -18,12 +18,13 @@ import anyio
 from rpr_solver import Manipulator, Requirement, exact_str
 from rpr_solver.contract import Progress, silent
 from rpr_solver.errors import InputError, SolverError
+from rpr_solver.margins.questions import OPEN, PROVED, REFUTED
 from rpr_solver.transitions.requirement import ALLOWED, REFUSED
 from service.cli.check.reports import Outcome
 from service.cli.check.sources import Geometry
 from service.cli.output import progress_bar
 from service.errors import ServiceError
-from worker.answers.censuses import CHECK
+from worker.answers.margins import CHECK, margin_request, within_tolerance
 from worker.answers.requests import JobRequest, Store
 from worker.answers.store import answer
 from worker.answers.tables import CUSP_TABLE
@@ -92,11 +93,28 @@ def _degenerate(table: Mapping[str, Any], length: str) -> Iterator[dict[str, Any
     yield from ({"kind": kind, **ends, "count": count} for kind, count in sorted(kinds.items()))
 
 
-Demand = Requirement | Expectation
-"""What is checked."""
+@dataclass(frozen=True)
+class Task:
+    """What is checked of each geometry.
+
+    Attributes:
+        demand: of its cusps.
+        digits: significant digits of reports.
+        tolerance: the greatest change of each length, in canonical text: the demand is to hold for every
+            geometry within it; None for the given geometry alone.
+    """
+
+    demand: Requirement | Expectation
+    digits: int
+    tolerance: Mapping[str, str] | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Returns the demand as the document of checks has it."""
+        tolerance = {} if self.tolerance is None else {"tolerance": dict(self.tolerance)}
+        return {**self.demand.to_json(), **tolerance}
 
 
-def check_all(geometries: Sequence[Geometry], demand: Demand, digits: int, jobs: int) -> list[Outcome]:
+def check_all(geometries: Sequence[Geometry], task: Task, jobs: int) -> list[Outcome]:
     """Returns the outcomes in the order of the geometries; those that cannot be read are among them."""
     outcomes = unreadable(geometries)
     sound = {i: g.manipulator for i, g in enumerate(geometries) if g.manipulator is not None}
@@ -105,9 +123,9 @@ def check_all(geometries: Sequence[Geometry], demand: Demand, digits: int, jobs:
     with progress_bar(1 if single else len(geometries), "steps" if single else "geometries") as progress:
         if min(jobs, len(sound)) <= 1:
             inside = progress if single else silent
-            checks = ((i, _run(geometries[i], m, demand, digits, inside)) for i, m in sound.items())
+            checks = ((i, _run(geometries[i], m, task, inside)) for i, m in sound.items())
         else:
-            checks = _in_processes(geometries, sound, demand, digits, jobs)
+            checks = _in_processes(geometries, sound, task, jobs)
         for i, outcome in checks:
             outcomes[i] = outcome
             if not single:
@@ -124,36 +142,51 @@ def unreadable(geometries: Sequence[Geometry]) -> dict[int, Outcome]:
     }
 
 
-def _run(
-    geometry: Geometry,
-    manipulator: Manipulator,
-    demand: Demand,
-    digits: int,
-    progress: Progress = silent,
-) -> Outcome:
+def _run(geometry: Geometry, manipulator: Manipulator, task: Task, progress: Progress = silent) -> Outcome:
     begin = time.monotonic()
     try:
-        document = answer(_request(manipulator, demand, digits), Store(), progress)
-        report, error = demand.judge(document) if isinstance(demand, Expectation) else (document, None)
+        report, error = _checked(manipulator, task, progress)
     except (InputError, SolverError) as failure:
         kind = "input-error" if isinstance(failure, InputError) else "solver-error"
         report, error = None, {"type": kind, "detail": str(failure)}
     return Outcome.of(geometry, report, error, time.monotonic() - begin)
 
 
-def _request(manipulator: Manipulator, demand: Demand, digits: int) -> JobRequest:
-    content = {"geometry": manipulator.to_json(), "digits": digits}
+def _checked(
+    manipulator: Manipulator, task: Task, progress: Progress
+) -> tuple[dict[str, Any] | None, dict[str, str] | None]:
+    """The report on a manipulator, or the error in its place."""
+    demand, geometry = task.demand, manipulator.to_json()
+    content = {"geometry": geometry, "digits": task.digits}
     if not isinstance(demand, Expectation):
-        return JobRequest(CHECK, {**content, "requirement": demand.to_json()})
-    lengths = list(map(exact_str, demand.lengths))
-    return JobRequest(CUSP_TABLE, {**content, "fixed_leg": demand.fixed_leg, "l1": lengths})
+        within = {} if task.tolerance is None else {"tolerance": task.tolerance}
+        question = JobRequest(CHECK, {**content, "requirement": demand.to_json(), **within})
+        return answer(question, Store(), progress), None
+    leg, lengths = demand.fixed_leg, list(map(exact_str, demand.lengths))
+    slices = JobRequest(CUSP_TABLE, {**content, "fixed_leg": leg, "l1": lengths})
+    report, error = demand.judge(answer(slices, Store(), progress))
+    if report is None or task.tolerance is None:
+        return report, error
+    margins = []
+    for length in lengths if report["passed"] else ():
+        question = margin_request(geometry, {"fixed_leg": leg, "length": length}, task.tolerance)
+        margins.append(answer(question, Store(), silent))
+    return _of_slices(report, margins, task.tolerance), None
+
+
+def _of_slices(
+    report: dict[str, Any], margins: Sequence[dict[str, Any]], tolerance: Mapping[str, str]
+) -> dict[str, Any]:
+    """The report on single slices with the margin that decides: of the first slice which fails, if any."""
+    severity = (REFUTED, OPEN, PROVED)
+    decisive = min(margins, key=lambda found: severity.index(found["verdict"]), default=None)
+    return within_tolerance(report, decisive, tolerance)
 
 
 def _in_processes(
     geometries: Sequence[Geometry],
     manipulators: Mapping[int, Manipulator],
-    demand: Demand,
-    digits: int,
+    task: Task,
     jobs: int,
 ) -> Iterator[tuple[int, Outcome]]:
     """Yields the outcomes in the order of completion."""
@@ -165,7 +198,7 @@ def _in_processes(
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             for i, manipulator in manipulators.items():
-                futures[executor.submit(_run, geometries[i], manipulator, demand, digits)] = i
+                futures[executor.submit(_run, geometries[i], manipulator, task)] = i
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for future in as_completed(futures):
@@ -191,18 +224,18 @@ _BAD = ("invalid-request", "limit-exceeded", "job-input-error")
 
 
 def check_by_service(
-    url: str, geometries: Sequence[Geometry], demand: Demand, digits: int, deadline: float | None
+    url: str, geometries: Sequence[Geometry], task: Task, deadline: float | None
 ) -> list[Outcome]:
     """Returns the outcomes in the order of the geometries.
 
     Raises:
         ServiceError: the service refused, failed, or cannot be reached.
     """
-    return anyio.run(_check_all, url, geometries, demand, digits, deadline)
+    return anyio.run(_check_all, url, geometries, task, deadline)
 
 
 async def _check_all(
-    url: str, geometries: Sequence[Geometry], demand: Demand, digits: int, deadline: float | None
+    url: str, geometries: Sequence[Geometry], task: Task, deadline: float | None
 ) -> list[Outcome]:
     from service.client import AsyncServiceClient
 
@@ -217,7 +250,7 @@ async def _check_all(
     async def check(i: int) -> None:
         async with limiter:
             try:
-                report, error = await _report(client, geometries[i], demand, digits, deadline)
+                report, error = await _report(client, geometries[i], task, deadline)
             except ServiceError as failure:
                 if failure.status not in _OF_ONE_QUESTION:
                     fatal.append(failure)
@@ -242,15 +275,22 @@ def _kind(failure: ServiceError) -> str:
 
 
 async def _report(
-    client: AsyncServiceClient, geometry: Geometry, demand: Demand, digits: int, deadline: float | None
+    client: AsyncServiceClient, geometry: Geometry, task: Task, deadline: float | None
 ) -> tuple[dict[str, Any] | None, dict[str, str] | None]:
-    from service.client import check, cusp_table
+    from service.client import check, cusp_table, margin
 
-    manipulator = geometry.manipulator
+    manipulator, demand, tolerance = geometry.manipulator, task.demand, task.tolerance
     assert manipulator is not None
     if not isinstance(demand, Expectation):
-        asked = check(manipulator, demand, digits=digits, deadline=deadline)
+        asked = check(manipulator, demand, digits=task.digits, tolerance=tolerance, deadline=deadline)
         return (await client.ask(asked)).document, None
     leg, lengths = demand.fixed_leg, demand.lengths
-    slices = cusp_table(manipulator, lengths, fixed_leg=leg, digits=digits, deadline=deadline)
-    return demand.judge((await client.ask(slices)).document)
+    slices = cusp_table(manipulator, lengths, fixed_leg=leg, digits=task.digits, deadline=deadline)
+    report, error = demand.judge((await client.ask(slices)).document)
+    if report is None or tolerance is None:
+        return report, error
+    margins = []
+    for length in lengths if report["passed"] else ():
+        question = margin(manipulator, length, fixed_leg=leg, tolerance=tolerance, deadline=deadline)
+        margins.append((await client.ask(question)).document)
+    return _of_slices(report, margins, tolerance), None

@@ -58,6 +58,19 @@ def test_what_does_not_follow_is_refused(change: dict[str, object]) -> None:
     assert not verify_document(document).refused
 
 
+@pytest.mark.parametrize(("verdict", "passed"), [("proved", True), ("refuted", False), ("open", False)])
+def test_what_is_said_of_a_tolerance_is_not_verified_but_fits(verdict: str, passed: bool) -> None:
+    document = check(FLAT, Requirement(1, 39, 40, max_cusps=4), digits=15).to_json()
+    names = ("tolerance", "reason", "validity", "first_order", "counterexample", "certificate")
+    margin = {"verdict": verdict, **dict.fromkeys(names)}
+    verified = verify_document({**document, "passed": passed, "margin": margin})
+    assert not verified.refused
+    assert not verified.established
+    assert "/margin/counterexample" in verified.unread
+    [claim] = verify_document({**document, "passed": not passed, "margin": margin}).refused
+    assert claim.at == "/passed"
+
+
 @pytest.mark.parametrize("change", [{"intervals": []}, {"requirement": {}}, {"digits": 1}])
 def test_what_is_no_report_is_bad_input(change: dict[str, object]) -> None:
     document = check(FLAT, Requirement(1, 39, 40, max_cusps=4), digits=15).to_json()

@@ -327,6 +327,34 @@ def test_a_check_is_a_job_with_a_report(api: httpx.Client) -> None:
     assert (again.status_code, again.json()) == (200, report)
 
 
+def test_a_check_within_a_tolerance(api: httpx.Client) -> None:
+    requirement = {"range": {"from": 21, "to": 26}, "max_cusps": 6}
+    question = {"geometry": GEOMETRY, "requirement": requirement, "digits": 15, "tolerance": "0.2"}
+    report = api.post("/v1/checks", json=question, headers={"Prefer": "wait=30"}).json()
+    assert is_whole("CheckReport", report)
+    assert (report["passed"], report["violations"]) == (False, [])
+    assert report["margin"]["verdict"] == "refuted"
+    example = report["margin"]["counterexample"]
+    other = {**question, "geometry": example["geometry"]}
+    del other["tolerance"]
+    assert api.post("/v1/checks", json=other, headers={"Prefer": "wait=30"}).json()["max_cusps_found"] > 6
+    asked = {name: question[name] for name in ("geometry", "requirement", "tolerance")}
+    margin = api.post("/v1/margins", json=asked)
+    assert (margin.status_code, margin.json()["counterexample"]) == (200, example)
+
+
+@pytest.mark.parametrize("sides", [(30, 50, 40), (15, 25, 20)], ids=["congruent", "similar"])
+def test_degenerate_families_have_no_tolerance(api: httpx.Client, sides: tuple[int, ...]) -> None:
+    geometry = {"a2x": 30, "a3x": 0, "a3y": 40, **dict(zip(("d1", "d2", "d3"), sides, strict=True))}
+    requirement = {"range": {"from": 10, "to": 20}, "max_cusps": 0}
+    question = {"geometry": geometry, "requirement": requirement, "digits": 15, "tolerance": {"d1": 1e-9}}
+    report = api.post("/v1/checks", json=question, headers={"Prefer": "wait=30"}).json()
+    assert is_whole("CheckReport", report)
+    assert (report["passed"], report["margin"]["verdict"]) == (False, "open")
+    assert "degenerate" in report["margin"]["reason"]
+    assert report["margin"]["certificate"]["boxes"] == 0
+
+
 @pytest.mark.parametrize(("word", "passed"), [("allowed", True), ("refused", False)])
 def test_a_check_says_what_is_degenerate_and_may_refuse_it(
     api: httpx.Client, word: str, passed: bool

@@ -6,12 +6,13 @@ import json
 import os
 import signal
 import subprocess
+from fractions import Fraction
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
-from rpr_solver import EXAMPLES, Requirement, check
+from rpr_solver import EXAMPLES, Manipulator, Requirement, check, cusp_table
 from tests.support.cli_process import ENVIRONMENT, Run, command, run
 from tests.support.processes import PATIENCE, descendants, is_running, started, until
 
@@ -291,6 +292,73 @@ def test_a_name_and_a_unit_are_in_every_report(run_here: Run, tmp_path: Path) ->
     (tmp_path / "a.json").write_text(json.dumps({**named, "name": 5}))
     done = run_here("check", str(tmp_path / "a.json"), *RANGE, "--max-cusps", "3")
     assert (done.returncode, "geometry.name: is 5; give a text" in done.stdout) == (2, True)
+
+
+IN_TOLERANCE = ("--l1-range", "21:26", "--max-cusps", "6", "--digits", "15")
+
+
+def test_a_tolerance_is_proved_or_refuted(run_here: Run, tmp_path: Path) -> None:
+    """One proof, one counter-example; and the nominal failure of another geometry needs no search."""
+    done = run_here("check", "innocenti", *IN_TOLERANCE, "--tolerance", "0.001", "--format", "json")
+    assert (done.returncode, done.stderr) == (0, "1 checked: 1 passed, 0 failed\n")
+    printed = json.loads(done.stdout)
+    assert printed["requirement"]["tolerance"] == dict.fromkeys(
+        ("a2x", "a3x", "a3y", "d1", "d2", "d3"), "0.001"
+    )
+    assert printed["checks"][0]["report"]["margin"]["verdict"] == "proved"
+    report, log = tmp_path / "r.xml", tmp_path / "r.sarif"
+    files = ("--junit", str(report), "--sarif", str(log))
+    done = run_here("check", "innocenti", "zein-flat", *IN_TOLERANCE, "--tolerance", "0.2", *files)
+    assert done.returncode == 1
+    assert "2 checked: 0 passed, 2 failed" in done.stdout
+    first, second = ElementTree.parse(report).iter("failure")
+    assert (first.get("type"), second.get("type")) == ("tolerance", "requirement")
+    result = json.loads(log.read_text())["runs"][0]["results"][0]
+    example = result["properties"]["counterexample"]
+    other = Manipulator.from_json(example["geometry"])
+    sides = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+    changes = [abs(getattr(other, g) - getattr(EXAMPLES["innocenti"], g)) for g in sides]
+    assert max(changes) <= Fraction("0.2")
+    [slice_] = cusp_table(other, example["l1"], digits=15)
+    assert slice_.count == example["count"] > 6
+
+
+def test_single_slices_within_a_tolerance(run_here: Run) -> None:
+    args = ("check", "innocenti", "--l1", "28.1", "--expect-cusps", "10")
+    proved = run_here(*args, "--tolerance", "d1=0.0005, a3x=0.0001")
+    assert proved.returncode == 0
+    assert proved.stdout.startswith(
+        "cusps at L1 = 28.1: 10 expected, with a3x within 0.0001, d1 within 0.0005\n"
+    )
+    refuted = run_here(*args, "--tolerance", "d1=0.004")
+    assert refuted.returncode == 1
+    assert "failed: 8 cusps at L1 = 28.1 within the tolerance, for a2x = 15.91, " in refuted.stdout
+
+
+@pytest.mark.parametrize("sides", [(30, 50, 40), (15, 25, 20)], ids=["congruent", "similar"])
+def test_degenerate_families_are_open_within_any_tolerance(run_here: Run, sides: tuple[int, ...]) -> None:
+    geometry = {"a2x": 30, "a3x": 0, "a3y": 40, **dict(zip(("d1", "d2", "d3"), sides, strict=True))}
+    args = ("--l1-range", "10:20", "--max-cusps", "0", "--tolerance", "0.001", "--github")
+    done = run_here("check", "-", *args, stdin=json.dumps(geometry))
+    assert done.returncode == 1
+    assert "standard input: open: neither proved nor refuted within the tolerance: degenerate" in done.stdout
+    assert "title=standard input%3A check open::" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "said"),
+    [
+        ("-1", "--tolerance: is -1; a tolerance must be > 0"),
+        ("d1=0", "--tolerance: are all 0, so that nothing changes; give one > 0"),
+        ("d1=-1", "--tolerance.d1: is -1; it must be at least 0"),
+        ("b=1", "--tolerance.b: unknown field"),
+        ("x", "--tolerance: 'x' is not a finite number"),
+    ],
+)
+def test_wrong_tolerances_are_named(run_here: Run, tolerance: str, said: str) -> None:
+    done = run_here("check", "innocenti", *IN_TOLERANCE, "--tolerance", tolerance)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert said in done.stderr
 
 
 def test_ctrl_c_ends_all_processes() -> None:

@@ -216,3 +216,86 @@ def test_any_text_is_well_formed_xml(source: str, detail: str) -> None:
     case = ElementTree.fromstring(document.encode()).find("testsuite/testcase")
     assert case is not None
     assert len(case.get("name", "")) == len(source)
+
+
+MARGIN: dict[str, Any] = {
+    "tolerance": {"a2x": "0.05", "a3x": "0", "a3y": "0", "d1": "0.1", "d2": "0", "d3": "0"},
+    "reason": None,
+    "validity": "8",
+    "first_order": None,
+    "certificate": None,
+}
+OTHER = {"a2x": "16.05", "a3x": "0", "a3y": "10", "d1": "17.14", "d2": "5", "d3": "6", "orientation": "ccw"}
+EXAMPLE = {"radius": "1", "geometry": OTHER, "l2": "8.125", "count": 4}
+OFF = Outcome(
+    "off.json",
+    {
+        **PASSED_REPORT,
+        "passed": False,
+        "margin": {**MARGIN, "verdict": "refuted", "counterexample": EXAMPLE},
+    },
+    line=4,
+)
+OPEN = Outcome(
+    "open.json",
+    {
+        **PASSED_REPORT,
+        "passed": False,
+        "margin": {**MARGIN, "verdict": "open", "reason": "too wide", "counterexample": None},
+    },
+)
+WITHIN = Outcome(
+    "within.json", {**PASSED_REPORT, "margin": {**MARGIN, "verdict": "proved", "counterexample": None}}
+)
+
+
+def test_a_counter_example_is_in_every_report() -> None:
+    said = (
+        "4 cusps at L2 = 8.125 within the tolerance, for "
+        "a2x = 16.05, a3x = 0, a3y = 10, d1 = 17.14, d2 = 5, d3 = 6; at most 2 allowed"
+    )
+    assert (OFF.verdict, OFF.message, OFF.passed) == ("failed", said, False)
+    [section] = page([OFF], {**REQUIREMENT, "tolerance": MARGIN["tolerance"]}).sections
+    assert section.rows == [[*OTHER], [*OTHER.values()]]
+    [failure] = ElementTree.fromstring(junit_xml([OFF])).iter("failure")
+    assert (failure.get("type"), failure.get("message")) == ("tolerance", said)
+    assert failure.text == f"{' '.join(OTHER)}\n{' '.join(OTHER.values())}"
+    run = json.loads(sarif([OFF]))["runs"][0]
+    [result] = run["results"]
+    assert (result["ruleId"], result["level"]) == ("tolerance", "error")
+    assert result["properties"] == {"counterexample": EXAMPLE}
+    assert {"tolerance", "open"} <= {rule["id"] for rule in run["tool"]["driver"]["rules"]}
+    assert list(github_annotations([OFF])) == [f"::error file=off.json,line=4,title=check failed::{said}"]
+
+
+def test_what_is_open_does_not_pass_and_is_called_open() -> None:
+    assert (OPEN.verdict, OPEN.passed) == ("open", False)
+    assert OPEN.message == "neither proved nor refuted within the tolerance: too wide"
+    assert summary([OPEN, OFF, WITHIN]) == "3 checked: 1 passed, 1 failed, 1 open"
+    [failure] = ElementTree.fromstring(junit_xml([OPEN])).iter("failure")
+    assert (failure.get("type"), failure.get("message")) == ("open", OPEN.message)
+    [result] = json.loads(sarif([OPEN]))["runs"][0]["results"]
+    assert result["ruleId"] == "open"
+    [line] = github_annotations([OPEN])
+    assert line == f"::error file=open.json,title=check open::{OPEN.message}"
+
+
+def test_a_tolerance_is_said_with_the_requirement() -> None:
+    within = page([WITHIN], {**REQUIREMENT, "tolerance": MARGIN["tolerance"]})
+    assert within.about.endswith("at most 2 allowed, with a2x within 0.05, d1 within 0.1")
+    assert within.sections[0].title == "within.json: passed, 0 cusps, within the tolerance too"
+    every = dict.fromkeys(MARGIN["tolerance"], "0.01")
+    assert page([], {**REQUIREMENT, "tolerance": every}).about.endswith(", with all lengths within 0.01")
+
+
+def test_another_tolerance_is_another_complaint() -> None:
+    def fingerprint(outcome: Outcome) -> str:
+        [result] = json.loads(sarif([outcome]))["runs"][0]["results"]
+        found: str = result["partialFingerprints"]["geometryAndRequirement/v1"]
+        return found
+
+    assert OFF.report is not None
+    wider = {**MARGIN, "tolerance": {"a2x": "0.06"}, "verdict": "refuted", "counterexample": EXAMPLE}
+    other = replace(OFF, report={**OFF.report, "margin": wider})
+    assert fingerprint(OFF) != fingerprint(other)
+    assert fingerprint(OFF) == fingerprint(replace(OFF, line=9))

@@ -220,3 +220,20 @@ def test_sensitivities_are_another_question_and_their_absence_is_none() -> None:
     assert read(CensusRequest, on.body(), JSON).content() == on.content()
     with pytest.raises(InputError, match="sensitivities: is a string; give true or false"):
         read(CensusRequest, BODY | {"sensitivities": "true"}, JSON)
+
+
+def test_a_tolerance_makes_another_check_in_canonical_form() -> None:
+    sent = {**BODY, "requirement": {"range": {"from": 1, "to": 2}, "max_cusps": 4}}
+    plain, common, single = (
+        read(CheckRequest, sent | more, JSON)
+        for more in ({}, {"tolerance": JsonNumber("0.10")}, {"tolerance": {"d1": "1/3", "a3x": "0"}})
+    )
+    assert "tolerance" not in plain.content()
+    assert common.content()["tolerance"] == dict.fromkeys(("a2x", "a3x", "a3y", "d1", "d2", "d3"), "0.1")
+    assert single.content()["tolerance"]["d1"] == "1/3"
+    assert len({question.job_request().job_id for question in (plain, common, single)}) == 3
+    assert read(CheckRequest, common.body(), JSON).content() == common.content()
+    for wrong, named in (("-1", "tolerance"), ({"d1": "0"}, "tolerance"), ({"b": "1"}, "tolerance.b")):
+        with pytest.raises(InputError) as caught:
+            read(CheckRequest, sent | {"tolerance": wrong}, JSON)
+        assert [problem.field for problem in caught.value.problems] == [named]

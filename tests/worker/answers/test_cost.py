@@ -7,13 +7,13 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, Requirement
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
 from worker.answers.cost import Cost, Sizes
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
 from worker.answers.items import seconds_after
 from worker.answers.kinds import KINDS
-from worker.answers.margins import MARGIN
+from worker.answers.margins import CHECK, MARGIN
 from worker.answers.paths import PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import ALL_LENGTHS, JobRequest, Kind
@@ -162,6 +162,12 @@ ROUND = {"a2x": "10", "a3x": "4", "a3y": "3", "d1": "5", "d2": "6", "d3": "8", "
 def test_nearly_special_shapes_are_priced(geometry: dict[str, str], least: float) -> None:
     for kind in (CENSUS, CHECK, CUSP_CURVES, CERTIFIED_CENSUS):
         assert estimate(kind, CONTENTS[kind], geometry) > least
+
+
+def test_a_tolerance_is_priced_with_the_margin() -> None:
+    within = {**CONTENTS[CHECK], "tolerance": dict.fromkeys(("a2x", "d1"), "0.1")}
+    plain, margin = (estimate(kind, CONTENTS[kind], INNOCENTI) for kind in (CHECK, MARGIN))
+    assert plain + 0.9 * margin < estimate(CHECK, within, INNOCENTI) < 2 * (plain + margin)
 
 
 @pytest.mark.parametrize(

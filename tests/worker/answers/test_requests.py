@@ -10,11 +10,11 @@ import pytest
 
 import rpr_solver
 from rpr_solver import EXAMPLES
-from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS, CHECK
+from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
 from worker.answers.kinds import KINDS, kind_of_job, request_from_json
-from worker.answers.margins import MARGIN
+from worker.answers.margins import CHECK, MARGIN
 from worker.answers.paths import PATH
 from worker.answers.plots import PLOT
 from worker.answers.requests import JobRequest
