@@ -29,7 +29,8 @@ EXPENSIVE = {
 tests with real processes."""
 
 SLOW = [HealthCheck.too_slow]
-settings.register_profile("ci", deadline=None, derandomize=True, suppress_health_check=SLOW)
+settings.register_profile("ci", deadline=None, max_examples=40, derandomize=True, suppress_health_check=SLOW)
+settings.register_profile("more", settings.get_profile("ci"), max_examples=100)
 settings.register_profile(
     "long", deadline=None, max_examples=1000, suppress_health_check=SLOW, print_blob=True
 )
@@ -42,6 +43,8 @@ providers._get_local_constants = providers.Constants
 
 def pytest_configure(config: pytest.Config) -> None:
     gc.disable()  # what is collected is no garbage; searching it again and again is a tenth of the collection
+    if config.getoption("--long") and config.getoption("--hypothesis-profile") is None:
+        settings.load_profile("more")
     if not hasattr(config, "workerinput"):  # once, before the processes that run the tests
         for package in ("rpr_solver", "worker", "service"):
             compileall.compile_dir(Path(__file__).parents[1] / package, quiet=1)

@@ -45,12 +45,14 @@ def test_code_blocks(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_code_blocks_are_strictly_typed(tmp_path: Path) -> None:
+def test_code_blocks_are_strictly_typed(tmp_path: Path, pytestconfig: pytest.Config) -> None:
+    """What mypy knows of the libraries is kept from run to run."""
     api = pytest.importorskip("mypy.api")
     scripts = [tmp_path / Path(name).with_suffix(".py").name.replace("-", "_") for name in TUTORIALS]
     for script, name in zip(scripts, TUTORIALS, strict=True):
         script.write_text("".join(example.source for example in session(name).examples), encoding="utf-8")
-    options = ["--strict", "--config-file=", f"--cache-dir={tmp_path / 'cache'}", "--follow-imports=silent"]
+    known = pytestconfig.cache.mkdir("mypy") if pytestconfig.cache else tmp_path / "cache"
+    options = ["--strict", "--config-file=", f"--cache-dir={known}", "--follow-imports=silent"]
     report, errors, status = api.run([*options, *map(str, scripts)])
     assert (status, errors) == (0, ""), report
 

@@ -52,6 +52,7 @@ def test_every_file_is_part_of_it() -> None:
     assert {*KUSTOMIZATION["resources"], "kustomization.yaml"} == {path.name for path in FOLDER.iterdir()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("resource", OF_KUBERNETES, ids=name)
 def test_the_schemas_of_kubernetes_hold(resource: Resource) -> None:
     with warnings.catch_warnings():

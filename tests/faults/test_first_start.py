@@ -17,6 +17,7 @@ from redis import Redis
 from service.stack.embedded_valkey import EmbeddedValkey, runtime_dir
 from tests.support.jobs import a_request, ended
 from tests.support.processes import PATIENCE, completed, environment, started, until
+from tests.support.sampling import long
 from tests.support.stack import command
 from worker.connection import connect
 from worker.jobs.queue import JobQueue
@@ -68,7 +69,7 @@ def test_redis_comes_after_the_api_and_the_workers(tmp_path: Path, port: int) ->
         assert log.read_text().count(" WARNING cannot reach Redis: ") == 1
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGTERM, long(signal.SIGINT), long(signal.SIGHUP)])
 def test_a_signal_while_redis_is_waited_for(tmp_path: Path, number: signal.Signals) -> None:
     """The API or a worker that waits for Redis receives SIGTERM, SIGINT or SIGHUP. It ends at once, with exit
     status 0.

@@ -23,6 +23,7 @@ from redis.exceptions import RedisError
 from service.api.settings import Settings
 from service.stack.embedded_valkey import EmbeddedValkey, program
 from tests.support.processes import PATIENCE, Workers, completed, environment, started, until
+from tests.support.sampling import long
 from tests.support.service_server import GEOMETRY, serving
 from tests.support.stack import failure
 from worker.connection import connect
@@ -201,7 +202,7 @@ def unfit(kind: str, which: str, directory: Path) -> Iterator[str]:
         yield url
 
 
-@pytest.mark.parametrize("which", ["embedded", "redis-server"])
+@pytest.mark.parametrize("which", ["embedded", long("redis-server")])
 @pytest.mark.parametrize("kind", UNFIT)
 def test_a_server_that_cannot_keep_a_queue(tmp_path: Path, kind: str, which: str) -> None:
     """The URL is that of a node of a cluster, of a Sentinel, or of a replica. `serve` and the workers refuse

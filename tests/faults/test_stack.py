@@ -278,7 +278,7 @@ def test_everything_is_killed_at_once(tmp_path: Path) -> None:
         assert ended(JobQueue(redis), request.job_id).status == "succeeded"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_queued_jobs_are_resumed(tmp_path: Path) -> None:
     """`serve` is stopped while jobs wait. They are done after the next start."""
     requests = [a_request(str(i)) for i in range(1, 4)]
@@ -343,7 +343,7 @@ def test_a_data_directory_that_is_taken(tmp_path: Path) -> None:
 
 
 def test_padded_documents_do_not_fill_the_store(tmp_path: Path) -> None:
-    """Forty padded documents of a megabyte are sent, alone and in batches, to a store limited to 32 MiB. The
+    """Twenty padded documents of a megabyte are sent, alone and in a batch, to a store limited to 16 MiB. The
     store never exceeds the limit, and keeps little of them; each is reported as an incomplete document.
     """
     geometry = {name: str(value) for name, value in {**GEOMETRY, "orientation": "ccw"}.items()}
@@ -353,21 +353,21 @@ def test_padded_documents_do_not_fill_the_store(tmp_path: Path) -> None:
         document = {"geometry": geometry, "slices": [{"error": "x"}], "padding": f"x{n:02}" * 333_000}
         return {"document": document}
 
-    with running(tmp_path, store_max_mb=32) as stack, stack.redis() as redis:
+    with running(tmp_path, store_max_mb=16) as stack, stack.redis() as redis:
         used: list[int] = []
 
         def look() -> None:
             used.append(int(redis.info("memory")["used_memory"]))
 
         with httpx.Client(base_url=stack.base, timeout=PATIENCE) as client:
-            for n in range(4):
+            for n in range(2):
                 answer = client.post(
                     "/v1/verifications", json=padded(n), headers={"Prefer": "wait=30"}
                 ).json()
                 assert answer["type"] == kind
                 assert client.get(answer["job"]).json()["status"] == "failed"
                 look()
-            for n in (4, 22):
+            for n in (2,):
                 items = [{"kind": "verification", "request": padded(n + k)} for k in range(18)]
                 batch = client.post("/v1/batches", json={"items": items})
                 assert batch.status_code == 202
@@ -378,5 +378,5 @@ def test_padded_documents_do_not_fill_the_store(tmp_path: Path) -> None:
                 assert used[-1] < 8 << 20
                 lines = client.get(f"{here}/results").text.splitlines()
                 assert sum(kind in line for line in lines) == len(lines) == 18
-        assert max(used) <= 32 << 20
+        assert max(used) <= 16 << 20
         assert not stopped(stack)

@@ -10,7 +10,12 @@ KNOWN = golden.known()
 
 @pytest.mark.parametrize(
     "subject",
-    [pytest.param(s, marks=pytest.mark.slow) if s.startswith("family") else s for s in golden.SUBJECTS],
+    [
+        pytest.param(s, marks=pytest.mark.long if n % 2 else pytest.mark.slow)
+        if s.startswith("family")
+        else s
+        for n, s in enumerate(golden.SUBJECTS)
+    ],
 )
 def test_an_answer_changes_only_with_a_new_solver_version(subject: str) -> None:
     assert KNOWN["solver_version"] == SOLVER_VERSION, "run `python -m tests.support.golden --write`"

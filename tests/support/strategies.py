@@ -38,7 +38,7 @@ def lengths(size: int = 60, denominators: tuple[int, ...] = (1, 10, 7)) -> st.Se
 
 def examples(count: int) -> settings:
     """Settings for `count` random examples, scaled by the profile."""
-    return settings(max_examples=count * settings().max_examples // 100)
+    return settings(max_examples=max(1, count * settings().max_examples // 100))
 
 
 def unless_refused(solve: Callable[[], Answer], answers: Counter[str]) -> Answer:

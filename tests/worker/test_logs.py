@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.processes import ROOT, environment, started
+from tests.support.sampling import sample
 
 LINES = """
 import logging, sys
@@ -122,7 +123,7 @@ COMMANDS = {
 }
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("name", sample(COMMANDS, 0, 2, 6))
 def test_a_service_that_does_not_start_says_so_in_an_object(name: str) -> None:
     settings = {"RPR_CUSPS_LOG_FORMAT": "json", "RPR_CUSPS_NO_SETTING": "1"}
     if name == "a setting that is none":

@@ -21,18 +21,24 @@ from rpr_solver import (
     solve_slice,
 )
 from rpr_solver.article.couples import AuditReport, CoupleReport, FactorReport
+from rpr_solver.slices.slice_table import SliceCertificate
 from tests.support.families import family
 from tests.support.reference import CASES
 from tests.support.shapes import misfits
 from tests.support.strategies import examples, lengths, manipulators
 
-QUICK = ("innocenti", "flat-base", "congruent")
+QUICK = ("flat-base", "congruent")
+SAMPLED = (*QUICK, "innocenti", "rational-h", "both-flat", "similar", "sixteen-cusps")
 VECTORS = [
     pytest.param(
         case["geometry"],
         item,
         id=f"{case['name']}-{item['l1']}",
-        marks=pytest.mark.long if n else [] if case["name"] in QUICK else pytest.mark.slow,
+        marks=pytest.mark.long
+        if n or case["name"] not in SAMPLED
+        else []
+        if case["name"] in QUICK
+        else pytest.mark.slow,
     )
     for case in CASES
     for n, item in enumerate(case["slices"])
@@ -131,6 +137,12 @@ def report(name: str) -> dict[str, Any]:
 @pytest.mark.parametrize("name", SLICES)
 def test_an_audit_has_what_is_declared_and_nothing_else(name: str) -> None:
     assert list(misfits(report(name), AuditReport)) == []
+
+
+def test_its_certificate_has_what_is_declared_and_nothing_else() -> None:
+    certificate = audited("an irrational h").to_json()["certificate"]
+    assert list(misfits(certificate, SliceCertificate)) == []
+    assert certificate["method"] == "article"
 
 
 @pytest.mark.parametrize("name", SLICES)

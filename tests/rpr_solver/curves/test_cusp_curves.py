@@ -4,7 +4,6 @@ import json
 from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
-from functools import partial
 from itertools import pairwise
 from math import radians
 
@@ -26,15 +25,13 @@ from rpr_solver import (
 )
 from tests.support import newton
 from tests.support.families import FAMILIES, family
+from tests.support.sampling import long
 from tests.support.shared import census_of, curves_of
 from tests.support.strategies import examples, manipulators, unless_refused
 
 INNOCENTI = EXAMPLES["innocenti"]
 FAMILY_LEGS = [(name, i % 3 + 1) for i, name in enumerate(FAMILIES)]
-slow = partial(pytest.param, marks=pytest.mark.slow)
-long = partial(pytest.param, marks=pytest.mark.long)
-QUICK = ("both flat", "similar", "congruent")
-DEAR = ("similar, mirrored", "congruent, mirrored", "d1 = a2x", "isosceles")
+QUICK = ("both flat", "similar", "flat base")
 
 
 def alive(curves: CuspCurves, length: Fraction) -> int:
@@ -68,7 +65,7 @@ def agrees_with(curves: CuspCurves, whole: Census) -> None:
 @pytest.mark.parametrize(
     ("name", "fixed_leg"),
     [
-        slow("innocenti", 1),
+        long("innocenti", 1),
         ("zein-flat", 3),
         long("fourteen-cusps", 2),
     ],
@@ -96,7 +93,7 @@ def test_the_first_manipulators_curves() -> None:
 
 @pytest.mark.parametrize(
     ("name", "fixed_leg"),
-    [(x if x[0] in QUICK else long(*x) if x[0] in DEAR else slow(*x)) for x in FAMILY_LEGS],
+    [x if x[0] in QUICK else long(*x) for x in FAMILY_LEGS],
 )
 def test_every_family_agrees_with_its_census(name: str, fixed_leg: int) -> None:
     curves = curves_of(family(name), fixed_leg)

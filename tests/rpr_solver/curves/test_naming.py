@@ -18,6 +18,7 @@ from rpr_solver.transitions.survey import Survey, survey
 from tests.support.definitions import Slices, distance
 from tests.support.families import family
 from tests.support.places import cusps_in
+from tests.support.sampling import long
 
 MIRRORED = Manipulator(6, 3, 4, 6, 5, 5, "cw")
 IRRATIONAL = Manipulator("6.77", 0, "6.77", "6.77", "13.54", "6.77")
@@ -113,7 +114,7 @@ class TestTracks:
     def test_where_tracks_begin_and_end_the_curve_turns_back(self) -> None:
         whole, _, named, _ = surveyed()
         lengths = [table.length for table in whole.slices]
-        for number, track in enumerate(named.tracks):
+        for number, track in list(enumerate(named.tracks))[::3]:
             first, last = min(track.cusps), max(track.cusps)
             if track.born_with is not None and track.born_with > number:
                 here, partner = lengths[first], named.tracks[track.born_with].cusps[first]
@@ -122,7 +123,7 @@ class TestTracks:
                 here, partner = lengths[last], named.tracks[track.dies_with].cusps[last]
                 assert leads_to(here, lengths[last + 1], here, track.cusps[last]) == (here, partner)
 
-    @pytest.mark.parametrize("k", [5, 7])
+    @pytest.mark.parametrize("k", [long(5), 7])
     def test_between_two_slices_a_track_follows_its_curve(self, k: int) -> None:
         whole, _, named, _ = surveyed()
         low, high = (table.length for table in whole.slices[k : k + 2])
@@ -136,7 +137,7 @@ class TestTracks:
         assert named.undecided == frozenset()
         assert told == [(k, len(whole.slices)) for k in range(2, len(whole.slices) + 1)]
 
-    @pytest.mark.slow
+    @pytest.mark.long
     def test_a_cusp_that_ends_and_another_that_begins_are_two_if_the_slice_between_has_fewer(self) -> None:
         """About a quadruple pose of the flat base, of irrational length, are six cusps; with it, five."""
         whole = survey(
@@ -202,7 +203,7 @@ class TestNames:
         last = len(whole.slices) - 1
         starts = self.known(last)
         [start] = starts
-        lengths = [start + 10, start + 1, start - 1, start - 2]
+        lengths = [start + 10, start - 1]
         names = dict(name_cusps(tracker, starts, lengths))
         assert set(names) == set(lengths)
         for length, of in names.items():

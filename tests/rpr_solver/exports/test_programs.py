@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from rpr_solver import EXAMPLES, Manipulator, census, export
+from tests.support.sampling import long
 from tests.support.scripts import RATIONAL, said, table
 
 needs_pari = pytest.mark.skipif(shutil.which("gp") is None, reason="needs PARI/GP: apt-get install pari-gp")
@@ -56,7 +57,7 @@ def test_pari_agrees_with_a_census(tmp_path: Path) -> None:
     assert (status, lines[-1], len(lines)) == (0, "agrees", 13 + 12 + 1)
 
 
-@pytest.mark.parametrize("wrong", [False, pytest.param(True, marks=pytest.mark.long)])
+@pytest.mark.parametrize("wrong", [pytest.param(False, marks=pytest.mark.slow), long(True)])
 def test_sympy_finds_the_same_cusps(wrong: bool, tmp_path: Path) -> None:
     document = table(RATIONAL, "2", leg=2)
     if wrong:

@@ -11,6 +11,7 @@ from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.margin import validity
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.subjects import SliceCount, Subject, WindowExists
+from tests.support.sampling import long
 
 INNOCENTI = EXAMPLES["innocenti"]
 ONES = (Fraction(1),) * 6
@@ -36,7 +37,7 @@ def is_proved(subject: Subject, radius: Fraction, most_boxes: int) -> bool:
     ("name", "length", "cusps", "least"),
     [
         ("innocenti", "28.1", 10, "6.0e-4"),
-        ("innocenti", "27", 8, "0.070"),
+        long("innocenti", "27", 8, "0.070"),
         ("sixteen-cusps", "14.46845", 16, "8.1e-7"),
     ],
 )
@@ -119,7 +120,7 @@ def test_all_exact_counts_in_proved_boxes_are_the_same() -> None:
             assert count(moved(manipulator, steps), length, leg) == subject.count()
 
 
-@pytest.mark.parametrize(("length", "start"), [("28.1", "6.1e-4"), ("27", "0.0725")])
+@pytest.mark.parametrize(("length", "start"), [("28.1", "6.1e-4"), long("27", "0.0725")])
 def test_no_proof_beyond_a_counterexample(length: str, start: str) -> None:
     subject = SliceCount(INNOCENTI, 1, Fraction(length))
     for factor in ("1", "3"):
@@ -145,7 +146,7 @@ def test_single_tolerances_keep_the_other_lengths() -> None:
 
 def test_margins_scale_with_the_manipulator() -> None:
     whole, doubled = (
-        margin(Manipulator(*(getattr(INNOCENTI, g) * factor for g in LENGTHS)), 27 * factor, most_boxes=6_000)
+        margin(Manipulator(*(getattr(INNOCENTI, g) * factor for g in LENGTHS)), Fraction("28.1") * factor)
         for factor in (1, 2)
     )
     assert whole.proved is not None

@@ -16,6 +16,7 @@ from rpr_solver.exact.number_field import Algebraic, Field
 from rpr_solver.model.classify import classify
 from rpr_solver.model.jets import Jet, LocalMap, Pose
 from rpr_solver.model.slice_map import SliceMap
+from tests.support.strategies import examples
 
 X, Y = fmpq_mpoly_ctx.get(("x", "y"), "lex").gens()
 RATIONALS = Field.rationals()
@@ -69,6 +70,7 @@ def invertible() -> st.SearchStrategy[tuple[int, ...]]:
 
 
 @pytest.mark.parametrize(("name", "f", "g", "at", "kind"), NORMAL_FORMS)
+@examples(25)
 @given(source=invertible(), target=invertible())
 def test_a_normal_form_in_any_coordinates(
     name: str,
@@ -102,7 +104,7 @@ POSES = [
 
 @pytest.mark.parametrize(("kind", "m", "length"), POSES)
 def test_a_pose_of_a_manipulator(kind: PoseKind, m: Manipulator, length: str) -> None:
-    [table] = cusp_table(m, [length], digits=100)
+    [table] = cusp_table(m, [length], digits=70)
     points = [c.to_json() for c in table.cusps] if kind is PoseKind.CUSP else table.degenerate_points
     angles = [(p["alpha_deg"], p["theta1_deg"]) for p in points if p.get("kind", "cusp") == kind]
     assert angles

@@ -99,6 +99,7 @@ def _public(found: object) -> Iterator[object]:
                 yield from _public(getattr(found, member.name))
 
 
+@pytest.mark.slow
 def test_every_public_object_of_curves_and_paths_has_a_short_repr() -> None:
     manipulator = EXAMPLES["innocenti"]
     curves = singular_curves(manipulator, 27, digits=200)

@@ -19,6 +19,7 @@ from rpr_solver.model.slice_map import SliceMap
 from rpr_solver.singular.aspects import RangeTopology, aspect_cells
 from tests.rpr_solver.singular.test_raster import Raster
 from tests.support.families import FAMILIES, family
+from tests.support.sampling import long
 from tests.support.singular import SLICES, manipulator, swept, traced
 
 
@@ -83,11 +84,11 @@ def counts(manipulator: Manipulator, *span: object, leg: int = 1) -> Found:
     ("name", "leg", "start", "stop", "expected"),
     [
         ("innocenti", 1, "27", "30", [(1, 2, 1), (-1, 1, 1)]),
-        ("innocenti", 3, "8", "25", [(1, 2, 2), (-1, 1, 1)]),
-        ("fourteen-cusps", 1, "5.96", "18", [(1, 2, 1), (-1, 1, 1)]),
+        long("innocenti", 3, "8", "25", [(1, 2, 2), (-1, 1, 1)]),
+        long("fourteen-cusps", 1, "5.96", "18", [(1, 2, 1), (-1, 1, 1)]),
         ("similar", 1, "18", "19", [(1, 1, 1), (1, 1, 1), (-1, 1, 1), (-1, 1, 1)]),
         ("innocenti", 1, None, None, [(1, 1, 1), (-1, 1, 1)]),
-        ("innocenti", 3, "7", None, [(1, 2, 1), (-1, 1, 1)]),
+        long("innocenti", 3, "7", None, [(1, 2, 1), (-1, 1, 1)]),
         ("fourteen-cusps", 1, 0, "7", [(1, 1, 1), (-1, 1, 2)]),
         # its limit for great lengths has whole lines θ = const, so α = const is swept instead
         ("zein-flat", 2, "7", None, [(1, 1, 2), (-1, 1, 2)]),
@@ -103,8 +104,8 @@ def test_aspects_of_ranges(
 @pytest.mark.parametrize(
     ("name", "leg", "span"),
     [
-        ("similar", 2, ("23.5", "31")),
-        ("both flat", 1, ("10.4", "14.6")),
+        long("similar", 2, ("23.5", "31")),
+        long("both flat", 1, ("10.4", "14.6")),
         ("right angles", 3, (0, "9.1")),
     ],
 )

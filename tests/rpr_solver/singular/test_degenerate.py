@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from fractions import Fraction
+from itertools import product
 
 import pytest
 from hypothesis import given, settings
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from rpr_solver import EXAMPLES, Manipulator, SingularCurves, singular_curves, trace_slice
 from tests.rpr_solver.singular.long_run import Case, case, failures
 from tests.support.degenerate import MAKERS
+from tests.support.sampling import sample
 from tests.support.shared import census_of, eliminant_of
 
 CONGRUENT = Manipulator(30, 0, 40, 30, 50, 40)
@@ -26,23 +28,29 @@ def numbers(curves: SingularCurves) -> tuple[list[int], list[int]]:
 
 @pytest.mark.parametrize(
     ("manipulator", "leg", "length", "regions", "aspects"),
-    [
-        # the image of α = 0 is a point in a region, or near one of its nodes
-        (CONGRUENT, 1, "14", [4, 2, 0], [1, 1, -1, -1]),
-        (CONGRUENT, 3, "4", [4, 2, 0], [1, 1, -1, -1]),
-        (ISOSCELES, 1, "26", [4, 2, 0], [1, 1, -1, -1]),
-        (ISOSCELES, 2, "12", [4, 2, 0], [1, 1, -1, -1]),
-        (Manipulator("7.2", 0, "13.5", "7.2", "15.3", "13.5"), 3, "990", [2, 0], [1, -1]),
-        # cusps at α = 180°, and at the angle that is infinite in the first chart
-        (MIRRORED, 3, "10", [6, 6, 4, 4, 2, 2, 2, 0, 0], [1, -1]),
-        (MIRRORED, 2, "20", [6, 2, 0], [1, -1]),
-        (Manipulator(20, "28/5", "-21/5", 20, 15, 7), 2, "15", [6, 4, 4, 4, 2, 2, 2, 0], [1, -1]),
-        # α = 180° is a double component
-        (FLAT, 3, "18/5", [4, 0], [1, 1, -1, -1]),
-        (FLAT, 2, "26/5", [4, 0], [1, 1, -1, -1]),
-        # a region that is a thin strip for the most part
-        (Manipulator("-6.2", "-140", 0, "10.7", "11.8", 11), 2, "225.07386", [4, 2, 0], [1, -1]),
-    ],
+    sample(
+        [
+            # the image of α = 0 is a point in a region, or near one of its nodes
+            (CONGRUENT, 1, "14", [4, 2, 0], [1, 1, -1, -1]),
+            (CONGRUENT, 3, "4", [4, 2, 0], [1, 1, -1, -1]),
+            (ISOSCELES, 1, "26", [4, 2, 0], [1, 1, -1, -1]),
+            (ISOSCELES, 2, "12", [4, 2, 0], [1, 1, -1, -1]),
+            (Manipulator("7.2", 0, "13.5", "7.2", "15.3", "13.5"), 3, "990", [2, 0], [1, -1]),
+            # cusps at α = 180°, and at the angle that is infinite in the first chart
+            (MIRRORED, 3, "10", [6, 6, 4, 4, 2, 2, 2, 0, 0], [1, -1]),
+            (MIRRORED, 2, "20", [6, 2, 0], [1, -1]),
+            (Manipulator(20, "28/5", "-21/5", 20, 15, 7), 2, "15", [6, 4, 4, 4, 2, 2, 2, 0], [1, -1]),
+            # α = 180° is a double component
+            (FLAT, 3, "18/5", [4, 0], [1, 1, -1, -1]),
+            (FLAT, 2, "26/5", [4, 0], [1, 1, -1, -1]),
+            # a region that is a thin strip for the most part
+            (Manipulator("-6.2", "-140", 0, "10.7", "11.8", 11), 2, "225.07386", [4, 2, 0], [1, -1]),
+        ],
+        0,
+        4,
+        6,
+        9,
+    ),
 )
 def test_slices_with_special_components(
     manipulator: Manipulator, leg: int, length: str, regions: list[int], aspects: list[int]
@@ -53,8 +61,7 @@ def test_slices_with_special_components(
     assert sum(vertex.kind == "cusp" for vertex in curves.vertices) == curves.table.count
 
 
-@pytest.mark.parametrize("digits", [15, 40, 100])
-@pytest.mark.parametrize("number", [2, 7, 16])
+@pytest.mark.parametrize(("number", "digits"), sample(product([2, 7, 16], [15, 40, 100]), 0, 5))
 def test_at_the_printed_length_of_a_transition(number: int, digits: int) -> None:
     """As at 1e-6 of it, on one of its sides, but for regions too thin to be drawn."""
     transition = census_of(EXAMPLES["innocenti"], digits=100).transitions[number]
@@ -71,7 +78,7 @@ SAMPLE = (22, 27, 34, 41, 43, 51, 115)
 """Slices of the long run that were difficult."""
 
 
-@pytest.mark.parametrize("number", SAMPLE)
+@pytest.mark.parametrize("number", sample(SAMPLE, 0, 3, 6))
 def test_slices_of_the_long_run(number: int) -> None:
     seen: Counter[str] = Counter()
     assert list(failures(case(number, 1), seen)) == []

@@ -26,6 +26,7 @@ from rpr_solver.transitions.isolated_events import (
 )
 from tests.support.definitions import DIGITS, Point, Slices, number, real, same_place
 from tests.support.families import family
+from tests.support.sampling import sample
 from tests.support.shared import eliminant_of
 
 INNOCENTI, ZEIN = EXAMPLES["innocenti"], EXAMPLES["zein-flat"]
@@ -64,7 +65,7 @@ def test_every_event_is_of_its_kind_by_the_definitions(m: Manipulator, fixed_leg
                 assert abs(leg - expected) <= mpf("1e-25") * real(slices.size)
 
 
-@pytest.mark.parametrize(("m", "fixed_leg"), CASES)
+@pytest.mark.parametrize(("m", "fixed_leg"), sample(CASES, 1))
 def test_newton_comes_upon_no_other(m: Manipulator, fixed_leg: int) -> None:
     slices, slice_map = Slices.of(m, fixed_leg), SliceMap.of(m, fixed_leg)
     with mp.workdps(DIGITS):

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from fractions import Fraction
-from functools import partial
 
 import pytest
 from hypothesis import given
@@ -19,12 +18,11 @@ from rpr_solver import (
     solve_slice,
 )
 from tests.support.families import family
+from tests.support.sampling import long
 from tests.support.shared import census_of, eliminant_of
 from tests.support.strategies import examples, manipulators, unless_refused
 
 INNOCENTI = EXAMPLES["innocenti"]
-slow = partial(pytest.param, marks=pytest.mark.slow)
-long = partial(pytest.param, marks=pytest.mark.long)
 SIMILAR = Manipulator.from_json({"a2x": 30, "a3x": 0, "a3y": 40, "d1": 15, "d2": 25, "d3": 20})
 
 
@@ -99,7 +97,7 @@ def test_a_range_that_begins_right_beside_a_transition() -> None:
 @pytest.mark.parametrize(
     ("fixed_leg", "limits"),
     [
-        slow(1, {2: (Fraction(5), Fraction(40)), 3: (Fraction(5), Fraction(40))}),
+        long(1, {2: (Fraction(5), Fraction(40)), 3: (Fraction(5), Fraction(40))}),
         (2, {3: (None, Fraction(30))}),
         long(3, {1: (Fraction(25), None), 2: (Fraction(0), Fraction(33))}),
     ],
@@ -115,7 +113,7 @@ def test_joint_limits(fixed_leg: int, limits: dict[int, tuple[Fraction | None, F
 
 @pytest.mark.parametrize(
     ("name", "fixed_leg"),
-    [slow("right angles", 1), ("right angles", 3), ("both flat", 2), long("congruent, mirrored", 1)],
+    [long("right angles", 1), ("right angles", 3), long("both flat", 2), long("congruent, mirrored", 1)],
 )
 def test_joint_limits_of_degenerate_manipulators(name: str, fixed_leg: int) -> None:
     first, second = (leg for leg in (1, 2, 3) if leg != fixed_leg)

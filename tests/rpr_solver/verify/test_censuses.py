@@ -29,6 +29,8 @@ from tests.support.families import family
 from tests.support.mutations import OF_CENSUSES, OF_FULL_CENSUSES
 from tests.support.verified import accepted, accepted_but_no_mutation, geometry_of, printed, random_documents
 
+pytestmark = pytest.mark.usefixtures("events_are_found_once")
+
 
 def test_a_part_of_a_census_and_its_mutations() -> None:
     document = census(EXAMPLES["zein-flat"], digits=15, start=37, stop=38).to_json()

@@ -12,6 +12,7 @@ from tests.support.mutations import OF_REPORTS, digit_of_an_example, moved_cut
 from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
 
 FLAT = EXAMPLES["zein-flat"]
+pytestmark = pytest.mark.usefixtures("events_are_found_once")
 
 
 def test_a_report_and_its_mutations() -> None:

@@ -19,6 +19,8 @@ from tests.support.mutations import OF_CURVES
 from tests.support.shared import curves_of
 from tests.support.verified import accepted, accepted_but_no_mutation, random_documents
 
+pytestmark = pytest.mark.usefixtures("events_are_found_once")
+
 
 def test_a_part_of_the_curves_and_its_mutations() -> None:
     document = curves_of(EXAMPLES["zein-flat"]).part("0.9", "1.2", lengths=[1]).to_json()

@@ -16,10 +16,12 @@ from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.system import System
 from rpr_solver.verify.cusps import Limits, Located, Point, Slice
 from tests.support.families import FAMILIES, family
+from tests.support.sampling import long
 from tests.support.shared import curves_of
 from tests.support.verified import accepted, geometry_of, is_refused, typed
 
 FLAT = EXAMPLES["zein-flat"]
+pytestmark = pytest.mark.usefixtures("events_are_found_once")
 
 
 @cache
@@ -29,7 +31,7 @@ def _beside(exponent: int) -> dict[str, Any]:
     return table_document(FLAT, Fraction(born.length) + Fraction(1, 10**exponent), digits=15)
 
 
-@pytest.mark.parametrize("exponent", [30, 60])
+@pytest.mark.parametrize("exponent", [long(30), 60])
 def test_two_cusps_printed_alike(exponent: int) -> None:
     document = _beside(exponent)
     first, second = document["slices"][0]["cusps"]

@@ -3,30 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from rpr_solver import verify_document
-from rpr_solver.verify import censuses, checks, curves
-from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.events import Events
+from rpr_solver.verify import censuses
 from tests.rpr_solver.verify.forgeries import _BASES, FORGERIES, Forgery, base, first_line
 
 VERIFIER = Path(censuses.__file__).parent
-KNOWN: dict[tuple[str, int, int], Events] = {}
-
-
-@pytest.fixture(autouse=True)
-def _the_events_of_a_manipulator_are_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    def found(surface: Surface, bits: int) -> Events:
-        key = (surface.geometry.hash, surface.fixed, bits)
-        if key not in KNOWN:
-            KNOWN[key] = Events(surface, bits)
-        return KNOWN[key]
-
-    for module in (censuses, checks, curves):
-        monkeypatch.setattr(module, "Events", found)
+pytestmark = pytest.mark.usefixtures("events_are_found_once")
 
 
 def test_there_are_enough_of_all_kinds() -> None:
@@ -40,7 +28,18 @@ def test_the_documents_they_begin_with_are_accepted(name: str) -> None:
     assert verify_document(base(name)).accepted
 
 
-@pytest.mark.parametrize("forgery", FORGERIES, ids=lambda forgery: forgery.name)
+def sampled() -> list[Any]:
+    """Every third of each base runs always; all of poses do, since they cost little."""
+    seen: Counter[str] = Counter()
+    cases = []
+    for forgery in FORGERIES:
+        marks = [] if seen[forgery.base] % 3 == 0 or forgery.base == "poses" else [pytest.mark.long]
+        cases.append(pytest.param(forgery, id=forgery.name, marks=marks))
+        seen[forgery.base] += 1
+    return cases
+
+
+@pytest.mark.parametrize("forgery", sampled())
 def test_a_forgery_is_refused_or_its_claim_named(forgery: Forgery) -> None:
     line = first_line(forgery.document())
     assert line.startswith(("REFUSED: ", "NOT ESTABLISHED")) or forgery.at.endswith("aspects"), line

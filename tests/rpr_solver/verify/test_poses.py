@@ -21,6 +21,7 @@ from rpr_solver import (
 from rpr_solver.verify.poses import Closure
 from tests.support.families import family
 from tests.support.mutations import OF_POSES
+from tests.support.sampling import long
 from tests.support.verified import accepted, accepted_but_no_mutation, geometry_of, random_documents
 
 
@@ -75,7 +76,7 @@ def test_irrational_lengths_and_mutations() -> None:
     accepted_but_no_mutation(document, OF_POSES, 6, seed=3)
 
 
-@pytest.mark.parametrize("exponent", [20, 40, 100])
+@pytest.mark.parametrize("exponent", [20, pytest.param(40, marks=pytest.mark.slow), long(100)])
 def test_two_poses_beside_a_fold_are_printed_alike(exponent: int) -> None:
     m = Manipulator(10, 3, 7, 13, 14, 15)
     length = _fold(m, 5, "0.3")

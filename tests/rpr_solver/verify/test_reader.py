@@ -307,6 +307,7 @@ def _of_many_parts(count: int) -> dict[str, Any]:
     return document
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "make",
     [

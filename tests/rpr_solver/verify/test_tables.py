@@ -21,6 +21,7 @@ from rpr_solver import (
 from rpr_solver.verify.core.surds import Ring
 from rpr_solver.verify.tables import proportional
 from tests.support.families import family
+from tests.support.sampling import long
 
 
 def test_every_slice_is_verified_in_turn() -> None:
@@ -86,7 +87,7 @@ def test_a_wrong_member_is_named(change: Change, where: list[str]) -> None:
     assert refused(FLAT, part) == where
 
 
-@pytest.mark.parametrize("name", [pytest.param("similar", marks=pytest.mark.long), "congruent"])
+@pytest.mark.parametrize("name", [long("similar"), "both flat", long("congruent")])
 def test_a_missing_degenerate_pose_is_noticed(name: str) -> None:
     part = slice_of(family(name), 9)
     assert refused(family(name), part) == []

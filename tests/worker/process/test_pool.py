@@ -15,6 +15,7 @@ from redis import Redis
 
 from service.stack.embedded_valkey import EmbeddedValkey
 from tests.support.processes import is_running, until
+from tests.support.sampling import long
 from worker.jobs.installation import Roster
 from worker.jobs.keys import Keys
 from worker.process import pool
@@ -160,7 +161,7 @@ def test_a_dead_worker_is_reported_and_replaced(
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize(("count", "light"), [(1, 0), (2, 1)])
+@pytest.mark.parametrize(("count", "light"), [long(1, 0), (2, 1)])
 def test_one_of_several_workers_is_kept_for_short_work(
     valkey: EmbeddedValkey, redis: Redis, count: int, light: int
 ) -> None:
