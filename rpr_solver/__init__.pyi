@@ -12,6 +12,8 @@ from .curves.cusp_curve import CuspCurve as CuspCurve
 from .curves.cusp_curve import curves_csv as curves_csv
 from .curves.cusp_curves import CuspCurves as CuspCurves
 from .curves.cusp_curves import cusp_curves as cusp_curves
+from .designs.design import Design as Design
+from .designs.design import design as design
 from .errors import FieldProblem as FieldProblem
 from .errors import InputError as InputError
 from .errors import SolverError as SolverError

@@ -8,7 +8,7 @@ not yet born are not seen, and L* is not linear.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
@@ -80,21 +80,32 @@ def breaking(
 ) -> Estimate | None:
     """The least change, to first order, that gives a length a number of cusps that is not admitted.
 
+    The arguments are those of :func:`ways`.
+    """
+    return min(ways(intervals, found, admits, weights), key=lambda way: way.radius, default=None)
+
+
+def ways(
+    intervals: Sequence[tuple[float, float, int]],
+    found: Sequence[Mover],
+    admits: Callable[[int], bool],
+    weights: Sequence[float],
+) -> Iterator[Estimate]:
+    """The changes, to first order, that give a length a number of cusps that is not admitted.
+
     Args:
         intervals: the lengths as intervals between neighbouring transitions, each with its number of cusps.
         found: the transitions that move.
         admits: whether a number of cusps is allowed.
-        weights: w, for each of LENGTHS.
+        weights: w, for each of the slopes of the transitions.
     """
-    ways = (
-        way
-        for low, high, count in intervals
-        for number in (1, 2)
-        for chosen in combinations(found, number)
-        if not admits(count + sum(_change(mover, low) for mover in chosen))
-        if (way := _passing(chosen, low, high, weights)) is not None
-    )
-    return min(ways, key=lambda way: way.radius, default=None)
+    for low, high, count in intervals:
+        for number in (1, 2):
+            for chosen in combinations(found, number):
+                if not admits(count + sum(_change(mover, low) for mover in chosen)):
+                    way = _passing(chosen, low, high, weights)
+                    if way is not None:
+                        yield way
 
 
 def _change(mover: Mover, low: float) -> int:

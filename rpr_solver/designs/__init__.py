@@ -1,0 +1,1 @@
+"""Design: geometries sought for what their cusps are to do, by censuses and their sensitivities."""

@@ -1,0 +1,378 @@
+"""Design: the best geometry that a bounded search found for what is wanted of its cusps, proved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from importlib.util import find_spec
+from math import inf
+from typing import Any, TypedDict, Unpack
+
+from rpr_solver.contract import MIN_DIGITS, Progress, check_integer, check_type, document_head, silent
+from rpr_solver.designs.goals import (
+    LARGEST_MARGIN,
+    LEAST_CHANGE,
+    LONGEST_RANGE,
+    MOST_CUSPS,
+    Goal,
+    check_objective,
+)
+from rpr_solver.designs.search import Candidate, Documents, Outcome, search
+from rpr_solver.designs.space import DEFAULT_DECIMALS, DEFAULT_VARY, Space, Vary, not_negative
+from rpr_solver.errors import SolverError
+from rpr_solver.exact.rationals import Exact, exact_str
+from rpr_solver.margins.margin import Margin, margin
+from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.model.lengths import LengthRange
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.notebook import counted
+from rpr_solver.transitions.census import Census, census, transition_at
+from rpr_solver.transitions.check_report import CheckedInterval, CheckReport, check
+from rpr_solver.transitions.degenerate import degeneracies
+from rpr_solver.transitions.requirement import Requirement
+from rpr_solver.transitions.survey import survey
+
+DEFAULT_BUDGET, MOST_CENSUSES, DEFAULT_SEED, MOST_SEED = 300, 10_000, 1, 2**32 - 1
+_NEEDED = ("cma", "scipy")
+_BOXES = 60_000
+"""Boxes of the proof of the margin."""
+
+Told = Callable[[Candidate], object]
+Examining = Callable[[Sequence[Manipulator]], Documents]
+
+
+class Options(TypedDict, total=False):
+    """What varies, and how long to search; see :func:`design`."""
+
+    vary: Vary
+    fixed: Sequence[str]
+    decimals: int
+    min_height: Exact | None
+    family: str | None
+    ignore_windows: Exact
+    budget: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A question about a design, read: what is sought, where, and for how long."""
+
+    space: Space
+    goal: Goal
+    budget: int
+    seed: int
+    asked: Mapping[str, Any]
+
+    @classmethod
+    def of(
+        cls, manipulator: Manipulator, objective: str, requirement: Requirement, **options: Unpack[Options]
+    ) -> Plan:
+        """Reads a question.
+
+        Raises:
+            InputError: naming the argument at fault.
+        """
+        check_type(manipulator, Manipulator, "manipulator")
+        check_type(requirement, Requirement, "requirement")
+        check_objective(objective, requirement)
+        narrow = not_negative(options.get("ignore_windows", 0), "ignore_windows")
+        vary, fixed = options.get("vary", DEFAULT_VARY), tuple(options.get("fixed", ()))
+        decimals, family = options.get("decimals", DEFAULT_DECIMALS), options.get("family")
+        budget = check_integer(
+            options.get("budget", DEFAULT_BUDGET), "budget", f"2 to {MOST_CENSUSES}", 2, MOST_CENSUSES
+        )
+        seed = check_integer(options.get("seed", DEFAULT_SEED), "seed", f"0 to {MOST_SEED}", 0, MOST_SEED)
+        space = Space.of(manipulator, vary, fixed, decimals, options.get("min_height"), family)
+        asked = {
+            "objective": objective,
+            "requirement": requirement.to_json(),
+            "vary": {
+                name: {"from": exact_str(low), "to": exact_str(high)}
+                for name, (low, high) in space.bounds.items()
+            },
+            "family": family,
+            "decimals": space.decimals,
+            "min_height": None if space.min_height is None else exact_str(space.min_height),
+            "ignore_windows": exact_str(narrow),
+            "budget": {"censuses": budget},
+            "seed": seed,
+        }
+        return cls(space, Goal(objective, requirement, narrow), budget, seed, asked)
+
+    def search(self, examine: Examining, told: Told = lambda _: None) -> Outcome:
+        """Searches; ``examine`` gives the documents of the geometries of a generation.
+
+        Args:
+            examine: see :func:`examined` for one geometry.
+            told: is called with every improvement.
+
+        Raises:
+            SolverError: the given geometry could not be decided, or what a search needs is not installed.
+        """
+        missing = [name for name in _NEEDED if find_spec(name) is None]
+        if missing:
+            raise SolverError(
+                f"a search needs {' and '.join(missing)}; install the extra: pip install 'rpr-cusps[design]'"
+            )
+        asking = search(self.space, self.goal, self.budget, self.seed, told)
+        try:
+            asked = next(asking)
+            while True:
+                asked = asking.send(examine(asked))
+        except StopIteration as ended:
+            outcome: Outcome = ended.value
+        if not outcome.candidates:
+            raise SolverError("the given geometry could not be decided")
+        return outcome
+
+
+def examined(manipulator: Manipulator, goal: Goal) -> dict[str, Any] | None:
+    """What a search needs of a geometry; None if it could not be decided.
+
+    It is the census of all lengths without the numbers of aspects, a third of its time, or the check of the
+    requirement if there are joint limits.
+    """
+    requirement = goal.requirement
+    leg = requirement.fixed_leg
+    try:
+        if goal.needs_check:
+            return check(manipulator, requirement, digits=MIN_DIGITS).to_json()
+        result = survey(manipulator, leg, silent)
+        span = LengthRange()
+        found = {
+            k: transition
+            for k in range(len(result.groups))
+            if (transition := transition_at(result, k, MIN_DIGITS)) is not None
+        }
+        counts = result.slices[0].count, *(result.slices[k + 1].count for k in found)
+        proof: Any = {"method": result.method}
+        return Census(
+            manipulator,
+            leg,
+            MIN_DIGITS,
+            tuple(found.values()),
+            counts,
+            proof,
+            span,
+            degenerate=degeneracies(result, span, MIN_DIGITS),
+        ).to_json()
+    except SolverError:
+        return None
+
+
+@dataclass(frozen=True)
+class Design:
+    """The best geometry that a search found, and what is proved of it.
+
+    It is the best *found*: nothing says that there is no better one.
+
+    Attributes:
+        manipulator: the geometry from which the search began.
+        asked: what was asked, as the contract has it.
+        fixed_leg: the leg whose length varies over the range.
+        outcome: the improvements, and how the search ended.
+        value: what the best geometry is proved to reach, narrow windows counted: the length of the longest
+            admitted part, the largest number of cusps, or the margin; or its change.
+        met: whether a part of the range is admitted (longest range), a slice has the least number of cusps
+            (most cusps), or else whether the requirement is proved.
+        report: the check of the best geometry.
+        census: its census over the range.
+        margin: how far it may change, if it is met: of the requirement, of it within the longest part but
+            for a tenth at each end, or of the number of cusps in the middle of its widest window.
+
+    >>> from rpr_solver import EXAMPLES, Requirement, design
+    >>> wish = Requirement(start=21, stop=26, max_cusps=4)
+    >>> found = design(EXAMPLES["innocenti"], "longest-range", wish, vary="10%", budget=5)
+    >>> found.outcome.censuses, found.manipulator == EXAMPLES["innocenti"]
+    (5, True)
+    """
+
+    manipulator: Manipulator
+    asked: Mapping[str, Any]
+    fixed_leg: int
+    outcome: Outcome
+    value: str
+    met: bool
+    report: CheckReport
+    census: Census
+    margin: Margin | None
+
+    def __repr__(self) -> str:
+        state = "met" if self.met else "not met"
+        tried = counted(self.outcome.censuses, "candidate")
+        return f"<Design {self.asked['objective']}: {self.value}, {state}, best found of {tried}>"
+
+    @property
+    def best(self) -> Manipulator:
+        """The best geometry found."""
+        return self.outcome.candidates[-1].manipulator
+
+    @property
+    def windows_left(self) -> tuple[CheckedInterval, ...]:
+        """Intervals of the range with numbers that are not admitted, as narrow as the search ignores."""
+        narrow = Fraction(self.asked["ignore_windows"])
+        return tuple(
+            x
+            for x in self.report.violations
+            if x.stop is not None and Fraction(x.stop) - Fraction(x.start) <= narrow
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """The contract's design document."""
+        leg, start = self.fixed_leg, self.outcome.candidates[0]
+        return {
+            **document_head(self.manipulator, MIN_DIGITS, leg),
+            "asked": dict(self.asked),
+            "start": {"value": _shown(start), "met": start.met},
+            "best": {
+                "geometry": self.best.to_json(),
+                "value": self.value,
+                "met": self.met,
+                "change": {
+                    name: exact_str(getattr(self.best, name) - getattr(self.manipulator, name))
+                    for name in LENGTHS
+                },
+                "census": self.census.to_json(),
+                "check": self.report.to_json(),
+                "margin": None if self.margin is None else self.margin.to_json(),
+                "windows_left": [
+                    {"from": x.start, "to": x.stop, "count": x.count} for x in self.windows_left
+                ],
+            },
+            "trace": [trace_json(candidate) for candidate in self.outcome.candidates],
+            "censuses": self.outcome.censuses,
+            "stopped": self.outcome.stopped,
+        }
+
+
+def trace_json(candidate: Candidate) -> dict[str, Any]:
+    """An improvement, as documents and events have it; its value is an estimate of the search."""
+    return {
+        "census": candidate.number,
+        "value": _shown(candidate),
+        "met": candidate.met,
+        "geometry": candidate.manipulator.to_json(),
+    }
+
+
+def _shown(candidate: Candidate) -> str:
+    return f"{candidate.value:.10g}"
+
+
+def design(
+    manipulator: Manipulator,
+    objective: str,
+    requirement: Requirement | None = None,
+    *,
+    progress: Progress = silent,
+    **options: Unpack[Options],
+) -> Design:
+    """Searches for a geometry with a longer range, a smaller change, a larger margin, or more cusps.
+
+    Each candidate is examined by an exact census. An evolution strategy looks for regions of good geometries,
+    and linear programmes on the sensitivities of the transitions improve the best ones. The same question
+    has the same answer, which is proved by a check, a census and a margin of its own. It is the best that was
+    found, not proved to be the best that exists.
+
+    Args:
+        manipulator: the geometry from which the search begins.
+        objective: ``"longest-range"``, the longest part of the requirement's range in which it holds;
+            ``"least-change"``, the nearest geometry that satisfies it; ``"largest-margin"``, the one that
+            satisfies it with the largest margin; or ``"most-cusps"``, the most cusps in a slice of the range.
+        requirement: numbers of cusps, a range, and joint limits; may be omitted for the most cusps.
+        progress: callback ``progress(done, total)``, in censuses.
+        options: ``vary``, how far lengths may change: ``"15%"``, or bounds by name, the others keeping their
+            values; ``fixed``, names that keep their values; ``decimals`` of the lengths that vary, 4 unless
+            given; ``min_height`` of both triangles, else a hundredth of their longest sides; ``family``, a
+            tie between the lengths such as ``"isosceles-1"``; ``ignore_windows``, a width up to which
+            intervals that violate the requirement are left aside in the search, though never in the proof;
+            ``budget`` in censuses; ``seed`` of the random numbers.
+
+    Raises:
+        InputError: naming the argument at fault.
+        SolverError: the given geometry could not be decided, or the extra ``design`` is not installed.
+
+    >>> from rpr_solver import EXAMPLES, design
+    >>> found = design(EXAMPLES["fourteen-cusps"], "most-cusps", vary="1%", budget=2)
+    >>> found.value, found.outcome.stopped
+    ('14', 'budget')
+    """
+    wish = Requirement(min_cusps=0) if requirement is None and objective == MOST_CUSPS else requirement
+    check_type(wish, Requirement, "requirement")
+    assert wish is not None
+    plan = Plan.of(manipulator, objective, wish, **options)
+    done = 0
+
+    def examine(asked: Sequence[Manipulator]) -> Documents:
+        nonlocal done
+        found = []
+        for one in asked:
+            found.append(examined(one, plan.goal))
+            done += 1
+            progress(done, plan.budget)
+        return found
+
+    return proved(manipulator, plan, plan.search(examine))
+
+
+def proved(manipulator: Manipulator, plan: Plan, outcome: Outcome) -> Design:
+    """The answer of a search, with its proofs, which do not use what the search knew.
+
+    Raises:
+        SolverError: the best geometry could not be decided at the digits of a document.
+    """
+    requirement = plan.goal.requirement
+    best, leg = outcome.candidates[-1].manipulator, requirement.fixed_leg
+    report = check(best, requirement, digits=MIN_DIGITS)
+    table = census(best, fixed_leg=leg, start=requirement.start, stop=requirement.stop, digits=MIN_DIGITS)
+    value, met, found = _reached(best, plan.goal, report)
+    if value is None:
+        value = _shown(outcome.candidates[-1])
+    return Design(manipulator, plan.asked, leg, outcome, value, met, report, table, found)
+
+
+def _reached(best: Manipulator, goal: Goal, report: CheckReport) -> tuple[str | None, bool, Margin | None]:
+    """The proved value, if it is not the change, whether the wish is met, and the margin."""
+    requirement, leg = goal.requirement, goal.requirement.fixed_leg
+    if goal.objective == LONGEST_RANGE:
+        part = _longest(report)
+        if part is None:
+            return "0", False, None
+        inside = _inside(requirement, part, Fraction(1, 10))
+        return exact_str(part[1] - part[0]), True, margin(best, requirement=inside, most_boxes=_BOXES)
+    if goal.objective == MOST_CUSPS:
+        most = max(report.intervals, key=lambda x: (x.count, _width(x)))
+        known = margin(best, most.example, fixed_leg=leg, most_boxes=_BOXES)
+        return str(most.count), most.count >= (requirement.min_cusps or 0), known
+    if not report.passed:
+        return None if goal.objective == LEAST_CHANGE else "0", False, None
+    known = margin(best, requirement=requirement, most_boxes=_BOXES)
+    is_margin = goal.objective == LARGEST_MARGIN
+    return exact_str(known.proved or 0) if is_margin else None, True, known
+
+
+def _inside(requirement: Requirement, part: tuple[Fraction, Fraction], share: Fraction) -> Requirement:
+    """The same requirement in a part of the range, without a share of it at each end."""
+    start, stop = part
+    less = (stop - start) * share
+    inside = {"from": exact_str(start + less), "to": exact_str(stop - less)}
+    return Requirement.from_json({**requirement.to_json(), "range": inside})
+
+
+def _longest(report: CheckReport) -> tuple[Fraction, Fraction] | None:
+    """The longest part of a range, which has two ends, in which the requirement is proved."""
+    parts: list[tuple[Fraction, Fraction]] = []
+    for x in report.intervals:
+        if report.requirement.admits(x.count) and x.stop is not None:
+            start, stop = Fraction(x.start), Fraction(x.stop)
+            if parts and parts[-1][1] == start:
+                parts[-1] = parts[-1][0], stop
+            else:
+                parts.append((start, stop))
+    return max(parts, key=lambda part: part[1] - part[0], default=None)
+
+
+def _width(x: CheckedInterval) -> float:
+    return inf if x.stop is None else float(Fraction(x.stop) - Fraction(x.start))

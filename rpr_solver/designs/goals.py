@@ -1,0 +1,281 @@
+"""What a design is sought for, and how near a geometry comes to it, by its census or by a check.
+
+The numbers here steer a search, in floats; what a geometry reaches is proved when it is the answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from itertools import pairwise
+from math import inf
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rpr_solver.contract import MIN_DIGITS
+from rpr_solver.designs.space import Space
+from rpr_solver.errors import InputError, shown
+from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins.sensitivities import sensitivity
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.transitions.requirement import Requirement
+
+LONGEST_RANGE, LEAST_CHANGE = "longest-range", "least-change"
+LARGEST_MARGIN, MOST_CUSPS = "largest-margin", "most-cusps"
+
+_STEP = 1e-6
+"""Of a parameter's bounds, for the change of the lengths with it."""
+_INFEASIBLE = 2.0
+"""What a geometry that does not meet the requirement costs more than one that does."""
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Goal:
+    """An objective within a range of lengths.
+
+    Attributes:
+        objective: one of OBJECTIVES.
+        requirement: which numbers of cusps are wanted, in which range, within which joint limits.
+        ignore_windows: intervals with other numbers that are no wider do not count in the search.
+    """
+
+    objective: str
+    requirement: Requirement
+    ignore_windows: Fraction = Fraction(0)
+
+    @property
+    def needs_check(self) -> bool:
+        """Whether a candidate is examined by a check, as joint limits need it, not by its census."""
+        return bool(self.requirement.limits)
+
+
+@dataclass(frozen=True)
+class Cut:
+    """An end between two intervals: its length, the jump of the count there, and ∂L/∂x for each place.
+
+    The slopes are 0 where no derivative is known.
+    """
+
+    length: float
+    jump: int
+    slopes: Vector
+
+
+@dataclass
+class Profile:
+    """The numbers of cusps of a geometry, by length, and how they move with the parameters.
+
+    Attributes:
+        space: what varies.
+        manipulator: the geometry.
+        document: its census, of all lengths, or its check.
+    """
+
+    space: Space
+    manipulator: Manipulator
+    document: Mapping[str, Any] = field(repr=False)
+
+    @cached_property
+    def place(self) -> Vector:
+        """Where the geometry is within the bounds, 0 to 1 each."""
+        return np.array(self.space.place(self.manipulator))
+
+    @cached_property
+    def intervals(self) -> list[tuple[float, float, int]]:
+        """The ends and the number of cusps of each interval, ascending."""
+        return [
+            (float(Fraction(x["from"])), inf if x["to"] is None else float(Fraction(x["to"])), x["count"])
+            for x in self.document["intervals"]
+        ]
+
+    @cached_property
+    def cuts(self) -> list[Cut]:
+        """The ends between neighbouring intervals, with derivatives; events of one length move together."""
+        chain = self._chain
+        transitions = self.document.get("transitions")
+        if transitions is None:
+            nothing = np.zeros(len(self.place))
+            return [Cut(low[1], high[2] - low[2], nothing) for low, high in pairwise(self.intervals)]
+        leg = self.document["fixed_leg"]
+        found = []
+        for transition in transitions:
+            slopes = [
+                values
+                for event in transition["events"]
+                if (values := self._slopes(leg, transition[f"l{leg}"], event)) is not None
+            ]
+            total = np.mean(slopes, axis=0) @ chain if slopes else np.zeros(len(self.place))
+            jump = transition["count_after"] - transition["count_before"]
+            found.append(Cut(float(transition[f"l{leg}"]), jump, total))
+        return found
+
+    def _slopes(self, leg: int, length: str, event: Mapping[str, str]) -> Vector | None:
+        slopes = sensitivity(self.manipulator, leg, length, event, MIN_DIGITS)
+        if slopes is None:
+            return None
+        return np.array([0.0 if slopes[g].is_nan() else float(slopes[g]) for g in LENGTHS])
+
+    @cached_property
+    def _chain(self) -> Vector:
+        """The change of the six lengths with the place."""
+        moved = []
+        for k in range(len(self.place)):
+            above, below = ([*self.place] for _ in range(2))
+            above[k] += _STEP
+            below[k] -= _STEP
+            moved.append(np.subtract(self.space.lengths(above), self.space.lengths(below)) / (2 * _STEP))
+        return np.array(moved).T
+
+    @property
+    def change(self) -> float:
+        """The largest change of a parameter, as a share of how far it may change."""
+        values = self.space.tie.nearest(self.manipulator)
+        return max(
+            abs(values[name] - float(self.space.values[name])) / float(self.space.reach(name))
+            for name in self.space.names
+        )
+
+
+Run = tuple[float, float, int, int]
+"""Two ends, not cut to the range, and the numbers of the first and the last interval between."""
+
+
+def runs(profile: Profile, goal: Goal) -> list[Run]:
+    """The longest stretches of lengths with admitted numbers, windows that are ignored included.
+
+    They may lie outside the range.
+    """
+    low, high = ends_of(goal)
+    found: list[Run] = []
+    for k, (start, stop, count) in enumerate(profile.intervals):
+        if goal.requirement.admits(count) or _is_ignored(start, stop, low, high, goal):
+            if found and found[-1][3] == k - 1:
+                found[-1] = (found[-1][0], stop, found[-1][2], k)
+            else:
+                found.append((start, stop, k, k))
+    return [run for run in found if any(_admitted(profile, goal, k) for k in range(run[2], run[3] + 1))]
+
+
+def best_run(profile: Profile, goal: Goal) -> Run | None:
+    """The run with the longest part in the range, or else the nearest to it."""
+    low, high = ends_of(goal)
+    return max(runs(profile, goal), key=lambda run: min(run[1], high) - max(run[0], low), default=None)
+
+
+def windows(profile: Profile, goal: Goal) -> list[tuple[float, float, int]]:
+    """The parts of the range with numbers that are not admitted, without those that are ignored."""
+    low, high = ends_of(goal)
+    return [
+        (max(start, low), min(stop, high), k)
+        for k, (start, stop, _) in enumerate(profile.intervals)
+        if start < high
+        and stop > low
+        and not _admitted(profile, goal, k)
+        and not _is_ignored(start, stop, low, high, goal)
+    ]
+
+
+def ends_of(goal: Goal) -> tuple[float, float]:
+    """The ends of the range."""
+    stop = goal.requirement.stop
+    return float(goal.requirement.start), inf if stop is None else float(stop)
+
+
+def value(profile: Profile, goal: Goal, radius: float) -> float:
+    """What a geometry reaches, in the unit of the objective: larger is better, but for the least change.
+
+    Args:
+        profile: the geometry.
+        goal: the objective.
+        radius: the largest margin, to first order, for that objective.
+    """
+    if goal.objective == LONGEST_RANGE:
+        run = best_run(profile, goal)
+        low, high = ends_of(goal)
+        return 0.0 if run is None else max(0.0, min(run[1], high) - max(run[0], low))
+    if goal.objective == MOST_CUSPS:
+        return float(most_cusps(profile, goal))
+    if goal.objective == LEAST_CHANGE:
+        return profile.change
+    return radius
+
+
+def is_met(profile: Profile, goal: Goal) -> bool:
+    """Whether a geometry satisfies the requirement, apart from the windows that are ignored."""
+    return not windows(profile, goal)
+
+
+def most_cusps(profile: Profile, goal: Goal) -> int:
+    """The largest number of cusps in the range, in an interval that is not ignored."""
+    low, high = ends_of(goal)
+    return max(
+        (
+            count
+            for start, stop, count in profile.intervals
+            if start < high and stop > low and min(stop, high) - max(start, low) > goal.ignore_windows
+        ),
+        default=0,
+    )
+
+
+def cost(profile: Profile, goal: Goal, radius: float) -> float:
+    """What the search makes small.
+
+    Args:
+        profile: the geometry.
+        goal: the objective.
+        radius: to first order, the distance in the bounds to one cusp pair more, or the margin.
+    """
+    low, high = ends_of(goal)
+    if goal.objective == LONGEST_RANGE:
+        run = best_run(profile, goal)
+        return high if run is None else max(run[0], low) - min(run[1], high)
+    if goal.objective == MOST_CUSPS:
+        return (1 - 1 / (1 + radius)) - most_cusps(profile, goal)
+    left = windows(profile, goal)
+    if left:
+        return _INFEASIBLE + excess(profile, goal, left)
+    return profile.change if goal.objective == LEAST_CHANGE else -radius
+
+
+def excess(profile: Profile, goal: Goal, left: Sequence[tuple[float, float, int]]) -> float:
+    """How far the counts of windows are from what is admitted: pairs of cusps, times shares of the range."""
+    low, high = ends_of(goal)
+    whole = (high if high < inf else max(x[0] for x in profile.intervals) + low) - low
+    least, most = goal.requirement.min_cusps or 0, goal.requirement.max_cusps
+    total = 0.0
+    for start, stop, k in left:
+        count = profile.intervals[k][2]
+        too_many = 0 if most is None else max(0, count - most)
+        width = min(stop, low + whole) - start
+        total += max(too_many, least - count) / 2 * (0.02 + max(width, 0.0) / whole)
+    return total
+
+
+def _admitted(profile: Profile, goal: Goal, k: int) -> bool:
+    return goal.requirement.admits(profile.intervals[k][2])
+
+
+def _is_ignored(start: float, stop: float, low: float, high: float, goal: Goal) -> bool:
+    return 0 < min(stop, high) - max(start, low) <= goal.ignore_windows
+
+
+def check_objective(objective: str, requirement: Requirement) -> None:
+    """Checks that an objective makes sense within a range.
+
+    Raises:
+        InputError: naming ``objective`` or ``requirement``.
+    """
+    if objective not in OBJECTIVES:
+        raise InputError.of("objective", f"is {shown(objective)}; give one of {', '.join(OBJECTIVES)}")
+    if objective == LONGEST_RANGE and requirement.stop is None:
+        raise InputError.of("requirement.range", "is open; the longest range is sought between two lengths")
+
+
+OBJECTIVES = (LONGEST_RANGE, LEAST_CHANGE, LARGEST_MARGIN, MOST_CUSPS)

@@ -1,0 +1,360 @@
+"""Linear programmes: where the first-order change of the transitions lets a geometry come nearer to its goal.
+
+The variables are the change δ of the place, within a trust region and the bounds, and some of their own. The
+transitions move by S·δ; which constraints they give depends on the objective.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import inf
+
+import numpy as np
+
+from rpr_solver.designs.goals import (
+    LARGEST_MARGIN,
+    LEAST_CHANGE,
+    LONGEST_RANGE,
+    MOST_CUSPS,
+    Goal,
+    Profile,
+    Run,
+    Vector,
+    best_run,
+    ends_of,
+    most_cusps,
+    windows,
+)
+from rpr_solver.margins.estimates import Estimate, Mover, ways
+
+_SHUT = 0.7
+"""A window is to get narrower than this part of the width at which it is ignored."""
+_BEYOND = 0.02
+"""Transitions are to pass each other by this part of their distance."""
+_MISSED = 50.0
+"""What a constraint costs that is not kept, per share of it."""
+_WAYS = 6
+"""So many ways to one more pair of cusps are tried."""
+_NEAR = 4.0
+"""Ways to break a requirement that are so many times farther than the nearest do not bind."""
+
+
+Stretch = tuple[int, int]
+"""The numbers of the first and the last of some neighbouring intervals."""
+
+
+@dataclass
+class Programme:
+    """A linear programme in δ and some more variables.
+
+    Attributes:
+        profile: the geometry from which it starts.
+        trust: the largest change of a place.
+        objective: what is to be small, by the names of the variables; the places are numbered.
+    """
+
+    profile: Profile
+    trust: float
+    objective: Mapping[str, float]
+    rows: list[tuple[Vector, Mapping[str, float], float]] = field(default_factory=list)
+
+    def at_most(self, slopes: Vector, others: Mapping[str, float], bound: float) -> None:
+        """Adds slopes·δ + Σ others ≤ bound."""
+        if np.isfinite(bound):
+            self.rows.append((slopes, others, bound))
+
+    def solve(self) -> Vector | None:
+        """The new place; None if there is none."""
+        from scipy.optimize import linprog
+
+        place = self.profile.place
+        named = {name for _, others, _ in self.rows for name in others}
+        names = sorted(named | set(self.objective))
+        rows = [[*slopes, *(others.get(name, 0.0) for name in names)] for slopes, others, _ in self.rows]
+        aims = [*np.zeros(len(place)), *(self.objective.get(name, 0.0) for name in names)]
+        bounds: list[tuple[float | None, float | None]] = [
+            (max(-self.trust, -x), min(self.trust, 1 - x)) if 0 <= x <= 1 else (-self.trust, self.trust)
+            for x in place
+        ]
+        bounds += [(0, None) if name.startswith("+") else (None, None) for name in names]
+        found = linprog(aims, np.array(rows), [bound for *_, bound in self.rows], bounds=bounds)
+        return None if found.x is None else np.clip(place + found.x[: len(place)], 0, 1)
+
+
+def proposals(profile: Profile, goal: Goal, trust: float) -> Iterator[Vector]:
+    """Places that should be better, the most promising first.
+
+    Args:
+        profile: the geometry to improve.
+        goal: the objective.
+        trust: the largest change of a place.
+    """
+    if goal.objective == LONGEST_RANGE:
+        programmes = _longer(profile, goal, trust)
+    elif goal.objective == MOST_CUSPS:
+        programmes = _more_cusps(profile, goal, trust)
+    elif windows(profile, goal) or goal.objective == LEAST_CHANGE:
+        programmes = _nearer(profile, goal, trust)
+    else:
+        programmes = _safer(profile, goal, trust)
+    for programme in programmes:
+        found = programme.solve()
+        if found is not None:
+            yield found
+
+
+def radius(profile: Profile, goal: Goal) -> float:
+    """To first order, the least change of the place that brings one pair of cusps more, or breaks the
+    requirement; 0 where no such change is known for a requirement, infinity for more cusps."""
+    if goal.objective not in (LARGEST_MARGIN, MOST_CUSPS):
+        return 0.0
+    known = _ways(profile, goal)
+    return known[0].radius if known else inf if goal.objective == MOST_CUSPS else 0.0
+
+
+def _movers(profile: Profile) -> list[Mover]:
+    return [Mover(cut.length, "", tuple(cut.slopes), cut.jump) for cut in profile.cuts if cut.slopes.any()]
+
+
+def _ways(profile: Profile, goal: Goal) -> list[Estimate]:
+    """The nearest ways to other numbers of cusps in the range, ascending."""
+    low, high = ends_of(goal)
+    parts = [(max(a, low), min(b, high), count) for a, b, count in profile.intervals if a < high and b > low]
+    if goal.objective == MOST_CUSPS:
+        most = most_cusps(profile, goal)
+        found = ways(parts, _movers(profile), lambda count: count <= most, [1.0] * len(profile.place))
+    else:
+        admits = goal.requirement.admits
+        found = ways(parts, _movers(profile), admits, [1.0] * len(profile.place))
+    return sorted(found, key=lambda way: way.radius)
+
+
+def _stretches(profile: Profile, goal: Goal, *, ignored: bool) -> list[Stretch]:
+    """Numbers of the first and the last interval of each stretch that is not admitted."""
+    kept = {k for *_, k in windows(profile, goal)}
+    low, high = ends_of(goal)
+    found: list[Stretch] = []
+    for k, (start, stop, count) in enumerate(profile.intervals):
+        inside = start < high and stop > low
+        wanted = (inside and k not in kept) if ignored else (not inside or k in kept)
+        if wanted and not goal.requirement.admits(count):
+            if found and found[-1][1] == k - 1:
+                found[-1] = (found[-1][0], k)
+            else:
+                found.append((k, k))
+    return found
+
+
+def _keep_ignored(programme: Programme, goal: Goal) -> None:
+    """Windows that are ignored stay narrow."""
+    cuts = programme.profile.cuts
+    for first, last in _stretches(programme.profile, goal, ignored=True):
+        if first > 0 and last < len(cuts):
+            lower, upper = cuts[first - 1], cuts[last]
+            most = 0.95 * float(goal.ignore_windows)
+            bound = max(most - (upper.length - lower.length), 0.0)
+            programme.at_most(upper.slopes - lower.slopes, {}, bound)
+
+
+def _shut(programme: Programme, goal: Goal, stretch: Stretch, slack: str | None = None) -> None:
+    """A stretch gets narrow enough, or vanishes."""
+    lower, upper = programme.profile.cuts[stretch[0] - 1], programme.profile.cuts[stretch[1]]
+    width = upper.length - lower.length
+    least = _SHUT * float(goal.ignore_windows) or -_BEYOND * width
+    others = {} if slack is None else {slack: -max(width, 1e-9)}
+    programme.at_most(upper.slopes - lower.slopes, others, least - width)
+
+
+def _longer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
+    """The best run gets longer at both ends; windows next to it may be shut."""
+    run = best_run(profile, goal)
+    if run is None:
+        return
+    bad = _stretches(profile, goal, ignored=False)
+    below = [x for x in reversed(bad) if x[1] < run[2]]
+    above = [x for x in bad if x[0] > run[3]]
+    for down, up in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        closed = below[:down] + above[:up]
+        if len(closed) == down + up and not any(x[0] == 0 or x[1] == len(profile.cuts) for x in closed):
+            programme = Programme(profile, trust, {"start": 1.0, "stop": -1.0})
+            for stretch in closed:
+                _shut(programme, goal, stretch)
+            _keep_run(programme, goal, run, below[down:], above[up:])
+            yield programme
+
+
+def _keep_run(
+    programme: Programme, goal: Goal, run: Run, below: Sequence[Stretch], above: Sequence[Stretch]
+) -> None:
+    """A run from ``start`` to ``stop`` ends where stretches above or below it, or the range, do."""
+    cuts, (low, high) = programme.profile.cuts, ends_of(goal)
+    nothing = np.zeros(len(programme.profile.place))
+    programme.at_most(nothing, {"start": -1.0}, -low)
+    programme.at_most(nothing, {"stop": 1.0}, high)
+    for first, _ in above:
+        programme.at_most(-cuts[first - 1].slopes, {"stop": 1.0}, cuts[first - 1].length)
+    for _, last in below:
+        programme.at_most(cuts[last].slopes, {"start": -1.0}, -cuts[last].length)
+    for lower, upper in pairwise(cuts[run[2] : run[3]]):  # a death below a birth stays there
+        if lower.jump < 0 < upper.jump:
+            programme.at_most(lower.slopes - upper.slopes, {}, upper.length - lower.length)
+    _keep_ignored(programme, goal)
+
+
+def _nearer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
+    """The least change that shuts each window of the range, or moves it out of the range."""
+    low, high = ends_of(goal)
+    inside: list[Stretch] = []
+    outside: list[Stretch] = []
+    for first, last in _stretches(profile, goal, ignored=False):
+        is_inside = profile.intervals[first][0] < high and profile.intervals[last][1] > low
+        (inside if is_inside else outside).append((first, last))
+    choices = [_choices(profile, goal, stretch) for stretch in inside]
+    plans = [[options[0] for options in choices]]
+    for k, options in enumerate(choices):
+        plans += [[*plans[0][:k], other, *plans[0][k + 1 :]] for other in options[1:]]
+    for plan in plans:
+        programme = Programme(profile, trust, {"+change": 1.0})
+        for k, (stretch, choice) in enumerate(zip(inside, plan, strict=True)):
+            slack = f"+{k}"
+            programme.objective = {**programme.objective, slack: _MISSED}
+            _move(programme, goal, stretch, choice, slack)
+        _keep_outside(programme, goal, outside)
+        _keep_ignored(programme, goal)
+        _limit_change(programme)
+        yield programme
+
+
+def _keep_outside(programme: Programme, goal: Goal, outside: Sequence[Stretch]) -> None:
+    """Stretches below or above the range stay there."""
+    profile, (low, high) = programme.profile, ends_of(goal)
+    for first, last in outside:
+        if last < len(profile.cuts) and profile.intervals[last][1] <= low:
+            cut = profile.cuts[last]
+            programme.at_most(cut.slopes, {}, low - cut.length)
+        elif first > 0 and profile.intervals[first][0] >= high:
+            cut = profile.cuts[first - 1]
+            programme.at_most(-cut.slopes, {}, cut.length - high)
+
+
+def _choices(profile: Profile, goal: Goal, stretch: Stretch) -> list[str]:
+    """What can be done with a window, the least change first."""
+    low, high = ends_of(goal)
+    first, last = stretch
+    cuts = profile.cuts
+    ways: dict[str, tuple[float, Vector]] = {}
+    if first > 0 and last < len(cuts):
+        width = cuts[last].length - cuts[first - 1].length
+        ways["shut"] = width, cuts[last].slopes - cuts[first - 1].slopes
+    if first > 0 and high < inf:
+        ways["above"] = high - cuts[first - 1].length, cuts[first - 1].slopes
+    if last < len(cuts) and low > 0:
+        ways["below"] = cuts[last].length - low, cuts[last].slopes
+    far = {name: way / max(float(abs(slopes).sum()), 1e-12) for name, (way, slopes) in ways.items()}
+    return sorted(far, key=far.__getitem__)[:2] or ["none"]
+
+
+def _move(programme: Programme, goal: Goal, stretch: Stretch, choice: str, slack: str) -> None:
+    low, high = ends_of(goal)
+    cuts = programme.profile.cuts
+    if choice == "shut":
+        _shut(programme, goal, stretch, slack)
+    elif choice == "above":
+        way = (1 + _BEYOND) * (high - cuts[stretch[0] - 1].length)
+        programme.at_most(-cuts[stretch[0] - 1].slopes, {slack: -abs(way)}, -way)
+    elif choice == "below":
+        way = (1 + _BEYOND) * (cuts[stretch[1]].length - low)
+        programme.at_most(cuts[stretch[1]].slopes, {slack: -abs(way)}, -way)
+
+
+def _limit_change(programme: Programme) -> None:
+    """``+change`` is at least the change of each parameter, as a share of how far it may change."""
+    profile, space = programme.profile, programme.profile.space
+    for k, name in enumerate(space.names):
+        low, high = (float(end) for end in space.bounds[name])
+        reach = float(space.reach(name)) / (high - low)
+        way = profile.place[k] - (float(space.values[name]) - low) / (high - low)
+        unit = np.zeros(len(profile.place))
+        unit[k] = 1.0
+        programme.at_most(unit, {"+change": -reach}, -way)
+        programme.at_most(-unit, {"+change": -reach}, way)
+
+
+def _safer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
+    """The nearest ways to break the requirement get farther."""
+    known = _ways(profile, goal)
+    if not known:
+        return
+    low, high = ends_of(goal)
+    programme = Programme(profile, trust, {"radius": -1.0})
+    for way in known:
+        if way.radius <= _NEAR * known[0].radius:
+            _farther(programme, way, low, high)
+    yield programme
+
+
+def _farther(programme: Programme, way: Estimate, low: float, high: float) -> None:
+    first = way.movers[0]
+    if len(way.movers) == 1:
+        side = 1.0 if first.length >= high else -1.0
+        pull = side * np.array(first.slopes)
+        gap = side * (first.length - (high if side > 0 else low))
+    else:
+        lower, upper = sorted(way.movers, key=lambda mover: mover.length)
+        pull = np.array(upper.slopes) - np.array(lower.slopes)
+        gap = upper.length - lower.length
+    reach = float(abs(pull).sum())
+    programme.at_most(-pull / reach, {"radius": 1.0}, gap / reach)
+
+
+def _more_cusps(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
+    """Births and deaths pass each other so that one more pair of cusps exists between."""
+    chosen: list[Estimate] = []
+    for way in _ways(profile, goal):
+        if not any(set(way.movers) == set(other.movers) for other in chosen):
+            chosen.append(way)
+        if len(chosen) == _WAYS:
+            break
+    for way in chosen:
+        for beyond in (_BEYOND, 0.5):
+            yield _passing(profile, goal, way.movers, trust, beyond)
+
+
+def _passing(profile: Profile, goal: Goal, movers: Sequence[Mover], trust: float, beyond: float) -> Programme:
+    """All births are below a length of the range, and all deaths above it, that some movers are to pass."""
+    programme = Programme(profile, trust, {"+change": 1.0, "+missed": _MISSED})
+    low, high = ends_of(goal)
+    zero = np.zeros(len(profile.place))
+    programme.at_most(zero, {"length": -1.0}, -low)
+    programme.at_most(zero, {"length": 1.0}, high)
+    middle = _between(profile, goal, movers)
+    moved = {mover.length for mover in movers}
+    span = max(1e-6, *(abs(length - middle) for length in moved))
+    for cut in profile.cuts:
+        side = float(np.sign(cut.jump))
+        if side and cut.length in moved:
+            others = {"length": -side, "+missed": -span}
+            programme.at_most(side * cut.slopes, others, -side * cut.length - beyond * span)
+        elif side * (cut.length - middle) < 0:
+            programme.at_most(side * cut.slopes, {"length": -side}, -side * cut.length)
+    for k in range(len(zero)):
+        unit = zero.copy()
+        unit[k] = 1.0
+        programme.at_most(unit, {"+change": -1.0}, 0.0)
+        programme.at_most(-unit, {"+change": -1.0}, 0.0)
+    return programme
+
+
+def _between(profile: Profile, goal: Goal, movers: Sequence[Mover]) -> float:
+    """A length of the interval that gets more cusps than any when some transitions pass it."""
+    low, high = ends_of(goal)
+    most = most_cusps(profile, goal)
+    far: dict[float, float] = {}
+    for start, stop, count in profile.intervals:
+        passing = [x for x in movers if (x.length <= start) == (x.jump < 0)]
+        if start < high and stop > low and count + sum(abs(x.jump) for x in passing) > most:
+            middle = (max(start, low) + min(stop, high, 2 * start + 1)) / 2
+            far[middle] = sum(abs(x.length - middle) for x in passing)
+    return min(far, key=far.__getitem__) if far else movers[0].length

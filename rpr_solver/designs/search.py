@@ -1,0 +1,263 @@
+"""The search: generations of candidates that are asked for, and their documents that are told.
+
+It begins with an evolution strategy (CMA-ES), which needs values alone, and goes on with *climbs*: from the
+best candidates linear programmes on the derivatives of the transitions. All generations have the same size,
+and nothing else is random but what the seed gives, so that the answers do not depend on who computes them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from rpr_solver.designs.goals import MOST_CUSPS, Goal, Profile, Vector, cost, is_met, most_cusps, value
+from rpr_solver.designs.programmes import proposals, radius
+from rpr_solver.designs.space import Space
+from rpr_solver.model.manipulator import Manipulator
+
+GENERATION = 12
+"""Candidates of a generation."""
+_FIRST = 2
+"""Generations of the evolution strategy before the first climbs, and between climbs that have ended."""
+_CLIMBS = 4
+"""Climbs at a time."""
+_SIGMA = 0.25
+"""The first step of the evolution strategy, in bounds."""
+_PARTS = (1.0, 0.25, 0.06)
+"""Of the trust region, for steps of different lengths."""
+_TRUST, _LEAST_TRUST, _MOST_TRUST = 0.15, 0.0005, 0.5
+_APART = 0.2
+"""Climbs do not begin nearer to each other, or to where others have been."""
+_SAME = 0.08
+"""Climbs that come so near to each other are one."""
+_TRIES = 3
+
+Documents: TypeAlias = Sequence[Mapping[str, Any] | None]
+Asking: TypeAlias = Generator[list[Manipulator], Documents, "Outcome"]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A geometry that was examined.
+
+    Attributes:
+        number: that of its census, from 1; the start is the first.
+        profile: its numbers of cusps.
+        cost: what the search makes small.
+        value: what it reaches, in the unit of the objective.
+        met: whether the requirement is satisfied, apart from what is ignored.
+    """
+
+    number: int
+    profile: Profile
+    cost: float
+    value: float
+    met: bool
+
+    @property
+    def manipulator(self) -> Manipulator:
+        """The geometry."""
+        return self.profile.manipulator
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a search found.
+
+    Attributes:
+        candidates: the improvements, from the start on; the last one is the best.
+        censuses: how many geometries were examined.
+        stopped: ``"budget"`` or ``"converged"``.
+    """
+
+    candidates: tuple[Candidate, ...]
+    censuses: int
+    stopped: str
+
+
+@dataclass
+class _Climb:
+    """Steps from one candidate to a better one, within a trust region that grows and shrinks."""
+
+    best: Candidate
+    trust: float = _TRUST
+    failures: int = 0
+
+    @property
+    def has_ended(self) -> bool:
+        return self.trust < _LEAST_TRUST or self.failures > _TRIES
+
+    def told(self, found: Iterable[Candidate]) -> None:
+        better = min(found, key=lambda candidate: candidate.cost, default=None)
+        if better is not None and better.cost < self.best.cost:
+            step = float(np.abs(better.profile.place - self.best.profile.place).max())
+            gain = self.best.cost - better.cost
+            self.failures = 0 if gain > 1e-3 * max(abs(self.best.cost), 1e-3) else self.failures + 1
+            self.best = better
+            self.trust = min(2 * step, _MOST_TRUST)
+        else:
+            self.trust /= 4
+            self.failures += 1
+
+
+@dataclass
+class _Search:
+    space: Space
+    goal: Goal
+    budget: int
+    seed: int
+    told: Callable[[Candidate], object]
+    known: dict[str, Candidate | None] = field(default_factory=dict)
+    best: list[Candidate] = field(default_factory=list)
+    censuses: int = 0
+
+    def run(self) -> Asking:
+        [start] = yield from self._examine([self.space.start])
+        if start is None:
+            return Outcome((), self.censuses, "start")
+        self.random = np.random.default_rng(self.seed)
+        begun: list[Vector] = []
+        while self.censuses < self.budget:
+            before = self.censuses
+            yield from self._evolve(_FIRST)
+            yield from self._climb(begun)
+            if self.censuses == before:
+                return Outcome(tuple(self.best), self.censuses, "converged")
+        return Outcome(tuple(self.best), self.censuses, "budget")
+
+    def _examine(
+        self, wanted: Sequence[Manipulator | None]
+    ) -> Generator[list[Manipulator], Documents, list[Candidate | None]]:
+        """The candidates of some geometries; None for those that are too flat, fail or exceed the budget."""
+        new: dict[str, Manipulator] = {}
+        for manipulator in wanted:
+            if manipulator is not None and manipulator.geometry_hash not in self.known:
+                new.setdefault(manipulator.geometry_hash, manipulator)
+        asked = list(new.values())[: self.budget - self.censuses]
+        documents = (yield asked) if asked else []
+        for manipulator, document in zip(asked, documents, strict=True):
+            self.censuses += 1
+            self.known[manipulator.geometry_hash] = self._candidate(manipulator, document)
+        return [None if m is None else self.known.get(m.geometry_hash) for m in wanted]
+
+    def _candidate(self, manipulator: Manipulator, document: Mapping[str, Any] | None) -> Candidate | None:
+        if document is None or (document["degenerate"] and self.best):
+            return None
+        profile = Profile(self.space, manipulator, document)
+        near = self._radius(profile)
+        costs = cost(profile, self.goal, near)
+        reached = value(profile, self.goal, near)
+        found = Candidate(self.censuses, profile, costs, reached, is_met(profile, self.goal))
+        if not self.best or found.cost < self.best[-1].cost:
+            self.best.append(found)
+            self.told(found)
+        return found
+
+    def _radius(self, profile: Profile) -> float:
+        """That of the goal; it is not needed of geometries with fewer cusps than the best one."""
+        is_climbing = self.goal.objective == MOST_CUSPS and bool(self.best)
+        if is_climbing and most_cusps(profile, self.goal) < self.best[-1].value:
+            return inf
+        return radius(profile, self.goal)
+
+    def _evolve(self, generations: int) -> Generator[list[Manipulator], Documents, None]:
+        """Generations of an evolution strategy: about the start at first, later anywhere."""
+        import cma
+
+        size = len(self.space.names)
+        first = len(self.known) == 1 and self.goal.objective != MOST_CUSPS
+        centre = self.best[0].profile.place if first else self.random.random(size)
+        options = {
+            "popsize": GENERATION,
+            "bounds": [0, 1],
+            "randn": lambda *shape: self.random.standard_normal(shape),
+            "seed": np.nan,
+            "verbose": -9,
+        }
+        strategy = cma.CMAEvolutionStrategy(np.clip(centre, 0.01, 0.99), _SIGMA, options)
+        for _ in range(generations):
+            places = strategy.ask()
+            found = yield from self._examine([self.space.manipulator(list(place)) for place in places])
+            if self.censuses >= self.budget:
+                return
+            worst = max((one.cost for one in found if one), default=0.0) + 1.0
+            strategy.tell(places, [worst if one is None else one.cost for one in found])
+
+    def _climb(self, begun: list[Vector]) -> Generator[list[Manipulator], Documents, None]:
+        """Climbs until all have ended."""
+        climbs = self._begin(begun)
+        while climbs and self.censuses < self.budget:
+            steps = self._steps(climbs)
+            found = yield from self._examine([step for _, some in steps for step in some])
+            results = iter(found)
+            for climb, some in steps:
+                climb.told([one for one in (next(results) for _ in some) if one is not None])
+                begun.append(climb.best.profile.place)
+            climbs = [climb for climb in climbs if not climb.has_ended]
+            climbs = self._distinct(climbs)
+
+    def _begin(self, begun: list[Vector]) -> list[_Climb]:
+        """Climbs from the best candidates where none has been."""
+        climbs: list[_Climb] = []
+        for candidate in sorted((one for one in self.known.values() if one), key=lambda one: one.cost):
+            if len(climbs) < _CLIMBS and self._is_apart(candidate.profile.place, begun):
+                climbs.append(_Climb(candidate))
+                begun.append(candidate.profile.place)
+        return climbs
+
+    def _distinct(self, climbs: Sequence[_Climb]) -> list[_Climb]:
+        """Of climbs to the same place, the best one."""
+        kept: list[_Climb] = []
+        for climb in sorted(climbs, key=lambda climb: climb.best.cost):
+            place = climb.best.profile.place
+            if all(np.abs(place - other.best.profile.place).max() > _SAME for other in kept):
+                kept.append(climb)
+        return kept
+
+    def _is_apart(self, place: Vector, begun: Sequence[Vector]) -> bool:
+        return all(np.abs(place - other).max() > _APART for other in begun)
+
+    def _steps(self, climbs: Sequence[_Climb]) -> list[tuple[_Climb, list[Manipulator]]]:
+        """A generation of new geometries, shared between the climbs."""
+        share = GENERATION // len(climbs)
+        taken: set[str] = set(self.known)
+        steps: list[tuple[_Climb, list[Manipulator]]] = []
+        for climb in climbs:
+            places = self._places(climb)
+            some = [manipulator for place in places if (manipulator := self.space.manipulator(list(place)))]
+            new = {one.geometry_hash: one for one in some if one.geometry_hash not in taken}
+            chosen = list(new.values())[:share]
+            taken.update(one.geometry_hash for one in chosen)
+            steps.append((climb, chosen))
+        return steps
+
+    def _places(self, climb: _Climb) -> list[Vector]:
+        """Where a climb may go: long and short steps, by the most promising programmes first."""
+        found = [
+            (rank + index, rank, place)
+            for rank, part in enumerate(_PARTS)
+            for index, place in enumerate(proposals(climb.best.profile, self.goal, part * climb.trust))
+        ]
+        return [place for *_, place in sorted(found, key=lambda one: one[:2])]
+
+
+def search(
+    space: Space, goal: Goal, budget: int, seed: int, told: Callable[[Candidate], object] = lambda _: None
+) -> Asking:
+    """Asks for generations of geometries, is told their documents, and returns what was found.
+
+    A document is the census over all lengths, or the check of the requirement if it has joint limits
+    (:attr:`Goal.needs_check`); None if the solver failed. The first generation is the start alone.
+
+    Args:
+        space: what varies.
+        goal: what is sought.
+        budget: how many geometries may be examined.
+        seed: of the random numbers.
+        told: is called with each improvement.
+    """
+    return _Search(space, goal, budget, seed, told).run()

@@ -1,0 +1,301 @@
+"""The geometries among which a design is sought: what varies and how far, ties between lengths, roundings.
+
+A geometry is a function of *parameters*: its six lengths, or fewer numbers if a tie binds them, as that both
+triangles are isosceles. Each parameter is varied within two bounds, or fixed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import atan2, ceil, floor, tan
+from typing import TypeAlias
+
+from rpr_solver.contract import check_integer
+from rpr_solver.errors import InputError, shown
+from rpr_solver.exact.rationals import Exact, exact_str, parse_all, parse_exact
+from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.model.lengths import ExactBounds
+from rpr_solver.model.manipulator import CCW, CW, Manipulator
+
+Parameters: TypeAlias = Mapping[str, Fraction]
+Vary: TypeAlias = str | Exact | Mapping[str, ExactBounds]
+
+DEFAULT_VARY, DEFAULT_DECIMALS, MOST_DECIMALS = "10%", 4, 12
+_FLAT = 100
+"""A triangle is nearly flat if its least height is smaller than this part of its longest side, unless the
+least height is given."""
+
+
+@dataclass(frozen=True)
+class Tie:
+    """A family of geometries: the six lengths as functions of parameters, and the parameters of the nearest
+    geometry of the family, in floats."""
+
+    meaning: str
+    lengths: Callable[[Parameters], tuple[Fraction, ...]]
+    nearest: Callable[[Manipulator], Mapping[str, float]]
+    orientation: Callable[[Manipulator], str] = lambda manipulator: manipulator.orientation
+
+
+def _corner(base: Fraction, half: Fraction) -> tuple[Fraction, Fraction]:
+    """The point at a distance from the origin in a direction, by the tangent of half its angle."""
+    size = 1 + half * half
+    return base * (1 - half * half) / size, 2 * base * half / size
+
+
+def _half_tangent(x: float, y: float) -> float:
+    return tan(atan2(y, x) / 2)
+
+
+def _isosceles_1(p: Parameters) -> tuple[Fraction, ...]:
+    return (p["a2x"], *_corner(p["a2x"], p["t1"]), p["d1"], p["d2"], p["d1"])
+
+
+def _isosceles_2(p: Parameters) -> tuple[Fraction, ...]:
+    x, y = _corner(p["a2x"], p["t2"])
+    return (p["a2x"], p["a2x"] - x, y, p["d1"], p["d1"], p["d3"])
+
+
+def _isosceles_3(p: Parameters) -> tuple[Fraction, ...]:
+    return (p["a2x"], p["a2x"] / 2, p["a3y"], p["d1"], p["d2"], p["d2"])
+
+
+def _triangle(p: Parameters) -> tuple[Fraction, ...]:
+    """a2x, A3 and the sides of the triangle with the half-angle tangents t1 at A1 and t2 at A2: rationals."""
+    base, t1, t2 = p["a2x"], p["t1"], p["t2"]
+    whole = (t1 + t2) * (1 - t1 * t2)
+    if whole == 0:
+        raise InputError.of("t1", "gives no triangle together with t2")
+    first = base * t2 * (1 + t1 * t1) / whole
+    second = base * t1 * (1 + t2 * t2) / whole
+    return (base, *_corner(first, t1), abs(base), abs(second), abs(first))
+
+
+def _similar(p: Parameters) -> tuple[Fraction, ...]:
+    base, x, y, *sides = _triangle(p)
+    return (base, x, y, *(p["ratio"] * side for side in sides))
+
+
+def _floats(m: Manipulator) -> dict[str, float]:
+    return {name: float(getattr(m, name)) for name in LENGTHS}
+
+
+def _near_isosceles(corner: int) -> Callable[[Manipulator], Mapping[str, float]]:
+    def nearest(m: Manipulator) -> Mapping[str, float]:
+        g = _floats(m)
+        if corner == 1:
+            half = {"t1": _half_tangent(g["a3x"], g["a3y"])}
+            return {"a2x": g["a2x"], **half, "d1": (g["d1"] + g["d3"]) / 2, "d2": g["d2"]}
+        if corner == 2:
+            half = {"t2": _half_tangent(g["a2x"] - g["a3x"], g["a3y"])}
+            return {"a2x": g["a2x"], **half, "d1": (g["d1"] + g["d2"]) / 2, "d3": g["d3"]}
+        return {"a2x": g["a2x"], "a3y": g["a3y"], "d1": g["d1"], "d2": (g["d2"] + g["d3"]) / 2}
+
+    return nearest
+
+
+def _near_similar(m: Manipulator) -> Mapping[str, float]:
+    g = _floats(m)
+    halves = {
+        "t1": _half_tangent(g["a3x"], g["a3y"]),
+        "t2": _half_tangent(g["a2x"] - g["a3x"], g["a3y"]),
+    }
+    return {"a2x": g["a2x"], **halves, "ratio": g["d1"] / abs(g["a2x"])}
+
+
+def _near_congruent(m: Manipulator) -> Mapping[str, float]:
+    return {name: x for name, x in _near_similar(m).items() if name != "ratio"}
+
+
+def _of_base(m: Manipulator) -> str:
+    return CCW if m.a2x * m.a3y > 0 else CW
+
+
+def _against_base(m: Manipulator) -> str:
+    return CW if m.a2x * m.a3y > 0 else CCW
+
+
+TIES: Mapping[str, Tie] = {
+    "isosceles-1": Tie("|A1A2| = |A1A3| and d1 = d3", _isosceles_1, _near_isosceles(1)),
+    "isosceles-2": Tie("|A2A1| = |A2A3| and d1 = d2", _isosceles_2, _near_isosceles(2)),
+    "isosceles-3": Tie("|A3A1| = |A3A2| and d2 = d3", _isosceles_3, _near_isosceles(3)),
+    "similar": Tie("the platform is the base, enlarged", _similar, _near_similar, _of_base),
+    "congruent": Tie("the platform is the base", _triangle, _near_congruent, _of_base),
+    "mirror": Tie("the platform is the mirror image of the base", _triangle, _near_congruent, _against_base),
+}
+"""Families of geometries by name. t1 and t2 are the tangents of half the angles of the base at A1 and A2."""
+
+NO_TIE = Tie(
+    "the six lengths",
+    lambda p: tuple(p[name] for name in LENGTHS),
+    _floats,
+)
+
+
+@dataclass(frozen=True)
+class Space:
+    """What varies in a design.
+
+    Attributes:
+        start: the given geometry.
+        tie: the family of geometries.
+        values: the parameters of the start.
+        bounds: the least and the greatest value of each parameter that varies.
+        decimals: parameters are rounded to so many decimals.
+        min_height: the least height of both triangles; None if only nearly flat ones are left out.
+    """
+
+    start: Manipulator
+    tie: Tie
+    values: Parameters
+    bounds: Mapping[str, tuple[Fraction, Fraction]]
+    decimals: int
+    min_height: Fraction | None
+
+    @classmethod
+    def of(
+        cls,
+        start: Manipulator,
+        vary: Vary = DEFAULT_VARY,
+        fixed: Sequence[str] = (),
+        decimals: int = DEFAULT_DECIMALS,
+        min_height: Exact | None = None,
+        family: str | None = None,
+    ) -> Space:
+        """Reads what may vary.
+
+        Args:
+            start: the geometry to start from.
+            vary: how far parameters may change: a text such as ``"15%"`` of each one's size, that of a3x and
+                a3y being |A1A3|; or bounds by name, others then keeping their values.
+            fixed: names that keep their values.
+            decimals: candidates are rounded to so many decimals; a value that does not vary stays exact.
+            min_height: the least height of both triangles.
+            family: a name in TIES.
+
+        Raises:
+            InputError: naming the argument at fault.
+        """
+        if family is not None and family not in TIES:
+            raise InputError.of("family", f"is {shown(family)}; give one of {', '.join(TIES)}")
+        places = check_integer(decimals, "decimals", f"0 to {MOST_DECIMALS}", 0, MOST_DECIMALS)
+        tie = NO_TIE if family is None else TIES[family]
+        near = tie.nearest(start)
+        values = {name: _rounded(Fraction(x), places) for name, x in near.items()}
+        if family is None:
+            values = {name: getattr(start, name) for name in LENGTHS}
+        bounds = _bounds(start, values, vary)
+        if unknown := [name for name in fixed if name not in values]:
+            raise InputError.of("fixed", f"{shown(unknown[0])} is unknown; give some of {', '.join(values)}")
+        bounds = {name: ends for name, ends in bounds.items() if name not in fixed and ends[0] < ends[1]}
+        if not bounds:
+            raise InputError.of("vary", "leaves nothing that varies")
+        least = None if min_height is None else not_negative(min_height, "min_height")
+        return cls(start, tie, values, bounds, places, least)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters that vary."""
+        return tuple(self.bounds)
+
+    def place(self, manipulator: Manipulator) -> list[float]:
+        """The parameters that vary, each 0 at its lower bound and 1 at its upper one."""
+        nearest = self.tie.nearest(manipulator)
+        return [(nearest[name] - float(low)) / float(high - low) for name, (low, high) in self.bounds.items()]
+
+    def lengths(self, place: Sequence[float]) -> list[float]:
+        """The six lengths at a place, in floats."""
+        return [float(x) for x in self.tie.lengths(self._parameters(place))]
+
+    def manipulator(self, place: Sequence[float]) -> Manipulator | None:
+        """The rounded geometry at a place; None if it is none, or a triangle is too flat."""
+        parameters = self._parameters(place)
+        unit = 10**self.decimals
+        for name, (low, high) in self.bounds.items():
+            rounded = min(max(round(parameters[name] * unit), ceil(low * unit)), floor(high * unit))
+            parameters[name] = Fraction(rounded, unit)
+        try:
+            a2x, a3x, a3y, d1, d2, d3 = self.tie.lengths(parameters)
+            found = Manipulator(a2x, a3x, a3y, d1, d2, d3, self.tie.orientation(self.start))
+        except InputError:
+            return None
+        return found if self.is_high(found) else None
+
+    def is_high(self, m: Manipulator) -> bool:
+        """Whether both triangles are as high as they must be."""
+        base = (m.a2x**2, (m.a2x - m.a3x) ** 2 + m.a3y**2, m.a3x**2 + m.a3y**2)
+        platform = (m.d1**2, m.d2**2, m.d3**2)
+        for area4, sides in ((4 * (m.a2x * m.a3y) ** 2, base), (m.area16, platform)):
+            longest = max(sides)  # the height on it is (area4/4/longest)^(1/2)
+            least = longest / _FLAT**2 if self.min_height is None else self.min_height**2
+            if area4 < 4 * longest * least:
+                return False
+        return True
+
+    def reach(self, name: str) -> Fraction:
+        """How far a parameter may change from its start."""
+        low, high = self.bounds[name]
+        return max(high - self.values[name], self.values[name] - low)
+
+    def _parameters(self, place: Sequence[float]) -> dict[str, Fraction]:
+        moved = {
+            name: low + (high - low) * Fraction(x)
+            for (name, (low, high)), x in zip(self.bounds.items(), place, strict=True)
+        }
+        return {**self.values, **moved}
+
+
+def _rounded(x: Fraction, decimals: int) -> Fraction:
+    return Fraction(round(x * 10**decimals), 10**decimals)
+
+
+def _bounds(start: Manipulator, values: Parameters, vary: Vary) -> dict[str, tuple[Fraction, Fraction]]:
+    if isinstance(vary, Mapping):
+        unknown = [name for name in vary if name not in values]
+        if unknown or not vary:
+            name = f"vary.{unknown[0]}" if unknown else "vary"
+            raise InputError.of(name, f"give bounds of some of {', '.join(values)}")
+        read = parse_all({f"vary.{name}": ends for name, ends in vary.items()}, _ends)
+        return {name: read[f"vary.{name}"] for name in vary}
+    share = percent(vary)
+    sizes = {name: abs(x) for name, x in values.items()}
+    corner = Fraction((float(start.a3x) ** 2 + float(start.a3y) ** 2) ** 0.5)
+    sizes.update({name: corner for name in ("a3x", "a3y") if name in sizes})
+    return {name: (x - share * sizes[name], x + share * sizes[name]) for name, x in values.items()}
+
+
+def not_negative(value: Exact, field: str) -> Fraction:
+    """Reads a number of at least 0.
+
+    Raises:
+        InputError: naming ``field``.
+    """
+    number = parse_exact(value, field)
+    if number < 0:
+        raise InputError.of(field, f"is {exact_str(number)}; it must be at least 0")
+    return number
+
+
+def percent(value: object) -> Fraction:
+    """Reads ``"15%"`` exactly.
+
+    Raises:
+        InputError: naming ``vary``.
+    """
+    if not isinstance(value, str) or not value.strip().endswith("%"):
+        raise InputError.of("vary", f'is {shown(value)}; give a share such as "15%", or bounds by name')
+    share = parse_exact(value.strip()[:-1], "vary") / 100
+    if not 0 < share < 1:
+        raise InputError.of("vary", f"is {shown(value)}; give more than 0% and less than 100%")
+    return share
+
+
+def _ends(ends: ExactBounds, field: str) -> tuple[Fraction, Fraction]:
+    if isinstance(ends, str | bytes) or not isinstance(ends, Sequence) or len(ends) != 2 or None in ends:
+        raise InputError.of(field, f"is {shown(ends)}; give (from, to)")
+    low, high = (parse_exact(end, field) for end in ends if end is not None)
+    if high < low:
+        raise InputError.of(field, f"ends at {exact_str(high)}, below its start {exact_str(low)}")
+    return low, high
