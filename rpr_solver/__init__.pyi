@@ -31,6 +31,9 @@ from .margins.counterexamples import Counterexample as Counterexample
 from .margins.margin import Margin as Margin
 from .margins.margin import margin as margin
 from .margins.sensitivities import with_sensitivities as with_sensitivities
+from .margins.tolerance_census import ToleranceCensus as ToleranceCensus
+from .margins.tolerance_census import tolerance_census as tolerance_census
+from .margins.tolerance_census import within_tolerance as within_tolerance
 from .model.classify import PoseKind as PoseKind
 from .model.joint_points import JointPoint as JointPoint
 from .model.lengths import LengthRange as LengthRange

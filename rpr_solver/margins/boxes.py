@@ -77,6 +77,7 @@ class Problem:
         inverse: whether ``fixed`` bounds the inverse.
         drift: how fast the fixed leg's length is to change with each of LENGTHS, from their middles.
         limits: lengths of the moving legs that no cusp should pass.
+        unit: the unit, in the user's; an inverse is that of the length in it.
     """
 
     fixed_leg: int
@@ -86,6 +87,7 @@ class Problem:
     inverse: bool = False
     drift: tuple[float, ...] = (0.0,) * 6
     limits: tuple[Limit, ...] = ()
+    unit: Fraction = Fraction(1)
 
     @property
     def spans(self) -> tuple[Span, ...]:

@@ -12,14 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rpr_solver.margins.boxes import ANGLES, BoxRing, Problem
+from rpr_solver.margins.boxes import ANGLES, TURN, BoxRing, Problem
 from rpr_solver.margins.slopes import UP, Slopes
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from rpr_solver.margins.slopes import Doubles
+    from rpr_solver.margins.systems import Systems
 
+    Flags = NDArray[np.bool_]
     Places = NDArray[np.int64]
 
 _PARTS = 32
@@ -34,34 +36,67 @@ class Exclusion:
     """The result of :func:`exclude`.
 
     Attributes:
-        proved: whether no cusp degenerates.
+        proved: whether no cusp degenerates, but where it is known.
         boxes: the number of boxes that were examined.
-        left: a box, as lower and upper ends, on which it was not proved; None if proved.
+        left: boxes, as lower and upper ends, on which it was not proved.
     """
 
     proved: bool
     boxes: int
-    left: tuple[Doubles, Doubles] | None = None
+    left: tuple[Doubles, Doubles]
 
 
-def exclude(problem: Problem, most_boxes: int, may_go_on: MayGoOn = lambda: True) -> Exclusion:
+@dataclass(frozen=True)
+class Zones:
+    """Boxes of poses in which degenerate cusps are known, and how far others are to be cut.
+
+    Attributes:
+        low, high: the ends of α, θ and the length, a column for each zone.
+        tests: whose zeros are known there: 0 for (K, E, S), 1 for (K, K_α, K_θ).
+        least: boxes with such sides of α, θ and the length are not cut; the search goes on without them.
+    """
+
+    low: Doubles
+    high: Doubles
+    tests: Places
+    least: tuple[float, float, float]
+
+    def known(self, low: Doubles, high: Doubles) -> Flags:
+        """For each test whether boxes are within a zone of it."""
+        pose, (lows, highs) = slice(ANGLES + 1), (self.low[:, :, None], self.high[:, :, None])
+        turns = np.zeros_like(lows + low[pose, None])
+        turns[:ANGLES] = np.floor((low[:ANGLES, None] - lows[:ANGLES]) / TURN) * TURN
+        inside: Flags = np.all(
+            [lows + turns <= low[pose, None], high[pose, None] <= highs + turns], axis=(0, 1)
+        )
+        return np.array([inside[self.tests == test].any(axis=0) for test in (0, 1)])
+
+    def small(self, low: Doubles, high: Doubles) -> Flags:
+        """The boxes that are not to be cut."""
+        sides = high[: ANGLES + 1] - low[: ANGLES + 1]
+        flags: Flags = np.all(sides <= np.array(self.least)[:, None], axis=0)
+        return flags
+
+
+def exclude(
+    problem: Problem, most_boxes: int, may_go_on: MayGoOn = lambda: True, zones: Zones | None = None
+) -> Exclusion:
     """Tries to prove that all geometries and lengths of a problem have the same number of cusps.
 
     Args:
         problem: the box.
         most_boxes: the number of boxes after which to give up.
         may_go_on: asked now and then; False to give up.
+        zones: where degenerate cusps are known; then a search does not end at a box that is too small.
     """
     low, high = problem.grid(_PARTS)
-    search, boxes = _Search(problem), 0
-    waiting = [(low, high)]
+    search, boxes = _Search(problem, zones), 0
+    waiting, left = [(low, high)], [(low[:, :0], high[:, :0])]
     with np.errstate(all="ignore"):
         while waiting:
             low, high = waiting.pop()
             while waiting and low.shape[1] + waiting[-1][0].shape[1] <= _BATCH:
-                low, high = (
-                    np.concatenate(pair, axis=1) for pair in zip((low, high), waiting.pop(), strict=True)
-                )
+                low, high = _together([(low, high), waiting.pop()])
             if low.shape[1] > _BATCH:
                 waiting.append((low[:, _BATCH:], high[:, _BATCH:]))
                 low, high = low[:, :_BATCH], high[:, :_BATCH]
@@ -70,26 +105,35 @@ def exclude(problem: Problem, most_boxes: int, may_go_on: MayGoOn = lambda: True
             low, high = low[:, kept], high[:, kept]
             if not low.size:
                 continue
-            halves = _halves(low, high, variables)
-            if halves is None or boxes > most_boxes or not may_go_on():
-                return Exclusion(False, boxes, (low[:, 0], high[:, 0]))
-            waiting.append(halves)
-    return Exclusion(True, boxes)
+            fine, middle = _middles(low, high, variables)
+            if zones is not None:
+                fine &= ~zones.small(low, high)
+            left.append((low[:, ~fine], high[:, ~fine]))
+            if fine.any():
+                waiting.append(_halves(low[:, fine], high[:, fine], variables[fine], middle[fine]))
+            if (zones is None and not fine.all()) or boxes > most_boxes or not may_go_on():
+                return Exclusion(False, boxes, _together([*left, *waiting]))
+    whole = _together(left)
+    return Exclusion(not whole[0].size, boxes, whole)
 
 
-def _halves(low: Doubles, high: Doubles, variables: Any) -> tuple[Doubles, Doubles] | None:
-    """The halves of boxes, each cut along one variable; None if one is too small to be cut."""
+def _together(parts: Sequence[tuple[Doubles, Doubles]]) -> tuple[Doubles, Doubles]:
+    low, high = (np.concatenate(ends, axis=1) for ends in zip(*parts, strict=True))
+    return low, high
 
+
+def _middles(low: Doubles, high: Doubles, variables: Places) -> tuple[Flags, Doubles]:
+    """Where to cut boxes, each along one variable, and which are not too small for it."""
     every = np.arange(low.shape[1])
-    middle = (low[variables, every] + high[variables, every]) / 2
-    width = high[variables, every] - low[variables, every]
-    fine = np.where(
-        variables < ANGLES,
-        width >= _FINEST_ANGLE,
-        (middle > low[variables, every]) & (middle < high[variables, every]),
-    )
-    if not fine.all():
-        return None
+    below, above = low[variables, every], high[variables, every]
+    middle = (below + above) / 2
+    fine = np.where(variables < ANGLES, above - below >= _FINEST_ANGLE, (middle > below) & (middle < above))
+    return fine, middle
+
+
+def _halves(low: Doubles, high: Doubles, variables: Places, middle: Doubles) -> tuple[Doubles, Doubles]:
+    """The halves of boxes."""
+    every = np.arange(low.shape[1])
     lower, upper = low.copy(), high.copy()
     upper[variables, every] = lower[variables, every] = middle
     return np.concatenate((low, lower), axis=1), np.concatenate((upper, high), axis=1)
@@ -98,8 +142,8 @@ def _halves(low: Doubles, high: Doubles, variables: Any) -> tuple[Doubles, Doubl
 class _Search:
     """The tests of boxes of one problem."""
 
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
+    def __init__(self, problem: Problem, zones: Zones | None = None) -> None:
+        self._problem, self._zones = problem, zones
         self._moving = [0, 1, *(row for place, row in problem.rows.items() if place == 0)]
 
     def undecided(self, low: Doubles, high: Doubles) -> tuple[Places, Places]:
@@ -138,14 +182,23 @@ class _Search:
             outside |= limit.side * excess.middle[0] > _change(excess, ring.half)
         results = [multipliers(test, ring.half, self._moving) for test in tests]
         values = np.array([result.values for result in results])
+        if self._zones is not None:
+            known = self._zones.known(low[:, places], high[:, places])
+            values[: len(known)][known] = 0
         proved = (values < 1).all(axis=0)
-        proved &= np.any(
-            [abs(x.middle[0]) > x.radius[0] * UP + x.error.value for x in systems.tangent(leg)], axis=0
-        )
+        proved &= moves(systems, leg)
         shares = np.choose(values.argmax(axis=0), [result.shares for result in results])
         shares = np.where(easy.values < values.max(axis=0), easy.shares, shares)
         left = ~(proved | outside)
         return places[left], shares.argmax(axis=0)[left]
+
+
+def moves(systems: Systems, leg: int) -> Flags:
+    """The boxes on which v is not 0, for leg f (0) or g (1)."""
+    moving: Flags = np.any(
+        [abs(x.middle[0]) > x.radius[0] * UP + x.error.value for x in systems.tangent(leg)], axis=0
+    )
+    return moving
 
 
 def _change(function: Slopes, half: Doubles) -> Doubles:
@@ -154,13 +207,6 @@ def _change(function: Slopes, half: Doubles) -> Doubles:
     change: Doubles = (abs(first) + 0.5 * second).sum(axis=0) * UP + error
     return change
 
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from rpr_solver.margins.slopes import Doubles
-
-    Flags = NDArray[np.bool_]
 
 _ROUNDS = 6
 _SMALL = 1e-6

@@ -16,6 +16,8 @@ import numpy as np
 from rpr_solver.model.jets import Jet
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     Doubles = NDArray[np.float64]
@@ -61,6 +63,15 @@ class Slopes:
         self.middle, self.radius, self.error = middle, radius, error
         self._greatest: Doubles | None = None
         self._size: Errors | None = None
+
+    @classmethod
+    def chosen(cls, which: NDArray[np.int64], options: Sequence[Slopes]) -> Slopes:
+        """The function that has on each box the values of one of several."""
+        middle, radius = (
+            np.choose(which, [getattr(option, name) for option in options]) for name in ("middle", "radius")
+        )
+        value, slope = (max(errors) for errors in zip(*(option.error for option in options), strict=True))
+        return cls(middle, radius, Errors(value, slope))
 
     @property
     def greatest(self) -> Doubles:

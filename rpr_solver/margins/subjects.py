@@ -84,7 +84,7 @@ class SliceCount:
 
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
         """One box, with one length."""
-        return [_Box(self.manipulator, self.fixed_leg, radius, weights).at(self.length)]
+        return [GeometryBox(self.manipulator, self.fixed_leg, radius, weights).at(self.length)]
 
     def broken(self, manipulator: Manipulator) -> Found | None:
         """The length and another number of cusps."""
@@ -123,7 +123,7 @@ class RequirementHolds:
 
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
         """The range, in one or two boxes."""
-        box = _Box(self.manipulator, self.requirement.fixed_leg, radius, weights)
+        box = GeometryBox(self.manipulator, self.requirement.fixed_leg, radius, weights)
         return box.over(self.requirement.start, self.requirement.stop, self.requirement.limits)
 
     def broken(self, manipulator: Manipulator) -> Found | None:
@@ -187,7 +187,7 @@ class WindowExists:
         if len(ends) == 2:
             length = (Fraction(ends[0].length) + Fraction(ends[1].length)) / 2
         drift = [sum(rates) / len(ends) for rates in zip(*(end.slopes for end in ends), strict=True)]
-        box = _Box(self.manipulator, self.fixed_leg, radius, weights)
+        box = GeometryBox(self.manipulator, self.fixed_leg, radius, weights)
         return [replace(box.at(length), drift=tuple(drift) or (0.0,) * len(LENGTHS))]
 
     def broken(self, manipulator: Manipulator) -> Found | None:
@@ -196,7 +196,7 @@ class WindowExists:
 
 
 @dataclass(frozen=True)
-class _Box:
+class GeometryBox:
     """The geometries within a radius, as problems of exclusion."""
 
     manipulator: Manipulator
@@ -248,9 +248,14 @@ class _Box:
             for side, bound in zip((-1, 1), both, strict=True)
             if bound is not None
         )
-        ends = Span.of(*(x / unit for x in fixed))
         return Problem(
-            self.fixed_leg, orientation_of(self.manipulator), spans, ends, inverse=inverse, limits=bounds
+            self.fixed_leg,
+            orientation_of(self.manipulator),
+            spans,
+            Span.of(*(x / unit for x in fixed)),
+            inverse=inverse,
+            limits=bounds,
+            unit=unit,
         )
 
 

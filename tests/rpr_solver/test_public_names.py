@@ -50,8 +50,10 @@ FUNCTIONS = {
     "table_csv",
     "table_document",
     "table_json",
+    "tolerance_census",
     "trace_slice",
     "with_sensitivities",
+    "within_tolerance",
     "verify_document",
 }
 CLASSES = {
@@ -97,6 +99,7 @@ CLASSES = {
     "SingularCurves",
     "SliceTable",
     "SolverError",
+    "ToleranceCensus",
     "Strand",
     "Transition",
     "TransitionEvent",

@@ -1,0 +1,252 @@
+"""The census of a tolerance: what holds for every geometry within it (mathematics.md#census-of-a-tolerance).
+
+Each transition of the given geometry is located for all geometries (located.py), and exclusion.py shows that
+none of them has another. Where that fails, a range of lengths stays open, and is named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from math import inf, nextafter
+from typing import Any, Unpack
+
+import numpy as np
+
+from rpr_solver.contract import DEFAULT_DIGITS, check_type, silent
+from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
+from rpr_solver.margins.bands import Bands, OpenRange, Piece, Span, Transition, merged
+from rpr_solver.margins.boxes import ANGLES, TURN, Problem
+from rpr_solver.margins.exclusion import Zones, exclude
+from rpr_solver.margins.located import Located, Start, locate
+from rpr_solver.margins.margin import SearchOptions, validity
+from rpr_solver.margins.questions import LENGTHS, changes
+from rpr_solver.margins.subjects import GeometryBox
+from rpr_solver.model.lengths import LengthRange
+from rpr_solver.model.manipulator import Manipulator
+from rpr_solver.notebook import counted
+from rpr_solver.transitions.census import census
+from rpr_solver.transitions.census_documents import restrict_census
+
+MOST_BOXES = 200_000
+"""The number of boxes of a search, some ten seconds."""
+_LEAST_SIDE = 4
+"""Boxes with sides of so many tolerances are not cut any more."""
+
+
+@dataclass(frozen=True)
+class ToleranceCensus:
+    """What holds for all geometries within a tolerance.
+
+    Attributes:
+        document: the census of the given geometry, as the contract has it.
+        tolerance: how much each length may be off, by the names of the lengths.
+        spans: for each transition of the range the lengths between which every geometry has it, with as many
+            events and no others; None if that is not proved.
+        pieces: the range in parts, ascending, with bounds of the numbers of cusps of all geometries.
+        open: the ranges about which not all is proved; empty if every geometry has these transitions, in
+            this order, with these numbers of cusps between, and no others.
+        boxes: the number of boxes of the proof.
+
+    >>> from rpr_solver import EXAMPLES, tolerance_census
+    >>> table = tolerance_census(EXAMPLES["innocenti"], "0.0001", start=27, stop="28.1", digits=15)
+    >>> table.complete, [float(end) for end in table.spans[0]]
+    (True, [28.0940215, 28.0957675])
+    """
+
+    document: Mapping[str, Any]
+    tolerance: Mapping[str, Fraction]
+    spans: tuple[Span | None, ...]
+    pieces: tuple[Piece, ...]
+    open: tuple[OpenRange, ...]
+    boxes: int
+
+    def __repr__(self) -> str:
+        span = LengthRange.of(self.document["range"]["from"], self.document["range"]["to"])
+        known = "complete" if self.complete else f"{counted(len(self.open), 'range')} open"
+        transitions = counted(len(self.spans), "transition")
+        return f"<ToleranceCensus L{self.document['fixed_leg']} {span}: {transitions}, {known}>"
+
+    @property
+    def complete(self) -> bool:
+        """Whether nothing is open."""
+        return not self.open
+
+    def to_json(self) -> dict[str, Any]:
+        """The contract's census document, with what holds for all geometries."""
+        ends = ((None, None) if span is None else map(exact_or_none, span) for span in self.spans)
+        return {
+            **self.document,
+            "transitions": [
+                {**transition, "from": low, "to": high}
+                for transition, (low, high) in zip(self.document["transitions"], ends, strict=True)
+            ],
+            "tolerance": {name: exact_str(x) for name, x in self.tolerance.items()},
+            "complete": self.complete,
+            "open": [
+                {"from": exact_str(span.start), "to": exact_or_none(span.stop), "reason": reason}
+                for span, reason in self.open
+            ],
+            "certificate": {**self.document["certificate"], "boxes": self.boxes},
+        }
+
+
+def tolerance_census(
+    manipulator: Manipulator,
+    tolerance: Exact | Mapping[str, Exact],
+    *,
+    fixed_leg: int = 1,
+    digits: int = DEFAULT_DIGITS,
+    start: Exact = 0,
+    stop: Exact | None = None,
+    **search: Unpack[SearchOptions],
+) -> ToleranceCensus:
+    """The transitions of all geometries within a tolerance, and the numbers of cusps between them.
+
+    Args:
+        manipulator: the geometry.
+        tolerance: of all lengths, or by their names, those that are missing being exact.
+        fixed_leg: the leg whose length varies from slice to slice, 1, 2 or 3.
+        digits: significant digits of the census of the given geometry.
+        start: the lower end of the range, exact, in the user's unit; 0 is an open end.
+        stop: its upper end; None is an open end.
+        search: ``most_boxes``, ``may_go_on`` and ``progress``, as for
+            :func:`~rpr_solver.margins.margin.margin`.
+
+    Raises:
+        InputError: naming the argument at fault.
+        SolverError: the census of the given geometry could not be decided.
+
+    >>> from rpr_solver import EXAMPLES
+    >>> table = tolerance_census(EXAMPLES["innocenti"], "0.0001", start=28, stop="28.2", digits=15)
+    >>> [(float(piece.span.start), piece.least, piece.most) for piece in table.pieces]
+    [(28.0, 8, 8), (28.0940215, 8, 10), (28.0957675, 10, 10), (28.1065557, 8, 10), (28.1083055, 8, 8)]
+    """
+    check_type(manipulator, Manipulator, "manipulator")
+    span, _ = LengthRange.of(start, stop), changes(None, tolerance)
+    of = partial(census, manipulator, fixed_leg=fixed_leg, digits=digits)
+    whole = of().to_json()
+    part = restrict_census(whole, span.start, span.stop)
+    if part is None:
+        part = of(start=span.start, stop=span.stop).to_json()
+    return within_tolerance(whole, part, tolerance, **search)
+
+
+def within_tolerance(
+    whole: Mapping[str, Any],
+    part: Mapping[str, Any],
+    tolerance: Exact | Mapping[str, Exact],
+    **search: Unpack[SearchOptions],
+) -> ToleranceCensus:
+    """As :func:`tolerance_census`, from known censuses of the given geometry.
+
+    Args:
+        whole: that of all lengths, as the contract has it.
+        part: that of the range.
+        tolerance: of all lengths, or by their names.
+        search: as there.
+
+    Raises:
+        InputError: naming ``tolerance`` or a member of it.
+
+    >>> from rpr_solver import EXAMPLES, census, restrict_census
+    >>> whole = census(EXAMPLES["innocenti"], digits=15).to_json()
+    >>> table = within_tolerance(whole, restrict_census(whole, 31, 40), {"d1": "0.1"})
+    >>> table
+    <ToleranceCensus L1 from 31 to 40: 0 transitions, complete>
+    """
+    weights = changes(None, tolerance)
+    names = dict(zip(LENGTHS, weights, strict=True))
+    ends = LengthRange.of(part["range"]["from"], part["range"]["to"])
+    span = Span(ends.start, ends.stop)
+    manipulator = Manipulator.from_json(part["geometry"])
+    if reason := _flaw(manipulator, weights, whole):
+        unknown = (None,) * len(part["transitions"])
+        return ToleranceCensus(
+            part, names, unknown, (Piece(span, None, None),), (OpenRange(span, reason),), 0
+        )
+    box = GeometryBox(manipulator, part["fixed_leg"], Fraction(1), weights)
+    transitions = _transitions(whole, box)
+    located = [pose for transition in transitions for pose in transition.poses]
+    boxes, left = _exclude_others(box, span, located, **search)
+    result = Bands(span, transitions, left, [item["count"] for item in whole["intervals"]])
+    lengths = [Fraction(transition[f"l{box.fixed_leg}"]) for transition in part["transitions"]]
+    spans = tuple(result.span_of(length) for length in lengths)
+    return ToleranceCensus(part, names, spans, tuple(result.pieces()), tuple(result.open()), boxes)
+
+
+def _flaw(manipulator: Manipulator, weights: Sequence[Fraction], whole: Mapping[str, Any]) -> str | None:
+    """Why nothing can be proved; None if nothing of the kind is known."""
+    radius = validity(manipulator, weights)
+    if radius is not None and radius <= 1:
+        return "within the tolerance there are geometries that are flat, or no manipulators"
+    if kinds := {part["kind"] for part in whole["degenerate"]}:
+        return f"degenerate throughout: {', '.join(sorted(kinds))}"
+    if whole["certificate"]["method"] != "events":
+        return "the triangles are special, and the least change resolves degenerate poses"
+    return None
+
+
+def _transitions(whole: Mapping[str, Any], box: GeometryBox) -> list[Transition]:
+    """All transitions of the given geometry, located for all geometries."""
+    leg = whole["fixed_leg"]
+    groups: dict[Fraction, tuple[Problem, list[tuple[list[Located | None], int]], list[Start]]] = {}
+    found: list[list[Located | None]] = []
+    for transition in whole["transitions"]:
+        length = transition[f"l{leg}"]
+        found.append([None] * len(transition["events"]))
+        [problem] = box.over(Fraction(0), 2 * Fraction(length), {})
+        _, places, starts = groups.setdefault(problem.unit, (problem, [], []))
+        for k, event in enumerate(transition["events"]):
+            places.append((found[-1], k))
+            starts.append(Start(event["kind"], event["alpha_deg"], event[f"theta{leg}_deg"], length))
+    for problem, places, starts in groups.values():
+        for (poses, k), pose in zip(places, locate(problem, starts), strict=True):
+            poses[k] = pose
+    lengths = (Fraction(transition[f"l{leg}"]) for transition in whole["transitions"])
+    return [Transition.of(length, poses) for length, poses in zip(lengths, found, strict=True)]
+
+
+def _exclude_others(
+    box: GeometryBox, span: Span, located: Sequence[Located], **search: Unpack[SearchOptions]
+) -> tuple[int, list[Span]]:
+    """The number of boxes, and the lengths at which geometries may have other degenerate poses, merged."""
+    progress, most = search.get("progress", silent), search.get("most_boxes", MOST_BOXES)
+    may_go_on = search.get("may_go_on", lambda: True)
+    boxes, left = 0, []
+    for problem in box.over(span.start, span.stop, {}):
+        result = exclude(problem, max(most - boxes, 0), may_go_on, _zones(problem, box, located))
+        boxes += result.boxes
+        progress(min(boxes, most), most)
+        low, high = (end[ANGLES] for end in result.left)
+        left += [_of_user(problem, a, b) for a, b in set(zip(low, high, strict=True))]
+    return boxes, merged(left)
+
+
+def _zones(problem: Problem, box: GeometryBox, located: Sequence[Located]) -> Zones:
+    """The zones of poses, as a problem has them."""
+    low, high = (np.empty((ANGLES + 1, len(located))) for _ in range(2))
+    for k, pose in enumerate(located):
+        low[:ANGLES, k], high[:ANGLES, k] = pose.low[:ANGLES], pose.high[:ANGLES]
+        low[ANGLES, k], high[ANGLES, k] = _of_problem(problem, pose.low[ANGLES], pose.high[ANGLES])
+    tests = np.array([pose.system for pose in located], dtype=np.int64)
+    side = float(_LEAST_SIDE * box.radius * max(box.weights) / problem.unit)
+    return Zones(low, high, tests, (side * TURN, side * TURN, side))
+
+
+def _of_problem(problem: Problem, low: Fraction, high: Fraction) -> tuple[float, float]:
+    """Lengths as a problem has them, rounded inward."""
+    a, b = low / problem.unit, high / problem.unit
+    if problem.inverse:
+        a, b = 1 / b, (1 / a if a > 0 else Fraction(2))
+    return nextafter(float(a), inf), nextafter(float(b), -inf)
+
+
+def _of_user(problem: Problem, low: float, high: float) -> Span:
+    """Lengths of a problem in the user's unit."""
+    a, b = Fraction(float(low)), Fraction(float(high))
+    if problem.inverse:
+        return Span(problem.unit / b, problem.unit / a if a else None)
+    return Span(a * problem.unit, b * problem.unit)
