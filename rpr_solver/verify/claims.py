@@ -10,6 +10,7 @@ from enum import StrEnum
 from typing import Any
 
 _NUMBER = re.compile(r"/[0-9]+(?=/|$)")
+_DIGITS = re.compile(r"[0-9.]+")
 
 
 class ClaimStatus(StrEnum):
@@ -175,16 +176,17 @@ class Verification:
 
 
 def _named(claims: Iterable[Claim]) -> str:
-    """Claims in a line, those of one kind of member together."""
-    groups: dict[str, list[Claim]] = {}
+    """Claims in a line; those of one kind of member that differ in numbers only are one."""
+    groups: dict[tuple[str, str], list[Claim]] = {}
     for claim in claims:
-        groups.setdefault(_NUMBER.sub("/*", claim.at), []).append(claim)
+        key = _NUMBER.sub("/*", claim.at), _DIGITS.sub("*", claim.claim)
+        groups.setdefault(key, []).append(claim)
     parts = []
-    for at, group in groups.items():
-        texts = list(dict.fromkeys(claim.claim for claim in group))
-        where = group[0].at if len(group) == 1 else f"{at}, {len(group)} times"
-        more = ", …" if len(texts) > 1 else ""
-        parts.append(f"{texts[0]}{more} ({where or 'the document'})")
+    for (at, _), group in groups.items():
+        more = ", …" if any(claim.claim != group[0].claim for claim in group) else ""
+        places = {claim.at: claim for claim in group}
+        where = group[0].at if len(places) == 1 else f"{at}, {len(group)} times"
+        parts.append(f"{group[0].claim}{more} ({where or 'the document'})")
     return "; ".join(parts)
 
 

@@ -106,14 +106,14 @@ class _Curves:
         by_name = {curve["name"]: curve for curve in self.curves}
         wrong = "" if len(by_name) == len(self.curves) else "two curves have one name"
         outside = []
-        for curve in self.curves:
+        for n, curve in enumerate(self.curves):
             for side in SIDES:
                 end, joins = curve[side], curve[side]["joins"]
                 other = by_name.get(joins)
                 if joins == curve["name"] or (joins is not None and end["kind"] in ("open", "undecided")):
                     wrong = f"{curve['name']} joins {joins}"
                 elif joins is not None and other is None:
-                    outside.append(joins)
+                    outside.append((f"/curves/{n}/{side}", joins))
                 elif other is not None:
                     backward = other[side]
                     alike = (backward["joins"], backward[self.name]) == (curve["name"], end[self.name])
@@ -121,9 +121,9 @@ class _Curves:
                         wrong = f"{curve['name']} joins {joins}, which does not join it there"
         claim = "curves have different names, and those that join name each other"
         yield judged("/curves", claim, not wrong, "as printed", wrong)
-        if outside:
-            reason = f"{', '.join(dict.fromkeys(outside))} is not in the document"
-            yield Claim("/curves", "the curves that join others", ClaimStatus.NOT_CHECKED, reason)
+        for at, joins in outside:
+            reason = f"{joins} is not in the document"
+            yield Claim(at, f"it joins {joins} here", ClaimStatus.NOT_CHECKED, reason)
         start, stop = self.members["range"]["from"], self.members["range"]["to"]
         right = stop is None or start < stop
         for low, high in self.ends:
@@ -131,10 +131,10 @@ class _Curves:
         right = right and all(start <= x and (stop is None or x <= stop) for x in self.slices)
         claim, wrong = "the curves meet the range, and points are in it", "a curve or a point is beyond it"
         yield judged("/range", claim, right, "as printed", wrong)
-        bare = [curve["name"] for curve in self.curves if not curve["points"]]
-        if bare:
-            reason = f"no point is given of {', '.join(bare[:3])}{', …' if len(bare) > 3 else ''}"
-            yield Claim("/curves", "curves without points are there", ClaimStatus.NOT_CHECKED, reason)
+        for n, curve in enumerate(self.curves):
+            if not curve["points"]:
+                claim, reason = "a curve without points is there", "no point of it is given"
+                yield Claim(f"/curves/{n}", claim, ClaimStatus.NOT_CHECKED, reason)
 
     def _end(
         self, events: Events, known: dict[tuple[str, ...], Finding], at: str, end: Record

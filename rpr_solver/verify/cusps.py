@@ -27,7 +27,7 @@ from rpr_solver.verify.core.krawczyk import (
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.roots import Root, refined
-from rpr_solver.verify.core.surds import Indivisible, Ring, Surd, primitive, trimmed
+from rpr_solver.verify.core.surds import Indivisible, Ring, Surd, primitive, size_of, trimmed
 from rpr_solver.verify.core.system import Leg, System, Trig, in_half_tangent
 from rpr_solver.verify.eliminant import Eliminant, meet, nearby, separation, special_lines, unlisted
 
@@ -279,26 +279,36 @@ class Slice:
 
 
 def common_angles(ring: Ring, p: Sequence[Surd], q: Sequence[Surd], bits: int) -> Iterator[Interval]:
-    """Angles α in radians near the common root tan(α/2) of two forms that nearly have one, in two ways.
+    """Angles α in radians near the common root tan(α/2) of two forms that nearly have one, in four ways.
 
-    It is the root of their linear subresultant. A wrong angle does no harm.
+    It is the root of their linear subresultant, of the forms rounded and as they are. A wrong angle does no
+    harm.
     """
-    for inverted in (False, True):
-        forms = (primitive(trimmed(form[::-1] if inverted else form)) for form in (p, q))
-        second, first = sorted(forms, key=len)
-        if len(second) < 2:
-            continue
-        linear = next((row for row in ring.chain(first, second)[0] if len(row) == 2), None)
-        if linear is None:
-            continue
-        guard = bits + max(part.bit_length() for x in linear for part in x)
-        omega = isqrt(ring.radicand << (2 * guard))
-        y, x = ((a << guard) + b * omega for a, b in linear)
-        y, x = (x, -y) if inverted else (-y, x)
-        if size := max(abs(x), abs(y)):
-            cos, sin = (Interval.of(Fraction(part, size), bits) for part in (x, y))
-            norm = cos * cos + sin * sin
-            yield angle_of(((cos * cos - sin * sin).over(norm), (sin * cos).scaled(2).over(norm)))
+    rounded = [_rounded(ring, form, 4 * bits) for form in (p, q)]
+    for near, pair in ((Ring(1), rounded), (ring, (p, q))):
+        for inverted in (False, True):
+            forms = (primitive(trimmed(form[::-1] if inverted else form)) for form in pair)
+            second, first = sorted(forms, key=len)
+            if len(second) < 2:
+                continue
+            linear = next((row for row in near.chain(first, second)[0] if len(row) == 2), None)
+            if linear is None:
+                continue
+            (y, _), (x, _) = _rounded(near, linear, 4 * bits)
+            y, x = (x, -y) if inverted else (-y, x)
+            if size := max(abs(x), abs(y)):
+                cos, sin = (Interval.of(Fraction(part, size), bits) for part in (x, y))
+                norm = cos * cos + sin * sin
+                yield angle_of(((cos * cos - sin * sin).over(norm), (sin * cos).scaled(2).over(norm)))
+
+
+def _rounded(ring: Ring, form: Sequence[Surd], bits: int) -> list[Surd]:
+    """About a multiple of a form, with integer coefficients of so many bits."""
+    guard = bits + size_of(form)
+    omega = isqrt(ring.radicand << (2 * guard))
+    values = [(a << guard) + b * omega for a, b in form]
+    cut = max(max(x.bit_length() for x in values) - bits, 0)
+    return [(x >> cut, 0) for x in values]
 
 
 def angle_of(pair: Pair) -> Interval:

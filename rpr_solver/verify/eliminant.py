@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from itertools import count, islice
 
 from rpr_solver.verify.core.intervals import Interval, cos_sin, pi
 from rpr_solver.verify.core.krawczyk import Directions, Pair, direction
@@ -20,19 +21,16 @@ from rpr_solver.verify.core.roots import Root, real_roots, refined, simple_and_a
 from rpr_solver.verify.core.surds import (
     ONE,
     ZERO,
-    Indivisible,
     Poly,
     Ring,
     Surd,
     interpolated,
     primitive,
-    rational,
 )
 from rpr_solver.verify.core.surds import derivative as slope_of
 from rpr_solver.verify.core.system import System, Trig, at_half_tangent, derivative
 
 DEGREE = 24
-_CIRCULAR = rational([1, 0, 1])
 _SAMPLES = 6
 _LINE_BITS, _LEAST_APART = 128, 32
 _PIECES, _DEPTH = 48, 40
@@ -74,14 +72,40 @@ class _Cut:
         return row[self.at_zero[which] : len(row) - self.at_infinity[which]]
 
 
-def _resultant(system: System, cut: _Cut) -> Poly:
-    points, values = range(-DEGREE, DEGREE + 1), []
-    for u in points:
+def _values(system: System, cut: _Cut) -> Iterator[tuple[int, Surd]]:
+    """The resultant of J and E in t, at u = 0, 1, −1, 2, …"""
+    for k in count():
+        u = (k + 1) // 2 * (1 if k % 2 else -1)
         j, e = (
             cut.applied(at_half_tangent(p, degree, degree, Fraction(u)), which)
             for which, (p, degree) in enumerate(((system.singular, 2), (system.legs[0].kernel, 3)))
         )
-        values.append(system.ring.resultant(j, e))
+        yield u, system.ring.resultant(j, e)
+
+
+def _whole(system: System, cut: _Cut) -> Poly:
+    """The resultant of the quotients of J and E by the shared curves."""
+    points, values = zip(*islice(_values(system, cut), 2 * DEGREE + 1), strict=True)
+    return interpolated(points, values)
+
+
+def _quotient(system: System) -> Poly:
+    """The resultant of J and E divided by its spurious factors, in each of its values.
+
+    Raises:
+        Indivisible: they do not divide it.
+    """
+    w, q = primitive(system.along), primitive(system.closed)
+    points: list[int] = []
+    values: list[Surd] = []
+    for u, value in _values(system, _Cut()):
+        first, second = (system.ring.at(p, Fraction(u))[0] for p in (w, q))
+        if not first or not second:
+            continue
+        points.append(u)
+        values.append(system.ring.over(value, (first**2 * second * (u * u + 1) ** 9, 0)))
+        if len(points) > DEGREE:
+            break
     return interpolated(points, values)
 
 
@@ -108,17 +132,10 @@ class Eliminant:
             Indivisible: the spurious factors do not divide the resultant.
         """
         ring, w, q = system.ring, system.along, system.closed
-
-        resultant = _resultant(system, _Cut())
-        if not resultant:
+        if not (short := _quotient(system)):
             cut = _Cut.of(system)
-            return cls(ring, (), w, q, cut, _resultant(system, cut) if cut.curves else ())
-        for factor in (w, w, q, *[_CIRCULAR] * 9):
-            resultant = ring.field_quotient(resultant, factor)
-        if len(resultant) > DEGREE + 1:
-            raise Indivisible("the spurious factors do not divide the resultant at u = infinity")
-        form = resultant + (ZERO,) * (DEGREE + 1 - len(resultant))
-        return cls(ring, form, w, q)
+            return cls(ring, (), w, q, cut, _whole(system, cut) if cut.curves else ())
+        return cls(ring, short + (ZERO,) * (DEGREE + 1 - len(short)), w, q)
 
     @cached_property
     def finite(self) -> Poly:

@@ -216,6 +216,11 @@ def proportional(ring: Ring, first: Sequence[Surd], second: Sequence[Surd]) -> b
     return all(ring.times(x, second[lead]) == ring.times(y, first[lead]) for x, y in pairs)
 
 
+def isolation(listed: Sequence[Record]) -> str:
+    """What a list of intervals claims."""
+    return f"{len(listed)} isolating intervals, and no other real roots"
+
+
 def isolation_claim(ring: Ring, parts: Mapping[int, Poly], listed: Sequence[Record], at: str) -> Claim:
     """Disjoint intervals, in each of which a factor of its multiplicity changes its sign, and no more.
 
@@ -225,7 +230,7 @@ def isolation_claim(ring: Ring, parts: Mapping[int, Poly], listed: Sequence[Reco
         listed: the intervals of the document.
         at: where they are.
     """
-    claim = f"{len(listed)} isolating intervals, and no other real roots"
+    claim = isolation(listed)
     if not parts:
         return judged(at, claim, not listed, "the polynomial is a constant")
     last: Fraction | None = None

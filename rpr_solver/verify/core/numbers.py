@@ -294,17 +294,21 @@ class Geometry:
 
         The radicand is 1 where the height is rational.
         """
-        square = self.height_squared
-        product = square.numerator * square.denominator
-        factor, radicand = 1, product
-        if isqrt(product) ** 2 == product:
-            factor, radicand = isqrt(product), 1
+        # 16 times the squared area: shorter than the squared height, which has d1 below it
+        heron = 4 * self.d1**2 * self.height_squared
+        n, d = heron.as_integer_ratio()
+        root = isqrt(d)
+        factor, radicand = Fraction(1, root), n
+        if root * root != d:
+            factor, radicand = Fraction(1, d), n * d
+        if isqrt(radicand) ** 2 == radicand:
+            factor, radicand = factor * isqrt(radicand), 1
         else:
             for p in (2, 3, 5, 7, 11, 13):
                 while radicand % (p * p) == 0:
                     factor, radicand = factor * p, radicand // (p * p)
         sign = -1 if self.clockwise else 1
-        return Fraction(sign * factor, square.denominator), radicand
+        return sign * factor / (2 * self.d1), radicand
 
     @property
     def bits(self) -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import gcd, lcm
+from math import gcd, lcm, prod
 
 from rpr_solver.verify.core.reader import spend
 
@@ -244,19 +244,22 @@ def rational(coefficients: Sequence[int]) -> Poly:
 
 
 def interpolated(points: Sequence[int], values: Sequence[tuple[Fraction | int, Fraction | int]]) -> Poly:
-    """A multiple in ℤ[ω] of the polynomial with these values, by Newton's divided differences."""
-    parts = []
-    for i in (0, 1):
-        slopes = [Fraction(value[i]) for value in values]
-        size = max(x.numerator.bit_length() + x.denominator.bit_length() for x in slopes)
-        for k in range(1, len(points)) if any(slopes) else ():
-            spend(len(points), size)
-            for n in range(len(points) - 1, k - 1, -1):
-                slopes[n] = (slopes[n] - slopes[n - 1]) / (points[n] - points[n - k])
-        row = [Fraction(0)] * len(points)
-        for k in reversed(range(len(points))):
-            row = [below - points[k] * x for below, x in zip([Fraction(0), *row], row, strict=False)]
-            row[0] += slopes[k]
-        parts.append(row)
-    unit = lcm(*(x.denominator for row in parts for x in row))
-    return primitive([(int(a * unit), int(b * unit)) for a, b in zip(*parts, strict=True)])
+    """A multiple in ℤ[ω] of the polynomial with these values at different integers, by Lagrange's formula."""
+    whole = [1]  # Π (x − point)
+    for point in points:
+        whole = [below - point * x for below, x in zip([0, *whole], [*whole, 0], strict=True)]
+    unit = lcm(*(Fraction(x).denominator for value in values for x in value))
+    shares, divisors = [], []
+    for point in points:
+        share, carry = [], 0
+        for x in reversed(whole):  # whole / (x − point), by Horner's scheme
+            share.append(carry := x + point * carry)
+        shares.append(share[-2::-1])  # without the remainder, 0
+        divisors.append(prod(point - other for other in points if other != point))
+    common = lcm(*divisors)
+    result = [ZERO] * len(points)
+    for share, divisor, value in zip(shares, divisors, values, strict=True):
+        a, b = (int(x * unit) * (common // divisor) for x in value)
+        spend(2 * len(points), max(a.bit_length(), b.bit_length()) // 4)
+        result = [(c + a * x, d + b * x) for (c, d), x in zip(result, share, strict=True)]
+    return primitive(result)

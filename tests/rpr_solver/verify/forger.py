@@ -85,21 +85,35 @@ def _rehashed(document: Document) -> None:
 
 
 def another_geometry(draw: random.Random, document: Document) -> Forged:
-    """Another corner or side, with the hash that belongs to it."""
+    """Another corner or side, with the hash that belongs to it: another one of its first digits."""
     geometry, name = document["geometry"], draw.choice(["a2x", "a3y", "d1", "d2"])
-    if "/" in geometry[name] or not _has_points(document):
+    changed = _leading_digit(draw, geometry[name])
+    if changed is None or "/" in geometry[name] or not _has_points(document):
         return None
-    geometry[name] += "01" if "." in geometry[name] else ".001"
+    geometry[name] = changed
     _rehashed(document)
     return "another geometry", "/"
 
 
+def _leading_digit(draw: random.Random, text: str) -> str | None:
+    """A number with another digit among its first four, so that no printed digit hides the change."""
+    first = next((k for k, letter in enumerate(text) if letter in "123456789"), len(text))
+    places = [k for k, letter in enumerate(text[: first + 5]) if letter in "12345678" and k >= first]
+    if not places:
+        return None
+    k = draw.choice(places)
+    return f"{text[:k]}{int(text[k]) + 1}{text[k + 1 :]}"
+
+
 def _has_points(document: Document) -> bool:
-    parts = document.get("slices") or document.get("curves") or document.get("violations") or []
+    """Whether a document has digits that depend on the sides."""
+    parts = document.get("slices") or document.get("curves") or []
+    examples = [part["example"] for part in document.get("violations", [])]
     return bool(
         document.get("poses")
         or document.get("transitions")
-        or any(part.get("cusps") or part.get("points") or part.get("example") for part in parts)
+        or any(part.get("cusps") or part.get("points") for part in [*parts, *examples])
+        or ("violations" in document and len(document["intervals"]) > 1)
     )
 
 
@@ -203,17 +217,14 @@ def cusp_moved(draw: random.Random, document: Document) -> Forged:
 
 
 def another_length(draw: random.Random, document: Document) -> Forged:
-    """Another fixed length: another digit among its first five."""
+    """Another fixed length."""
     if (found := _slice(draw, document)) is None:
         return None
     n, part = found
     name = f"l{document['fixed_leg']}"
-    text = part[name]
-    places = [k for k, letter in enumerate(text[:6]) if letter in "12345678"]
-    if not places:
+    if (changed := _leading_digit(draw, part[name])) is None:
         return None
-    k = draw.choice(places)
-    part[name] = f"{text[:k]}{int(text[k]) + 1}{text[k + 1 :]}"
+    part[name] = changed
     return "another length", f"/slices/{n}"
 
 
@@ -385,6 +396,8 @@ def certificate_changed(draw: random.Random, document: Document) -> Forged:
         case 0:
             form = draw.choice(full["systems"])["polynomial"]
             numbers = form["coefficients"]
+            if 0 < len([x for x in numbers if x != "0"]) < 2:  # any multiple would do
+                return None
             k = draw.randrange(len(numbers))
             form["coefficients"] = [
                 str(int(x) * 3 + (i == k)) if any(map(int, numbers)) else "1" for i, x in enumerate(numbers)
@@ -517,6 +530,8 @@ def example_changed(draw: random.Random, document: Document) -> Forged:
         if _digit(draw, draw.choice(cusps), "") is None:
             return None
     elif len(cusps) > 1:
+        if cusps[0] == cusps[1]:
+            return None
         cusps[0] = deepcopy(cusps[1])
     else:
         cusps.pop()

@@ -11,9 +11,12 @@ import pytest
 
 from rpr_solver import verify_document
 from rpr_solver.verify import censuses
+from rpr_solver.verify.core.schema import read_document
+from rpr_solver.verify.documents import promised
 from tests.rpr_solver.verify.forgeries import _BASES, FORGERIES, Forgery, base, first_line
 
 VERIFIER = Path(censuses.__file__).parent
+HASH = ("/geometry_hash", "the hash of the geometry")
 pytestmark = pytest.mark.usefixtures("events_are_found_once")
 
 
@@ -24,8 +27,15 @@ def test_there_are_enough_of_all_kinds() -> None:
 
 
 @pytest.mark.parametrize("name", _BASES)
-def test_the_documents_they_begin_with_are_accepted(name: str) -> None:
-    assert verify_document(base(name)).accepted
+def test_the_documents_they_begin_with_are_accepted_and_all_claims_are_known_beforehand(name: str) -> None:
+    verification = verify_document(base(name))
+    assert verification.accepted
+    made = {(claim.at, claim.claim) for claim in verification.claims} - {HASH}
+    promises = list(promised(read_document(base(name))))
+    assert len(set(promises)) == len(promises)
+    assert made <= set(promises)
+    # curves that are joined make no claim of their own
+    assert all(text.startswith(("it joins", "the number of cusps changes")) for _, text in {*promises} - made)
 
 
 def sampled() -> list[Any]:

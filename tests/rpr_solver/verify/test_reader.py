@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 from collections.abc import Callable
 from copy import deepcopy
 from fractions import Fraction
@@ -284,12 +285,20 @@ def test_products_of_long_numbers_count_more() -> None:
 
 
 def test_what_is_left_is_open_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = verify_document(base("table"))
+    assert whole.established
+    monkeypatch.setattr(documents, "LEAST_CHARACTERS", 1)
     monkeypatch.setattr(documents, "UNITS_OF_A_CHARACTER", 1)
     verification = verify_document(base("table"))
     assert verification.outcome is Outcome.NOT_ESTABLISHED
-    assert verification.claims[-1].status is ClaimStatus.NOT_CHECKED
-    assert "what is not named here (the document)" in verification.summary
-    assert verify_document(base("table"), effort=100).established
+    names = [{(claim.at, claim.claim) for claim in x.claims} for x in (verification, whole)]
+    assert names[0] == names[1]
+    assert len(verification.open) == len(whole.claims) - 1
+    for claim in verification.open:
+        assert claim.status is ClaimStatus.NOT_CHECKED
+        assert re.sub(r"[0-9]", "*", claim.at) in re.sub(r"(?<=/)[0-9]", "*", verification.summary)
+    assert "these 4 cusps are all (/slices/0/count)" in verification.summary
+    assert verify_document(base("table"), effort=1000).established
     with pytest.raises(InputError, match="effort"):
         verify_document(base("table"), effort=0)
 
