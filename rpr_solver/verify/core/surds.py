@@ -115,7 +115,7 @@ class Ring:
         rest, steps = list(p), len(p) - len(q) + 1
         for k in reversed(range(steps)):
             lead = rest[k + len(q) - 1]
-            spend(2 * len(p), size_of(rest))
+            spend((2 if self.radicand == 1 else 4) * len(p), size_of(rest))
             rest = [self.times(q[-1], x) for x in rest]
             _subtract(self, rest, lead, q, k)
         return trimmed(rest)
@@ -130,7 +130,9 @@ class Ring:
             step = len(p) - len(q)
             sign = -sign if len(p) % 2 == 0 == len(q) % 2 else sign
             divisor = self.times(lead, self.power(scale, step))
-            p, q = q, tuple(self.over(x, divisor) for x in self.pseudo_remainder(p, q))
+            rest = self.pseudo_remainder(p, q)
+            spend(2 * len(rest), size_of(rest))
+            p, q = q, tuple(self.over(x, divisor) for x in rest)
             lead = p[-1]
             if step:
                 scale = self.over(self.power(lead, step), self.power(scale, step - 1))
@@ -142,10 +144,15 @@ class Ring:
         return rows, (sign * last[0], sign * last[1])
 
     def gcd(self, p: Poly, q: Poly) -> Poly:
-        """A greatest common divisor over the field ℚ(ω), primitive over ℤ."""
-        p, q = sorted((primitive(p), primitive(q)), key=len, reverse=True)
+        """A greatest common divisor over ℚ(ω), primitive over ℤ, its leading coefficient rational."""
+        p, q = sorted((self.leading_rational(p), self.leading_rational(q)), key=len, reverse=True)
         last = self.chain(p, q)[0][-1] if q else p
-        return primitive(last) if len(last) > 1 else (ONE,)
+        return self.leading_rational(last) if len(last) > 1 else (ONE,)
+
+    def leading_rational(self, p: Poly) -> Poly:
+        """A multiple over ℚ(ω), primitive over ℤ, with a rational leading coefficient: no factor is left."""
+        c, d = p[-1] if p else ONE
+        return primitive(tuple(self.times(x, (c, -d)) for x in p) if d else p)
 
     def resultant(self, p: Sequence[Surd], q: Sequence[Surd]) -> Surd:
         """Sylvester's determinant for the formal degrees, which are the lengths less 1."""
@@ -183,12 +190,9 @@ class Ring:
         Raises:
             Indivisible: it does not divide p.
         """
-        c, d = q[-1]
-        conjugate: Surd = (c, -d) if d else ONE
-        integral = tuple(self.times(x, conjugate) for x in q)
-        lead = integral[-1][0]
-        scaled = tuple((a * lead ** (len(p) - len(q) + 1), b * lead ** (len(p) - len(q) + 1)) for a, b in p)
-        return primitive(self.quotient(scaled, integral))
+        whole, divisor = self.leading_rational(p), self.leading_rational(q)
+        lead = divisor[-1][0] ** (len(p) - len(q) + 1)
+        return primitive(self.quotient(tuple((a * lead, b * lead) for a, b in whole), divisor))
 
     def at(self, p: Sequence[Surd], x: Fraction) -> Surd:
         """p(x) times the denominator of x to the formal degree of p."""
