@@ -1,6 +1,6 @@
 """What a script is to compute, and the answer that it is to find: the same for every system.
 
-A moving leg has a base point a and a platform point m, both seen from the fixed leg, and the squared length
+A free leg has a base point a and a platform point m, both seen from the fixed leg, and the squared length
 |L e(θ) + R(α) m − a|². Of m, x is rational and y is 0 or ±h, where h² is rational.
 """
 
@@ -40,7 +40,7 @@ Numbers = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Leg:
-    """A moving leg: its base point, and its platform point (x, y·h), seen from the fixed leg."""
+    """A free leg: its base point, and its platform point (x, y·h), seen from the fixed leg."""
 
     ax: str
     ay: str
@@ -79,7 +79,7 @@ class Problem:
         about: what it is, in lines without an end.
         fixed_leg: the leg of fixed length.
         names: of the coordinates, as a document has them.
-        legs: the two moving legs.
+        legs: the two free legs.
         square: h², exact.
         height: h if it is rational, else None; its sign is ``sign``.
         sign: of h.

@@ -43,7 +43,7 @@ DEGREE = 6
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """``weight`` · vᵢ·X = cᵢ for the two moving legs, at one α, in any ring."""
+    """``weight`` · vᵢ·X = cᵢ for the two free legs, at one α, in any ring."""
 
     first: tuple[Any, Any]
     second: tuple[Any, Any]

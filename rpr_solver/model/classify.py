@@ -34,13 +34,13 @@ class PoseKind(Kind):
     CUSP = "cusp"
     """∇J ≠ 0 and v·∇E ≠ 0: exactly three poses coalesce, at a smooth point of the singular curve."""
     SWALLOWTAIL = "swallowtail"
-    """∇J ≠ 0, v·∇E = 0 and v·∇(v·∇E) ≠ 0: four poses coalesce; as L passes, two cusps are born or die."""
+    """∇J ≠ 0, v·∇E = 0 and v·∇(v·∇E) ≠ 0: four poses coalesce; as L passes, two cusps are born or vanish."""
     LIPS = "lips"
     """∇J = 0 with a definite Hessian, and ∂J/∂L ≠ 0: as L passes, an oval of the singular curve with two
-    cusps is born or dies."""
+    cusps is born or vanishes."""
     BEAK_TO_BEAK = "beak-to-beak"
     """∇J = 0 with an indefinite Hessian, ∂J/∂L ≠ 0 and v·∇E ≠ 0: as L passes, two branches of the singular
-    curve reconnect, and two cusps are born or die."""
+    curve reconnect, and two cusps are born or vanish."""
     ISOLATED_POINT = "isolated-point"
     """∇J = 0 with a definite Hessian, but ∂J/∂L = 0: the pose is singular at neighbouring L too."""
     NODE = "node"

@@ -24,7 +24,7 @@ class FloatSlice:
     Attributes:
         unit: the user's unit of length times this is 1 here.
         length: of the fixed leg.
-        legs: the platform point and the base point of each moving leg, seen from the fixed one.
+        legs: the platform point and the base point of each free leg, seen from the fixed one.
     """
 
     unit: float
@@ -56,7 +56,7 @@ class FloatSlice:
         return cls(unit, float(length / size), (first, second))
 
     def joints(self, alpha: float, theta: float) -> Vector:
-        """The lengths of the two moving legs."""
+        """The lengths of the two free legs."""
         ca, sa = cos(alpha), sin(alpha)
         x, y = self.length * cos(theta), self.length * sin(theta)
         first, second = (

@@ -37,7 +37,7 @@ _SMALL_PRIMES = tuple(p for p in range(2, 200) if all(p % q for q in range(2, is
 
 @dataclass(frozen=True)
 class Leg:
-    """A moving leg seen from the fixed one: platform point (m, n ω), base point (ax, ay), and ω²."""
+    """A free leg seen from the fixed one: platform point (m, n ω), base point (ax, ay), and ω²."""
 
     m: int
     n: int

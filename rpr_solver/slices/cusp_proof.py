@@ -17,7 +17,7 @@ Slopes = tuple[Any, Any, Any, Any, Any, Any]
 
 @dataclass(frozen=True)
 class LegPoints(Generic[R]):
-    """A moving leg seen from the fixed one (:class:`~rpr_solver.model.slice_map.Leg`), ω put in."""
+    """A free leg seen from the fixed one (:class:`~rpr_solver.model.slice_map.Leg`), ω put in."""
 
     m: R
     n: R

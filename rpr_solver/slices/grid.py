@@ -53,7 +53,7 @@ class MapBalls:
     """A manipulator with one leg fixed, as balls of one precision.
 
     Attributes:
-        f, g: the moving legs, scaled.
+        f, g: the free legs, scaled.
         points: the platform point and the base point of each, in the user's unit, as complex numbers.
         scale: of the lengths.
         half_turns: 360/π.

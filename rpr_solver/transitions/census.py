@@ -86,7 +86,7 @@ class TransitionEvent:
 
 @dataclass(frozen=True)
 class Transition:
-    """A length of the fixed leg at which cusps are born or die, or which has a degenerate pose.
+    """A length of the fixed leg at which cusps are born or vanish, or which has a degenerate pose.
 
     Attributes:
         length: a correctly rounded decimal, in the user's unit.

@@ -1,4 +1,4 @@
-"""The poses at which cusps are born or die as the fixed leg's length L varies.
+"""The poses at which cusps are born or vanish as the fixed leg's length L varies.
 
 J / L is linear in L: J0 + L J1, so L = −J0/J1 on the singularity surface, and a degenerate pose is an
 isolated point of the torus (α, θ):

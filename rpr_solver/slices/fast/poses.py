@@ -116,7 +116,7 @@ class DoubleMap:
 
     Attributes:
         unit: bounds the relative error of a rounding.
-        f, g: the moving legs; all of their numbers are at most 1.
+        f, g: the free legs; all of their numbers are at most 1.
         closed: the sides of f, base² − platform².
         singular, coalescence: coefficients of J and E by powers of t, L and u.
     """
