@@ -8,7 +8,17 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, TypedDict, Unpack
 
-from rpr_solver.contract import MIN_DIGITS, Progress, check_leg, check_type, document_head, silent
+from rpr_solver.contract import (
+    FULL,
+    MIN_DIGITS,
+    SHORT,
+    Progress,
+    check_certificate,
+    check_leg,
+    check_type,
+    document_head,
+    silent,
+)
 from rpr_solver.errors import InputError
 from rpr_solver.exact.rationals import (
     Exact,
@@ -19,6 +29,7 @@ from rpr_solver.margins.boxes import Problem
 from rpr_solver.margins.counterexamples import Counterexample, Ray, rounded_down
 from rpr_solver.margins.estimates import Estimate, Mover
 from rpr_solver.margins.exclusion import MayGoOn, exclude
+from rpr_solver.margins.full_certificate import cuts
 from rpr_solver.margins.questions import LENGTHS, OPEN, PROVED, REFUTED, changes
 from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
 from rpr_solver.model.lengths import slice_length
@@ -27,6 +38,8 @@ from rpr_solver.transitions.requirement import Requirement
 
 MOST_BOXES = 100_000
 """The number of boxes that a search examines, some five seconds."""
+_RECORDED = 2
+"""A proof may have so many times more boxes when it is done again for a certificate."""
 _FIRST_SHARE = Fraction(99, 100)
 _DIGITS = 3
 _CLOSE = Fraction(51, 50)
@@ -55,6 +68,7 @@ class Margin:
         verdict: ``"proved"``, ``"refuted"`` or ``"open"`` for a tolerance, else None.
         boxes: the number of boxes of the proof.
         reason: why the margin is 0 or nothing could be proved, if that is known.
+        full: what an independent checker of the proof needs, on request (full_certificate.py).
 
     >>> from rpr_solver import EXAMPLES, margin
     >>> margin(EXAMPLES["innocenti"], "28.1", tolerance="0.0007")
@@ -73,6 +87,7 @@ class Margin:
     verdict: str | None
     boxes: int
     reason: str | None = None
+    full: Mapping[str, Any] | None = None
 
     def __repr__(self) -> str:
         known = "nothing proved" if self.proved is None else f"proved {exact_str(self.proved)}"
@@ -99,6 +114,7 @@ class Margin:
                 "method": "exclusion",
                 "boxes": self.boxes,
                 "arithmetic": "binary64, errors bounded",
+                **({} if self.full is None else {"full": dict(self.full)}),
             },
         }
 
@@ -121,8 +137,9 @@ def _example_json(example: Counterexample, leg: int) -> dict[str, Any]:
 
 
 class SearchOptions(TypedDict, total=False):
-    """How long to search, and whom to tell."""
+    """How long to search, what the certificate is to hold, and whom to tell."""
 
+    certificate: str
     most_boxes: int
     may_go_on: MayGoOn
     progress: Progress
@@ -151,9 +168,10 @@ def margin(
             1 unless given, 0 for a length that is exact.
         tolerance: a change of all lengths, times the weights, or those of single lengths, the others being
             exact. Then it is only decided whether the property holds within it, and radii multiply it.
-        search: ``most_boxes``, the number of boxes of all proofs together, after which the best radius so far
-            is the answer, the same on every machine; ``may_go_on``, asked now and then, which ends the search
-            as well when it returns False; and ``progress(done, total)``.
+        search: ``certificate``, of which ``"full"`` adds what an independent checker of the proof needs;
+            ``most_boxes``, the number of boxes of all proofs together, after which the best radius so far is
+            the answer, the same on every machine; ``may_go_on``, asked now and then, which ends the search as
+            well when it returns False; and ``progress(done, total)``.
 
     Raises:
         InputError: naming the argument at fault; exactly one of ``length``, ``requirement`` and ``window``
@@ -170,8 +188,12 @@ def margin(
     given = changes(weights, tolerance)
     if tolerance is not None:
         asked["tolerance"] = {g: exact_str(w) for g, w in zip(LENGTHS, given, strict=True)}
-    run = _Search(subject, manipulator, given, _Budget(**search))
+    budget = _Budget(**search)
+    form = check_certificate(budget.certificate)
+    run = _Search(subject, manipulator, given, budget)
     answer = run.within_one() if tolerance is not None else run.radius()
+    if form == FULL:
+        answer["full"] = run.certificate(answer["proved"])
     named = dict(zip(LENGTHS, given, strict=True))
     return Margin(manipulator, leg, asked, named, subject.count(), **answer)
 
@@ -200,8 +222,9 @@ def _subject(
 
 @dataclass
 class _Budget:
-    """How much a search may cost."""
+    """How much a search may cost, and what its certificate is to hold."""
 
+    certificate: str = SHORT
     most_boxes: int = MOST_BOXES
     may_go_on: MayGoOn = lambda: True
     progress: Progress = silent
@@ -274,6 +297,16 @@ class _Search:
         first = rounded_down(top * _FIRST_SHARE, _DIGITS)
         is_proved = self._prove(first, max(self.budget.left // 8, _LEAST_BOXES))
         return (first, top) if is_proved else (Fraction(0), first)
+
+    def certificate(self, radius: Fraction | None) -> dict[str, Any] | None:
+        """The proof for a radius, for a checker; None if there is none, or it needs too many boxes."""
+        if not radius:
+            return None
+        problems = self.subject.problems(radius, self.weights)
+        found = [cuts(problem, _RECORDED * MOST_BOXES, self.budget.may_go_on) for problem in problems]
+        if None in found:
+            return None
+        return {"cuts": found, **self.subject.premises(radius, self.weights)}
 
     @cached_property
     def _estimate(self) -> Estimate | None:

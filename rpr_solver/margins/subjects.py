@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from rpr_solver.contract import MIN_DIGITS
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins.boxes import Limit, Problem, Span
 from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers
 from rpr_solver.margins.questions import LENGTHS
@@ -46,6 +47,9 @@ class Subject(Protocol):
 
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
         """Boxes whose exclusion proves the property for all geometries within a radius."""
+
+    def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
+        """What a checker has to know of the problems beside the radius and the weights, for a document."""
 
     def broken(self, manipulator: Manipulator) -> Found | None:
         """A length at which the property does not hold for a manipulator, exactly, and the count there."""
@@ -86,6 +90,11 @@ class SliceCount:
         """One box, with one length."""
         return [GeometryBox(self.manipulator, self.fixed_leg, radius, weights).at(self.length)]
 
+    def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
+        """Nothing more."""
+        del radius, weights
+        return {}
+
     def broken(self, manipulator: Manipulator) -> Found | None:
         """The length and another number of cusps."""
         count = self._slice(manipulator).count
@@ -125,6 +134,13 @@ class RequirementHolds:
         """The range, in one or two boxes."""
         box = GeometryBox(self.manipulator, self.requirement.fixed_leg, radius, weights)
         return box.over(self.requirement.start, self.requirement.stop, self.requirement.limits)
+
+    def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
+        """The length from which on the inverse is used, if the range is open."""
+        if self.requirement.stop is not None:
+            return {}
+        box = GeometryBox(self.manipulator, self.requirement.fixed_leg, radius, weights)
+        return {"turn": exact_str(box.turn(self.requirement.start, self.requirement.limits))}
 
     def broken(self, manipulator: Manipulator) -> Found | None:
         """A length of the range and its number of cusps."""
@@ -180,15 +196,29 @@ class WindowExists:
         lower, upper = self._ends
         return None if lower is None or upper is None else closing(lower, upper, _floats(weights))
 
-    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
-        """One slice, whose length moves with the geometry as the middle of the window does."""
+    @cached_property
+    def _path(self) -> tuple[Fraction, tuple[Fraction, ...]]:
+        """The length of a slice that moves as the middle of the window does, and the rates, nearly."""
         ends = [end for end in self._ends if end is not None]
         length = self.length
         if len(ends) == 2:
             length = (Fraction(ends[0].length) + Fraction(ends[1].length)) / 2
-        drift = [sum(rates) / len(ends) for rates in zip(*(end.slopes for end in ends), strict=True)]
+        rates = [sum(slopes) / len(ends) for slopes in zip(*(end.slopes for end in ends), strict=True)]
+        return Fraction(f"{float(length):.15g}"), tuple(Fraction(f"{rate:.6g}") for rate in rates)
+
+    def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
+        """One slice, whose length moves with the geometry as the middle of the window does."""
+        length, rates = self._path
         box = GeometryBox(self.manipulator, self.fixed_leg, radius, weights)
-        return [replace(box.at(length), drift=tuple(drift) or (0.0,) * len(LENGTHS))]
+        drift = tuple(map(float, rates)) or (0.0,) * len(LENGTHS)
+        return [replace(box.at(length), drift=drift)]
+
+    def premises(self, radius: Fraction, weights: Sequence[Fraction]) -> dict[str, Any]:
+        """How the slice moves."""
+        del radius, weights
+        length, rates = self._path
+        named = {g: exact_str(rate) for g, rate in zip(LENGTHS, rates, strict=False)}
+        return {"length": exact_str(length), "rates": named}
 
     def broken(self, manipulator: Manipulator) -> Found | None:
         """Nothing but the fact: no length has the number of cusps."""
@@ -210,16 +240,19 @@ class GeometryBox:
 
     def over(self, start: Fraction, stop: Fraction | None, limits: Mapping[int, Bounds]) -> list[Problem]:
         """Slices of a range of lengths, from a length that exceeds all others on by their inverses."""
-        far = 4 * sum((abs(x) + self.radius * w for x, w in self._lengths()), Fraction(0))
-        far += sum(bound or 0 for bounds in limits.values() for bound in bounds)
         if stop is not None:
             return [self._problem(stop, (start, stop), limits=limits)]
-        turn = max(far, start)
+        turn = self.turn(start, limits)
         near = [self._problem(turn, (start, turn), limits=limits)] if start < turn else []
         if any(most is not None for _, most in limits.values()):
             return near  # beyond, all legs are too long
         unit = self._unit(turn)
         return [*near, self._problem(turn, (Fraction(0), unit * unit / turn), inverse=True)]
+
+    def turn(self, start: Fraction, limits: Mapping[int, Bounds]) -> Fraction:
+        """A length that exceeds all others so far that beyond it the moving legs do, too."""
+        far = 4 * sum((abs(x) + self.radius * w for x, w in self._lengths()), Fraction(0))
+        return max(far + sum(bound or 0 for bounds in limits.values() for bound in bounds), start)
 
     def _lengths(self) -> Iterator[tuple[Fraction, Fraction]]:
         return ((getattr(self.manipulator, g), w) for g, w in zip(LENGTHS, self.weights, strict=True))

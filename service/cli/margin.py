@@ -48,6 +48,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tolerance", metavar="T", help=text)
     text = "how much lengths may change in comparison, as d1=2,a2x=0 (default: 1; 0: exact)"
     parser.add_argument("--weights", metavar="W", help=text)
+    arguments.add_certificate(parser)
     arguments.add_format(parser)
     remote.add_url(parser)
 
@@ -56,6 +57,7 @@ def run(args: argparse.Namespace) -> int:
     """Run the command; returns the exit status."""
     names = {"window": "--window", "tolerance": "--tolerance", "weights": "--weights"}
     members: dict[str, object] = {"window": args.window, **remote.deadline_of(args)}
+    members["certificate"] = args.certificate
     members["tolerance"] = arguments.tolerance_of(args.tolerance)
     members["weights"] = None if args.weights is None else arguments.changes_of(args.weights)
     if args.ranges:

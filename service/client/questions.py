@@ -40,6 +40,13 @@ class CurveOptions(TypedDict, total=False):
     deadline: float | None
 
 
+class MarginOptions(TypedDict, total=False):
+    """What the certificate of `margin` holds, and the deadline in seconds."""
+
+    certificate: str
+    deadline: float | None
+
+
 class PathOptions(TypedDict, total=False):
     """The options of paths: those of the library, whether the answer has the other poses, and the deadline in
     seconds."""
@@ -213,14 +220,15 @@ def margin(
     fixed_leg: int = 1,
     weights: Mapping[str, Exact] | None = None,
     tolerance: Exact | Mapping[str, Exact] | None = None,
-    deadline: float | None = None,
+    **options: Unpack[MarginOptions],
 ) -> Asked[Margin]:
     """How far the lengths may change before a slice, a requirement or a window loses its number of cusps."""
     numbers = {f"l{fixed_leg}": length, "window": window, "tolerance": tolerance, "weights": weights}
-    members = {**_numbers(**numbers), "fixed_leg": fixed_leg}
+    given = _complete(options, certificate="short", deadline=None)
+    members = {**_numbers(**numbers), "fixed_leg": fixed_leg, "certificate": given["certificate"]}
     if requirement is not None:
         members["requirement"] = requirement.to_json()
-    return _asked(MarginRequest, Margin, manipulator, None, deadline, members)
+    return _asked(MarginRequest, Margin, manipulator, None, given["deadline"], members)
 
 
 def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOptions]) -> Asked[Plot]:

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import ConfigDict, Field, model_validator
 
 from rpr_solver import MIN_DIGITS, exact_str
+from rpr_solver.contract import SHORT
 from rpr_solver.errors import InputError
 from service.schemas.answers import Counterexample, DocumentHead, FirstOrder, MarginCertificate
 from service.schemas.censuses import RequirementDocument
@@ -73,6 +74,10 @@ every machine.
     examples: ClassVar[Examples] = {
         "slice": ("The ten cusps of the article's first manipulator at L1 = 28.1", {"l1": "28.1"}),
         "tolerance": ("Whether they stay within 0.0005", {"l1": "28.1", "tolerance": "0.0005"}),
+        "full": (
+            "With the proof, for an independent checker",
+            {"l1": "28.1", "tolerance": "0.0005", "certificate": "full"},
+        ),
         "requirement": (
             "At most six cusps for L1 between 21 and 26, with exact sides of the platform",
             {
@@ -96,6 +101,10 @@ every machine.
     )
     weights: Changes | None = given(
         "How much each length may change in comparison; 1 unless given, 0 for one that is exact."
+    )
+    certificate: Literal["short", "full"] = Field(
+        default="short",
+        description="`full` adds to the certificate what an independent checker of the proof needs.",
     )
 
     @property
@@ -130,7 +139,8 @@ every machine.
             asked = {"length": exact_str(self.length)}
         name = "weights" if self.tolerance is None else "tolerance"
         head = {"geometry": self.geometry.to_json(), "fixed_leg": leg, "digits": MIN_DIGITS}
-        return {**head, **asked, name: changes_json(self.tolerance, self.weights)}
+        form = {} if self.certificate == SHORT else {"certificate": self.certificate}
+        return {**head, **asked, name: changes_json(self.tolerance, self.weights), **form}
 
     def _asked(self) -> dict[str, Any]:
         content = self.content()

@@ -109,6 +109,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
         margin(FIRST, "28.1", tolerance={"d1": "0.002", "a3x": 0}),
         lambda: rpr_solver.margin(FIRST, "28.1", tolerance={"d1": "0.002"}).to_json(),
     ),
+    "margin with its proof": (
+        margin(ZEIN, 10, tolerance={"a2x": "0.01"}, certificate="full"),
+        lambda: rpr_solver.margin(ZEIN, 10, tolerance={"a2x": "0.01"}, certificate="full").to_json(),
+    ),
     "verification": (
         verify_document(TABLE, effort=2, deadline=60),
         lambda: {**ZEIN.identity_json(), **rpr_solver.verify_document(TABLE).to_json()},

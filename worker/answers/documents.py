@@ -70,11 +70,11 @@ _SECONDS, _CHARACTERS = 12.0, 100_000
 def parts_to_verify(document: Mapping[str, Any]) -> int:
     """Returns the number of slices that a verification solves: those listed, or one in each interval.
 
-    Ten tubes of a full certificate cost as much as one.
+    Ten tubes, or a hundred parts of the proof of a margin, of a full certificate cost as much as one.
     """
     lists = [document.get(name) for name in ("slices", "intervals", "violations", "curves")]
     slices = sum(len(part) for part in lists if isinstance(part, list)) or 1
-    return slices + _tubes(document) // 10
+    return slices + _tubes(document) // 10 + _parts_of_a_proof(document) // 100
 
 
 def _tubes(document: Mapping[str, Any]) -> int:
@@ -82,6 +82,13 @@ def _tubes(document: Mapping[str, Any]) -> int:
         case {"full": {"chains": [*chains]}}:
             lists = [chain.get("tubes") for chain in chains if isinstance(chain, Mapping)]
             return sum(len(tubes) for tubes in lists if isinstance(tubes, list))
+    return 0
+
+
+def _parts_of_a_proof(document: Mapping[str, Any]) -> int:
+    match document.get("certificate"):
+        case {"full": {"cuts": [*texts]}}:
+            return sum(text.count(".") for text in texts if isinstance(text, str))
     return 0
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import rpr_solver
 from rpr_solver import Requirement
-from rpr_solver.contract import MIN_DIGITS, Progress
+from rpr_solver.contract import MIN_DIGITS, SHORT, Progress
 from rpr_solver.margins.questions import OPEN, PROVED, REFUTED
 from worker.answers.censuses import CENSUS
 from worker.answers.cost import Sizes, all_events
@@ -36,6 +36,7 @@ def margin(request: JobRequest, _store: Store, progress: Progress) -> Document:
         fixed_leg=request.fixed_leg,
         weights=content.get("weights"),
         tolerance=content.get("tolerance"),
+        certificate=content.get("certificate", SHORT),
         progress=progress,
     ).to_json()
 

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from rpr_solver.contract import MAX_DIGITS, MIN_DIGITS, MOST_CUSPS, MOST_POSES
+from rpr_solver.verify.core.members import POSE_KINDS, RANGE, Leg
 from rpr_solver.verify.core.numbers import (
     MOST_DIGITS,
     POSITIVE,
     Geometry,
-    decimal,
     exact,
-    exact_within,
     integer,
     polynomial,
     short,
@@ -30,18 +29,15 @@ from rpr_solver.verify.core.reader import (
     rows,
     text,
     told,
-    truth,
     unread,
     word,
 )
+from rpr_solver.verify.core.reports import check, margin
 
-POSE_KINDS = ("swallowtail", "lips", "beak-to-beak", "isolated-point", "node", "quadruple", "higher")
-"""Kinds of degenerate poses."""
 LENGTH_KINDS = ("several", "unclassified", "undecided", "open")
 SYSTEMS = {"swallowtails": 32, "critical poses": 18}
 """Name → the degree of its eliminant; for the third, any."""
 BESIDE = "beside shared angles"
-_HASH = text("sha256:[0-9a-f]{64}")
 _NAME = text("C[1-9][0-9]{0,5}")
 _MOST_DEGREE = 200
 
@@ -92,63 +88,11 @@ def read_document(value: Mapping[str, Any]) -> Document:
     leg = place.get("fixed_leg") if isinstance(place, Mapping) else None
     at = "/fixed_leg" if kind != "check" else "/requirement/fixed_leg"
     fixed = 1 if kind == "poses" else count(1, 3)(leg, at)
-    members = _SCHEMAS[kind](_Leg(fixed, digits))(value, "")
+    members = _SCHEMAS[kind](Leg(fixed, digits))(value, "")
     return Document(kind, geometry, fixed, members)
 
 
-class _Leg:
-    """Readers of what depends on the fixed leg and the digits."""
-
-    def __init__(self, fixed: int, digits: int) -> None:
-        self.fixed, self.length = fixed, f"l{fixed}"
-        self.theta = f"theta{fixed}_deg"
-        self.free = tuple(f"l{leg}" for leg in (1, 2, 3) if leg != fixed)
-        self.angle = decimal(digits, -180, 180)
-        self.positive = decimal(digits, 0, zero=False)
-        self.start = decimal(digits, 0)
-        self.number = decimal(digits)
-        self.head: dict[str, Read] = {
-            "geometry": Geometry.read,
-            "geometry_hash": _HASH,
-            "digits": count(digits, digits),
-            "solver_version": told(text(r"[0-9A-Za-z.+-]{1,40}")),
-        }
-        self.on_leg: dict[str, Read] = {**self.head, "fixed_leg": count(fixed, fixed)}
-        self.point: dict[str, Read] = {
-            "alpha_deg": self.angle,
-            self.theta: self.angle,
-            **dict.fromkeys(self.free, self.positive),
-        }
-        # a leg may be closed at a degenerate pose, never at a cusp
-        self.degenerate_point: dict[str, Read] = {
-            "kind": word(*POSE_KINDS),
-            **self.point,
-            **dict.fromkeys(self.free, self.start),
-        }
-        self.event = record(self.degenerate_point)
-        self.degenerate = rows(self._degenerate)
-
-    def _degenerate(self, value: object, at: str) -> Record:
-        kind = value.get("kind") if isinstance(value, Mapping) else None
-        curve: dict[str, Read] = {} if kind == "curve" else {"count": count(1)}
-        equation: dict[str, Read] = {"equation": text()} if kind == "curve" else {}
-        ends: dict[str, Read] = {"from": self.end, "to": nothing_or(self.end)}
-        return record({"kind": word("curve", *POSE_KINDS), **ends, **curve}, equation)(value, at)  # type: ignore[no-any-return]
-
-    def end(self, value: object, at: str) -> Any:
-        """An end of an interval: an exact number, or a decimal of all digits."""
-        try:
-            return self.positive(value, at)
-        except ValueError:
-            return exact_within(0, ends=True)(value, at)
-
-    def box(self, *names: str) -> dict[str, Read]:
-        """Sides of a box, with a centre and a radius that are exact numbers."""
-        side = record({"centre": exact, "radius": short_positive})
-        return dict.fromkeys(names, side)
-
-
-def _table(leg: _Leg) -> Read:
+def _table(leg: Leg) -> Read:
     factor = record({"degree": count(1, 96), "multiplicity": count(1, 96), "origin": text()})
     theta = f"u = tan(theta{leg.fixed}/2)"
     side = record({"centre": text(most=3 * MOST_DIGITS), "radius": text()})
@@ -198,10 +142,9 @@ def _table(leg: _Leg) -> Read:
 
 
 _ISOLATED = record({"lower": exact, "upper": exact, "multiplicity": count(1, _MOST_DEGREE)})
-_RANGE = record({"from": exact_within(0, ends=True), "to": nothing_or(POSITIVE)})
 
 
-def _poses(leg: _Leg) -> Read:
+def _poses(leg: Leg) -> Read:
     angles = ("alpha_deg", "theta1_deg", "theta2_deg", "theta3_deg")
     pose = record(
         {
@@ -233,7 +176,7 @@ def _poses(leg: _Leg) -> Read:
     )
 
 
-def _census(leg: _Leg) -> Read:
+def _census(leg: Leg) -> Read:
     event = record(leg.degenerate_point, {"sensitivity": unread, "singular": unread})
     transition = record(
         {
@@ -267,7 +210,7 @@ def _census(leg: _Leg) -> Read:
     return record(
         {
             **leg.on_leg,
-            "range": _RANGE,
+            "range": RANGE,
             "transitions": rows(transition, 0, 1000),
             "intervals": rows(interval, 1, 1001),
             "certificate": certificate,
@@ -297,7 +240,7 @@ def _system(fixed: int) -> Read:
     return read
 
 
-def _curves(leg: _Leg) -> Read:
+def _curves(leg: Leg) -> Read:
     end = {
         "kind": word(*POSE_KINDS, *LENGTH_KINDS),
         "joins": nothing_or(_NAME),
@@ -331,54 +274,18 @@ def _curves(leg: _Leg) -> Read:
     chain = record({"from": place, "to": place, "tubes": rows(tube, 1)})
     full = record({"chains": rows(chain)})
     return record(
-        {**leg.on_leg, "range": _RANGE, "curves": rows(curve, 0, 1000)},
+        {**leg.on_leg, "range": RANGE, "curves": rows(curve, 0, 1000)},
         {"degenerate": leg.degenerate, "certificate": record({"full": full})},
     )
 
 
-def _check(leg: _Leg) -> Read:
-    limit = nothing_or(exact_within(0, ends=True))
-    limits = record({}, dict.fromkeys(leg.free, record({"min": limit, "max": limit})))
-    requirement = record(
-        {
-            "fixed_leg": count(leg.fixed, leg.fixed),
-            "range": _RANGE,
-            "max_cusps": nothing_or(count()),
-            "min_cusps": nothing_or(count()),
-            "degenerate": word("allowed", "refused"),
-        },
-        {"limits": nothing_or(limits)},
-    )
-    interval: dict[str, Read] = {
-        "from": text(),
-        "to": nothing_or(text()),
-        "count": count(0, MOST_CUSPS),
-    }
-    of_margin = ("tolerance", "reason", "validity", "first_order", "counterexample", "certificate")
-    margin = record({"verdict": word("proved", "refuted", "open"), **dict.fromkeys(of_margin, unread)})
-    cusps = rows(record(leg.point), 0, MOST_CUSPS)
-    example = record({leg.length: POSITIVE, "cusps": cusps})
-    return record(
-        {
-            **leg.head,
-            "requirement": requirement,
-            "passed": truth,
-            "max_cusps_found": count(0, MOST_CUSPS),
-            "min_cusps_found": count(0, MOST_CUSPS),
-            "intervals": rows(record(interval), 1, 2000),
-            "violations": rows(record({**interval, "example": example}), 0, 2000),
-            "degenerate": leg.degenerate,
-        },
-        {"margin": margin},
-    )
-
-
-_SCHEMAS: Mapping[str, Callable[[_Leg], Read]] = {
+_SCHEMAS: Mapping[str, Callable[[Leg], Read]] = {
     "cusp-table": _table,
     "poses": _poses,
     "census": _census,
     "cusp-curves": _curves,
-    "check": _check,
+    "check": check,
+    "margin": margin,
 }
 
 _MEMBERS: Mapping[str, str] = {
@@ -387,6 +294,7 @@ _MEMBERS: Mapping[str, str] = {
     "transitions": "census",
     "curves": "cusp-curves",
     "violations": "check",
+    "first_order": "margin",
 }
 """The member by which a kind is known; poses have curves too."""
 

@@ -8,7 +8,8 @@ import pytest
 
 from rpr_solver import EXAMPLES, ClaimStatus, Manipulator, census
 from rpr_solver.verify import events as found_anew
-from rpr_solver.verify.core.schema import POSE_KINDS, read_document
+from rpr_solver.verify.core.members import POSE_KINDS
+from rpr_solver.verify.core.schema import read_document
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.events import Events, event_finding, never_degenerate
 from rpr_solver.verify.tables import form_of, proportional

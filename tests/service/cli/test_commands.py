@@ -86,6 +86,14 @@ def test_margins(run_here: Run, options: tuple[str, ...], status: int, shown: st
     assert shown in (done.stderr if status == 2 else done.stdout)
 
 
+def test_a_margin_with_its_proof_is_verified(run_here: Run, tmp_path: Path) -> None:
+    place = tmp_path / "margin.json"
+    options = ("--l1", "10", "--tolerance", "a2x=0.01", "--certificate", "full", "--format", "json")
+    place.write_text(run_here("margin", "zein-flat", *options).stdout, encoding="utf-8")
+    done = run_here("verify", str(place))
+    assert (done.returncode, done.stdout[:11]) == (0, "ESTABLISHED")
+
+
 def test_a_loop_round_a_cusp_in_every_form(run_here: Run) -> None:
     args = ("paths", "innocenti", "--l1", "27", "--cusp", "B", "--samples", "41", "--timing", "trapezoid")
     expected = cusp_loop(EXAMPLES["innocenti"], 27, 2, samples=41, timing="trapezoid").to_json()
