@@ -343,7 +343,7 @@ def test_a_data_directory_that_is_taken(tmp_path: Path) -> None:
 
 
 def test_padded_documents_do_not_fill_the_store(tmp_path: Path) -> None:
-    """Twenty padded documents of a megabyte are sent, alone and in a batch, to a store limited to 16 MiB. The
+    """Twenty padded documents of a megabyte are sent, alone and in a batch, to a store limited to 32 MiB. The
     store never exceeds the limit, and keeps little of them; each is reported as an incomplete document.
     """
     geometry = {name: str(value) for name, value in {**GEOMETRY, "orientation": "ccw"}.items()}
@@ -353,7 +353,7 @@ def test_padded_documents_do_not_fill_the_store(tmp_path: Path) -> None:
         document = {"geometry": geometry, "slices": [{"error": "x"}], "padding": f"x{n:02}" * 333_000}
         return {"document": document}
 
-    with running(tmp_path, store_max_mb=16) as stack, stack.redis() as redis:
+    with running(tmp_path, store_max_mb=32) as stack, stack.redis() as redis:
         used: list[int] = []
 
         def look() -> None:
@@ -378,5 +378,5 @@ def test_padded_documents_do_not_fill_the_store(tmp_path: Path) -> None:
                 assert used[-1] < 8 << 20
                 lines = client.get(f"{here}/results").text.splitlines()
                 assert sum(kind in line for line in lines) == len(lines) == 18
-        assert max(used) <= 16 << 20
+        assert max(used) <= 32 << 20
         assert not stopped(stack)
