@@ -20,9 +20,12 @@ from rpr_solver import (
     cusp_curves,
     cusp_loop,
     cusp_table,
+    margin,
     poses,
     singular_curves,
+    with_sensitivities,
 )
+from rpr_solver.figures.margins import margin_figure, sensitivities_figure
 from rpr_solver.figures.mechanism import point_figure
 
 FOLDER = Path(__file__).with_name("figures")
@@ -45,6 +48,12 @@ def _locus() -> Figure:
     return cusp_curves(FIRST, digits=15).part(samples=14).figure()
 
 
+def _margin() -> Figure:
+    whole = with_sensitivities(census(FIRST, digits=15).to_json())
+    found = [margin(FIRST, length).to_json() for length in ("26.9", "28.1", "28.5")]
+    return margin_figure(whole, {"from": "26", "to": "29"}, found)
+
+
 FIGURES: Mapping[str, Callable[[], Figure]] = {
     "article-2": lambda: singular_curves(FIRST, "14.98").figure(),
     "article-3": lambda: singular_curves(FIRST, 34).figure(),
@@ -61,6 +70,10 @@ FIGURES: Mapping[str, Callable[[], Figure]] = {
     "poses": lambda: poses(FIRST, "14.98", 16, 20, digits=15).figure(2),
     "census": lambda: census(FIRST, digits=15).figure(),
     "locus": _locus,
+    "sensitivities": lambda: sensitivities_figure(
+        with_sensitivities(census(FIRST, start=26, stop=29, digits=15).to_json())
+    ),
+    "margin": _margin,
 }
 """The files of the documentation, without their suffix."""
 

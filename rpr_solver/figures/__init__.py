@@ -14,6 +14,7 @@ from rpr_solver.figures.census import census_figure
 from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.locus import locus_figure
 from rpr_solver.figures.loop import loop_figure
+from rpr_solver.figures.margins import sensitivities_figure
 from rpr_solver.figures.mechanism import geometry_figure, poses_figure
 from rpr_solver.figures.torus import torus_figure
 from rpr_solver.notebook.figure import Figure
@@ -33,10 +34,17 @@ def slice_figure(document: Mapping[str, Any], view: str = "joints") -> Figure:
     return VIEWS[view](document)
 
 
+def _census_figure(document: Mapping[str, Any], view: str = "counts") -> Figure:
+    views = {"counts": census_figure, "sensitivities": sensitivities_figure}
+    if view not in views:
+        raise InputError.of("view", f"is {shown(view)}; give {' or '.join(views)}")
+    return views[view](document)
+
+
 _FIGURES: Mapping[str, Callable[..., Figure]] = {
     "poses": poses_figure,
     "components": slice_figure,
-    "transitions": census_figure,
+    "transitions": _census_figure,
     "curves": locus_figure,
     "duration": loop_figure,
     "d1": geometry_figure,
@@ -50,7 +58,8 @@ def figure_of(document: Mapping[str, Any], **options: Any) -> Figure:
     Args:
         document: the singular curves of a slice, a census, curves of cusps, a path, a table of poses, or a
             geometry, as ``to_json()`` gives it.
-        options: ``view`` (``"joints"`` or ``"torus"``) of a slice, ``pose`` (a number) of a table of poses,
+        options: ``view`` (``"joints"`` or ``"torus"``) of a slice, ``view`` (``"counts"``, or
+            ``"sensitivities"`` if it has them) of a census, ``pose`` (a number) of a table of poses,
             ``curves`` (the singular curves of its slice) of a path.
 
     Raises:

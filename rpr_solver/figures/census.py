@@ -16,7 +16,7 @@ from rpr_solver.notebook.figure import Figure
 from rpr_solver.notebook.scene import Box, Disc, Group, Paint, Path, Point, Shape, Text
 
 HEIGHT = 480.0
-_PLOT = Box(66, 160, WIDTH - 30, 350)
+PLOT = Box(66, 160, WIDTH - 30, 350)
 _AXIS = 398.0
 _LEAST = 22.0
 
@@ -29,17 +29,17 @@ def census_figure(document: Mapping[str, Any]) -> Figure:
     Args:
         document: as :meth:`Census.to_json` gives it.
     """
-    plan = _Plan.of(document)
+    plan = Plan.of(document)
     counts = [interval["count"] for interval in document["intervals"]]
     transitions = document["transitions"]
     leg = f"L{document['fixed_leg']}"
-    rise = Scale(0, 1.16 * max(*counts, 4), _PLOT.y1, _PLOT.y0)
+    rise = Scale(0, 1.16 * max(*counts, 4), PLOT.y1, PLOT.y0)
     shapes = [
-        *_bands(plan),
+        *bands(plan),
         *_steps(plan, counts, rise),
-        *_fan(plan, leg),
-        *_marks(plan, [t["kind"] for t in transitions]),
-        *_legend({t["kind"] for t in transitions}),
+        *fan(plan, leg),
+        *marks(plan, [t["kind"] for t in transitions]),
+        *legend({t["kind"] for t in transitions}),
     ]
     low, high = min(counts), max(counts)
     cusps = f"{low} cusps" if low == high else f"{low} to {high} cusps"
@@ -54,7 +54,7 @@ def census_figure(document: Mapping[str, Any]) -> Figure:
 
 
 @dataclass(frozen=True)
-class _Plan:
+class Plan:
     """The horizontal scales: ``seen``, with widened windows, and ``true``."""
 
     seen: WidenedScale
@@ -63,7 +63,7 @@ class _Plan:
     is_open: bool
 
     @classmethod
-    def of(cls, document: Mapping[str, Any]) -> _Plan:
+    def of(cls, document: Mapping[str, Any]) -> Plan:
         """The scales of a census."""
         leg = f"l{document['fixed_leg']}"
         start, stop = (document["range"][end] for end in ("from", "to"))
@@ -72,8 +72,8 @@ class _Plan:
         knots = _apart([number(start), *map(number, inner), end])
         labels = _labels([start, *inner, *([] if stop is None else [stop])])
         return cls(
-            WidenedScale.of(knots, _PLOT.x0, _PLOT.x1, _LEAST),
-            Scale(knots[0], knots[-1], _PLOT.x0, _PLOT.x1),
+            WidenedScale.of(knots, PLOT.x0, PLOT.x1, _LEAST),
+            Scale(knots[0], knots[-1], PLOT.x0, PLOT.x1),
             labels,
             stop is None,
         )
@@ -114,77 +114,78 @@ def _labels(texts: Sequence[str]) -> tuple[str, ...]:
     return tuple(labels)
 
 
-def _bands(plan: _Plan) -> Iterator[Shape]:
+def bands(plan: Plan) -> Iterator[Shape]:
     """The windows that are drawn wider than they are."""
     places = plan.seen.places
     for k in range(len(places) - 1):
         if plan.seen.is_widened(k):
-            ring = Box(places[k], _PLOT.y0, places[k + 1], _PLOT.y1).corners
+            ring = Box(places[k], PLOT.y0, places[k + 1], PLOT.y1).corners
             yield Path((ring,), Paint("tint"), closed=True)
 
 
-def _steps(plan: _Plan, counts: Sequence[int], rise: Scale) -> Iterator[Shape]:
+def _steps(plan: Plan, counts: Sequence[int], rise: Scale) -> Iterator[Shape]:
     places = plan.seen.places
     line: list[Point] = []
     for k, count in enumerate(counts):
         line += [(places[k], rise(count)), (places[k + 1], rise(count))]
-    area = [(line[0][0], _PLOT.y1), *line, (line[-1][0], _PLOT.y1)]
+    area = [(line[0][0], PLOT.y1), *line, (line[-1][0], PLOT.y1)]
     yield Path((area,), Paint("poses4", opacity=0.6), closed=True)
     levels = list(range(0, max(*counts, 2) + 1, 2 if max(counts) < 20 else 10))
     yield Path(
-        tuple([(_PLOT.x0, rise(n)), (_PLOT.x1, rise(n))] for n in levels[1:]),
+        tuple([(PLOT.x0, rise(n)), (PLOT.x1, rise(n))] for n in levels[1:]),
         Paint(stroke="faint", width=0.6),
     )
-    yield Path((_PLOT.corners,), EDGE, closed=True)
+    yield Path((PLOT.corners,), EDGE, closed=True)
     yield Path((line,), Paint(stroke="curve", width=2.2))
     for n in levels:
-        yield Text((_PLOT.x0 - 8, rise(n)), str(n), SMALL, "soft", "end")
-    yield Text((_PLOT.x0 - 46, _PLOT.centre[1]), "cusps", 15, "ink", "middle", turn=-90)
+        yield Text((PLOT.x0 - 8, rise(n)), str(n), SMALL, "soft", "end")
+    yield Text((PLOT.x0 - 46, PLOT.centre[1]), "cusps", 15, "ink", "middle", turn=-90)
     for k, count in enumerate(counts):
         middle, room = (places[k] + places[k + 1]) / 2, places[k + 1] - places[k]
         if room > width(str(count), 13) + 4:
             yield Text((middle, rise(count) - 11), str(count), 13, "ink", "middle", bold=True, halo="paper")
 
 
-def _fan(plan: _Plan, leg: str) -> Iterator[Shape]:
+def fan(plan: Plan, leg: str) -> Iterator[Shape]:
     """The lines from the widened axis to the true one, and its ticks."""
-    top, bottom = _PLOT.y1, _AXIS
-    ends = [(_PLOT.x0, _PLOT.x0), *plan.inner, (_PLOT.x1, _PLOT.x1)]
+    top, bottom = PLOT.y1, _AXIS
+    ends = [(PLOT.x0, PLOT.x0), *plan.inner, (PLOT.x1, PLOT.x1)]
     wide = [k for k in range(len(ends) - 1) if plan.seen.is_widened(k)]
     for k in wide:
         (a, p), (b, q) = ends[k : k + 2]
         yield Path(([(a, top), (b, top), (q, bottom), (p, bottom)],), Paint("tint"), closed=True)
     yield Path(tuple([(a, top), (p, bottom)] for a, p in plan.inner), Paint(stroke="ghost", width=0.7))
-    yield Path(([(_PLOT.x0, bottom), (_PLOT.x1, bottom)],), EDGE)
+    yield Path(([(PLOT.x0, bottom), (PLOT.x1, bottom)],), EDGE)
     for value, words in ticks(plan.true.low, plan.true.high, 9):
         x = plan.true(value)
         yield Path(([(x, bottom), (x, bottom + 5)],), EDGE)
-        if not (plan.is_open and x > _PLOT.x1 - 24):
+        if not (plan.is_open and x > PLOT.x1 - 24):
             yield Text((x, bottom + 16), words, SMALL, "soft", "middle")
     if plan.is_open:
-        yield Path(([(_PLOT.x1 - 7, bottom - 4), (_PLOT.x1, bottom), (_PLOT.x1 - 7, bottom + 4)],), EDGE)
-        yield Text((_PLOT.x1, bottom + 16), "∞", 15, "soft", "middle")
-    yield Text(((_PLOT.x0 + _PLOT.x1) / 2, bottom + 36), f"{leg}, true to scale", 14, "ink", "middle")
+        yield Path(([(PLOT.x1 - 7, bottom - 4), (PLOT.x1, bottom), (PLOT.x1 - 7, bottom + 4)],), EDGE)
+        yield Text((PLOT.x1, bottom + 16), "∞", 15, "soft", "middle")
+    yield Text(((PLOT.x0 + PLOT.x1) / 2, bottom + 36), f"{leg}, true to scale", 14, "ink", "middle")
 
 
-def _marks(plan: _Plan, kinds: Sequence[str]) -> Iterator[Shape]:
+def marks(plan: Plan, kinds: Sequence[str]) -> Iterator[Shape]:
     """The transitions: a mark of each kind, and the length above it."""
-    y = _PLOT.y0 - 12
+    y = PLOT.y0 - 12
     labels = plan.labels[1:]
     for (x, _), kind, words in zip(plan.inner, kinds, labels, strict=False):
-        yield Path(([(x, y), (x, _PLOT.y1)],), Paint(stroke="ghost", width=0.7, dash=(2, 3)))
+        yield Path(([(x, y), (x, PLOT.y1)],), Paint(stroke="ghost", width=0.7, dash=(2, 3)))
         yield Group((mark(kind, (x, y)),), f"{kind} at {words}")
         yield Text((x + 3, y - 11), words, 11.5, "soft", turn=-58)
 
 
-def _legend(kinds: set[str]) -> Iterator[Shape]:
-    x = _PLOT.x0
+def legend(kinds: set[str]) -> Iterator[Shape]:
+    """The marks of kinds of transitions, and what is shaded."""
+    x = PLOT.x0
     for kind in sorted(kinds, key=lambda kind: ([*_KINDS, kind].index(kind), kind)):
         yield mark(kind, (x + 6, 52))
         yield Text((x + 17, 52), kind, SMALL, "soft")
         x += 36 + width(kind, SMALL)
-    if kinds:
-        words = "shaded: drawn wider than to scale"
+    words = "shaded: drawn wider than to scale"
+    if kinds and x + 19 + width(words, SMALL) < WIDTH:
         yield Path((Box(x + 1, 46, x + 13, 58).corners,), Paint("tint", "ghost", 0.7), closed=True)
         yield Text((x + 19, 52), words, SMALL, "soft")
 

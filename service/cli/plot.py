@@ -1,5 +1,6 @@
-"""Draw a slice, a census, the cusp curves, a loop round a cusp, or the mechanism. The suffix of the file
-selects SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need the extra `plot`."""
+"""Draw a slice, a census, how its transitions move, margins, the cusp curves, a loop round a cusp, or the
+mechanism. The suffix of the file selects SVG, PNG or PDF; without a file, SVG is printed. PNG and PDF need
+the extra `plot`."""
 
 from __future__ import annotations
 
@@ -23,6 +24,7 @@ EXAMPLES = """\
 examples:
   rpr-cusps plot innocenti --l1 27 -o slice.svg
   rpr-cusps plot innocenti --kind census -o census.pdf
+  rpr-cusps plot innocenti --kind margin --l1-range 20:32 -o margin.svg
   rpr-cusps plot innocenti --kind loop --l1 27 --cusp B -o loop.svg
   rpr-cusps plot robot.json --kind mechanism --l1 15 --l2 16 --l3 20 --theme dark -o pose.png
 """
@@ -37,10 +39,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=PLOTS,
         default="slice",
         help="the type of picture: a slice in the plane of the free legs (default) or on the torus of "
-        "poses, the census, the cusp curves in joint space, a loop in motion, or the mechanism",
+        "poses, the census, the sensitivities of its transitions, the margin against the length of the leg, "
+        "the cusp curves in joint space, a loop in motion, or the mechanism",
     )
     arguments.add_options(parser, "--l{}", "lengths", "X", "the length of a leg")
-    arguments.add_ranges(parser, "the range of lengths of a census or a locus (default: all)")
+    arguments.add_ranges(parser, "the range of a census, sensitivities, margins or a locus (default: all)")
     parser.add_argument(
         "--cusp",
         metavar="CUSP",

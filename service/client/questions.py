@@ -232,10 +232,11 @@ def margin(
 
 
 def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOptions]) -> Asked[Plot]:
-    """A picture: ``"slice"``, ``"torus"``, ``"census"``, ``"locus"``, ``"loop"`` or ``"mechanism"``.
+    """A picture: ``"slice"``, ``"torus"``, ``"census"``, ``"sensitivities"``, ``"margin"``, ``"locus"``,
+    ``"loop"`` or ``"mechanism"``.
 
-    A slice and a loop have the ``length`` of the fixed leg, a census and a locus a range, the mechanism all
-    three ``lengths``, or a length and a cusp.
+    A slice and a loop have the ``length`` of the fixed leg, the mechanism all three ``lengths``, or a length
+    and a cusp, the others a range.
     """
     names = ("length", "lengths", "start", "stop", "cusp", "pose", "deadline")
     given = _complete(options, fixed_leg=1, theme="auto", **dict.fromkeys(names))

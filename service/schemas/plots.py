@@ -15,12 +15,9 @@ from service.schemas.lengths import LEGS, NEEDED, RANGE_COLUMNS, OneSlice, Range
 from service.schemas.numbers import FixedLeg, Length, PoseNumber, fixed_leg_field
 from service.schemas.paths import CuspNumber, cusp_field
 from service.schemas.questions import Examples, Question
-from worker.answers.plots import DIGITS, PLOT
+from worker.answers.plots import DIGITS, OF_ALL_SLICES, PLOT
 
 _ONE_SLICE = ("slice", "torus", "loop")
-
-
-_ALL_SLICES = ("census", "locus")
 
 
 _WITH_CUSP = ("loop", "mechanism")
@@ -37,7 +34,7 @@ _SCHEMA: dict[str, Any] = {
         },
     },
     "else": {
-        "if": {"properties": {"plot": {"enum": [*_ALL_SLICES]}}},
+        "if": {"properties": {"plot": {"enum": [*OF_ALL_SLICES]}}},
         "then": {"properties": dict.fromkeys((*LEGS, "cusp", "pose"), False)},
         "else": {
             "if": {"required": ["cusp"]},
@@ -62,8 +59,8 @@ class Plot(DocumentHead):
 
 class PlotRequest(OneSlice):
     """A manipulator, and the picture to draw. `slice` and `torus` take the length of the fixed leg, `loop`
-    also a `cusp`; `census` and `locus` take a `range`; `mechanism` takes all three lengths and optionally a
-    `pose`, or the length of the fixed leg and a `cusp`.
+    also a `cusp`; `census`, `sensitivities`, `margin` and `locus` take a `range`; `mechanism` takes all three
+    lengths and optionally a `pose`, or the length of the fixed leg and a `cusp`.
     """
 
     model_config = ConfigDict(json_schema_extra=_SCHEMA)
@@ -80,7 +77,8 @@ description, or only the SVG with `Accept: image/svg+xml`; `/v1/plot.svg` gives 
 
 Equal questions give the same bytes. In the theme `auto` a picture follows its reader's setting, light or
 dark; animations stop when reduced motion is requested. A census or the cusp curves take a few seconds,
-everything else less than one; the response waits for it, up to 10 seconds unless `Prefer` says otherwise.
+margins half a minute, everything else less than one second; the response waits for it, up to 10 seconds
+unless `Prefer` says otherwise.
 """
     answer = Plot
     known = "The picture."
@@ -92,18 +90,23 @@ everything else less than one; the response waits for it, up to 10 seconds unles
     examples: ClassVar[Examples] = {
         "slice": ("The article's figure 4", {"l1": 27}),
         "census": ("The number of cusps against L1", {"plot": "census"}),
+        "sensitivities": ("How fast each transition moves", {"plot": "sensitivities"}),
         "mechanism": (
             "A pose of three leg lengths",
             {"plot": "mechanism", "l1": 14.98, "l2": 16, "l3": 20, "pose": 2},
         ),
     }
 
-    plot: Literal["slice", "torus", "census", "locus", "loop", "mechanism"] = Field(
-        "slice",
-        description="The type of picture: a slice in the plane of the free legs (`slice`) or on the torus "
-        "of poses (`torus`), the number of cusps against the length of the fixed leg (`census`), the cusp "
-        "curves in joint space (`locus`), a loop round a cusp in motion (`loop`), or the mechanism at a "
-        "pose (`mechanism`).",
+    plot: Literal["slice", "torus", "census", "sensitivities", "margin", "locus", "loop", "mechanism"] = (
+        Field(
+            "slice",
+            description="The type of picture: a slice in the plane of the free legs (`slice`) or on the "
+            "torus of poses (`torus`), the number of cusps against the length of the fixed leg (`census`), "
+            "how fast its transitions move with each length (`sensitivities`), how far the lengths may be "
+            "off before that number changes (`margin`: first order, and proved in the widest windows), the "
+            "cusp curves in joint space (`locus`), a loop round a cusp in motion (`loop`), or the mechanism "
+            "at a pose (`mechanism`).",
+        )
     )
     theme: Literal["auto", "light", "dark"] = Field(
         "auto", description="`auto` follows the reader's setting, light or dark."
@@ -128,7 +131,7 @@ everything else less than one; the response waits for it, up to 10 seconds unles
     def _problems(self) -> Iterator[FieldProblem]:
         given = self.model_fields_set
         own = f"l{self.fixed_leg}"
-        if self.plot in _ALL_SLICES:
+        if self.plot in OF_ALL_SLICES:
             needed: tuple[str, ...] = ()
             useless: tuple[str, ...] = (*LEGS, "cusp", "pose")
         elif self._has_legs:
@@ -157,7 +160,7 @@ everything else less than one; the response waits for it, up to 10 seconds unles
             "fixed_leg": 1 if self._has_legs else self.fixed_leg,
             "digits": DIGITS,
         }
-        if self.plot in _ALL_SLICES:
+        if self.plot in OF_ALL_SLICES:
             return {**head, "range": self.model_dump(include={"range"})["range"]}
         if self._has_legs:
             lengths = {leg: exact_str(getattr(self, leg)) for leg in LEGS}

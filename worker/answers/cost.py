@@ -19,6 +19,9 @@ from typing import Any
 INTERVALS = 20
 """Between two transitions, of a typical manipulator."""
 
+MARGINS = 4
+"""Those that are proved for a picture of margins."""
+
 SHORT_BITS = 40
 """Bits of numbers that are not worth shortening."""
 

@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 from rpr_solver.contract import letter, number_of
 from rpr_solver.figures.census import census_figure
 from rpr_solver.figures.joint_plane import joint_figure
 from rpr_solver.figures.locus import locus_figure
 from rpr_solver.figures.loop import loop_figure
+from rpr_solver.figures.margins import lengths_to_prove, margin_figure, sensitivities_figure
 from rpr_solver.figures.mechanism import point_figure, poses_figure
 from rpr_solver.figures.torus import torus_figure
 from rpr_solver.notebook.figure import Figure
+from worker.answers.cost import MARGINS
 
 Document = dict[str, Any]
 
 
-Source = Callable[[str], Document]
-"""Gives the documents that a picture shows: the `census` or the `curves` of a range of lengths, the singular
-curves of the `slice`, the `path` round the cusp, the `poses` of the leg lengths."""
+class Source(Protocol):
+    """Gives the documents that a picture shows: the `census`, the same `moving`, with sensitivities, or the
+    `curves` of a range of lengths; the census of all lengths, `all moving`, and the `margin` of a slice; the
+    singular curves of the `slice`, the `path` round the cusp, the `poses` of the leg lengths."""
+
+    def __call__(self, name: str, **more: str) -> Document:
+        """The document; `more` are members of its question."""
 
 
 def figure_of(content: Mapping[str, Any], shown: Source) -> Figure:
@@ -50,10 +56,18 @@ def _mechanism(content: Mapping[str, Any], shown: Source) -> Figure:
     return point_figure(content["geometry"], leg, length, cusps[number], title)
 
 
+def _margin(content: Mapping[str, Any], shown: Source) -> Figure:
+    document, span = shown("all moving"), content["range"]
+    found = [shown("margin", length=length) for length in lengths_to_prove(document, span, MARGINS)]
+    return margin_figure(document, span, found)
+
+
 DRAWN: Mapping[str, Callable[[Mapping[str, Any], Source], Figure]] = {
     "slice": lambda _, shown: joint_figure(shown("slice")),
     "torus": lambda _, shown: torus_figure(shown("slice")),
     "census": lambda _, shown: census_figure(shown("census")),
+    "sensitivities": lambda _, shown: sensitivities_figure(shown("moving")),
+    "margin": _margin,
     "locus": lambda _, shown: locus_figure(shown("curves")),
     "loop": lambda _, shown: loop_figure(shown("path"), shown("slice")),
     "mechanism": _mechanism,

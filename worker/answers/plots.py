@@ -8,17 +8,22 @@ from dataclasses import replace
 import rpr_solver
 from rpr_solver.contract import DEFAULT_TOLERANCE, MIN_DIGITS, Progress, document_head
 from rpr_solver.exact.rationals import exact_str
-from worker.answers.censuses import CENSUS
-from worker.answers.cost import INTERVALS, Sizes, all_events, elimination, one_slice
+from rpr_solver.margins.questions import LENGTHS
+from worker.answers.censuses import CENSUS, SENSITIVITIES
+from worker.answers.cost import INTERVALS, MARGINS, Sizes, all_events, elimination, one_slice
 from worker.answers.curves import CUSP_CURVES
 from worker.answers.curves import cost as cost_of_curves
 from worker.answers.documents import POSES, SINGULAR_CURVES
+from worker.answers.margins import MARGIN
 from worker.answers.paths import PATH, USUAL
-from worker.answers.requests import Content, Document, JobRequest, Kind, Store
+from worker.answers.requests import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store
 from worker.answers.store import answer
 
-PLOTS = ("slice", "torus", "census", "locus", "loop", "mechanism")
+PLOTS = ("slice", "torus", "census", "sensitivities", "margin", "locus", "loop", "mechanism")
 """What can be drawn."""
+
+OF_ALL_SLICES = ("census", "sensitivities", "margin", "locus")
+"""Those of a range of lengths."""
 
 DIGITS = MIN_DIGITS
 """The significant digits of the numbers from which pictures are drawn."""
@@ -29,6 +34,9 @@ SAMPLES = 14
 
 _SHOWN: Mapping[str, tuple[Kind, tuple[str, ...], Content]] = {
     "census": (CENSUS, ("fixed_leg", "range"), {}),
+    "moving": (CENSUS, ("fixed_leg", "range"), {SENSITIVITIES: True}),
+    "all moving": (CENSUS, ("fixed_leg",), {"range": ALL_LENGTHS, SENSITIVITIES: True}),
+    "margin": (MARGIN, ("fixed_leg",), {"weights": dict.fromkeys(LENGTHS, "1")}),
     "curves": (CUSP_CURVES, ("fixed_leg", "range"), {"lengths": [], "samples": SAMPLES}),
     "slice": (SINGULAR_CURVES, ("fixed_leg", "length"), {"tolerance": TOLERANCE}),
     "path": (PATH, ("fixed_leg", "length", "cusp"), USUAL),
@@ -64,7 +72,7 @@ def figure(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.
 
     content = request.content
 
-    def shown(name: str) -> Document:
+    def shown(name: str, **more: str) -> Document:
         """A document that is known, or that is computed and kept."""
         kind, own, others = _SHOWN[name]
         asked = {
@@ -72,21 +80,28 @@ def figure(request: JobRequest, store: Store, progress: Progress) -> rpr_solver.
             "digits": DIGITS,
             **{member: content[member] for member in own},
         }
-        return answer(JobRequest(kind, {**asked, **others}), store, progress)
+        return answer(JobRequest(kind, {**asked, **others, **more}), store, progress)
 
     return figure_of(content, shown)
 
 
 def _measure(content: Content, size: Sizes) -> Sizes:
-    count = INTERVALS * SAMPLES if content["plot"] == "locus" else 1
-    return replace(size, count=count, is_slice=content["plot"] not in ("census", "locus"))
+    plot = content["plot"]
+    return replace(
+        size,
+        count=INTERVALS * SAMPLES if plot == "locus" else 1,
+        is_slice=plot not in OF_ALL_SLICES,
+        censuses=MARGINS if plot == "margin" else 0,
+    )
 
 
 def _cost(size: Sizes) -> float:
     """A slice that is traced, or all transitions, and perhaps curves sampled between them."""
     if size.count > 1:
         return 0.2 + cost_of_curves(size)
-    return 0.15 + elimination(size) + 2 * one_slice(size) if size.is_slice else 0.2 + all_events(size)
+    if size.is_slice:
+        return 0.15 + elimination(size) + 2 * one_slice(size)
+    return 0.2 + all_events(size) + size.censuses * MARGIN.cost(size)
 
 
 PLOT = Kind("plot", "pl-", compute, _cost, measure=_measure, fewer=lambda _content, _size: {})

@@ -345,8 +345,22 @@ def test_the_leg_of_the_length_is_fixed(capsys: pytest.CaptureFixture[str]) -> N
     assert "<style>" not in text
 
 
+def test_a_picture_of_sensitivities(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["plot", "zein-flat", "--kind", "sensitivities", "--l1-range", "30:33"]) == 0
+    assert "How L1 of each transition moves with each length" in capsys.readouterr().out
+
+
+def test_a_picture_of_margins_of_a_degenerate_family_needs_no_search(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    geometry = {"a2x": 30, "a3x": 0, "a3y": 40, "d1": 30, "d2": 50, "d3": 40}
+    (tmp_path / "a.json").write_text(json.dumps(geometry))
+    assert main(["plot", str(tmp_path / "a.json"), "--kind", "margin"]) == 0
+    assert "degenerate throughout: the margin is 0" in capsys.readouterr().out
+
+
 @pytest.mark.long
-@pytest.mark.parametrize("kind", ["census", "locus"])
+@pytest.mark.parametrize("kind", ["census", "locus", "margin"])
 def test_pictures_of_all_lengths(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["plot", "zein-flat", "--kind", kind, "--l1-range", "20:40"]) == 0
     assert capsys.readouterr().out.startswith("<svg ")

@@ -182,6 +182,7 @@ def test_special_shapes_are_not_dear(geometry: dict[str, str]) -> None:
     [
         # with what they were found to take, in seconds
         (CUSP_CURVES, {**WHOLE, "lengths": [], "samples": 14}, 5),  # 13.9
+        (PLOT, {"plot": "margin", "theme": "auto", "range": ALL_LENGTHS}, 20),  # 31.5
         (PLOT, {"plot": "locus", "theme": "auto", "range": ALL_LENGTHS}, 5),  # 19.1
         (ARTICLE_TABLE, {"l1": ["14.98", "27", f"14.98{'1' * 250}"]}, 5),  # > 16
     ],
