@@ -94,6 +94,46 @@ def test_what_is_degenerate_throughout_is_said(base_url: str, open_page: Open, p
     assert page.evaluate(script) == [[172, 5], [180, 5], None, [-180, 5], [-173, 5]]
 
 
+def test_a_tolerance_is_proved_or_refuted_by_a_geometry_that_can_be_opened(
+    base_url: str, open_page: Open, inspect: Inspect
+) -> None:
+    page = open_page(f"{base_url}/#{INNOCENTI}&l1=28.1")
+    count_is(page, "L1 = 28.1: 10 cusps")
+    expect(page.locator("#census-strip rect.bar")).to_have_count(23)
+    slider, verdict = page.locator("#tolerance-slider"), page.locator("#verdict")
+    expect(slider).to_have_attribute("aria-valuetext", "plus or minus 0.001")
+    page.get_by_role("button", name="Decide").click()
+    expect(verdict).to_have_text("Refuted: not 10 cusps at L1 = 28.1 for every geometry within ± 0.001.")
+    expect(page.locator("#first-order")).to_contain_text("an estimate: ± 0.0006")
+    binding = "beak-to-beak at L1 = 28.0949, which moves most with a3x −2.40, a3y +2.32, d1 +1.96"
+    expect(page.locator("#binding li")).to_have_text([binding])
+    expect(page.locator("#counterexample-text")).to_contain_text("8 cusps at L1 = 28.1 for a2x")
+    inspect(page, "refuted")
+    page.get_by_role("button", name="Open the counter-example").click()
+    count_is(page, "L1 = 28.1: 8 cusps")
+    assert page.locator("#a2x").input_value() != "15.91"
+    expect(verdict).to_have_text("")
+    page.get_by_role("button", name="Go back").click()
+    count_is(page, "L1 = 28.1: 10 cusps")
+    assert page.locator("#a2x").input_value() == "15.91"
+    expect(page.locator("#counterexample")).to_be_hidden()
+    slider.focus()
+    slider.press("ArrowLeft")
+    slider.press("ArrowLeft")
+    expect(verdict).to_have_text("Proved: 10 cusps at L1 = 28.1 for every geometry within ± 0.0002.")
+    page.get_by_label("What to call").select_option("margin")
+    expect(page.locator("#code")).to_contain_text('"tolerance": "0.0002"')
+    page.locator("#l1").fill("27")
+    expect(verdict).to_have_text("")
+
+
+def test_a_slice_that_is_degenerate_has_no_tolerance(base_url: str, open_page: Open) -> None:
+    page = open_page(f"{base_url}#g=3,0,4,3,5,4,ccw&l1=5&c=A&v=joint")
+    expect(page.locator("#census-degenerate li")).to_have_count(2)
+    page.get_by_role("button", name="Decide").click()
+    expect(page.locator("#verdict")).to_have_text("Open: the slice has degenerate poses (curve, node).")
+
+
 def test_points_are_dragged_by_mouse_and_by_keys(base_url: str, open_page: Open) -> None:
     page = open_page(f"{base_url}/#{INNOCENTI}&l1=14.98")
     count_is(page, "L1 = 14.98: 6 cusps")
@@ -500,6 +540,8 @@ def test_other_ways_of_looking(
     page = open_page(base_url, **options)
     count_is(page, "L1 = 27: 8 cusps")
     expect(page.locator("#census-strip rect.bar")).to_have_count(23)
+    page.get_by_role("button", name="Decide").click()
+    expect(page.locator("#verdict")).to_contain_text("8 cusps at L1 = 27")
     inspect(page, name)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     if name == "phone":

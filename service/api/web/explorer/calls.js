@@ -46,6 +46,14 @@ const QUESTIONS = {
       print: 'for window in answer["intervals"]:\n    print(window["from"], window["to"], window["count"])',
     }),
   },
+  margin: {
+    path: "v1/margins",
+    members: ({ l1, tolerance }) => ({ l1, tolerance }),
+    python: ({ l1, tolerance }) => ({
+      ask: ["margin", [JSON.stringify(l1), `tolerance=${JSON.stringify(tolerance)}`]],
+      print: 'print(answer["verdict"], answer["counterexample"])',
+    }),
+  },
 };
 
 /** The call of a question in every language: `{curl, python, matlab}`. */

@@ -4,6 +4,7 @@ import "./theme.js";
 import { GoneError, Latest, ProblemError, ask } from "./api.js";
 import { Calls } from "./calls.js";
 import { CensusStrip, counted } from "./census.js";
+import { Exactness } from "./exactness.js";
 import { Fields, firstExample } from "./form.js";
 import { legendOf, sliceOf } from "./curves.js";
 import { JointSpace, spoken } from "./joint_space.js";
@@ -45,6 +46,10 @@ class Explorer {
   #table = new CuspTable({ onSelect: (index) => this.#select(index), say });
   #motion = new Motion({ onMove: (sample) => this.#move(sample) });
   #poses = new Poses({ onPick: (vector) => this.#pick(vector), onChoose: (pose) => this.#choosePose(pose) });
+  #exactness = new Exactness({
+    onAsk: (tolerance) => this.#askMargin(tolerance),
+    onOpen: (geometry) => this.#change({ geometry, at: null }, true),
+  });
   #calls = new Calls();
   #live = new Latest((state) => this.#askPicture(state));
 
@@ -72,6 +77,8 @@ class Explorer {
   #change(change, isWhole = false) {
     if (change.geometry) this.#progress.cancel("census");
     this.#progress.cancel("loop");
+    this.#progress.cancel("margin");
+    this.#exactness.clear();
     this.#clearLoop();
     this.#state = { ...this.#state, ...change };
     if (isWhole) this.#joint.fitNext();
@@ -283,6 +290,20 @@ class Explorer {
     });
   }
 
+  /** Asks whether the slice keeps its number of cusps within a tolerance. */
+  #askMargin(tolerance) {
+    const state = this.#state;
+    const { geometry, l1 } = state;
+    this.#tell();
+    return this.#asking("margin", state, async (signal, onProgress) => {
+      const margin = await ask("v1/margins", { geometry, l1, tolerance }, { signal, onProgress }).catch((error) => {
+        this.#exactness.refuse(error.message);
+        return orNoAnswer(error);
+      });
+      if (margin && this.#isCurrent(state)) this.#exactness.show(margin, l1, tolerance);
+    });
+  }
+
   /** Runs a question, and tells whether it was answered; what goes wrong is shown unless the page has gone on. */
   async #asking(name, state, task) {
     try {
@@ -346,7 +367,7 @@ class Explorer {
   /** Writes the state into the address and the calls. */
   #tell() {
     history.replaceState(null, "", hashOf(this.#state));
-    this.#calls.show(this.#state);
+    this.#calls.show({ ...this.#state, tolerance: this.#exactness.tolerance });
   }
 }
 
