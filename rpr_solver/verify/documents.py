@@ -23,7 +23,7 @@ from rpr_solver.verify.core.reader import (
 )
 from rpr_solver.verify.core.schema import Document, read_document
 from rpr_solver.verify.curves import curve_claims
-from rpr_solver.verify.margins import margin_claims
+from rpr_solver.verify.margins import margin_claims, promised_of_margin
 from rpr_solver.verify.poses import pose_claims
 from rpr_solver.verify.tables import isolation, table_claims
 
@@ -251,4 +251,5 @@ _PROMISED: Mapping[str, Callable[[Document], Named]] = {
     "census": _of_census,
     "cusp-curves": _of_curves,
     "check": _of_check,
+    "margin": promised_of_margin,
 }

@@ -3,64 +3,63 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
 from rpr_solver.contract import Progress
 from rpr_solver.verify.censuses import Range
-from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, judged
+from rpr_solver.verify.claims import Claim, ClaimStatus, judged
 from rpr_solver.verify.core.numbers import LENGTHS, Geometry
 from rpr_solver.verify.core.reader import Record, refusal
 from rpr_solver.verify.core.schema import Document
 from rpr_solver.verify.core.system import Surface
-from rpr_solver.verify.cusps import Bounds, Limits, Slice
-from rpr_solver.verify.degeneracy import Bound
+from rpr_solver.verify.cusps import Bounds, Limits
 from rpr_solver.verify.events import Events
-from rpr_solver.verify.exclusion import Region, Span, flaw
+from rpr_solver.verify.margin_proofs import FULL, Proof, Scope, compared
 
 _EVENT_BITS = 128
 _VALIDITY_DIGITS = 6
-_FULL = "/certificate/full"
 _SUBJECTS = ("window", "requirement")
 _ASK = "the proof is in the full certificate: ask for --certificate full"
+
+
+_WITHIN = "all geometries within this radius have the property"
+_FITTING = {
+    "/weights": "what radii multiply",
+    "/validity": "from this radius on a geometry may be flat",
+    "/proved": "below validity and counter-example, 1 for a tolerance",
+    "/verdict": "it follows from what is proved and refuted",
+    FULL: "a proof of what is proved",
+    "/counterexample/radius": "the distance of the counter-example",
+    "/counterexample": "a slice without the property",
+    "/asked": "a range of lengths, and a bound of the number of cusps",
+}
+
+
+def promised_of_margin(document: Document) -> Iterator[tuple[str, str]]:
+    """The member that makes a claim, and what is claimed, of all claims of a margin."""
+    margin = _Margin(document)
+    left_out = set()
+    if margin.proved is None:
+        left_out.add("/proved")
+    if "full" not in margin.members["certificate"]:
+        left_out.add(FULL)
+    if margin.example is None:
+        left_out |= {"/counterexample", "/counterexample/radius"}
+    if margin.subject != "requirement":
+        left_out.add("/asked")
+    yield from ((at, text) for at, text in _FITTING.items() if at not in left_out)
+    if margin.example is not None:
+        yield margin.of_example
+    if margin.count is not None:
+        yield margin.of_count
+    if margin.proved:
+        yield "/proved", _WITHIN
 
 
 def margin_claims(document: Document, progress: Progress) -> Iterator[Claim]:
     """The claims of a margin."""
     yield from _Margin(document).claims(progress)
-
-
-@dataclass(frozen=True)
-class _Scope:
-    """What is asked for: one slice, or the range of a requirement with its limits.
-
-    Attributes:
-        fixed: the fixed leg.
-        start, stop: the range; both are the length of a slice, or of one in a window.
-        limits: of the other legs.
-        least, most: numbers of cusps that are admitted; None if any is.
-    """
-
-    fixed: int
-    start: Fraction
-    stop: Fraction | None
-    limits: Limits
-    least: int | None = None
-    most: int | None = None
-
-    def admits(self, number: int) -> bool:
-        """Whether a number of cusps is admitted."""
-        return (self.least is None or number >= self.least) and (self.most is None or number <= self.most)
-
-    @property
-    def is_bounded(self) -> bool:
-        """Whether there is a least or a greatest number."""
-        return self.least is not None or self.most is not None
-
-    def counted(self, geometry: Geometry, length: Fraction) -> tuple[int, bool] | None:
-        """The number of cusps of a slice within the limits, and whether it is proved; None if it is open."""
-        return self.limits.counted(Slice(Surface.of(geometry, self.fixed).at(length)))
 
 
 class _Margin:
@@ -79,16 +78,16 @@ class _Margin:
             raise refusal("/count", "is missing")
 
     @cached_property
-    def scope(self) -> _Scope:
+    def scope(self) -> Scope:
         """What is asked for."""
         if self.subject != "requirement":
             length = self.asked[self.subject]
-            return _Scope(self.fixed, length, length, Limits({}))
+            return Scope(self.subject, self.fixed, length, length, Limits({}))
         requirement: Record = self.asked["requirement"]
         span, limits = requirement["range"], (requirement.get("limits") or {})
         bounds: dict[int, Bounds] = {int(x[1]): (y.get("min"), y.get("max")) for x, y in limits.items()}
-        ends = span["from"], span["to"]
-        return _Scope(self.fixed, *ends, Limits(bounds), requirement["min_cusps"], requirement["max_cusps"])
+        ends, counts = (span["from"], span["to"]), (requirement["min_cusps"], requirement["max_cusps"])
+        return Scope(self.subject, self.fixed, *ends, Limits(bounds), *counts)
 
     def claims(self, progress: Progress) -> Iterator[Claim]:
         """All claims; those that cost work only if the others fit together."""
@@ -97,7 +96,9 @@ class _Margin:
         if any(claim.status is ClaimStatus.REFUSED for claim in fit):
             return
         full: Record | None = self.members["certificate"].get("full")
-        proof = None if full is None or not self.proved else _Proof(self, full)
+        proof = None
+        if full is not None and self.proved:
+            proof = Proof(self.geometry, self.weights, self.proved, self.scope, self.count, full)
         progress(0, 3)
         if self.example is not None:
             yield self._refuted(self.example)
@@ -105,42 +106,41 @@ class _Margin:
         yield from self._counted(proof)
         progress(2, 3)
         if self.proved:
-            claim = "all geometries within this radius have the property"
             finding = (ClaimStatus.NOT_CHECKED, _ASK) if proof is None else proof.finding()
-            yield Claim("/proved", claim, *finding)
+            yield Claim("/proved", _WITHIN, *finding)
         progress(3, 3)
 
     def _fitting(self) -> Iterator[Claim]:
         """That the members follow from each other."""
 
-        def claim(at: str, text: str, right: bool, wrong: str = "they contradict each other") -> Claim:
-            return judged(at, text, right, "as printed", wrong)
+        def claim(at: str, right: bool, wrong: str = "they contradict each other") -> Claim:
+            return judged(at, _FITTING[at], right, "as printed", wrong)
 
         tolerance = self.asked.get("tolerance")
         right = any(self.weights) and (tolerance is None or dict(tolerance) == dict(self.members["weights"]))
-        yield claim("/weights", "what radii multiply", right)
+        yield claim("/weights", right)
         own = _validity(self.geometry, self.weights)
         right = self.members["validity"] == (None if own is None else _rounded_down(own))
-        yield claim("/validity", "from this radius on a geometry may be flat", right, f"it is {own}")
+        yield claim("/validity", right, f"it is {own}")
         example, proved = self.example, self.proved
         if proved is not None:
             right = (own is None or proved < own) or not proved
             right = right and (example is None or proved < example["radius"])
             right = right and (tolerance is None or proved == 1)
-            yield claim("/proved", "below validity and counter-example, 1 for a tolerance", right)
+            yield claim("/proved", right)
         verdict = None
         if tolerance is not None:
             verdict = "proved" if proved else "refuted" if example and example["radius"] <= 1 else "open"
         right = self.members["verdict"] == verdict
-        yield claim("/verdict", "it follows from what is proved and refuted", right, f"it is {verdict}")
+        yield claim("/verdict", right, f"it is {verdict}")
         if "full" in self.members["certificate"]:
-            yield claim(_FULL, "a proof of what is proved", bool(proved))
+            yield claim(FULL, bool(proved))
         if example is not None:
             yield from self._example_fits(example)
         if self.subject == "requirement":
             scope = self.scope
             right = (scope.stop is None or scope.start < scope.stop) and scope.is_bounded
-            yield claim("/asked", "a range of lengths, and a bound of the number of cusps", right)
+            yield claim("/asked", right)
 
     def _example_fits(self, example: Record) -> Iterator[Claim]:
         """That a counter-example is as far away as it says, and not as the property wants it."""
@@ -150,8 +150,8 @@ class _Margin:
         radius = max((d / w for d, w in changes if w), default=Fraction(0))
         right = radius == example["radius"] and not any(d for d, w in changes if not w)
         right = right and other.clockwise == self.geometry.clockwise
-        claims = "the distance of the counter-example"
-        yield judged("/counterexample/radius", claims, right, "as printed", f"it is {radius}")
+        at = "/counterexample/radius"
+        yield judged(at, _FITTING[at], right, "as printed", f"it is {radius}")
         length, number, scope = example[f"l{self.fixed}"], example["count"], self.scope
         if self.subject == "window":
             right = length is None and number is None
@@ -162,21 +162,34 @@ class _Margin:
             right = inside and not scope.admits(number)
         else:
             right = length == scope.start and number != self.count
-        text = "a slice without the property"
-        yield judged("/counterexample", text, right, "as printed", "it would have the property")
+        at = "/counterexample"
+        yield judged(at, _FITTING[at], right, "as printed", "it would have the property")
+
+    @property
+    def of_example(self) -> tuple[str, str]:
+        """The member that says what a counter-example has, and what it says."""
+        if self.subject == "window":
+            return "/counterexample/geometry", f"no slice of it has {self.count} cusps"
+        number = None if self.example is None else self.example["count"]
+        return "/counterexample/count", f"{number} cusps in this slice of the counter-example"
+
+    @property
+    def of_count(self) -> tuple[str, str]:
+        """The member that says what the given geometry has, and what it says."""
+        where = "every slice of the range" if self.subject == "requirement" else "this slice"
+        return "/count", f"{self.count} cusps in {where}"
 
     def _refuted(self, example: Record) -> Claim:
         """That a counter-example is one."""
-        at, geometry = "/counterexample/count", example["geometry"]
+        geometry = example["geometry"]
         if self.subject == "window":
             return self._has_no_window(geometry)
         number, length = example["count"], example[f"l{self.fixed}"]
-        claim = f"{number} cusps in this slice of the counter-example"
-        return Claim(at, claim, *_compared(number, self.scope.counted(geometry, length)))
+        return Claim(*self.of_example, *compared(number, self.scope.counted(geometry, length)))
 
     def _has_no_window(self, geometry: Geometry) -> Claim:
         """That no slice of a geometry has the number of cusps, by one in each interval between events."""
-        at, claim = "/counterexample", f"no slice of it has {self.count} cusps"
+        at, claim = self.of_example
         events = Events(Surface.of(geometry, self.fixed), _EVENT_BITS)
         whole = Range(events, [], Fraction(0), None)
         gaps = whole.gaps(0)
@@ -189,153 +202,23 @@ class _Margin:
         reason = "all its events are found, and a slice between each two has another number"
         return Claim(at, claim, ClaimStatus.PROVED, reason)
 
-    def _counted(self, proof: _Proof | None) -> Iterator[Claim]:
+    def _counted(self, proof: Proof | None) -> Iterator[Claim]:
         """That the given geometry has the number of cusps."""
         if self.count is None:
             return
         if self.subject != "requirement":
-            claim = f"{self.count} cusps in this slice"
             found = self.scope.counted(self.geometry, self.asked[self.subject])
-            yield Claim("/count", claim, *_compared(self.count, found))
+            yield Claim(*self.of_count, *compared(self.count, found))
             return
-        claim = f"{self.count} cusps in every slice of the range"
         if proof is not None:
-            yield Claim("/count", claim, *proof.finding(self.count))
+            yield Claim(*self.of_count, *proof.finding(self.count))
             return
         scope = self.scope
         events = Events(Surface.of(self.geometry, self.fixed), _EVENT_BITS)
         whole = Range(events, [], scope.start, scope.stop)
         left = ["cusps that cross a limit"] if scope.limits.bounded else []
         own = whole.counted(0, self.count, scope.limits.counted, left)
-        yield Claim("/count", claim, own.status, own.reason)
-
-
-class _Proof:
-    """The proof of a full certificate."""
-
-    def __init__(self, margin: _Margin, full: Record) -> None:
-        self.margin, self.full, self.scope = margin, full, margin.scope
-        assert margin.proved is not None
-        self.spans: tuple[Span, ...] = tuple(
-            (getattr(margin.geometry, g) - margin.proved * w, getattr(margin.geometry, g) + margin.proved * w)
-            for g, w in zip(LENGTHS, margin.weights, strict=True)
-        )
-        self.most = [max(map(abs, span)) for span in self.spans]
-
-    def finding(self, number: int | None = None) -> Finding:
-        """Whether all geometries within the radius have the property, or as many cusps as given."""
-        length, flaws = self._sample, self._flaw
-        if flaws is not None:
-            return ClaimStatus.REFUSED, flaws
-        found = self._found
-        wanted = self.margin.count if number is None else number
-        if wanted is None and found is not None:
-            wanted = found[0]
-        status, reason = _compared(wanted or 0, found)
-        if status is ClaimStatus.PROVED and not self.scope.admits(wanted or 0):
-            return ClaimStatus.REFUSED, f"the slice at {length} has {wanted}, which is not admitted"
-        if status is not ClaimStatus.PROVED:
-            return status, f"in the slice at {length}: {reason}"
-        parts = sum(cuts.count(".") for cuts in self.full["cuts"])
-        reason = f"no cusp degenerates, in {parts} parts; the slice at {length} has {wanted}"
-        return ClaimStatus.PROVED, reason
-
-    @cached_property
-    def _found(self) -> tuple[int, bool] | None:
-        return self.scope.counted(self.margin.geometry, self._sample)
-
-    @cached_property
-    def _sample(self) -> Fraction:
-        """A length of the fixed leg for the given geometry, within the regions of the proof."""
-        if self.margin.subject == "window":
-            length: Fraction = self.full.get("length", Fraction(1))
-            return length
-        start, stop = self.scope.start, self.scope.stop
-        return (start + (2 * start + 1 if stop is None else stop)) / 2
-
-    @cached_property
-    def _flaw(self) -> str | None:
-        """Why the certificate is no proof; None if it is one."""
-        named = {"window": {"length", "rates"}, "requirement": {"turn"}}.get(self.margin.subject, set())
-        named = set() if named == {"turn"} and self.scope.stop is not None else named
-        if set(self.full) != {"cuts", *named}:
-            return f"it should have the members cuts, {', '.join(sorted(named))}"
-        regions = list(self._regions())
-        if len(regions) != len(self.full["cuts"]):
-            return f"{len(regions)} regions are to be cut"
-        for n, (region, cuts) in enumerate(zip(regions, self.full["cuts"], strict=True)):
-            reason = region if isinstance(region, str) else flaw(region, cuts)
-            if reason is not None:
-                return f"{_FULL}/cuts/{n}: {reason}"
-        return None
-
-    def _regions(self) -> Iterator[Region | str]:
-        """What is to be proved, with the reason where it cannot be."""
-        if self.margin.subject == "window":
-            length, rates = self.full["length"], tuple(self.full["rates"][g] for g in LENGTHS)
-            change = sum(abs(rate) * (b - a) / 2 for rate, (a, b) in zip(rates, self.spans, strict=True))
-            yield self._region((length, length), rates) if change < length else "a length is not > 0"
-            return
-        start, stop = self.scope.start, self.scope.stop
-        if stop is not None:
-            yield self._region((start, stop))
-            return
-        turn: Fraction = self.full["turn"]
-        bounds = [bound for both in self.scope.limits.of_legs.values() for bound in both]
-        if turn <= sum(self.most) + max([bound for bound in bounds if bound is not None], default=0):
-            yield "turn is not far beyond all lengths"
-            return
-        if start < turn:
-            yield self._region((start, turn))
-        # beyond, all legs are longer than any limit
-        if not any(most is not None for _, most in self.scope.limits.of_legs.values()):
-            yield self._region((Fraction(0), 1 / max(turn, start)), inverse=True)
-
-    def _region(
-        self,
-        fixed: Span,
-        rates: tuple[Fraction, ...] = (Fraction(0),) * len(LENGTHS),
-        *,
-        inverse: bool = False,
-    ) -> Region:
-        geometry, unit = self.margin.geometry, Fraction(1)
-        longest = max(*self.most, 0 if inverse else fixed[1], 1 / fixed[1] if inverse else 0)
-        while unit < longest:
-            unit *= 2
-        while unit > 2 * longest:
-            unit /= 2
-        first, second = geometry.free_legs(self.scope.fixed)
-        limits = (
-            ()
-            if inverse
-            else tuple(
-                Bound((first, second).index(leg), side, bound / unit)
-                for leg, both in self.scope.limits.of_legs.items()
-                for side, bound in zip((-1, 1), both, strict=True)
-                if bound is not None
-            )
-        )
-        flat = geometry.height_squared == 0
-        return Region(
-            self.scope.fixed,
-            0 if flat else -1 if geometry.clockwise else 1,
-            tuple((low / unit, high / unit) for low, high in self.spans),
-            (fixed[0] * unit, fixed[1] * unit) if inverse else (fixed[0] / unit, fixed[1] / unit),
-            inverse,
-            rates,
-            limits,
-        )
-
-
-def _compared(number: int, found: tuple[int, bool] | None) -> Finding:
-    """A number of cusps against what was counted."""
-    if found is None:
-        return ClaimStatus.NOT_CHECKED, "its cusps are not counted"
-    if found[0] != number:
-        return ClaimStatus.REFUSED, f"it has {found[0]}"
-    if not found[1]:
-        return ClaimStatus.CHECKED, "as many are found; that there are no others is not proved"
-    return ClaimStatus.PROVED, "all its cusps are found anew"
+        yield Claim(*self.of_count, own.status, own.reason)
 
 
 def _validity(geometry: Geometry, weights: tuple[Fraction, ...]) -> Fraction | None:
