@@ -18,9 +18,19 @@ import time
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
-from rpr_solver import EXAMPLES, InputError, Manipulator, Margin, Requirement, SolverError, cusp_table, margin
+from rpr_solver import (
+    EXAMPLES,
+    InputError,
+    Manipulator,
+    Margin,
+    Requirement,
+    SolverError,
+    cusp_table,
+    margin,
+    tolerance_census,
+)
 from rpr_solver.margins.questions import LENGTHS
 
 INNOCENTI = EXAMPLES["innocenti"]
@@ -36,9 +46,16 @@ CASES: dict[str, tuple[Manipulator, dict[str, Any], str]] = {
     "sixteen-cusps, L1 = 14.46845": (EXAMPLES["sixteen-cusps"], {"length": "14.46845"}, "8.1e-7"),
     "eighteen-cusps, L1 = 15.6431": (EXAMPLES["eighteen-cusps"], {"length": "15.6431"}, "4.55e-7"),
 }
+TOLERANCES = [
+    ("first manipulator", INNOCENTI, "0.001"),
+    ("twelve-cusps", EXAMPLES["twelve-cusps"], "0.0001"),
+    ("fourteen-cusps", EXAMPLES["fourteen-cusps"], "0.0001"),
+    ("sixteen-cusps", EXAMPLES["sixteen-cusps"], "0.00001"),
+]
+T = TypeVar("T")
 
 
-def timed(ask: Callable[[], Margin]) -> tuple[Margin, float]:
+def timed(ask: Callable[[], T]) -> tuple[T, float]:
     """An answer and the processor time in seconds."""
     start = time.process_time()
     return ask(), time.process_time() - start
@@ -65,6 +82,13 @@ def examples() -> None:
             f"{answer.first_order and answer.first_order.radius:.4g}, refuted {against}, proved "
             f"{float(answer.proved or 0):.4g} ({float((answer.proved or 0) / top):.0%}) in {whole:.1f} s, "
             f"{answer.boxes} boxes; {least}: {single.verdict} in {proof:.1f} s, {single.boxes} boxes"
+        )
+    for name, manipulator, tolerance in TOLERANCES:
+        table, seconds = timed(partial(tolerance_census, manipulator, tolerance, digits=30))
+        known = sum(span is not None for span in table.spans)
+        print(
+            f"{name}, census within {tolerance}: {known} of {len(table.spans)} transitions bounded, "
+            f"{len(table.open)} ranges open, {table.boxes} boxes, {seconds:.1f} s"
         )
 
 

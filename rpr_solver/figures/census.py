@@ -37,6 +37,7 @@ def census_figure(document: Mapping[str, Any]) -> Figure:
     shapes = [
         *bands(plan),
         *_steps(plan, counts, rise),
+        *_tolerance(plan, transitions),
         *fan(plan, leg),
         *marks(plan, [t["kind"] for t in transitions]),
         *legend({t["kind"] for t in transitions}),
@@ -48,6 +49,11 @@ def census_figure(document: Mapping[str, Any]) -> Figure:
         for n, a, b in zip(counts, plan.labels, [*plan.labels[1:], "∞" if plan.is_open else ""], strict=False)
     ]
     note = f"Numbers of cusps by {leg}: {'; '.join(windows[: len(counts)])}."
+    spans = [f"{t['from']} to {t['to']}" for t in transitions if t.get("from") is not None]
+    if spans:
+        note += (
+            f" Shaded: where the transitions are for all geometries within the tolerance: {'; '.join(spans)}."
+        )
     note += degenerate_facts(document)
     title, remark = f"Number of cusps against {leg}: {cusps}", degenerate_remark(document)
     return sheet(title, document["geometry"], note, shapes, HEIGHT, remark=remark)
@@ -121,6 +127,17 @@ def bands(plan: Plan) -> Iterator[Shape]:
         if plan.seen.is_widened(k):
             ring = Box(places[k], PLOT.y0, places[k + 1], PLOT.y1).corners
             yield Path((ring,), Paint("tint"), closed=True)
+
+
+def _tolerance(plan: Plan, transitions: Sequence[Mapping[str, Any]]) -> Iterator[Shape]:
+    """Where each transition is for all geometries within a tolerance, if the census has one."""
+    for transition in transitions:
+        if transition.get("from") is not None:
+            low, high = (number(transition[end]) for end in ("from", "to"))
+            first, *_, last = plan.seen.knots
+            ends = plan.seen(max(low, first)), plan.seen(min(high, last))
+            ring = Box(ends[0], PLOT.y0, ends[1], PLOT.y1).corners
+            yield Path((ring,), Paint("curve", opacity=0.25), closed=True)
 
 
 def _steps(plan: Plan, counts: Sequence[int], rise: Scale) -> Iterator[Shape]:

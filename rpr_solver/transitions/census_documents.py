@@ -118,6 +118,7 @@ def census_csv(document: Mapping[str, Any]) -> str:
 
     ``degenerate`` says what is degenerate in each slice of the interval, or in one of them as a whole curve.
     If the events have sensitivities, so has the line: ``sensitivity_a2x`` … of the transition at its end.
+    With a tolerance it has the bounds of this transition, ``transition_from`` and ``transition_to``.
 
     >>> from rpr_solver import EXAMPLES, census
     >>> print(census_csv(census(EXAMPLES["zein-flat"], start=38, stop=39, digits=15).to_json()))
@@ -127,12 +128,12 @@ def census_csv(document: Mapping[str, Any]) -> str:
     """
     leg = f"l{document['fixed_leg']}"
     kinds = {t[leg]: t["kind"] for t in document["transitions"]}
-    sensitivities = {t[leg]: _sensitivities(document, t["events"]) for t in document["transitions"]}
+    more = {t[leg]: _of_transition(document, t) for t in document["transitions"]}
     records = [
         {
             **item,
             "transition_at_end": kinds.get(item["to"]),
-            **sensitivities.get(item["to"], {}),
+            **more.get(item["to"], {}),
             "degenerate": "; ".join(
                 degenerate_words(part, document["fixed_leg"])
                 for part in document.get("degenerate", ())
@@ -142,8 +143,14 @@ def census_csv(document: Mapping[str, Any]) -> str:
         for item in document["intervals"]
     ]
     columns = ["from", "to", "count", "transition_at_end", "degenerate"]
-    extra = next((list(moves) for moves in sensitivities.values() if moves), [])
+    extra = list(dict.fromkeys(name for cells in more.values() for name in cells))
     return csv_text([*columns, *extra], records)
+
+
+def _of_transition(document: Mapping[str, Any], transition: Mapping[str, Any]) -> dict[str, str | None]:
+    """The columns of a transition that only some censuses have."""
+    bounds = {f"transition_{end}": transition[end] for end in ("from", "to") if end in transition}
+    return {**bounds, **_sensitivities(document, transition["events"])}
 
 
 def _sensitivities(document: Mapping[str, Any], events: Sequence[Mapping[str, Any]]) -> dict[str, str]:

@@ -19,6 +19,7 @@ from service.cli.pages import (
     counted_range,
     degenerate_notes,
     rows_of,
+    tolerance_words,
     write_document,
 )
 from service.cli.questions import command
@@ -27,13 +28,16 @@ from service.schemas.curves import CuspCurvesRequest
 
 _CENSUS = """\
 Find every length at which the number of cusps changes, with its kind and poses, and the number of cusps in
-between. The list is proved complete."""
+between. The list is proved complete. With --tolerance it holds for every manipulator whose lengths are so
+close to the given ones: each transition has bounds of its length."""
 _CENSUS_EXAMPLES = """\
 examples:
   rpr-cusps census innocenti --digits 20
   rpr-cusps census innocenti --l1-range 28:31 --format json
   rpr-cusps census robot.json --l2-range :40 --format csv     leg 2 fixed
   rpr-cusps census robot.json --l1-range 20:30 --digits 15 --sensitivities
+  rpr-cusps census robot.json --l1-range 20:30 --tolerance 0.001
+  rpr-cusps census robot.json --l1-range 20:30 --tolerance d1=0.005,a3x=0.001
 """
 
 
@@ -58,6 +62,7 @@ def _census(document: Mapping[str, Any]) -> Page:
         keys = [leg, "cusps", *(key for key in events[0] if key not in others)]
         sections.append(Section("Transitions", rows_of(events, keys)))
     sections += _sensitivities(leg, transitions)
+    sections += _within_tolerance(leg, document)
     return Page(about(document), sections, document["digits"])
 
 
@@ -85,6 +90,23 @@ def _sensitivities(leg: str, transitions: Sequence[Mapping[str, Any]]) -> Iterat
     if any("sensitivity" in event for transition in transitions for event in transition["events"]):
         title = f"Sensitivities: how fast {leg.upper()} of each transition changes with each length"
         yield Section(title, rows_of(moving), notes)
+
+
+def _within_tolerance(leg: str, document: Mapping[str, Any]) -> Iterator[Section]:
+    """Where the transitions of all geometries within a tolerance are, and what is open, if there is one."""
+    if "tolerance" not in document:
+        return
+    rows = [
+        {leg: t[leg], "kind": t["kind"], "from": t["from"] or "?", "to": t["to"] or "?"}
+        for t in document["transitions"]
+    ]
+    notes = [
+        f"Open from {part['from']} to {part['to'] or '∞'}: {part['reason']}." for part in document["open"]
+    ]
+    if document["complete"]:
+        notes = ["Every geometry has these transitions in this order, with these numbers of cusps between."]
+    title = f"With {tolerance_words(document['tolerance'])}: the bounds of each transition"
+    yield Section(title, rows_of(rows), notes)
 
 
 def _differ(one: Mapping[str, str | None], other: Mapping[str, str | None]) -> bool:
@@ -179,7 +201,11 @@ COMMANDS = {
         _CENSUS,
         _CENSUS_EXAMPLES,
         page=_census,
-        words={"range": "the range of lengths; either end may be omitted (default: all)"},
+        words={
+            "range": "the range of lengths; either end may be omitted (default: all)",
+            "tolerance": "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are "
+            "exact then. The census is to hold for every manipulator within it",
+        },
         steps="steps",
     ),
     "curves": Command(_CURVES, _CURVES_EXAMPLES, _configure, _run),

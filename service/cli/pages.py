@@ -222,6 +222,13 @@ def _column(key: str, points: Sequence[Mapping[str, Any]]) -> list[str]:
     return [_HEADINGS.get(key, key), *cells]
 
 
+def tolerance_words(tolerance: Mapping[str, str]) -> str:
+    """Returns the greatest change of each length in words."""
+    if len({*tolerance.values()}) == 1:
+        return f"all lengths within {next(iter(tolerance.values()))}"
+    return ", ".join(f"{name} within {number}" for name, number in tolerance.items() if number != "0")
+
+
 def about(document: Mapping[str, Any]) -> str:
     """Returns the line that describes the manipulator of a document."""
     geometry = document["geometry"]

@@ -105,6 +105,8 @@ def _run(
     fields = _members(question)
     members: dict[str, object] = {name: getattr(args, name, None) for name in fields}
     names = {name: _option(name) for name in fields}
+    if "tolerance" in members:
+        members["tolerance"] = arguments.tolerance_of(args.tolerance)
     if "range" in fields:
         members["fixed_leg"], members["range"], names["range"] = arguments.leg_and_range(args)
     elif "fixed_leg" in fields:

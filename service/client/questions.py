@@ -32,6 +32,15 @@ _NO_LIMIT = 1_000_000
 _Length = Exact | Iterable[Exact]
 
 
+class CensusOptions(TypedDict, total=False):
+    """Further options of :func:`census`."""
+
+    certificate: str
+    sensitivities: bool
+    tolerance: Exact | Mapping[str, Exact] | None
+    deadline: float | None
+
+
 class CurveOptions(TypedDict, total=False):
     """The options of `cusp_curves` beside its points: as in the library, and the deadline in seconds."""
 
@@ -106,21 +115,22 @@ def census(
     digits: int = DEFAULT_DIGITS,
     start: Exact | None = None,
     stop: Exact | None = None,
-    certificate: str = "short",
-    sensitivities: bool = False,
-    deadline: float | None = None,
+    **options: Unpack[CensusOptions],
 ) -> Asked[Census]:
     """Every length at which the number of cusps changes.
 
-    With `sensitivities` each event says how fast it moves when the lengths of the manipulator change.
+    With `sensitivities` each event says how fast it moves when the lengths of the manipulator change; with a
+    `tolerance`, as `margin` has it, the census holds for every manipulator within it.
     """
+    given = _complete(options, certificate="short", sensitivities=False, tolerance=None, deadline=None)
     members = {
         "fixed_leg": fixed_leg,
         "range": _range(start, stop),
-        "certificate": certificate,
-        "sensitivities": sensitivities,
+        "certificate": given["certificate"],
+        "sensitivities": given["sensitivities"],
+        **_numbers(tolerance=given["tolerance"]),
     }
-    return _asked(CensusRequest, Census, manipulator, digits, deadline, members)
+    return _asked(CensusRequest, Census, manipulator, digits, given["deadline"], members)
 
 
 def cusp_curves(

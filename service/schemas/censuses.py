@@ -75,6 +75,13 @@ class Transition(FixedLength):
     count_before: int = Field(description="Number of cusps just below this length.")
     count_after: int = Field(description="Number of cusps just above this length.")
     events: list[CensusEvent]
+    from_: str | None = Field(
+        default=None,
+        alias="from",
+        description="With a `tolerance`, a lower bound of the length at which every geometry within it has "
+        "these events; null if that is not proved.",
+    )
+    to: str | None = Field(default=None, description="An upper bound, likewise.")
 
 
 class CensusInterval(Interval):
@@ -119,6 +126,14 @@ class FullCensusCertificate(Model):
     samples: list[str] = Field(description="For each interval the length at which the cusps were counted.")
 
 
+class OpenRange(Model):
+    """Lengths about which not all is proved."""
+
+    from_: str = Field(alias="from")
+    to: str | None = Field(description="Null: without end.")
+    reason: str = Field(description="What is not proved, and why if it is known.")
+
+
 class CensusCertificate(Model):
     """The proof that a census is complete."""
 
@@ -130,6 +145,7 @@ class CensusCertificate(Model):
     lengths_examined: int = Field(description="The number of lengths at which cusps may be born or vanish.")
     counts_by: str
     full: FullCensusCertificate | None = optional("Present with `certificate` `full`.")
+    boxes: int | None = optional("With a `tolerance`, the number of boxes of the proof.")
 
 
 class Census(DocumentHead):
@@ -140,6 +156,17 @@ class Census(DocumentHead):
     intervals: list[CensusInterval]
     degenerate: list[Degeneracy] = DEGENERATE
     certificate: CensusCertificate = Field(description="The proof that the census is complete.")
+    tolerance: dict[str, str] | None = optional(
+        "The greatest change of each length, if the question has one."
+    )
+    complete: bool | None = optional(
+        "Present with a `tolerance`: whether every geometry within it has these transitions, in this order, "
+        "each between its `from` and `to`, with these numbers of cusps between, and no others."
+    )
+    open: list[OpenRange] | None = optional(
+        "Present with a `tolerance`: the lengths about which that is not proved, ascending. Outside of these "
+        "it is."
+    )
 
 
 # As a condition, since generators of clients drop the members beside an `anyOf`.
@@ -251,6 +278,9 @@ the numbers of cusps and of aspects in every window between them. The list of tr
 
 The whole census is computed once, by a job of a few seconds, and kept; ranges of it, or fewer digits, are
 then answered immediately. `Prefer: wait=N` waits for the job.
+
+With `tolerance` it is a census of all geometries within it: each transition has bounds of its length, `from`
+and `to`, and outside of these and of the ranges in `open` all geometries have the same number of cusps.
 """
     answer = Census
     known = "The census."
@@ -270,6 +300,10 @@ then answered immediately. `Prefer: wait=N` waits for the job.
             "With the sensitivity of each transition",
             {"digits": 30, "range": {"from": 28, "to": "31"}, "sensitivities": True},
         ),
+        "tolerance": (
+            "Of all geometries whose lengths are within 0.001 of these",
+            {"digits": 30, "range": {"from": 28, "to": "31"}, "tolerance": "0.001"},
+        ),
     }
 
     fixed_leg: FixedLeg = fixed_leg_field()
@@ -287,12 +321,23 @@ then answered immediately. `Prefer: wait=N` waits for the job.
         description="Whether each event says how fast its transition moves when the lengths of the geometry "
         "change.",
     )
+    tolerance: Tolerance | None = given(
+        "A change of all lengths of the geometry, or those of single lengths, the others being exact: the "
+        "census is to hold for every geometry within it."
+    )
+
+    @model_validator(mode="after")
+    def _tolerance_is_sound(self) -> Self:
+        if self.tolerance is not None:
+            changes_json(self.tolerance)
+        return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
-        content = super().content()
-        wanted = content.pop("sensitivities")
-        return {**content, "sensitivities": True} if wanted else content
+        content = self.model_dump(exclude={"certificate", "tolerance"})
+        if not content["sensitivities"]:
+            del content["sensitivities"]
+        return content if self.tolerance is None else {**content, "tolerance": changes_json(self.tolerance)}
 
 
 class CheckRequest(Question):

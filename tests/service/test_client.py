@@ -58,6 +58,13 @@ def in_tolerance() -> object:
     return within_tolerance(report, found, found["weights"])
 
 
+def census_in_tolerance(tolerance: dict[str, str]) -> object:
+    """A census of a tolerance with sensitivities, cut from the whole census."""
+    whole = rpr_solver.census(ZEIN, digits=20).to_json()
+    part = rpr_solver.restrict_census(whole, 35, 36) or {}
+    return rpr_solver.with_sensitivities(rpr_solver.within_tolerance(whole, part, tolerance).to_json())
+
+
 KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "cusp table": (
         cusp_table(ZEIN, [10, "69/2", 0], digits=20),
@@ -70,6 +77,10 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "census": (
         census(ZEIN, digits=20, start=22, stop="32"),
         lambda: rpr_solver.restrict_census(rpr_solver.census(ZEIN, digits=20).to_json(), 22, 32),
+    ),
+    "census of a tolerance": (
+        census(ZEIN, digits=20, start=35, stop="36", sensitivities=True, tolerance={"a2x": "0.0001"}),
+        lambda: census_in_tolerance({"a2x": "0.0001"}),
     ),
     "census with sensitivities": (
         census(ZEIN, digits=20, start=22, stop="32", sensitivities=True),

@@ -6,35 +6,46 @@ from dataclasses import replace
 
 import rpr_solver
 from rpr_solver.contract import FULL, SHORT, Progress
-from worker.answers.cost import all_events
-from worker.answers.requests import ALL_LENGTHS, Document, JobRequest, Kind, Store, content_range
+from worker.answers.cost import Sizes, all_events
+from worker.answers.requests import ALL_LENGTHS, Content, Document, JobRequest, Kind, Store, content_range
 from worker.answers.store import answer, known_document
 
-SENSITIVITIES = "sensitivities"
-"""The member of a question for a census whose events have their sensitivities."""
+SENSITIVITIES, TOLERANCE = "sensitivities", "tolerance"
+"""Members of a question about the same census: for the sensitivities of its events, or all geometries within
+a tolerance."""
+_BOXES_SECONDS = 6.0
 
 
 def derive(request: JobRequest, store: Store) -> Document | None:
     """Returns a census that follows from known ones, else None: from the whole one with as many digits or
     more; with sensitivities from the same without them."""
-    return _moved(request, store) if _asks_for_sensitivities(request) else _cut(request, store)
+    return _cut(request, store) if _is_plain(request) else _moved(request, store)
 
 
-def _asks_for_sensitivities(request: JobRequest) -> bool:
-    return SENSITIVITIES in request.content
+def _is_plain(request: JobRequest) -> bool:
+    return SENSITIVITIES not in request.content and TOLERANCE not in request.content
 
 
-def _without_sensitivities(request: JobRequest) -> JobRequest:
-    content = {name: value for name, value in request.content.items() if name != SENSITIVITIES}
+def _without(request: JobRequest, member: str) -> JobRequest:
+    content = {name: value for name, value in request.content.items() if name != member}
     return replace(request, content=content)
 
 
 def _moved(request: JobRequest, store: Store) -> Document | None:
     """Returns a census with sensitivities that follows from the same without them, else None."""
-    if not _asks_for_sensitivities(request):
+    if SENSITIVITIES not in request.content:
         return None
-    plain = known_document(_without_sensitivities(request), store)
+    plain = known_document(_without(request, SENSITIVITIES), store)
     return None if plain is None else rpr_solver.with_sensitivities(plain)
+
+
+def _with_more(request: JobRequest, store: Store, progress: Progress) -> Document:
+    """The same census with sensitivities, or for all geometries within a tolerance."""
+    if SENSITIVITIES in request.content:
+        return rpr_solver.with_sensitivities(answer(_without(request, SENSITIVITIES), store, progress))
+    part = answer(_without(request, TOLERANCE), store, progress)
+    whole = answer(_whole(request, request.digits), store, progress)
+    return rpr_solver.within_tolerance(whole, part, request.content[TOLERANCE], progress=progress).to_json()
 
 
 def _cut(request: JobRequest, store: Store) -> Document | None:
@@ -53,8 +64,8 @@ def compute(request: JobRequest, store: Store, progress: Progress) -> Document:
     Raises:
         SolverError: a transition could not be decided.
     """
-    if _asks_for_sensitivities(request):
-        return rpr_solver.with_sensitivities(answer(_without_sensitivities(request), store, progress))
+    if not _is_plain(request):
+        return _with_more(request, store, progress)
     if not store.keeps:
         return solved(request, store, progress)
     whole = store.document(
@@ -72,8 +83,8 @@ def certified(request: JobRequest, store: Store, progress: Progress) -> Document
     Raises:
         SolverError: a transition could not be decided.
     """
-    if _asks_for_sensitivities(request):
-        return rpr_solver.with_sensitivities(answer(_without_sensitivities(request), store, progress))
+    if not _is_plain(request):
+        return _with_more(request, store, progress)
     return solved(request, store, progress, FULL)
 
 
@@ -96,7 +107,9 @@ def solved(request: JobRequest, _store: Store, progress: Progress, certificate: 
 
 
 def _whole(request: JobRequest, digits: int) -> JobRequest:
-    return JobRequest(CENSUS, {**request.content, "digits": digits, "range": ALL_LENGTHS})
+    """Returns the request for the census of all lengths."""
+    of = {"geometry": request.geometry, "fixed_leg": request.fixed_leg}
+    return JobRequest(CENSUS, {**of, "digits": digits, "range": ALL_LENGTHS})
 
 
 def _family(request: JobRequest) -> JobRequest:
@@ -104,12 +117,21 @@ def _family(request: JobRequest) -> JobRequest:
     return JobRequest(CENSUS, {"geometry": request.geometry, "fixed_leg": request.fixed_leg})
 
 
-CENSUS = Kind("census", "ce-", compute, all_events, derive=derive)
+def _measure(content: Content, size: Sizes) -> Sizes:
+    return replace(size, censuses=1) if TOLERANCE in content else size
+
+
+def _cost(size: Sizes) -> float:
+    return all_events(size) + (_BOXES_SECONDS if size.censuses else 0)
+
+
+CENSUS = Kind("census", "ce-", compute, _cost, derive=derive, measure=_measure)
 CERTIFIED_CENSUS = Kind(
     "certified-census",
     "cn-",
     certified,
-    all_events,
+    _cost,
     derive=_moved,
+    measure=_measure,
     implied=("certificate", FULL),
 )

@@ -10,7 +10,6 @@ import rpr_solver
 from rpr_solver import Requirement
 from rpr_solver.contract import MIN_DIGITS, SHORT, Progress
 from rpr_solver.margins.questions import OPEN, PROVED, REFUTED
-from worker.answers.censuses import CENSUS
 from worker.answers.cost import Sizes, all_events
 from worker.answers.requests import Content, Document, JobRequest, Kind, Store
 from worker.answers.store import answer
@@ -113,7 +112,7 @@ def _measure_check(content: Content, size: Sizes) -> Sizes:
 
 
 def _cost(size: Sizes) -> float:
-    return _BOXES_SECONDS + _CENSUSES * CENSUS.cost(replace(size, digits=max(size.digits, 30)))
+    return _BOXES_SECONDS + _CENSUSES * all_events(replace(size, digits=max(size.digits, 30)))
 
 
 MARGIN = Kind("margin", "ma-", margin, _cost, unit="boxes")

@@ -185,7 +185,8 @@ def _census(leg: Leg) -> Read:
             "count_before": count(0, MOST_CUSPS),
             "count_after": count(0, MOST_CUSPS),
             "events": rows(event, 0, 200),
-        }
+        },
+        {"from": unread, "to": unread},
     )
     interval = record(
         {"from": text(), "to": nothing_or(text()), "count": count(0, MOST_CUSPS)},
@@ -205,7 +206,7 @@ def _census(leg: Leg) -> Read:
             "lengths_examined": told(count()),
             "counts_by": told(text()),
         },
-        {"full": full},
+        {"full": full, "boxes": told(count())},
     )
     return record(
         {
@@ -215,7 +216,7 @@ def _census(leg: Leg) -> Read:
             "intervals": rows(interval, 1, 1001),
             "certificate": certificate,
         },
-        {"degenerate": leg.degenerate},
+        {"degenerate": leg.degenerate, "tolerance": unread, "complete": unread, "open": unread},
     )
 
 

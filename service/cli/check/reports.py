@@ -14,7 +14,7 @@ from rpr_solver.notebook import degenerate_words
 from rpr_solver.transitions.requirement import REFUSED
 from service.cli.arguments import STANDARD_INPUT
 from service.cli.check.sources import Found, Geometry, listed
-from service.cli.pages import Page, Section, counted, counted_range
+from service.cli.pages import Page, Section, counted, counted_range, tolerance_words
 from service.schemas.lengths import LEGS
 
 _DIGITS = 6
@@ -255,7 +255,7 @@ def about(requirement: Mapping[str, Any]) -> str:
     """Returns the line that describes a requirement."""
     leg = requirement["fixed_leg"]
     last = ", nothing degenerate" if requirement.get("degenerate") == REFUSED else ""
-    last += _within(requirement["tolerance"]) if "tolerance" in requirement else ""
+    last += f", with {tolerance_words(requirement['tolerance'])}" if "tolerance" in requirement else ""
     if "expect_cusps" in requirement:
         return f"cusps at L{leg} = {', '.join(requirement[f'l{leg}'])}: {_demand(requirement)}{last}"
     ends = requirement["range"]
@@ -265,14 +265,6 @@ def about(requirement: Mapping[str, Any]) -> str:
         for key, bounds in requirement["limits"].items()
     )
     return f"cusps for L{leg} from {ends['from']}{upper}{limits}: {_demand(requirement)}{last}"
-
-
-def _within(tolerance: Mapping[str, str]) -> str:
-    """A tolerance in words."""
-    if len({*tolerance.values()}) == 1:
-        return f", with all lengths within {next(iter(tolerance.values()))}"
-    changed = [f"{name} within {number}" for name, number in tolerance.items() if number != "0"]
-    return f", with {', '.join(changed)}"
 
 
 def _fails(example: Mapping[str, Any]) -> str:

@@ -54,6 +54,16 @@ def test_an_open_axis_without_transitions_has_the_size_of_the_manipulator() -> N
         assert least < 1.2 * max(shown) < 1.5 * least
 
 
+def test_bounds_of_transitions_are_shaded() -> None:
+    plain = CASES["narrow"]
+    bounds = [{"from": "4.9", "to": "5.2"}, {"from": None, "to": None}, {"from": "29", "to": "31"}]
+    both = zip(plain["transitions"], bounds, strict=True)
+    made = census_figure({**plain, "tolerance": {"d1": "0.1"}, "transitions": [t | more for t, more in both]})
+    assert len(made.scene.shapes) == len(census_figure(plain).scene.shapes) + 2
+    assert "within the tolerance: 4.9 to 5.2; 29 to 31." in made.scene.description
+    check(made)
+
+
 def test_what_it_says() -> None:
     figure = census_figure(CASES["narrow"])
     assert [x for x in words(figure) if x in ("2", "4", "6")] != []

@@ -18,6 +18,7 @@ from rpr_solver import (
     InputError,
     Manipulator,
     census,
+    tolerance_census,
     verify_document,
     with_sensitivities,
 )
@@ -80,6 +81,15 @@ def test_neighbours_closer_than_their_digits() -> None:
         parts[n]["count"] += 2
         rows[n // 2]["count_after" if n else "count_before"] += 2
         assert not verify_document(document).accepted
+
+
+def test_bounds_within_a_tolerance_are_not_read() -> None:
+    answer = tolerance_census(EXAMPLES["zein-flat"], {"a2x": "0.0001"}, digits=15, start=35, stop=36)
+    verified = verify_document(answer.to_json())
+    assert {"/tolerance", "/complete", "/open", "/transitions/*/from"} <= set(verified.unread)
+    assert [claim.to_json() for claim in verified.claims] == [
+        claim.to_json() for claim in verify_document(answer.document).claims
+    ]
 
 
 def test_sensitivities_are_not_read() -> None:

@@ -24,6 +24,7 @@ from rpr_solver import (
     singular_csv,
     singular_curves,
     table_csv,
+    tolerance_census,
     with_sensitivities,
 )
 from rpr_solver.article.audit import article_document
@@ -190,6 +191,29 @@ def test_a_census_with_sensitivities_in_every_form(run_here: Run) -> None:
     text = run_here(*part).stdout
     assert "Sensitivities: how fast L1 of each transition changes with each length" in text
     assert moves["a3y"] in text
+
+
+def test_a_census_of_a_tolerance_in_every_form(run_here: Run) -> None:
+    part = ("census", "zein-flat", "--l1-range", "35:36", "--digits", "15", "--tolerance", "a2x=0.0001")
+    document = json.loads(run_here(*part, "--format", "json").stdout)
+    answer = tolerance_census(EXAMPLES["zein-flat"], {"a2x": "0.0001"}, start=35, stop=36, digits=15)
+    assert document == answer.to_json()
+    [transition] = document["transitions"]
+    [head, first, last] = csv.reader(run_here(*part, "--format", "csv").stdout.splitlines())
+    assert head[5:] == ["transition_from", "transition_to"]
+    assert first[5:] == [transition["from"], transition["to"]]
+    assert last[5:] == ["", ""]
+    text = run_here(*part).stdout
+    assert "With a2x within 0.0001: the bounds of each transition" in text
+    assert transition["from"] in text
+    assert "in this order" in text
+
+
+def test_a_census_of_a_tolerance_names_what_is_open(run_here: Run) -> None:
+    text = run_here(
+        "census", "zein-flat", "--l1-range", "35:36", "--digits", "15", "--tolerance", "0.1"
+    ).stdout
+    assert "Open from 35 to 36: within the tolerance there are geometries that are flat" in text
 
 
 def test_transitions_that_are_not_simple_are_said_to_have_no_margin(run_here: Run) -> None:

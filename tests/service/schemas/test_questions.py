@@ -237,3 +237,18 @@ def test_a_tolerance_makes_another_check_in_canonical_form() -> None:
         with pytest.raises(InputError) as caught:
             read(CheckRequest, sent | {"tolerance": wrong}, JSON)
         assert [problem.field for problem in caught.value.problems] == [named]
+
+
+def test_a_census_of_a_tolerance_is_another_question() -> None:
+    plain = read(CensusRequest, BODY, JSON)
+    common, named = (
+        read(CensusRequest, BODY | {"tolerance": tolerance}, JSON)
+        for tolerance in ("1/1000", dict.fromkeys(("a2x", "a3x", "a3y", "d1", "d2", "d3"), "0.001"))
+    )
+    assert "tolerance" not in plain.content()
+    assert common.job_request() == named.job_request() != plain.job_request()
+    assert common.content()["tolerance"]["d2"] == "0.001"
+    assert read(CensusRequest, common.body(), JSON).content() == common.content()
+    assert common.kind.seconds(common.job_request().sizes) > plain.kind.seconds(plain.job_request().sizes) + 1
+    with pytest.raises(InputError, match="tolerance: is 0"):
+        read(CensusRequest, BODY | {"tolerance": "0"}, JSON)

@@ -13,7 +13,7 @@ import rpr_solver
 from rpr_solver import EXAMPLES, Manipulator
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
 from worker.answers.requests import JobRequest
-from worker.answers.store import ResultStore, compute, known_document
+from worker.answers.store import ResultStore, answer, compute, known_document
 from worker.settings import WorkerSettings
 
 MANIPULATOR = EXAMPLES["zein-flat"]
@@ -148,3 +148,23 @@ def test_certified_censuses_have_sensitivities_too(solver: Computed, store: Resu
     assert document == rpr_solver.with_sensitivities(get(plain, store))
     assert "full" in document["certificate"]
     assert solver.calls == 1
+
+
+def test_a_census_of_a_tolerance_keeps_the_census(solver: Computed, store: ResultStore) -> None:
+    within = with_(request("35", "36"), tolerance={"a2x": "0.0001"})
+    assert known_document(within, store) is None
+    document = answer(within, store)
+    assert solver.calls == 1
+    assert document["complete"] is True
+    [transition] = document["transitions"]
+    assert Fraction(transition["from"]) < Fraction(transition["l1"]) < Fraction(transition["to"])
+    plain = known_document(request("35", "36"), store)
+    assert plain is not None
+    assert {name: document[name] for name in ("range", "intervals")} == {
+        name: plain[name] for name in ("range", "intervals")
+    }
+    moving = known_document(with_(within, sensitivities=True), store)
+    assert moving == rpr_solver.with_sensitivities(document)
+    certified = get(JobRequest(CERTIFIED_CENSUS, within.content), store)
+    assert "full" in certified["certificate"]
+    assert certified["transitions"] == document["transitions"]
