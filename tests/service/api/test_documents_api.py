@@ -355,6 +355,17 @@ def test_degenerate_families_have_no_tolerance(api: httpx.Client, sides: tuple[i
     assert report["margin"]["certificate"]["boxes"] == 0
 
 
+def test_a_flat_platform_has_a_margin_if_its_sides_are_exact(api: httpx.Client) -> None:
+    flat = {"a2x": 30, "a3x": 11, "a3y": 27, "d1": 13, "d2": 9, "d3": 4}
+    question = {"geometry": flat, "l1": 20, "tolerance": "0.01"}
+    none = api.post("/v1/margins", json=question, headers={"Prefer": "wait=30"}).json()
+    assert (none["verdict"], none["reason"]) == ("open", "the least change makes it no manipulator")
+    assert (none["validity"], none["certificate"]["boxes"]) == ("0", 0)
+    question["weights"] = {"d1": 0, "d2": 0, "d3": 0}
+    some = api.post("/v1/margins", json=question, headers={"Prefer": "wait=30"}).json()
+    assert (some["verdict"], some["reason"]) == ("proved", None)
+
+
 @pytest.mark.parametrize(("word", "passed"), [("allowed", True), ("refused", False)])
 def test_a_check_says_what_is_degenerate_and_may_refuse_it(
     api: httpx.Client, word: str, passed: bool

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -367,6 +368,28 @@ def test_the_leg_of_the_length_is_fixed(capsys: pytest.CaptureFixture[str]) -> N
     text = capsys.readouterr().out
     assert ">θ2</text>" in text
     assert "<style>" not in text
+
+
+SIDES = ("a2x", "a3x", "a3y", "d1", "d2", "d3")
+NO_MARGIN = {
+    "similar": ((30, 0, 40, 15, 25, 20), "degenerate"),
+    "congruent": ((30, 0, 40, 30, 50, 40), "degenerate"),
+    "flat platform": ((30, 11, 27, 13, 9, 4), "the least change makes it no manipulator"),
+}
+
+
+@pytest.mark.parametrize("name", NO_MARGIN)
+@pytest.mark.parametrize("what", [("--l1", "14"), ("--l1-range", "14:15", "--max-cusps", "8")])
+def test_a_margin_of_0_says_why_without_a_search(run_here: Run, name: str, what: tuple[str, ...]) -> None:
+    lengths, why = NO_MARGIN[name]
+    geometry = json.dumps(dict(zip(SIDES, lengths, strict=True)))
+    done = run_here("margin", "-", *what, "--json", stdin=geometry)
+    answer = json.loads(done.stdout)
+    assert (done.returncode, answer["proved"], answer["certificate"]["boxes"]) == (1, "0", 0)
+    assert why in answer["reason"]
+    gate = run_here("margin", "-", *what, "--tolerance", "1e-9", stdin=geometry)
+    assert gate.returncode == 1
+    assert re.search(rf"verdict +open\nwhy not more +.*{why}", gate.stdout)
 
 
 def test_a_picture_of_sensitivities(capsys: pytest.CaptureFixture[str]) -> None:
