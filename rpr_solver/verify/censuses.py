@@ -17,11 +17,10 @@ from rpr_solver.verify.core.intervals import Interval, degrees
 from rpr_solver.verify.core.numbers import Printed, exact
 from rpr_solver.verify.core.reader import Record
 from rpr_solver.verify.core.schema import Document
-from rpr_solver.verify.core.surds import primitive
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Slice
 from rpr_solver.verify.events import Event, Events, bits_of, event_finding, event_numbers
-from rpr_solver.verify.tables import form_of, isolation_claim, proportional, squarefree
+from rpr_solver.verify.tables import form_of, isolation_claim, proportional, simple_claim
 
 _DRAWN_BITS, _SPREAD, _DRAWS = 64, 1 << 20, 3
 _AT = "/certificate/full"
@@ -217,8 +216,7 @@ class _Census:
         for n, number in enumerate(counts):
             progress(n, len(counts))
             yield cut.counted(n, number, Slice.counted)
-        if "degenerate" in self.members:
-            yield cut.degenerate(self.members["degenerate"])
+        yield cut.degenerate(self.members.get("degenerate", ()))
         if (full := self.members["certificate"].get("full")) is not None:
             yield from _Certificate(cut, full).claims(len(counts))
         progress(1, 1)
@@ -344,11 +342,9 @@ class _Certificate:
             reason = "it is 0, as events are not isolated, or of a system that is not repeated here"
             yield Claim(f"{at}/polynomial", named, ClaimStatus.NOT_CHECKED, reason)
             return
-        ring, polynomial, place = own.ring, system["polynomial"], system["squarefree"]
-        form = form_of(ring, polynomial)
+        ring = own.ring
+        form = form_of(ring, system["polynomial"])
         right = form is not None and proportional(ring, form, own.form)
         yield judged(f"{at}/polynomial", named, right, "a multiple of the quotient derived here")
-        if place is not None:
-            right = squarefree(ring, polynomial, primitive(own.form), place)
-            yield judged(f"{at}/squarefree", "a prime proves it squarefree", right, "computed modulo it")
+        yield simple_claim(ring, system, own.form, "it", at)
         yield isolation_claim(ring, own.finite_parts, system["real_roots"], f"{at}/real_roots")

@@ -29,6 +29,11 @@ def joining(number: int, start: Place, stop: Place) -> str:
     return f"{number} tubes lead from {first} at {float(a):.9g} to {second} at {float(b):.9g}"
 
 
+def leading(end: Record) -> str:
+    """What an end of a curve claims besides its pose."""
+    return "the curve leads to this end" + (f", and joins {end['joins']}" if end["joins"] else "")
+
+
 @dataclass(frozen=True)
 class _Chain:
     at: str
@@ -114,20 +119,29 @@ class Chains:
             if missing:
                 status, reason = ClaimStatus.REFUSED, f"{len(missing)} are not"
             yield Claim(f"/curves/{n}/points", claim, status, reason)
-            yield from self._ends(n, curve, joined)
+            yield from self._ends(n, curve, joined, proved)
 
-    def _ends(self, n: int, curve: Record, joined: set[frozenset[Place] | _Turn]) -> Iterator[Claim]:
-        """An end that joins another curve has a chain past it, if both have points beside it."""
+    def _ends(
+        self,
+        n: int,
+        curve: Record,
+        joined: set[frozenset[Place] | _Turn],
+        proved: set[frozenset[Place] | _Turn],
+    ) -> Iterator[Claim]:
+        """That the curve leads to its ends that are not open: a chain leads past each one."""
         for side in SIDES:
             end = curve[side]
-            if end["joins"] not in self._by_name or any(
-                turn in joined for turn in self._turns if turn.side == side and curve["name"] in turn.names
-            ):
+            if end["kind"] == "open":
                 continue
-            due = any(turn.curve == n and turn.side == side for turn in self._turns)
-            status = ClaimStatus.REFUSED if due and self._inside(end) else ClaimStatus.NOT_CHECKED
-            reason = "no tubes lead past it"
-            yield Claim(f"/curves/{n}/{side}", f"it joins {end['joins']} here", status, reason)
+            own = {turn for turn in self._turns if turn.side == side and curve["name"] in turn.names}
+            due = any(turn.curve == n for turn in own)
+            status, reason = ClaimStatus.NOT_CHECKED, "no tubes lead past it"
+            if own & joined:
+                status = ClaimStatus.PROVED if own & proved else ClaimStatus.CHECKED
+                reason = "tubes lead past it"
+            elif due and self._inside(end):
+                status = ClaimStatus.REFUSED
+            yield Claim(f"/curves/{n}/{side}", leading(end), status, reason)
 
     def _inside(self, end: Record) -> bool:
         start, stop = self._span

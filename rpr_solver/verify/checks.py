@@ -117,7 +117,8 @@ class _Report:
             "a slice of this interval, with its cusps within the limits",
             example[f"l{self.fixed}"],
         )
-        n = next(n for n, row in enumerate(self.rows) if row["from"] == violation["from"])
+        ends = violation["from"], violation["to"]
+        n = next(n for n, row in enumerate(self.rows) if (row["from"], row["to"]) == ends)
         cuts, listed = self.range.cuts, example["cusps"]
         low = self.range.start if n == 0 else cuts[n - 1].upper
         high = cuts[n].lower if n < len(cuts) else self.range.stop

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from rpr_solver.contract import MOST_CUSPS, Progress
 from rpr_solver.verify.censuses import Range
-from rpr_solver.verify.chains import SIDES, Chains, Place, Pose
+from rpr_solver.verify.chains import SIDES, Chains, Place, Pose, leading
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, judged
 from rpr_solver.verify.core.intervals import Interval
 from rpr_solver.verify.core.numbers import Printed
@@ -19,6 +19,7 @@ from rpr_solver.verify.cusps import Point, Slice
 from rpr_solver.verify.events import Events, bits_of, event_finding, event_numbers
 from rpr_solver.verify.tables import sorted_turns
 
+JOINED = "each curve joins its points, leads to its ends, and joins others there"
 _LENGTH_ONLY = ("unclassified", "undecided", "several")
 
 
@@ -73,15 +74,17 @@ class _Curves:
         for n, (length, listed) in enumerate(sorted(self.slices.items(), key=lambda item: item[0])):
             progress(len(self.curves) + n, total)
             yield from self._slice(length, listed, bits, poses)
+        whole = self._all(cut)
         if chains:
             done = len(self.curves) + len(self.slices)
-            yield from chains.claims(poses, lambda n: progress(done + n, total))
+            joins = list(chains.claims(poses, lambda n: progress(done + n, total)))
+            yield from joins
+            yield from self._open_ends(cut, whole, {claim.at: claim for claim in joins})
         else:
-            reason = "only a full certificate has the tubes that join them"
-            yield Claim("/curves", "the points of a curve are joined by it", ClaimStatus.NOT_CHECKED, reason)
-        yield self._all(cut)
-        if "degenerate" in self.members:
-            yield cut.degenerate(self.members["degenerate"])
+            reason = "only a full certificate has the tubes that show it"
+            yield Claim("/curves", JOINED, ClaimStatus.NOT_CHECKED, reason)
+        yield whole
+        yield cut.degenerate(self.members.get("degenerate", ()))
         progress(1, 1)
 
     def _all(self, cut: Range) -> Claim:
@@ -101,19 +104,49 @@ class _Curves:
                 return Claim(at, claim, ClaimStatus.CHECKED, "the cusps of a slice are not proved to be all")
         return cut.rests_on_all(at, claim)
 
+    def _open_ends(self, cut: Range, whole: Claim, others: Mapping[str, Claim]) -> Iterator[Claim]:
+        """That curves lead to 0 or ∞: there is no event on the way, or each ends other curves.
+
+        Between the events as many curves pass as there are cusps. So where each event beyond is the proved
+        end of other curves, this one passes it.
+        """
+        start, stop = self.members["range"]["from"], self.members["range"]["to"]
+        for side, reaches in zip(SIDES, (start == 0, stop is None), strict=True):
+            ends = [
+                others[f"/curves/{n}/{side}"].established
+                for n, curve in enumerate(self.curves)
+                if curve[side]["kind"] != "open"
+            ]
+            told = reaches and whole.established and all(ends)
+            for n, curve in enumerate(self.curves):
+                if curve[side]["kind"] != "open":
+                    continue
+                at, lengths = f"/curves/{n}/{side}", [point[self.name] for point in curve["points"]]
+                if lengths and (told or self._is_last(cut, side, lengths)):
+                    reason = "all events beyond its points are ends of other curves"
+                    yield Claim(at, leading(curve[side]), ClaimStatus.PROVED, reason)
+                else:
+                    reason = "events are beyond its points"
+                    yield Claim(at, leading(curve[side]), ClaimStatus.NOT_CHECKED, reason)
+
+    def _is_last(self, cut: Range, side: str, lengths: Sequence[Fraction]) -> bool:
+        """Whether all events are on the other side of some point."""
+        if cut.events.open:
+            return False
+        if side == "to":
+            return all(high < max(lengths) for _, high in cut.spans)
+        return all(min(lengths) < low for low, _ in cut.spans)
+
     def _named(self) -> Iterator[Claim]:
         """Names are different, each curve is in the range, and joined ends name each other."""
         by_name = {curve["name"]: curve for curve in self.curves}
         wrong = "" if len(by_name) == len(self.curves) else "two curves have one name"
-        outside = []
-        for n, curve in enumerate(self.curves):
+        for curve in self.curves:
             for side in SIDES:
                 end, joins = curve[side], curve[side]["joins"]
                 other = by_name.get(joins)
                 if joins == curve["name"] or (joins is not None and end["kind"] in ("open", "undecided")):
                     wrong = f"{curve['name']} joins {joins}"
-                elif joins is not None and other is None:
-                    outside.append((f"/curves/{n}/{side}", joins))
                 elif other is not None:
                     backward = other[side]
                     alike = (backward["joins"], backward[self.name]) == (curve["name"], end[self.name])
@@ -121,9 +154,6 @@ class _Curves:
                         wrong = f"{curve['name']} joins {joins}, which does not join it there"
         claim = "curves have different names, and those that join name each other"
         yield judged("/curves", claim, not wrong, "as printed", wrong)
-        for at, joins in outside:
-            reason = f"{joins} is not in the document"
-            yield Claim(at, f"it joins {joins} here", ClaimStatus.NOT_CHECKED, reason)
         start, stop = self.members["range"]["from"], self.members["range"]["to"]
         right = stop is None or start < stop
         for low, high in self.ends:

@@ -8,7 +8,7 @@ from typing import Any
 
 from rpr_solver.contract import Progress, check_integer, silent
 from rpr_solver.verify.censuses import DEGENERATE, census_claims
-from rpr_solver.verify.chains import joining
+from rpr_solver.verify.chains import joining, leading
 from rpr_solver.verify.checks import check_claims
 from rpr_solver.verify.claims import Claim, ClaimStatus, Verification, judged
 from rpr_solver.verify.core.reader import (
@@ -22,10 +22,10 @@ from rpr_solver.verify.core.reader import (
     parsed,
 )
 from rpr_solver.verify.core.schema import Document, read_document
-from rpr_solver.verify.curves import curve_claims
+from rpr_solver.verify.curves import JOINED, curve_claims
 from rpr_solver.verify.margins import margin_claims, promised_of_margin
 from rpr_solver.verify.poses import pose_claims
-from rpr_solver.verify.tables import isolation, table_claims
+from rpr_solver.verify.tables import isolation, simple, table_claims
 
 CLAIMS: Mapping[str, Callable[[Document, Progress], Iterator[Claim]]] = {
     "cusp-table": table_claims,
@@ -134,8 +134,7 @@ def _of_table(document: Document) -> Named:
 def _of_slice(at: str, certificate: Record) -> Named:
     if (full := certificate.get("full")) is not None:
         yield f"{at}/full/polynomial", "Q of this slice"
-        if full["squarefree"] is not None:
-            yield f"{at}/full/squarefree", "a prime proves Q squarefree"
+        yield f"{at}/full/squarefree", simple("Q", full["squarefree"])
         yield f"{at}/full/real_roots", isolation(full["real_roots"])
         yield f"{at}/full/boxes", "boxes of the cusps"
     yield f"{at}/factors", "the factors of the resultant of J and E, with multiplicities"
@@ -172,8 +171,7 @@ def _of_census(document: Document) -> Named:
             yield f"/transitions/{n}", "an event, without its pose"
         for k, event in enumerate(row["events"]):
             yield f"/transitions/{n}/events/{k}", f"a {event['kind']} at this length"
-    if "degenerate" in members:
-        yield "/degenerate", DEGENERATE
+    yield "/degenerate", DEGENERATE
     if (full := members["certificate"].get("full")) is not None:
         at = "/certificate/full"
         for n, box in enumerate(full["events"]):
@@ -181,8 +179,7 @@ def _of_census(document: Document) -> Named:
         yield f"{at}/events", "each event has its box"
         for n, system in enumerate(full["systems"]):
             yield f"{at}/systems/{n}/polynomial", f"the eliminant of {system['name']}"
-            if system["squarefree"] is not None:
-                yield f"{at}/systems/{n}/squarefree", "a prime proves it squarefree"
+            yield f"{at}/systems/{n}/squarefree", simple("it", system["squarefree"])
             yield f"{at}/systems/{n}/real_roots", isolation(system["real_roots"])
         for n in range(len(full["samples"])):
             yield f"{at}/samples/{n}", "a length in this interval"
@@ -197,8 +194,8 @@ def _of_curves(document: Document) -> Named:
     for n, curve in enumerate(members["curves"]):
         for side in ("from", "to"):
             end = curve[side]
-            if end["joins"] is not None:
-                yield f"/curves/{n}/{side}", f"it joins {end['joins']} here"
+            if "certificate" in members:
+                yield f"/curves/{n}/{side}", leading(end)
             if len(end["events"]) != 1 or end["kind"] == "undecided":
                 yield f"/curves/{n}/{side}", f"an end: {end['kind']}"
             for k, event in enumerate(end["events"]):
@@ -213,11 +210,10 @@ def _of_curves(document: Document) -> Named:
         claim = f"the {len(places)} curves of {length} = {x} have all cusps of the slice"
         yield places[0], claim
     if "certificate" not in members:
-        yield "/curves", "the points of a curve are joined by it"
+        yield "/curves", JOINED
     else:
         yield from _of_chains(members["curves"], members["certificate"]["full"]["chains"], length)
-    if "degenerate" in members:
-        yield "/degenerate", DEGENERATE
+    yield "/degenerate", DEGENERATE
 
 
 def _of_chains(curves: Sequence[Record], chains: Sequence[Record], length: str) -> Named:

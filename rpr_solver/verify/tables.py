@@ -10,9 +10,9 @@ from rpr_solver.contract import Progress
 from rpr_solver.verify.claims import Claim, ClaimStatus, Finding, judged, matching
 from rpr_solver.verify.core.numbers import Printed
 from rpr_solver.verify.core.reader import Record
-from rpr_solver.verify.core.roots import proves_simple, real_roots
+from rpr_solver.verify.core.roots import proves_simple, real_roots, simple_and_apart
 from rpr_solver.verify.core.schema import Document
-from rpr_solver.verify.core.surds import ZERO, Poly, Ring, Surd
+from rpr_solver.verify.core.surds import ONE, ZERO, Poly, Ring, Surd, primitive
 from rpr_solver.verify.core.system import Surface
 from rpr_solver.verify.cusps import Cusps, Point, Slice
 from rpr_solver.verify.eliminant import DEGREE, Eliminant
@@ -138,11 +138,7 @@ class _Part:
             right = form is not None and proportional(ring, form, eliminant.form)
             reason = "a multiple of the quotient derived here"
             yield judged(f"{at}/full/polynomial", "Q of this slice", right, reason)
-            place = full["squarefree"]
-            if place is not None:
-                right = squarefree(ring, full["polynomial"], eliminant.finite, place)
-                claim = "a prime proves Q squarefree"
-                yield judged(f"{at}/full/squarefree", claim, right, "computed modulo it")
+            yield simple_claim(ring, full, eliminant.form, "Q", f"{at}/full")
             yield isolation_claim(ring, eliminant.parts, full["real_roots"], f"{at}/full/real_roots")
             sides = [[{"centre": x.text, "radius": _radius(x)} for x in cusp.numbers] for cusp in cusps]
             right = [[dict(side) for side in box.values()] for box in full["boxes"]] == sides
@@ -194,6 +190,21 @@ def form_of(ring: Ring, polynomial: Record) -> list[Surd] | None:
     if k is None:
         return None
     return [(x * k.denominator, y * k.numerator) for x, y in zip(a, b, strict=True)]
+
+
+def simple(name: str, place: Record | None) -> str:
+    """What a prime, or null in its place, claims of a polynomial."""
+    return f"a prime proves {name} squarefree" if place else f"{name} has a multiple root, or one at infinity"
+
+
+def simple_claim(ring: Ring, members: Record, form: Sequence[Surd], name: str, at: str) -> Claim:
+    """That the prime of a certificate proves that a form has only simple roots, or that it has others."""
+    finite, place = primitive(form), members["squarefree"]
+    if place is None:
+        right = len(finite) < len(form) or not simple_and_apart(ring, finite, (ONE,))
+    else:
+        right = squarefree(ring, members["polynomial"], finite, place)
+    return judged(f"{at}/squarefree", simple(name, place), right, "computed anew")
 
 
 def squarefree(ring: Ring, polynomial: Record, form: Poly, place: Record) -> bool:

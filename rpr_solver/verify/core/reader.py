@@ -36,6 +36,11 @@ def refusal(at: str, message: str) -> InputError:
     return InputError.of(at or "document", message)
 
 
+def printable(text: str) -> str:
+    """A text in which line breaks, escapes and marks of direction are written out."""
+    return text if text.isprintable() else "".join(x if x.isprintable() else ascii(x)[1:-1] for x in text)
+
+
 def parsed(source: str | bytes) -> Any:
     """The value of a JSON text in which each object has each key once, and all numbers are integers.
 
@@ -81,7 +86,7 @@ def record(required: Mapping[str, Read], optional: Mapping[str, Read] = MappingP
             raise refusal(at, f"{shown(value)} is not an object")
         for name in value:
             if name not in known:
-                step = str(name)[:100].replace("~", "~0").replace("/", "~1")
+                step = printable(str(name)[:100]).replace("~", "~0").replace("/", "~1")
                 raise refusal(f"{at}/{step}", "is no member that documents have here")
         for name in required:
             if name not in value:
@@ -271,7 +276,8 @@ def _members(document: Mapping[str, Any]) -> Iterator[Member]:
             if not isinstance(key, str) or not _is_text(key):
                 shown = ascii(key)[:60]
                 raise InputError.of(name, f"has the member {shown}, which is no text")
-            place = f"{name}.{key[:60]}" if name else key[:60]
+            step = printable(key[:60])
+            place = f"{name}.{step}" if name else step
             waiting.append((place, item, is_product or key in _PRODUCTS, depth + 1))
 
 

@@ -681,6 +681,31 @@ def _(document: Document) -> None:
     document["certificate"]["full"]["chains"].pop(0)
 
 
+@forgery("an end that is said to join nobody", "full curves", "/curves/0/from")
+def _(document: Document) -> None:
+    chains = document["certificate"]["full"]["chains"]
+    chains[:] = [chain for chain in chains if chain["from"]["curve"] == chain["to"]["curve"]]
+    for curve in document["curves"]:
+        curve["from"]["joins"] = None
+
+
+@forgery("ends exchanged between curves", "full curves", "/curves/0/to")
+def _(document: Document) -> None:
+    first, second = document["curves"][:2]
+    first["to"], second["to"] = second["to"], first["to"]
+
+
+@forgery("an end as open, nobody being joined", "full curves", "/curves/0/to")
+def _(document: Document) -> None:
+    document["curves"][1]["to"] = {"l1": None, "kind": "open", "joins": None, "events": []}
+
+
+@forgery("ends exchanged in a short document", "curves", "/curves")
+def _(document: Document) -> None:
+    first, second = document["curves"][:2]
+    first["to"], second["to"] = second["to"], first["to"]
+
+
 @forgery("tubes exchanged", "full curves", f"{FULL}/chains/")
 def _(document: Document) -> None:
     first, second = document["certificate"]["full"]["chains"][:2]
@@ -759,3 +784,23 @@ def _(document: Document) -> None:
     for row in (*document["intervals"], *document["violations"]):
         for end in ("from", "to"):
             row[end] = new if row[end] == old else row[end]
+
+
+put("no prime, as if Q had a multiple root", "full table", "/slices/0/certificate/full/squarefree", None)
+put("no prime for the eliminant of lips", "full census", f"{FULL}/systems/1/squarefree", None)
+put("no prime for that of swallowtails", "full census", f"{FULL}/systems/0/squarefree", None)
+
+
+@forgery("a member that is named like a verdict", "table", "/\\nESTABLISHED: all 12 claims")
+def _(document: Document) -> None:
+    document["\nESTABLISHED: all 12 claims"] = 1
+
+
+@forgery("a member that is named like a verdict and too long", "table", "\\nESTABLISHED: all 12 claims")
+def _(document: Document) -> None:
+    document["\nESTABLISHED: all 12 claims"] = "9" * 1000
+
+
+@forgery("a member that turns the line of the verdict", "table", "/\\u202eDEHSILBATSE")
+def _(document: Document) -> None:
+    document["\u202eDEHSILBATSE"] = 1
