@@ -14,6 +14,7 @@ from .curves.cusp_curves import CuspCurves as CuspCurves
 from .curves.cusp_curves import cusp_curves as cusp_curves
 from .designs.design import Design as Design
 from .designs.design import design as design
+from .designs.design import design_csv as design_csv
 from .errors import FieldProblem as FieldProblem
 from .errors import InputError as InputError
 from .errors import SolverError as SolverError

@@ -7,21 +7,21 @@ from dataclasses import dataclass
 from fractions import Fraction
 from importlib.util import find_spec
 from math import inf
-from typing import Any, TypedDict, Unpack
+from typing import Any, Unpack
 
-from rpr_solver.contract import MIN_DIGITS, Progress, check_integer, check_type, document_head, silent
-from rpr_solver.designs.goals import (
+from rpr_solver.contract import MIN_DIGITS, Progress, check_type, document_head, silent
+from rpr_solver.designs.goals import Goal
+from rpr_solver.designs.questions import (
     LARGEST_MARGIN,
     LEAST_CHANGE,
     LONGEST_RANGE,
     MOST_CUSPS,
-    Goal,
-    check_objective,
+    Options,
+    Plan,
 )
 from rpr_solver.designs.search import Candidate, Documents, Outcome, search
-from rpr_solver.designs.space import DEFAULT_DECIMALS, DEFAULT_VARY, Space, Vary, not_negative
 from rpr_solver.errors import SolverError
-from rpr_solver.exact.rationals import Exact, exact_str
+from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins.margin import Margin, margin
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.model.lengths import LengthRange
@@ -33,99 +33,45 @@ from rpr_solver.transitions.degenerate import degeneracies
 from rpr_solver.transitions.requirement import Requirement
 from rpr_solver.transitions.survey import survey
 
-DEFAULT_BUDGET, MOST_CENSUSES, DEFAULT_SEED, MOST_SEED = 300, 10_000, 1, 2**32 - 1
 _NEEDED = ("cma", "scipy")
-_BOXES = 60_000
+_BOXES = 30_000
 """Boxes of the proof of the margin."""
 
 Told = Callable[[Candidate], object]
 Examining = Callable[[Sequence[Manipulator]], Documents]
 
 
-class Options(TypedDict, total=False):
-    """What varies, and how long to search; see :func:`design`."""
+def searched(plan: Plan, examine: Examining, told: Told = lambda _: None) -> Outcome:
+    """Searches; ``examine`` gives the documents of the geometries of a generation.
 
-    vary: Vary
-    fixed: Sequence[str]
-    decimals: int
-    min_height: Exact | None
-    family: str | None
-    ignore_windows: Exact
-    budget: int
-    seed: int
+    Args:
+        plan: what is asked.
+        examine: see :func:`examined` for one geometry.
+        told: is called with every improvement.
 
-
-@dataclass(frozen=True)
-class Plan:
-    """A question about a design, read: what is sought, where, and for how long."""
-
-    space: Space
-    goal: Goal
-    budget: int
-    seed: int
-    asked: Mapping[str, Any]
-
-    @classmethod
-    def of(
-        cls, manipulator: Manipulator, objective: str, requirement: Requirement, **options: Unpack[Options]
-    ) -> Plan:
-        """Reads a question.
-
-        Raises:
-            InputError: naming the argument at fault.
-        """
-        check_type(manipulator, Manipulator, "manipulator")
-        check_type(requirement, Requirement, "requirement")
-        check_objective(objective, requirement)
-        narrow = not_negative(options.get("ignore_windows", 0), "ignore_windows")
-        vary, fixed = options.get("vary", DEFAULT_VARY), tuple(options.get("fixed", ()))
-        decimals, family = options.get("decimals", DEFAULT_DECIMALS), options.get("family")
-        budget = check_integer(
-            options.get("budget", DEFAULT_BUDGET), "budget", f"2 to {MOST_CENSUSES}", 2, MOST_CENSUSES
+    Raises:
+        SolverError: the given geometry could not be decided, or what a search needs is not installed.
+    """
+    missing = [name for name in _NEEDED if find_spec(name) is None]
+    if missing:
+        raise SolverError(
+            f"a search needs {' and '.join(missing)}; install the extra: pip install 'rpr-cusps[design]'"
         )
-        seed = check_integer(options.get("seed", DEFAULT_SEED), "seed", f"0 to {MOST_SEED}", 0, MOST_SEED)
-        space = Space.of(manipulator, vary, fixed, decimals, options.get("min_height"), family)
-        asked = {
-            "objective": objective,
-            "requirement": requirement.to_json(),
-            "vary": {
-                name: {"from": exact_str(low), "to": exact_str(high)}
-                for name, (low, high) in space.bounds.items()
-            },
-            "family": family,
-            "decimals": space.decimals,
-            "min_height": None if space.min_height is None else exact_str(space.min_height),
-            "ignore_windows": exact_str(narrow),
-            "budget": {"censuses": budget},
-            "seed": seed,
-        }
-        return cls(space, Goal(objective, requirement, narrow), budget, seed, asked)
+    asking = search(plan.space, goal_of(plan), plan.budget, plan.seed, told)
+    try:
+        asked = next(asking)
+        while True:
+            asked = asking.send(examine(asked))
+    except StopIteration as ended:
+        outcome: Outcome = ended.value
+    if not outcome.candidates:
+        raise SolverError("the given geometry could not be decided")
+    return outcome
 
-    def search(self, examine: Examining, told: Told = lambda _: None) -> Outcome:
-        """Searches; ``examine`` gives the documents of the geometries of a generation.
 
-        Args:
-            examine: see :func:`examined` for one geometry.
-            told: is called with every improvement.
-
-        Raises:
-            SolverError: the given geometry could not be decided, or what a search needs is not installed.
-        """
-        missing = [name for name in _NEEDED if find_spec(name) is None]
-        if missing:
-            raise SolverError(
-                f"a search needs {' and '.join(missing)}; install the extra: pip install 'rpr-cusps[design]'"
-            )
-        asking = search(self.space, self.goal, self.budget, self.seed, told)
-        try:
-            asked = next(asking)
-            while True:
-                asked = asking.send(examine(asked))
-        except StopIteration as ended:
-            outcome: Outcome = ended.value
-        if not outcome.candidates:
-            raise SolverError("the given geometry could not be decided")
-        return outcome
+def goal_of(plan: Plan) -> Goal:
+    """What is sought."""
+    return Goal(plan.objective, plan.requirement, plan.ignore_windows)
 
 
 def examined(manipulator: Manipulator, goal: Goal) -> dict[str, Any] | None:
@@ -257,6 +203,22 @@ def trace_json(candidate: Candidate) -> dict[str, Any]:
     }
 
 
+def design_csv(document: Mapping[str, Any]) -> str:
+    """The trace of a design document as CSV: a line for each improvement.
+
+    >>> print(design_csv({"trace": [{"census": 1, "value": "0", "met": False, "geometry": {"a2x": "2"}}]}))
+    census,value,met,a2x
+    1,0,false,2
+    <BLANKLINE>
+    """
+    rows = [
+        {"census": one["census"], "value": one["value"], "met": str(one["met"]).lower(), **one["geometry"]}
+        for one in document["trace"]
+    ]
+    lines = [",".join(map(str, row)) for row in (rows[0], *(row.values() for row in rows))]
+    return "".join(f"{line}\n" for line in lines)
+
+
 def _shown(candidate: Candidate) -> str:
     return f"{candidate.value:.10g}"
 
@@ -303,18 +265,18 @@ def design(
     check_type(wish, Requirement, "requirement")
     assert wish is not None
     plan = Plan.of(manipulator, objective, wish, **options)
-    done = 0
+    done, goal = 0, goal_of(plan)
 
     def examine(asked: Sequence[Manipulator]) -> Documents:
         nonlocal done
         found = []
         for one in asked:
-            found.append(examined(one, plan.goal))
+            found.append(examined(one, goal))
             done += 1
             progress(done, plan.budget)
         return found
 
-    return proved(manipulator, plan, plan.search(examine))
+    return proved(manipulator, plan, searched(plan, examine))
 
 
 def proved(manipulator: Manipulator, plan: Plan, outcome: Outcome) -> Design:
@@ -323,14 +285,14 @@ def proved(manipulator: Manipulator, plan: Plan, outcome: Outcome) -> Design:
     Raises:
         SolverError: the best geometry could not be decided at the digits of a document.
     """
-    requirement = plan.goal.requirement
+    requirement = plan.requirement
     best, leg = outcome.candidates[-1].manipulator, requirement.fixed_leg
     report = check(best, requirement, digits=MIN_DIGITS)
     table = census(best, fixed_leg=leg, start=requirement.start, stop=requirement.stop, digits=MIN_DIGITS)
-    value, met, found = _reached(best, plan.goal, report)
+    value, met, found = _reached(best, goal_of(plan), report)
     if value is None:
         value = _shown(outcome.candidates[-1])
-    return Design(manipulator, plan.asked, leg, outcome, value, met, report, table, found)
+    return Design(manipulator, plan.to_json(), leg, outcome, value, met, report, table, found)
 
 
 def _reached(best: Manipulator, goal: Goal, report: CheckReport) -> tuple[str | None, bool, Margin | None]:

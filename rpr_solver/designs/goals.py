@@ -17,15 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rpr_solver.contract import MIN_DIGITS
+from rpr_solver.designs.questions import LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS
 from rpr_solver.designs.space import Space
-from rpr_solver.errors import InputError, shown
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.sensitivities import sensitivity
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions.requirement import Requirement
-
-LONGEST_RANGE, LEAST_CHANGE = "longest-range", "least-change"
-LARGEST_MARGIN, MOST_CUSPS = "largest-margin", "most-cusps"
 
 _STEP = 1e-6
 """Of a parameter's bounds, for the change of the lengths with it."""
@@ -264,18 +261,3 @@ def _admitted(profile: Profile, goal: Goal, k: int) -> bool:
 
 def _is_ignored(start: float, stop: float, low: float, high: float, goal: Goal) -> bool:
     return 0 < min(stop, high) - max(start, low) <= goal.ignore_windows
-
-
-def check_objective(objective: str, requirement: Requirement) -> None:
-    """Checks that an objective makes sense within a range.
-
-    Raises:
-        InputError: naming ``objective`` or ``requirement``.
-    """
-    if objective not in OBJECTIVES:
-        raise InputError.of("objective", f"is {shown(objective)}; give one of {', '.join(OBJECTIVES)}")
-    if objective == LONGEST_RANGE and requirement.stop is None:
-        raise InputError.of("requirement.range", "is open; the longest range is sought between two lengths")
-
-
-OBJECTIVES = (LONGEST_RANGE, LEAST_CHANGE, LARGEST_MARGIN, MOST_CUSPS)

@@ -8,16 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import pairwise, product
 from math import inf
 
 import numpy as np
 
 from rpr_solver.designs.goals import (
-    LARGEST_MARGIN,
-    LEAST_CHANGE,
-    LONGEST_RANGE,
-    MOST_CUSPS,
+    Cut,
     Goal,
     Profile,
     Run,
@@ -27,6 +24,7 @@ from rpr_solver.designs.goals import (
     most_cusps,
     windows,
 )
+from rpr_solver.designs.questions import LARGEST_MARGIN, LEAST_CHANGE, LONGEST_RANGE, MOST_CUSPS
 from rpr_solver.margins.estimates import Estimate, Mover, ways
 
 _SHUT = 0.7
@@ -158,13 +156,26 @@ def _keep_ignored(programme: Programme, goal: Goal) -> None:
             programme.at_most(upper.slopes - lower.slopes, {}, bound)
 
 
+def _ends_in(profile: Profile, goal: Goal, stretch: Stretch, side: int) -> list[Cut]:
+    """The births (side 1) from which a stretch begins, or the deaths (-1) with which it ends.
+
+    It is the other way round if the stretch has too few cusps, not too many.
+    """
+    first, last = stretch
+    cuts = profile.cuts[max(first - 1, 0) : last] if side > 0 else profile.cuts[first : last + 1]
+    most = goal.requirement.max_cusps
+    sign = side if most is not None and profile.intervals[first][2] > most else -side
+    return [cut for cut in cuts if cut.jump * sign > 0]
+
+
 def _shut(programme: Programme, goal: Goal, stretch: Stretch, slack: str | None = None) -> None:
     """A stretch gets narrow enough, or vanishes."""
-    lower, upper = programme.profile.cuts[stretch[0] - 1], programme.profile.cuts[stretch[1]]
-    width = upper.length - lower.length
-    least = _SHUT * float(goal.ignore_windows) or -_BEYOND * width
-    others = {} if slack is None else {slack: -max(width, 1e-9)}
-    programme.at_most(upper.slopes - lower.slopes, others, least - width)
+    profile = programme.profile
+    for lower, upper in product(_ends_in(profile, goal, stretch, 1), _ends_in(profile, goal, stretch, -1)):
+        width = max(upper.length - lower.length, 0.0)
+        least = _SHUT * float(goal.ignore_windows) or -_BEYOND * width
+        others = {} if slack is None else {slack: -max(width, 1e-9)}
+        programme.at_most(upper.slopes - lower.slopes, others, least - (upper.length - lower.length))
 
 
 def _longer(profile: Profile, goal: Goal, trust: float) -> Iterator[Programme]:
@@ -193,12 +204,12 @@ def _keep_run(
     nothing = np.zeros(len(programme.profile.place))
     programme.at_most(nothing, {"start": -1.0}, -low)
     programme.at_most(nothing, {"stop": 1.0}, high)
-    for first, _ in above:
-        programme.at_most(-cuts[first - 1].slopes, {"stop": 1.0}, cuts[first - 1].length)
-    for _, last in below:
-        programme.at_most(cuts[last].slopes, {"start": -1.0}, -cuts[last].length)
+    for birth in (cut for stretch in above for cut in _ends_in(programme.profile, goal, stretch, 1)):
+        programme.at_most(-birth.slopes, {"stop": 1.0}, birth.length)
+    for death in (cut for stretch in below for cut in _ends_in(programme.profile, goal, stretch, -1)):
+        programme.at_most(death.slopes, {"start": -1.0}, -death.length)
     for lower, upper in pairwise(cuts[run[2] : run[3]]):  # a death below a birth stays there
-        if lower.jump < 0 < upper.jump:
+        if lower.jump * upper.jump < 0:
             programme.at_most(lower.slopes - upper.slopes, {}, upper.length - lower.length)
     _keep_ignored(programme, goal)
 
@@ -258,15 +269,15 @@ def _choices(profile: Profile, goal: Goal, stretch: Stretch) -> list[str]:
 
 def _move(programme: Programme, goal: Goal, stretch: Stretch, choice: str, slack: str) -> None:
     low, high = ends_of(goal)
-    cuts = programme.profile.cuts
     if choice == "shut":
         _shut(programme, goal, stretch, slack)
-    elif choice == "above":
-        way = (1 + _BEYOND) * (high - cuts[stretch[0] - 1].length)
-        programme.at_most(-cuts[stretch[0] - 1].slopes, {slack: -abs(way)}, -way)
-    elif choice == "below":
-        way = (1 + _BEYOND) * (cuts[stretch[1]].length - low)
-        programme.at_most(cuts[stretch[1]].slopes, {slack: -abs(way)}, -way)
+        return
+    side = 1.0 if choice == "above" else -1.0
+    end = high if choice == "above" else low
+    for cut in _ends_in(programme.profile, goal, stretch, 1 if choice == "above" else -1):
+        gap = side * (end - cut.length)
+        way = (1 + _BEYOND) * gap if gap > 0 else gap
+        programme.at_most(-side * cut.slopes, {slack: -max(gap, 1e-9)}, -way)
 
 
 def _limit_change(programme: Programme) -> None:

@@ -118,6 +118,14 @@ def add_ranges(parser: argparse.ArgumentParser, text: str, form: str = "FROM:TO"
     )
 
 
+def add_requirement(parser: argparse.ArgumentParser, text: str) -> None:
+    """Add the members of a requirement, the range with a text of its own."""
+    add_ranges(parser, text)
+    parser.add_argument("--max-cusps", metavar="N", help="maximum number of cusps in any slice of the range")
+    parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice of the range")
+    add_options(parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of another leg")
+
+
 def source(names: Mapping[str, str] | None = None) -> Source:
     """Returns the command line as a source: values are text, and `names` maps members to options.
 
@@ -218,6 +226,18 @@ def leg_and_range(args: argparse.Namespace) -> tuple[int, dict[str, str | None],
         raise InputError.of(option, f"with --fixed-leg {leg} the range is --l{leg}-range")
     with named(option):
         return int(option[3]), split_ends(text), option
+
+
+def requirement_of(args: argparse.Namespace) -> tuple[dict[str, object], dict[str, str]]:
+    """Returns the requirement that the options of a range ask for, and the options of its members."""
+    of, span, option = leg_and_range(args)
+    limits, places = joint_limits(args.limits)
+    counts = {name: getattr(args, name) for name in ("max_cusps", "min_cusps")}
+    given = {name: count for name, count in counts.items() if count is not None}
+    limited = {"limits": limits} if limits else {}
+    options = {"range": option, **places, **{name: f"--{name.replace('_', '-')}" for name in counts}}
+    named = {f"requirement.{name}": option for name, option in options.items()}
+    return {"fixed_leg": of, "range": span, **given, **limited}, named
 
 
 def leg_of(options: Sequence[tuple[str, str]], fixed_leg: str | None, what: str) -> int:

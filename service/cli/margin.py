@@ -38,10 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     arguments.add_geometry(parser)
     arguments.add_options(parser, "--l{}", "lengths", "X", "the slice whose number of cusps is to stay")
-    arguments.add_ranges(parser, "or the range of a requirement; either end may be omitted")
-    parser.add_argument("--max-cusps", metavar="N", help="maximum number of cusps in any slice of the range")
-    parser.add_argument("--min-cusps", metavar="N", help="minimum number of cusps in any slice of the range")
-    arguments.add_options(parser, "--l{}-limits", "limits", "MIN:MAX", "joint limits of another leg")
+    arguments.add_requirement(parser, "or the range of a requirement; either end may be omitted")
     text = "or a length between two transitions: slices with the number of cusps there are to exist"
     parser.add_argument("--window", metavar="X", help=text)
     text = "a change of all lengths, or of single ones, as d1=0.01,a3x=0.002; the others are exact then"
@@ -61,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
     members["tolerance"] = arguments.tolerance_of(args.tolerance)
     members["weights"] = None if args.weights is None else arguments.changes_of(args.weights)
     if args.ranges:
-        members["requirement"], places = _requirement(args)
+        members["requirement"], places = arguments.requirement_of(args)
         names |= places
     elif args.limits or args.max_cusps is not None or args.min_cusps is not None:
         raise InputError.of("--l1-range", "is missing; a requirement needs the range of lengths")
@@ -75,18 +72,6 @@ def run(args: argparse.Namespace) -> int:
     if document["verdict"] is None:
         return PROVED if document["proved"] not in (None, "0") else NOT_PROVED
     return PROVED if document["verdict"] == "proved" else NOT_PROVED
-
-
-def _requirement(args: argparse.Namespace) -> tuple[dict[str, object], dict[str, str]]:
-    """The requirement that is asked for, and the options of its members."""
-    of, span, option = arguments.leg_and_range(args)
-    limits, places = arguments.joint_limits(args.limits)
-    counts = {name: getattr(args, name) for name in ("max_cusps", "min_cusps")}
-    given = {name: count for name, count in counts.items() if count is not None}
-    limited = {"limits": limits} if limits else {}
-    options = {"range": option, **places, **{name: f"--{name.replace('_', '-')}" for name in counts}}
-    named = {f"requirement.{name}": option for name, option in options.items()}
-    return {"fixed_leg": of, "range": span, **given, **limited}, named
 
 
 def _page(document: Mapping[str, Any]) -> Page:

@@ -8,8 +8,8 @@
     print(answer.typed.transitions[0].kind, len(answer.content))
 
 The functions `cusp_table`, `census`, `cusp_curves`, `check`, `poses`, `cusp_loop`, `joint_path`,
-`singular_curves`, `range_aspects`, `margin` and `verify_document` take what those of `rpr_solver` take;
-`plot` asks for a picture.
+`singular_curves`, `range_aspects`, `margin`, `design` and `verify_document` take what those of `rpr_solver`
+take; `plot` asks for a picture.
 `answer.content` is the document as the service sent it, byte for byte the compact JSON of the library's
 answer; `answer.document` is it as a dictionary, and `answer.typed` as a model. `client.slices` yields the
 slices of a table as they are computed; `client.ask_all` asks many questions in one batch and yields an
@@ -25,6 +25,7 @@ from service.client.questions import (
     cusp_curves,
     cusp_loop,
     cusp_table,
+    design,
     joint_path,
     margin,
     plot,
@@ -50,6 +51,7 @@ __all__ = [
     "cusp_curves",
     "cusp_loop",
     "cusp_table",
+    "design",
     "joint_path",
     "margin",
     "plot",

@@ -64,11 +64,11 @@ class StreamEvent(Model):
     """A server-sent event: its fields."""
 
     id: str = Field(description="Resumes the stream, as Last-Event-ID.")
-    event: Literal["status", "slice", "progress", "item"]
+    event: Literal["status", "slice", "progress", "item", "improvement"]
     data: str = Field(
         description="JSON. `status`: the job or batch at that time; also when a chunk has overrun. "
         "`slice`: `l1`, `slice` and `progress`. `progress`: `progress`. `item`: `index`, `status` and "
-        "`progress`.",
+        "`progress`. `improvement`: what a search has found, as in the `trace` of its answer.",
         json_schema_extra={"contentMediaType": "application/json", "contentSchema": {"type": "object"}},
     )
 

@@ -29,6 +29,7 @@ FUNCTIONS = {
     "cusp_loop",
     "cusp_table",
     "design",
+    "design_csv",
     "eliminate",
     "exact_str",
     "export",

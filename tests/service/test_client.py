@@ -28,6 +28,7 @@ from service.client import (
     cusp_curves,
     cusp_loop,
     cusp_table,
+    design,
     joint_path,
     margin,
     plot,
@@ -123,6 +124,12 @@ KINDS: dict[str, tuple[Asked[Any], Callable[[], object]]] = {
     "margin with its proof": (
         margin(ZEIN, 10, tolerance={"a2x": "0.01"}, certificate="full"),
         lambda: rpr_solver.margin(ZEIN, 10, tolerance={"a2x": "0.01"}, certificate="full").to_json(),
+    ),
+    "design": (
+        design(FIRST, "least-change", AT_MOST_4, vary={"d1": (17, "17.1"), "a3x": (0, 1)}, budget=2),
+        lambda: rpr_solver.design(
+            FIRST, "least-change", AT_MOST_4, vary={"d1": (17, "17.1"), "a3x": (0, 1)}, budget=2
+        ).to_json(),
     ),
     "verification": (
         verify_document(TABLE, effort=2, deadline=60),

@@ -14,6 +14,7 @@ from rpr_solver.contract import Progress
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
 from worker.answers.cost import Sizes
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
+from worker.answers.designs import DESIGN
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
 from worker.answers.margins import CHECK, MARGIN
 from worker.answers.paths import PATH
@@ -34,6 +35,7 @@ KINDS: tuple[Kind, ...] = (
     SINGULAR_CURVES,
     ASPECTS,
     MARGIN,
+    DESIGN,
     PLOT,
     CERTIFIED_TABLE,
     CERTIFIED_CENSUS,

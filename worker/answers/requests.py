@@ -104,6 +104,8 @@ class Kind:
             other kinds that answer the same question.
         by_slices: whether each slice is computed, kept and counted separately.
         by_items: whether a job consists of questions of its own, as a batch does.
+        shares: the number of chunks that compute a document together, if it is computed in one piece. All run
+            `compute`, and share what they keep in the store; the first that is done ends the job.
     """
 
     name: str
@@ -118,6 +120,7 @@ class Kind:
     implied: tuple[str, str] | None = None
     by_slices: bool = False
     by_items: bool = False
+    shares: int = 1
 
     @property
     def is_derived(self) -> bool:
@@ -129,7 +132,7 @@ class Kind:
         the whole document."""
         if self.by_items:
             return [str(index) for index in range(content["count"])]
-        parts: Sequence[str] = content["l1"] if self.by_slices else (self.name,)
+        parts: Sequence[str] = content["l1"] if self.by_slices else (self.name,) * self.shares
         return parts
 
     def cost_of(self, size: Sizes) -> Cost:
@@ -138,7 +141,7 @@ class Kind:
 
     def seconds(self, size: Sizes) -> float:
         """Returns the estimated seconds for a whole question of these sizes."""
-        return self.cost_of(size).of(size.count if self.by_slices else 1)
+        return self.cost_of(size).of(size.count if self.by_slices else self.shares)
 
 
 @dataclass(frozen=True)

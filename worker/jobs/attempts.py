@@ -140,6 +140,10 @@ class Attempts(ChunkReader):
         """Record the progress of the job of a document; returns False if this attempt is over."""
         return bool(self._step("put_progress", ref, done=done, total=total))
 
+    def put_improvement(self, ref: ChunkRef, number: int, improvement: Mapping[str, Any]) -> None:
+        """Tell of an improvement of a search, by its number among the candidates, once for all chunks."""
+        self._step("put_improvement", ref, number=number, json=dump(improvement))
+
     def put_document(self, ref: ChunkRef, request: JobRequest, document: Mapping[str, Any]) -> None:
         """Keep a document, and end its job if this attempt is still open."""
         self._step(

@@ -18,7 +18,7 @@ from rpr_solver.errors import InputError, SolverError
 from worker import tracing
 from worker.answers.items import ItemSolver, Outcome
 from worker.answers.requests import Document, JobRequest, SliceJson
-from worker.answers.store import ResultStore, answer
+from worker.answers.store import ResultStore, answer, compute
 from worker.answers.tables import INTERNAL, Group, solved
 from worker.jobs.attempts import Attempts
 from worker.jobs.batches import Batches, ItemsLostError
@@ -221,8 +221,12 @@ def _compute_document(ref: ChunkRef, chunk: Chunk, attempts: Attempts, store: Re
     def keep(request: JobRequest, document: Document) -> None:
         attempts.put_document(ref, request, document)
 
-    with tracing.span(request.kind.name):  # or it waits for the worker that does so for a batch
-        answer(request, store, Throttle(tell), keep, is_unknown=True)  # it was, when the job was made
+    with tracing.span(request.kind.name):
+        if request.kind.shares > 1:  # with other chunks
+            told = Reporter(tell, lambda one: attempts.put_improvement(ref, one["census"], one))
+            keep(request, compute(request, store, told))
+        else:  # or it waits for the worker that does so for a batch
+            answer(request, store, Throttle(tell), keep, is_unknown=True)  # it was, when the job was made
     return True
 
 
@@ -238,3 +242,11 @@ class Throttle:
         if (moment := time.monotonic()) >= self._next:
             self._next = moment + self._pause
             self._report(done, total)
+
+
+class Reporter(Throttle):
+    """The same for a search, whose improvements are told at once."""
+
+    def __init__(self, report: Progress, improved: Callable[[Document], None]) -> None:
+        super().__init__(report)
+        self.improved = improved

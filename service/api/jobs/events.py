@@ -196,6 +196,8 @@ class JobEvents:
             return sse(name, "slice", start + b',"slice":' + slices.get(l1, b"null") + b"}")
         if fields["type"] == "progress":
             return sse(name, "progress", json_bytes(_progress(fields)))
+        if fields["type"] == "improvement":
+            return sse(name, "improvement", fields["improvement"].encode())
         if fields["type"] == "item":
             item = {"index": int(fields["item"]), "status": fields["status"]}
             return sse(name, "item", json_bytes({**item, **_progress(fields)}))

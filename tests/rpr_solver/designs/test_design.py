@@ -9,9 +9,10 @@ import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, Requirement, SolverError, check, design
 from rpr_solver.designs import design as module
-from rpr_solver.designs.design import Plan, examined
+from rpr_solver.designs.design import examined, searched
 from rpr_solver.designs.goals import Goal, Profile, cost, windows
 from rpr_solver.designs.programmes import proposals
+from rpr_solver.designs.questions import Plan
 from rpr_solver.designs.search import GENERATION
 from rpr_solver.designs.space import Space
 
@@ -47,7 +48,7 @@ def asked_in(seed: int, budget: int, objective: str = "longest-range") -> list[l
         generations.append([one.geometry_hash for one in asked])
         return [made_up(one) for one in asked]
 
-    Plan.of(INNOCENTI, objective, AT_MOST_4, vary="15%", budget=budget, seed=seed).search(examine)
+    searched(Plan.of(INNOCENTI, objective, AT_MOST_4, vary="15%", budget=budget, seed=seed), examine)
     return generations
 
 
@@ -64,7 +65,9 @@ def test_a_search_asks_the_same_again_within_its_budget(objective: str) -> None:
 def test_a_search_gets_better_with_values_alone() -> None:
     told: list[float] = []
     plan = Plan.of(INNOCENTI, "longest-range", AT_MOST_4, vary="15%", budget=120)
-    outcome = plan.search(lambda asked: [made_up(one) for one in asked], lambda one: told.append(one.value))
+    outcome = searched(
+        plan, lambda asked: [made_up(one) for one in asked], lambda one: told.append(one.value)
+    )
     assert told == sorted(told)
     assert told[-1] == outcome.candidates[-1].value > 23
     assert outcome.censuses == 120
@@ -75,11 +78,11 @@ def test_what_fails_is_bad_and_the_search_goes_on() -> None:
         return [made_up(one) if one == INNOCENTI or one.d1 > 17 else None for one in asked]
 
     plan = Plan.of(INNOCENTI, "longest-range", AT_MOST_4, vary="15%", budget=40)
-    outcome = plan.search(examine)
+    outcome = searched(plan, examine)
     assert outcome.censuses == 40
     assert all(one.manipulator.d1 > 17 for one in outcome.candidates)
     with pytest.raises(SolverError, match="the given geometry"):
-        plan.search(lambda asked: [None for _ in asked])
+        searched(plan, lambda asked: [None for _ in asked])
 
 
 def test_linear_programmes_lengthen_the_range() -> None:

@@ -72,8 +72,8 @@ def test_flat_triangles_are_left_out() -> None:
     wide = {"d3": ("0.1", "33.579")}
     assert Space.of(INNOCENTI, wide).manipulator([0.9999]) is None
     assert Space.of(INNOCENTI, wide, min_height=0).manipulator([0.9999]) is not None
-    assert Space.of(INNOCENTI, "1%", min_height=10).manipulator([0.5] * 6) is not None
-    assert Space.of(INNOCENTI, "1%", min_height="10.1").manipulator([0.5] * 6) is None
+    assert Space.of(INNOCENTI, "1%", min_height=8).manipulator([0.5] * 6) is not None
+    assert Space.of(INNOCENTI, "1%", min_height="8.5").manipulator([0.5] * 6) is None
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ from service.api.batches.items import read_item
 from service.schemas.catalog import questions
 from service.schemas.censuses import CensusRequest, CheckRequest
 from service.schemas.curves import CuspCurvesRequest
+from service.schemas.designs import DesignRequest
 from service.schemas.document import Source, read
 from service.schemas.exact_json import JsonNumber, parse_json
 from service.schemas.lengths import OpenRange, split_ends
@@ -136,7 +137,14 @@ def test_the_digits_are_those_of_the_limits(question: type[Question]) -> None:
     assert isinstance(body, dict)
     del body["digits"]
     digits = read(question, body, Source(Limits(default_digits=50))).job_request().digits
-    of_15 = PathRequest, SingularCurvesRequest, RangeAspectsRequest, PlotRequest, MarginRequest
+    of_15 = (
+        PathRequest,
+        SingularCurvesRequest,
+        RangeAspectsRequest,
+        PlotRequest,
+        MarginRequest,
+        DesignRequest,
+    )
     expected = {CheckRequest: 30, **dict.fromkeys(of_15, 15)}
     assert digits == expected.get(question, 50)
 

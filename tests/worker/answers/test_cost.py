@@ -7,9 +7,11 @@ from typing import Any
 import pytest
 
 from rpr_solver import EXAMPLES, Requirement
+from rpr_solver.designs.questions import Plan
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
 from worker.answers.cost import Cost, Sizes
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
+from worker.answers.designs import DESIGN
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
 from worker.answers.items import seconds_after
 from worker.answers.kinds import KINDS
@@ -49,6 +51,9 @@ CONTENTS: dict[Kind, Mapping[str, Any]] = {
     SINGULAR_CURVES: {"length": "27", "tolerance": "0.001"},
     ASPECTS: {"range": {"from": "27", "to": "30"}},
     MARGIN: {"length": "28.1", "tolerance": dict.fromkeys(("a2x", "a3x", "a3y", "d1", "d2", "d3"), "1")},
+    DESIGN: {
+        **Plan.of(EXAMPLES["innocenti"], "longest-range", Requirement(1, 20, 25, 8), budget=2).to_json(),
+    },
     PLOT: {"plot": "loop", "theme": "auto", "length": "27", "cusp": 1},
     CERTIFIED_TABLE: {"l1": ["14.98"]},
     CERTIFIED_CENSUS: WHOLE,

@@ -1,0 +1,111 @@
+"""Search for a geometry by what is wanted of its cusps: the longest range of lengths in which a requirement
+holds, the least change that meets it, the largest margin, or the most cusps.
+
+Every candidate is examined by an exact census, and the best one found is proved anew. Nothing says that there
+is no better one. The search needs the extra design: pip install 'rpr-cusps[design]'."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from typing import Any
+
+from rpr_solver import design_csv
+from rpr_solver.errors import InputError
+from service.cli import arguments, remote
+from service.cli.help import Command
+from service.cli.pages import Page, Section, about, rows_of, write_document
+from service.schemas.designs import DesignRequest
+from service.schemas.lengths import split_ends
+
+DESCRIPTION = f"""{__doc__}
+
+{arguments.GEOMETRY}
+
+Exit status: 0 the wish is met, 1 it is not met within the budget, 2 bad input."""
+EXAMPLES = """\
+examples:
+  rpr-cusps design innocenti --objective longest-range --l1-range 5:30 --max-cusps 4 --vary 15% --fix a2x
+  rpr-cusps design robot.json --objective least-change --l1-range 5:30 --max-cusps 6 --ignore-windows 0.001
+  rpr-cusps design robot.json --objective most-cusps --family isosceles-1 --vary t1=0.05:3,d1=1:40,d2=1:70
+"""
+
+MET, NOT_MET = 0, 1
+_OPTIONS = {
+    "objective": "longest-range, least-change, largest-margin or most-cusps",
+    "vary": "how far lengths may change: 15%% of each, or d1=16:18,a2x=15:17 alone (default: 10%%)",
+    "family": "tie the lengths: isosceles-1, isosceles-2, isosceles-3, similar, congruent or mirror",
+    "decimals": "decimals of the lengths that vary (default: 4)",
+    "min_height": "the least height of both triangles (default: a hundredth of their longest sides)",
+    "ignore_windows": "windows up to this width are left aside in the search, not in the proof (default: 0)",
+    "seed": "of the random numbers (default: 1)",
+}
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    arguments.add_geometry(parser)
+    arguments.add_requirement(parser, "the range of lengths; either end may be omitted")
+    for name, text in _OPTIONS.items():
+        parser.add_argument(_option(name), dest=name, metavar="X", required=name == "objective", help=text)
+    parser.add_argument("--fix", metavar="NAMES", help="lengths that keep their values, as a2x,d1")
+    parser.add_argument("--budget", metavar="N", help="how many geometries are examined (default: 300)")
+    arguments.add_format(parser, "csv")
+    remote.add_url(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command; returns the exit status."""
+    members: dict[str, object] = {name: getattr(args, name) for name in _OPTIONS}
+    names = {name: _option(name) for name in _OPTIONS} | {"fixed": "--fix", "budget.censuses": "--budget"}
+    members["vary"] = _bounds(args.vary) if "=" in (args.vary or "") else args.vary
+    members["fixed"] = None if args.fix is None else [name.strip() for name in args.fix.split(",")]
+    members["budget"] = None if args.budget is None else {"censuses": args.budget}
+    if args.ranges or args.max_cusps is not None or args.min_cusps is not None:
+        members["requirement"], places = arguments.requirement_of(args)
+        names |= places
+    elif args.limits:
+        raise InputError.of("--l1-range", "is missing; a requirement needs the range of lengths")
+    asked = arguments.ask(
+        DesignRequest, args, {**members, **remote.deadline_of(args)}, arguments.source(names)
+    )
+    document = remote.answer_of(args.url, asked, "censuses")
+    write_document(document, _page(document), args.format, csv=design_csv)
+    return MET if document["best"]["met"] else NOT_MET
+
+
+def _option(member: str) -> str:
+    return f"--{member.replace('_', '-')}"
+
+
+def _bounds(text: str) -> dict[str, object]:
+    """The bounds in d1=16:18,a2x=15:17."""
+    pairs = [part.partition("=") for part in text.split(",")]
+    return {name.strip(): split_ends(ends) for name, _, ends in pairs}
+
+
+def _page(document: Mapping[str, Any]) -> Page:
+    best, start, asked = document["best"], document["start"], document["asked"]
+    margin = best["margin"]
+    values = [
+        ("value", best["value"]),
+        ("of the given geometry", start["value"]),
+        ("met", "yes" if best["met"] else "no"),
+        ("margin, proved", None if margin is None else margin["proved"]),
+        ("narrow windows left", str(len(best["windows_left"])) if asked["ignore_windows"] != "0" else None),
+        ("geometries examined", f"{document['censuses']}; stopped: {document['stopped']}"),
+    ]
+    lengths = {name: x for name, x in best["geometry"].items() if name != "orientation"}
+    change = {name: best["change"][name] for name in lengths}
+    rows = [{"": "best found", **lengths}, {"": "change", **change}]
+    trace = [{"census": one["census"], "value": one["value"], **one["geometry"]} for one in document["trace"]]
+    shown = [["", ""], *([name, text] for name, text in values if text is not None)]
+    sections = [
+        Section(f"Best found: {asked['objective']}", shown),
+        Section("Geometry", rows_of(rows)),
+        Section("Improvements", rows_of(trace)),
+    ]
+    return Page(about(document), sections, document["digits"])
+
+
+COMMANDS = {"design": Command(DESCRIPTION, EXAMPLES, configure, run)}

@@ -1,0 +1,252 @@
+"""Designs: the question, and the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import Field, PlainValidator, ValidationInfo, model_validator
+
+from rpr_solver import MIN_DIGITS, Requirement
+from rpr_solver.designs.questions import (
+    DEFAULT_BUDGET,
+    DEFAULT_SEED,
+    LEAST_BUDGET,
+    MOST_CENSUSES,
+    MOST_CUSPS,
+    MOST_SEED,
+    Plan,
+)
+from rpr_solver.designs.space import DEFAULT_DECIMALS, DEFAULT_VARY, MOST_DECIMALS
+from rpr_solver.errors import InputError
+from service.schemas.answers import (
+    CSV,
+    JSON,
+    JSON_FORM,
+    DocumentHead,
+    Forms,
+    GeometryText,
+    Interval,
+    csv_form,
+)
+from service.schemas.censuses import Census, CheckReport, RequirementDocument
+from service.schemas.document import Document, Source, at, given, part
+from service.schemas.exact_json import json_kind
+from service.schemas.margins import Margin
+from service.schemas.model import Model
+from service.schemas.numbers import Exact, whole_from
+from service.schemas.questions import Examples, Question
+from worker.answers.designs import DESIGN
+
+Ends = tuple[Fraction, Fraction]
+
+
+class VaryRange(Document):
+    """The least and the greatest value of a length, or of another parameter of a family."""
+
+    expected: ClassVar[str] = 'give an object with "from" and "to"'
+
+    start: Exact = Field(alias="from")
+    stop: Exact = Field(alias="to")
+
+
+def _vary(value: object, info: ValidationInfo) -> str | dict[str, Ends]:
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, Mapping):
+        raise InputError.of("", f'is {json_kind(value)}; give a share such as "15%", or bounds by name')
+    found: dict[str, Ends] = {}
+    for name, ends in value.items():
+        try:
+            one = part(VaryRange.model_validate, ends, Source.of(info))
+        except InputError as error:
+            raise at(error, name) from None
+        found[name] = one.start, one.stop
+    return found
+
+
+def _names(value: object) -> tuple[str, ...]:
+    if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
+        raise InputError.of("", f"is {json_kind(value)}; give a list of names such as a2x")
+    return tuple(value)
+
+
+class Budget(Document):
+    """How long a search may take."""
+
+    expected: ClassVar[str] = "give an object with censuses"
+
+    censuses: Annotated[int, whole_from(LEAST_BUDGET, MOST_CENSUSES)] = Field(
+        default=DEFAULT_BUDGET, description="The number of geometries that are examined, the given one too."
+    )
+
+
+class Improvement(Model):
+    """A geometry that was better than all before."""
+
+    census: int = Field(description="How many geometries had been examined, this one too.")
+    value: str = Field(description="What it reaches, as the search sees it: a float, windows ignored.")
+    met: bool = Field(description="Whether it satisfies the requirement, as the search sees it.")
+    geometry: GeometryText
+
+
+class Start(Model):
+    """What the given geometry reaches, as the search sees it."""
+
+    value: str
+    met: bool
+
+
+class BestFound(Model):
+    """The best geometry found, with the proof of what it does."""
+
+    geometry: GeometryText
+    value: str = Field(
+        description="What it is proved to reach: the length of the longest admitted part of the range, the "
+        "largest number of cusps, the margin; or how much it is changed, as a share of what is allowed."
+    )
+    met: bool = Field(
+        description="Whether a part of the range is admitted (`longest-range`), a slice has the least number "
+        "of cusps (`most-cusps`), or the requirement is proved."
+    )
+    change: dict[str, str] = Field(description="What was added to each length of the given geometry.")
+    census: Census = Field(description="Its census over the range.")
+    check: CheckReport = Field(description="The check of the requirement.")
+    margin: Margin | None = Field(
+        description="If it is met: how far it may change before the requirement is lost, or the requirement "
+        "within the longest part but for a tenth at each end, or the largest number of cusps."
+    )
+    windows_left: list[Interval] = Field(
+        description="Windows that violate the requirement and are as narrow as the search ignores."
+    )
+
+
+class Design(DocumentHead):
+    """The best geometry that a search found; nothing says that there is no better one."""
+
+    asked: dict[str, Any] = Field(description="The question, with the bounds of all that varies.")
+    start: Start
+    best: BestFound
+    trace: list[Improvement] = Field(description="The improvements, from the given geometry to the best.")
+    censuses: int = Field(description="How many geometries were examined.")
+    stopped: Literal["budget", "converged"]
+
+
+class DesignRequest(Question):
+    """A manipulator, what is wanted of its cusps, and what may vary."""
+
+    expected = "send an object with geometry, objective and requirement"
+    kinds = (DESIGN,)
+    path = "/v1/designs"
+    name = "post_design"
+    tag = ("designs", "Geometries for what is wanted of their cusps.")
+    summary = "The best geometry that a search finds for what is wanted of its cusps"
+    description = """\
+Searches near a geometry for one with the longest range in which a requirement holds, the least change that
+meets it, the largest margin, or the most cusps. Every candidate is examined by an exact census. The best one
+found is proved anew: by a check, a census and a margin.
+
+It is always a job, of a minute or more, which up to four workers share. Its events tell of each improvement,
+with the geometry, so that what was found until then is known if the job is canceled. The same question has
+the same answer, whoever computes it.
+"""
+    answer = Design
+    known = "The best geometry found."
+    forms: ClassVar[Forms] = {JSON: JSON_FORM, CSV: csv_form("design_csv", "improvement")}
+    examples: ClassVar[Examples] = {
+        "range": (
+            "A long range of L1 with at most four cusps, with a small budget",
+            {
+                "objective": "longest-range",
+                "requirement": {"range": {"from": 5, "to": 30}, "max_cusps": 4},
+                "vary": "15%",
+                "fixed": ["a2x"],
+                "decimals": 2,
+                "budget": {"censuses": 4},
+            },
+        ),
+        "change": (
+            "The least change after which only narrow windows have more than six cusps, with a small budget",
+            {
+                "objective": "least-change",
+                "requirement": {"range": {"from": 5, "to": 30}, "max_cusps": 6},
+                "ignore_windows": "0.001",
+                "budget": {"censuses": 2},
+            },
+        ),
+    }
+
+    objective: Literal["longest-range", "least-change", "largest-margin", "most-cusps"] = Field(
+        description="What is sought; within the range, the counts and the joint limits of the requirement."
+    )
+    requirement: RequirementDocument | None = given(
+        "Numbers of cusps, a range, and joint limits. It may be missing for `most-cusps`."
+    )
+    vary: Annotated[
+        str | dict[str, Ends],
+        PlainValidator(_vary, json_schema_input_type=str | dict[str, VaryRange]),
+    ] = Field(
+        default=DEFAULT_VARY,
+        description="How far lengths may change: a share of each, such as `15%` (of a3x and a3y: of |A1A3|), "
+        "or bounds by name, the others keeping their values.",
+    )
+    fixed: Annotated[tuple[str, ...], PlainValidator(_names, json_schema_input_type=list[str])] = Field(
+        default=(), description="Names of lengths that keep their values."
+    )
+    family: Literal["isosceles-1", "isosceles-2", "isosceles-3", "similar", "congruent", "mirror"] | None = (
+        given("A tie between the lengths, which then depend on fewer parameters.")
+    )
+    decimals: Annotated[int, whole_from(0, MOST_DECIMALS)] = Field(
+        default=DEFAULT_DECIMALS, description="What varies is rounded to so many decimals."
+    )
+    min_height: Exact | None = given(
+        "The least height of both triangles; a hundredth of their longest sides if missing."
+    )
+    ignore_windows: Exact = Field(
+        default=Fraction(0),
+        description="Windows that are no wider are left aside in the search; the answer lists those left.",
+    )
+    budget: Budget = Field(default_factory=Budget)
+    seed: Annotated[int, whole_from(0, MOST_SEED)] = Field(
+        default=DEFAULT_SEED, description="Of the random numbers."
+    )
+
+    @model_validator(mode="after")
+    def _is_sound(self) -> Self:
+        self._plan()
+        return self
+
+    def _plan(self) -> Plan:
+        if self.requirement is not None:
+            wish = self.requirement.to_requirement()
+        elif self.objective == MOST_CUSPS:
+            wish = Requirement(min_cusps=0)
+        else:
+            raise InputError.of("requirement", "is missing; give the range and max_cusps or min_cusps")
+        return Plan.of(
+            self.geometry,
+            self.objective,
+            wish,
+            vary=self.vary,
+            fixed=self.fixed,
+            decimals=self.decimals,
+            min_height=self.min_height,
+            family=self.family,
+            ignore_windows=self.ignore_windows,
+            budget=self.budget.censuses,
+            seed=self.seed,
+        )
+
+    def content(self) -> dict[str, Any]:
+        """Returns the canonical form of the question."""
+        plan = self._plan()
+        leg = plan.requirement.fixed_leg
+        head = {"geometry": self.geometry.to_json(), "fixed_leg": leg, "digits": MIN_DIGITS}
+        return {**head, **plan.to_json()}
+
+    def _asked(self) -> dict[str, Any]:
+        content = self.content()
+        return {
+            name: x for name, x in content.items() if name not in ("fixed_leg", "digits") and x is not None
+        }

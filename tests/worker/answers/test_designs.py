@@ -1,0 +1,128 @@
+"""Designs as jobs: chunks share the censuses of one search, and what one leaves undone another does."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import threading
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+from redis import Redis
+
+from rpr_solver import EXAMPLES, Manipulator, Requirement, design
+from rpr_solver.designs import design as module
+from rpr_solver.designs.goals import Goal
+from rpr_solver.designs.questions import Plan
+from worker.answers.designs import DESIGN, SHARES
+from worker.answers.requests import JobRequest, Store
+from worker.answers.store import ResultStore, compute
+from worker.jobs.attempts import Attempts
+from worker.jobs.chunks import ChunkRef
+from worker.jobs.queue import JobQueue
+from worker.settings import WorkerSettings
+
+INNOCENTI = EXAMPLES["innocenti"]
+WISH = Requirement(start=28, stop=32, max_cusps=6)
+OPTIONS: dict[str, Any] = {"vary": "5%", "decimals": 2, "budget": 5}
+PROGRAM = """
+import json, sys
+from rpr_solver import Manipulator, Requirement, census, check
+best = Manipulator.from_json(json.loads(sys.argv[1]))
+wish = Requirement.from_json(json.loads(sys.argv[2]))
+report = check(best, wish, digits=15)
+table = census(best, start=wish.start, stop=wish.stop, digits=15)
+print(json.dumps([report.to_json(), table.to_json()]))
+"""
+
+
+def asked() -> JobRequest:
+    head = {"geometry": INNOCENTI.to_json(), "fixed_leg": 1, "digits": 15}
+    return JobRequest(DESIGN, {**head, **Plan.of(INNOCENTI, "longest-range", WISH, **OPTIONS).to_json()})
+
+
+@pytest.fixture
+def examined(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
+    """How often each geometry is examined; margins are left out."""
+    counts: Counter[str] = Counter()
+    examine = module.examined
+
+    def counted(manipulator: Manipulator, goal: Goal) -> Mapping[str, Any] | None:
+        counts[manipulator.geometry_hash] += 1
+        return examine(manipulator, goal)
+
+    monkeypatch.setattr(module, "examined", counted)
+    monkeypatch.setattr(module, "margin", lambda *_, **__: None)
+    return counts
+
+
+def test_chunks_share_a_search_and_one_continues_where_another_died(
+    redis: Redis, settings: WorkerSettings, examined: Counter[str]
+) -> None:
+    class KilledError(Exception):
+        pass
+
+    def killed(done: int, _total: int) -> None:
+        if done == 3:
+            raise KilledError
+
+    with pytest.raises(KilledError):
+        compute(asked(), ResultStore(redis, settings, holder="first"), killed)
+    assert len(examined) == 3
+    answers: dict[str, Any] = {}
+
+    def run(holder: str) -> None:
+        store = ResultStore(redis, settings, holder=holder)
+        answers[holder] = compute(asked(), store, lambda *_: None)
+
+    threads = [threading.Thread(target=run, args=(name,)) for name in ("second", "third")]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(examined) == OPTIONS["budget"]
+    assert set(examined.values()) == {1}, "what is known is not examined again"
+    assert answers["second"] == answers["third"]
+    best = answers["second"]["best"]
+    arguments = [json.dumps(best["geometry"]), json.dumps(WISH.to_json())]
+    command = [sys.executable, "-c", PROGRAM, *arguments]
+    fresh = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    assert fresh == [best["check"], best["census"]]
+
+
+def test_without_a_store_it_is_the_answer_of_the_library(examined: Counter[str]) -> None:
+    told: list[dict[str, Any]] = []
+
+    class Progress:
+        improved = staticmethod(told.append)
+
+        def __call__(self, done: int, total: int) -> None:
+            assert done <= total == OPTIONS["budget"]
+
+    answer = compute(asked(), Store(), Progress())
+    assert set(examined.values()) == {1}
+    assert answer == design(INNOCENTI, "longest-range", WISH, **OPTIONS).to_json()
+    assert told == answer["trace"]
+
+
+def test_a_job_has_several_chunks_and_tells_an_improvement_once(redis: Redis, queue: JobQueue) -> None:
+    view = queue.submit(asked())
+    assert queue.plan(asked(), len(asked().parts)).chunk_count == SHARES
+    attempts = Attempts(redis, queue.settings)
+    refs = [ChunkRef(view.id, view.run, index, 0) for index in range(SHARES)]
+    for ref in refs[:2]:
+        assert attempts.start(ref) is not None
+        attempts.put_improvement(ref, 1, {"census": 1})
+    attempts.put_improvement(refs[1], 4, {"census": 4})
+    attempts.put_improvement(refs[0], 3, {"census": 3})
+    attempts.put_document(refs[1], asked(), {"best": {}})
+    attempts.put_improvement(refs[0], 5, {"census": 5})
+    events = redis.xrange(queue.records.keys.job(view.id).events)
+    told = [json.loads(fields[b"improvement"]) for _, fields in events if fields[b"type"] == b"improvement"]
+    assert told == [{"census": 1}, {"census": 4}]
+    ended = queue.get(view.id)
+    assert ended is not None
+    assert ended.status == "succeeded"
