@@ -8,14 +8,12 @@ from collections import Counter
 from dataclasses import replace
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
-from functools import cache
 
 import mpmath as mp
 import pytest
 
 from rpr_solver import (
     EXAMPLES,
-    Eliminant,
     InputError,
     Manipulator,
     SliceTable,
@@ -33,6 +31,8 @@ from rpr_solver import (
 from rpr_solver.slices.answers import slices_json
 from tests.support.article import coalescence, pose, singularity
 from tests.support.reference import CASES
+from tests.support.sampling import long
+from tests.support.shared import eliminant_of
 
 INNOCENTI = EXAMPLES["innocenti"]
 
@@ -59,14 +59,14 @@ BESIDE = [
 @pytest.mark.parametrize(
     ("low", "high", "counts", "places"),
     [
-        *((*transition, 9) for transition in BESIDE),
-        pytest.param(*BESIDE[0], 30, marks=pytest.mark.slow),
-        *(pytest.param(*transition, 30, marks=pytest.mark.long) for transition in BESIDE[1:]),
+        (*BESIDE[0], 15),
+        *((*transition, 9) for transition in BESIDE[1:]),
+        *(long(*transition, 30) for transition in BESIDE),
     ],
 )
 def test_slices_beside_a_transition(low: str, high: str, counts: tuple[int, int], places: int) -> None:
     """Bisection with exact counts converges to the transition; the counts are monotonic."""
-    eliminant = eliminate(INNOCENTI)
+    eliminant = eliminant_of(INNOCENTI)
     a, b = Fraction(low), Fraction(high)
     assert (solve_slice(eliminant, a, 15).count, solve_slice(eliminant, b, 15).count) == counts
     while b - a > Fraction(1, 10**places):
@@ -224,14 +224,9 @@ SLICES = {
 }
 
 
-@cache
-def eliminant_of(geometry: tuple[tuple[str, str], ...]) -> Eliminant:
-    return eliminate(Manipulator.from_json(dict(geometry)))
-
-
 @pytest.mark.parametrize(("geometry", "expected"), SLICES.values(), ids=SLICES)
 def test_reference_slice(geometry: dict[str, str], expected: dict[str, object]) -> None:
-    eliminant = eliminant_of(tuple(geometry.items()))
+    eliminant = eliminant_of(Manipulator.from_json(geometry))
     slice_json = solve_slice(eliminant, parse_exact(str(expected["l1"]), "l1"), 90).to_json()
     assert slice_json["count"] == expected["count"]
     nearest = Context(prec=90, rounding=ROUND_HALF_EVEN)
