@@ -326,12 +326,6 @@ and `to`, and outside of these and of the ranges in `open` all geometries have t
         "census is to hold for every geometry within it."
     )
 
-    @model_validator(mode="after")
-    def _tolerance_is_sound(self) -> Self:
-        if self.tolerance is not None:
-            changes_json(self.tolerance)
-        return self
-
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""
         content = self.model_dump(exclude={"certificate", "tolerance"})
@@ -384,12 +378,6 @@ the verdict: `proved`, `refuted` (by a counter-example within the tolerance) or 
         "A change of all lengths of the geometry, or those of single lengths, the others being exact: the "
         "requirement is to hold for every geometry within it."
     )
-
-    @model_validator(mode="after")
-    def _tolerance_is_sound(self) -> Self:
-        if self.tolerance is not None:
-            changes_json(self.tolerance)
-        return self
 
     def content(self) -> dict[str, Any]:
         """Returns the canonical form of the question."""

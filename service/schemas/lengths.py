@@ -351,9 +351,13 @@ class Changes(Document):
 
 
 def _tolerance(value: object, info: ValidationInfo) -> Fraction | Changes:
-    if isinstance(value, Mapping):
-        return part(Changes.model_validate, value, Source.of(info))
-    return exact_number(value, info)
+    is_of_some = isinstance(value, Mapping)
+    tolerance = (
+        part(Changes.model_validate, value, Source.of(info)) if is_of_some else exact_number(value, info)
+    )
+    with unnamed("tolerance"):
+        changes(None, tolerance.given() if isinstance(tolerance, Changes) else tolerance)
+    return tolerance
 
 
 Tolerance = Annotated[Fraction | Changes, PlainValidator(_tolerance, json_schema_input_type=Exact | Changes)]

@@ -42,7 +42,8 @@ def margin(request: JobRequest, _store: Store, progress: Progress) -> Document:
 
 _OF_MARGIN = ("verdict", "reason", "validity", "first_order", "counterexample", "certificate")
 _ITSELF = "the manipulator itself does not satisfy the requirement"
-_NOTHING_FOUND = "neither a proof nor a counter-example was found in {boxes} boxes"
+_NOTHING_FOUND = "no proof and no counter-example was found in {boxes} boxes"
+_CHANGES = "; the number of cusps changes within the range, which makes proofs harder"
 
 
 def check(request: JobRequest, store: Store, progress: Progress) -> Document:
@@ -99,7 +100,8 @@ def within_tolerance(report: Document, found: Document | None, tolerance: Mappin
     else:
         margin |= {name: found[name] for name in _OF_MARGIN}
         if margin["verdict"] == OPEN and margin["reason"] is None:
-            margin["reason"] = _NOTHING_FOUND.format(boxes=found["certificate"]["boxes"])
+            changes = _CHANGES if len(report.get("intervals", ())) > 1 else ""
+            margin["reason"] = _NOTHING_FOUND.format(boxes=found["certificate"]["boxes"]) + changes
     return {**report, "passed": margin["verdict"] == PROVED, "margin": margin}
 
 

@@ -31,7 +31,7 @@ from service.cli.check.sources import Found, find
 from service.cli.help import Command
 from service.cli.pages import write_document
 from service.schemas.censuses import RequirementDocument
-from service.schemas.document import Document, named, part, read, renamed
+from service.schemas.document import Document, named, part, read
 from service.schemas.lengths import Tolerance, changes_json
 from service.schemas.numbers import Digits, Length, whole_number
 from worker.process.os_limits import usable_cores
@@ -153,11 +153,8 @@ def _tolerance(text: str | None) -> dict[str, str] | None:
     if text is None:
         return None
     names = {"tolerance": "--tolerance"}
-    given = read(_Within, {"tolerance": arguments.tolerance_of(text)}, arguments.source(names)).tolerance
-    try:
-        return changes_json(given)
-    except InputError as error:
-        raise renamed(error, arguments.source(names).called) from None
+    members = {"tolerance": arguments.tolerance_of(text)}
+    return changes_json(read(_Within, members, arguments.source(names)).tolerance)
 
 
 class _Within(Document):
