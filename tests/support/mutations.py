@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from fractions import Fraction
 from typing import Any
+
+from rpr_solver import Manipulator, exact_str
+from rpr_solver.margins.counterexamples import rounded_down
+from rpr_solver.margins.margin import validity
 
 Document = dict[str, Any]
 Mutation = Callable[[random.Random, Document], str | None]
@@ -383,6 +388,106 @@ OF_CURVES: tuple[Mutation, ...] = (
     moved_end,
     other_number,
     other_geometry,
+)
+
+
+def _scaled(document: Document, factor: Fraction) -> None:
+    """The radii of a margin in another unit: weights, and the tolerance, so many times as great."""
+    for names in (document["weights"], document["asked"].get("tolerance", {})):
+        for name in names:
+            names[name] = exact_str(Fraction(names[name]) * factor)
+    exact = validity(Manipulator(**document["geometry"]), [Fraction(x) for x in document["weights"].values()])
+    document["validity"] = None if exact is None else exact_str(rounded_down(exact, 6))
+
+
+def wider_margin(_draw: random.Random, document: Document) -> str | None:
+    """A radius that is proved beyond three times the first-order one, and no counter-example."""
+    first, proved = document["first_order"], document["proved"]
+    if proved in (None, "0") or first is None:
+        return None
+    factor = Fraction(math.ceil(3 * Fraction(first["radius"]) / Fraction(proved)) + 1)
+    document["counterexample"] = None
+    _scaled(document, factor)
+    return "a wider margin"
+
+
+def refuted_as_proved(_draw: random.Random, document: Document) -> str | None:
+    """A radius that is proved beyond a counter-example, which is left out."""
+    example = document["counterexample"]
+    if example is None:
+        return None
+    document["counterexample"] = None
+    if document["verdict"] is None:
+        document["proved"] = exact_str(Fraction(example["radius"]) * Fraction(101, 100))
+    else:
+        document.update(proved="1", verdict="proved")
+    return "a refuted margin as a proved one"
+
+
+def missing_part(draw: random.Random, document: Document) -> str | None:
+    """A sign of a proof left out."""
+    full = document["certificate"].get("full")
+    if not full:
+        return None
+    n = draw.randrange(len(full["cuts"]))
+    place = draw.randrange(len(full["cuts"][n]))
+    full["cuts"][n] = full["cuts"][n][:place] + full["cuts"][n][place + 1 :]
+    return "a missing part"
+
+
+def parts_as_one(draw: random.Random, document: Document) -> str | None:
+    """A proof that does not cut the torus."""
+    full = document["certificate"].get("full")
+    if not full:
+        return None
+    full["cuts"][draw.randrange(len(full["cuts"]))] = "0.."
+    return "parts as one"
+
+
+def other_margin_count(draw: random.Random, document: Document) -> str | None:
+    """Another number of cusps."""
+    if document["count"] is None:
+        return None
+    document["count"] += draw.choice([-2, 2]) if document["count"] > 1 else 2
+    return "another number of cusps of a margin"
+
+
+def other_example_count(_draw: random.Random, document: Document) -> str | None:
+    """A counter-example with a number of cusps that is neither its own nor that of the margin."""
+    example = document["counterexample"]
+    if example is None or example["count"] is None:
+        return None
+    example["count"] = 24 if document["count"] != 24 else 22
+    return "another number of cusps of a counter-example"
+
+
+def moved_example(draw: random.Random, document: Document) -> str | None:
+    """A counter-example at another distance than it says."""
+    example = document["counterexample"]
+    if example is None:
+        return None
+    name = draw.choice([g for g in ("a2x", "a3y", "d1") if document["weights"][g] != "0"] or ["d2"])
+    away = Fraction(example["radius"]) * Fraction(document["weights"][name]) + 1
+    example["geometry"][name] = exact_str(Fraction(document["geometry"][name]) + away)
+    return "a moved counter-example"
+
+
+def other_validity(_draw: random.Random, document: Document) -> str:
+    """Another radius from which on geometries may be flat."""
+    validity = document["validity"]
+    document["validity"] = "1" if validity is None else exact_str(Fraction(validity) * 2)
+    return "another validity"
+
+
+OF_MARGINS: tuple[Mutation, ...] = (
+    wider_margin,
+    missing_part,
+    other_margin_count,
+    refuted_as_proved,
+    parts_as_one,
+    other_example_count,
+    moved_example,
+    other_validity,
 )
 
 

@@ -2,11 +2,11 @@
 
     python -m tests.rpr_solver.verify.long_run [KIND ...] [--documents 100] [--first 0] [--mutations 2]
 
-Kinds are tables, poses, censuses, curves and reports. Document n of a kind is the same in every run with the
-same seed, so that a run may be done in parts (``--first``) and a failure be repeated alone. The manipulators
-are general, of every degenerate family, with long decimals, and very large or small; slices are also 10^-40
-beside transitions, poses beside folds, of 15 to 200 digits. Prints every failure as it is found, then the
-numbers, and exits with status 1 if there was a failure.
+Kinds are tables, poses, censuses, curves, reports and margins. Document n of a kind is the same in every run
+with the same seed, so that a run may be done in parts (``--first``) and a failure be repeated alone. The
+manipulators are general, of every degenerate family, with long decimals, and very large or small; slices are
+also 10^-40 beside transitions, poses beside folds, of 15 to 200 digits. Prints every failure as it is found,
+then the numbers, and exits with status 1 if there was a failure.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from rpr_solver import (
     check,
     cusp_curves,
     cusp_table,
+    margin,
     poses,
     table_document,
     verify_document,
@@ -40,6 +41,7 @@ from tests.support.families import FAMILIES, family
 from tests.support.mutations import (
     OF_CENSUSES,
     OF_CURVES,
+    OF_MARGINS,
     OF_POSES,
     OF_REPORTS,
     OF_TABLES,
@@ -155,13 +157,38 @@ def some_curves(question: Drawn) -> Document:
     return curves.part(start, stop, lengths=lengths).to_json(certificate=certificate)
 
 
+def some_margin(question: Drawn) -> Document:
+    """A margin with its proof: of a slice, of a requirement with joint limits or without, or of a window."""
+    draw, m, scale = question.draw, question.manipulator, question.scale
+    length = scale * Fraction(draw.randint(20, 300), 10)
+    free = [leg for leg in (1, 2, 3) if leg != question.leg]
+    weights = {g: draw.choice([0, 1, 1]) for g in ("a2x", "a3x", "a3y", "d1", "d2", "d3")} | {"d1": 1}
+    form: dict[str, Any] = {"weights": weights, "certificate": "full", "most_boxes": 20_000}
+    if draw.random() < 0.5:
+        del form["weights"]
+        form["tolerance"] = scale * Fraction(1, 10 ** draw.randint(2, 5))
+    match draw.randrange(4):
+        case 0:
+            limits = {draw.choice(free): (scale, 100 * scale)} if draw.random() < 0.5 else {}
+            stop = None if draw.random() < 0.2 else length + scale / 10
+            form["requirement"] = Requirement(question.leg, length, stop, max_cusps=24, limits=limits)
+        case 1:
+            form["window"] = length
+        case _:
+            form["length"] = length
+    return margin(m, fixed_leg=question.leg, **form).to_json()
+
+
 KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Mutation, ...]]] = {
     "tables": (table, OF_TABLES),
     "poses": (some_poses, OF_POSES),
     "censuses": (whole_census, OF_CENSUSES),
     "curves": (some_curves, OF_CURVES),
     "reports": (a_report, OF_REPORTS),
+    "margins": (some_margin, OF_MARGINS),
 }
+EFFORT = {"margins": 20}
+"""How many times more work is allowed; 1 if it is not here."""
 
 
 def run(kind: str, n: int, arguments: Any, counts: Counter[str]) -> None:
@@ -175,9 +202,10 @@ def run(kind: str, n: int, arguments: Any, counts: Counter[str]) -> None:
         print(f"{about}: no document: {error}", flush=True)
         counts["no document"] += 1
         return
-    answer = verify_document(document)
+    answer = verify_document(document, effort=EFFORT.get(kind, 1))
     counts["documents accepted" if answer.accepted else "DOCUMENTS REFUSED"] += 1
     counts["documents established"] += answer.established
+    counts["proofs of margins"] += kind == "margins" and "full" in document["certificate"]
     counts.update(f"claims {claim.status.value}" for claim in answer.claims)
     for claim in answer.refused:
         print(f"{about}: REFUSED at {claim.at}: {claim.claim}: {claim.reason}", flush=True)
