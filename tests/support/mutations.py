@@ -475,7 +475,7 @@ def moved_example(draw: random.Random, document: Document) -> str | None:
 def other_validity(_draw: random.Random, document: Document) -> str:
     """Another radius from which on geometries may be flat."""
     validity = document["validity"]
-    document["validity"] = "1" if validity is None else exact_str(Fraction(validity) * 2)
+    document["validity"] = "1" if validity in (None, "0") else exact_str(Fraction(validity) * 2)
     return "another validity"
 
 

@@ -26,8 +26,8 @@ from typing import Any
 from rpr_solver import SolverError, cusp_curves, poses, table_document
 from rpr_solver.verify.core.members import POSE_KINDS
 from tests.rpr_solver.verify.forgeries import first_line
-from tests.rpr_solver.verify.long_run import Drawn, a_report, drawn, table, whole_census
-from tests.support.mutations import other_digit
+from tests.rpr_solver.verify.long_run import Drawn, a_report, drawn, some_margin, table, whole_census
+from tests.support.mutations import OF_MARGINS, Mutation, other_digit
 
 Document = Any
 Forged = tuple[str, str] | None
@@ -538,6 +538,16 @@ def example_changed(draw: random.Random, document: Document) -> Forged:
     return "another example", f"/violations/{k}"
 
 
+def _forge(mutation: Mutation) -> Forge:
+    """A mutation as a forgery: whatever is false then, the document must not be established."""
+
+    def forge(draw: random.Random, document: Document) -> Forged:
+        done = mutation(draw, document)
+        return None if done is None else (done, "/")
+
+    return forge
+
+
 KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
     "tables": (
         _tables,
@@ -567,6 +577,7 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
     ),
     "curves": (_curves, (curve_changed, chain_changed, another_geometry)),
     "reports": (a_report, (verdict_changed, cut_moved, example_changed, another_geometry)),
+    "margins": (some_margin, tuple(map(_forge, OF_MARGINS))),
 }
 
 
