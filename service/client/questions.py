@@ -44,19 +44,17 @@ class CensusOptions(TypedDict, total=False):
     deadline: float | None
 
 
-class CurveOptions(TypedDict, total=False):
-    """The options of `cusp_curves` beside its points: as in the library, and the deadline in seconds."""
-
-    digits: int
-    certificate: str
-    deadline: float | None
-
-
 class MarginOptions(TypedDict, total=False):
     """What the certificate of `margin` holds, and the deadline in seconds."""
 
     certificate: str
     deadline: float | None
+
+
+class CurveOptions(MarginOptions, total=False):
+    """The options of `cusp_curves` beside its points: as in the library, and the deadline in seconds."""
+
+    digits: int
 
 
 class PathOptions(TypedDict, total=False):

@@ -119,6 +119,7 @@ def of_one_slice(l1: str, cusps: int = 0) -> dict[str, Any]:
             40,  # 6.5
         ),
         ({**of_one_slice("14.98"), "slices": [{"l1": str(k)} for k in range(20)]}, 1.5, 15),  # 5.9
+        ({**TABLE, "certificate": {"full": {"cuts": ["0.." * 650]}}}, 1, 8),  # 2.3
     ],
     ids=lambda value: str(value)[-30:] if isinstance(value, dict) else "",
 )
