@@ -5,22 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import ROUND_DOWN, ROUND_UP
 from fractions import Fraction
-from math import ceil, log10
 
 from rpr_solver.errors import InputError, SolverError
 from rpr_solver.exact.decimals import quotient
 from rpr_solver.margins.estimates import Estimate
 from rpr_solver.margins.questions import LENGTHS
-from rpr_solver.margins.subjects import Found, SliceCount, Subject
+from rpr_solver.margins.subjects import Found, Subject
 from rpr_solver.model.manipulator import Manipulator
-from rpr_solver.transitions.census import census
 
 _FACTORS = ("1.001", "1.002", "1.004", "1.008", "1.016", "1.032", "1.064", "1.128", "1.256", "1.512", "2")
 _DIGITS = 4
-_CLOSE = (Fraction(1), Fraction(1001, 1000))
+_PRECISIONS = (4, 7, 10)
+"""Digits of radii: the count may differ only just beyond, until a second transition passes."""
 _BISECTIONS = 6
-_SECANTS = 6
-_NEAR = Fraction(1, 20)
 
 
 @dataclass(frozen=True)
@@ -71,11 +68,13 @@ class Ray:
             return None
         return None if found is None else Counterexample(radius, manipulator, found)
 
+    def beyond(self) -> Counterexample | None:
+        """A counter-example just beyond the radius, that of a degenerate geometry."""
+        radii = {rounded_up(Fraction(self.estimate.radius), digits): None for digits in _PRECISIONS}
+        return next((example for radius in radii if (example := self.shows(radius))), None)
+
     def nearest(self) -> Counterexample | None:
         """A counter-example, the nearest that a short search finds."""
-        return self._by_steps() or self._in_a_narrow_window()
-
-    def _by_steps(self) -> Counterexample | None:
         whole = Fraction(self.estimate.radius)
         sound = whole * 9 / 10
         while best := self.shows(rounded_up(sound, _DIGITS)):
@@ -99,48 +98,6 @@ class Ray:
             else:
                 sound = middle
         return best
-
-    def _in_a_narrow_window(self) -> Counterexample | None:
-        """Where the count differs only between two transitions, which pass the slice one after the other."""
-        subject = self.subject
-        if not isinstance(subject, SliceCount):
-            return None
-        first, second = (rounded_up(Fraction(self.estimate.radius) * f, 2 * _DIGITS) for f in _CLOSE)
-        gap = self._window(subject, first)
-        for _ in range(_SECANTS):
-            other = self._window(subject, second)
-            if gap is None or other is None or other[0] == gap[0]:
-                return None
-            rate = (other[0] - gap[0]) / (second - first)
-            aim = second - other[0] / rate
-            if aim <= 0:
-                return None
-            digits = max(ceil(log10(aim * abs(rate) * 16 / other[1])), _DIGITS)
-            first, gap, second = second, other, rounded_up(aim, digits)
-            if best := self.shows(second):
-                return best
-        return None
-
-    def _window(self, subject: SliceCount, radius: Fraction) -> tuple[Fraction, Fraction] | None:
-        """How far above the slice the middle of the nearest window with another count is, and its width."""
-        length, near = subject.length, subject.length * _NEAR
-        try:
-            table = census(
-                self.at(radius),
-                fixed_leg=subject.fixed_leg,
-                digits=30,
-                start=length - near,
-                stop=length + near,
-            )
-        except (InputError, SolverError):
-            return None
-        ends = [Fraction(transition.length) for transition in table.transitions]
-        windows = (
-            ((low + high) / 2 - length, high - low)
-            for low, high, count in zip(ends, ends[1:], table.counts[1:], strict=False)
-            if count != subject.count()
-        )
-        return min(windows, key=lambda window: abs(window[0]), default=None)
 
 
 def rounded_up(x: Fraction, digits: int) -> Fraction:

@@ -1,26 +1,49 @@
-"""First-order estimates: the least change of the geometry that moves transitions so that something breaks.
+"""Estimates, in floats, of the least change of the geometry that breaks something; nothing is proved here.
 
 To first order in the change δ of the lengths g a transition moves from L* to L* + ∂L*/∂g · δ. A range gets
 a number of cusps that it should not have if one or two transitions pass to the other side of one of its
 lengths; of all these ways the one with the least max |δ_j|/w_j counts. This is no bound: transitions that are
 not yet born are not seen, and L* is not linear.
+
+Both are mended by :func:`nearest`: a degenerate cusp is a zero of three functions T of pose and geometry
+(mathematics.md#margins). Among the geometries g₀ + r σ w, where σ has a sign for each length, two unknown
+angles and r belong to a zero. With the left null vector l of ∂T/∂(α, θ), σ = −sign(l · T_g) reduces l · T
+fastest, so Newton's method is run from many poses, first with the signs that suit it, then with those that
+it has.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.sensitivities import sensitivity
+from rpr_solver.margins.systems import Systems, moving_legs, orientation_of
 from rpr_solver.model.lengths import Bounds
+from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions.census import Census
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Doubles = NDArray[np.float64]
+    Flags = NDArray[np.bool_]
+
+_STARTS = 24
+_FREE, _FIXED = 14, 11
+"""Steps with signs that may change, and with those that are found."""
+_FIRST_RADIUS, _FARTHEST_TURN = 0.05, 0.3
+_PRECISE, _SAME = 1e-9, 1e-6
+_STATIONARY = 0.25
+"""A leg is not used where its gradient, squared, is so much less than the other's."""
+_TINY = 1e-300
+_SWALLOWTAIL, _FOLD, _LIMIT = "swallowtail", "fold", "limit"
 _SHARES = np.linspace(0, 1, 257)
 """How the weight is shared between two transitions: multipliers of a linear programme."""
 
@@ -140,5 +163,187 @@ def closing(lower: Mover, upper: Mover, weights: Sequence[float]) -> Estimate | 
     return Estimate((upper.length - lower.length) / reach, _direction(pull, weights), (lower, upper))
 
 
-def _direction(pull: NDArray[np.float64], weights: Sequence[float]) -> tuple[float, ...]:
+def _direction(pull: Doubles, weights: Sequence[float]) -> tuple[float, ...]:
     return tuple(float(x) if w else 0.0 for x, w in zip(np.sign(pull), weights, strict=True))
+
+
+@dataclass(frozen=True)
+class _Aim:
+    """A system of functions: (K, E, S), (K, ∇K) or (K, E, |leg|² − bound²), with v of leg f (0) or g (1)."""
+
+    kind: str
+    leg: int
+    limited: int = 0
+    bound: float = 0.0
+
+
+class _Linear:
+    """A function at many points: values (row 0) and partial derivatives."""
+
+    __slots__ = ("rows",)
+
+    def __init__(self, rows: Doubles) -> None:
+        self.rows = rows
+
+    def __add__(self, other: _Linear) -> _Linear:
+        return _Linear(self.rows + other.rows)
+
+    def __sub__(self, other: _Linear) -> _Linear:
+        return _Linear(self.rows - other.rows)
+
+    def __neg__(self) -> _Linear:
+        return _Linear(-self.rows)
+
+    def __mul__(self, other: _Linear | int) -> _Linear:
+        if isinstance(other, int):
+            return _Linear(self.rows * other)
+        rows = self.rows[0] * other.rows + other.rows[0] * self.rows
+        rows[0] /= 2
+        return _Linear(rows)
+
+    def __truediv__(self, other: _Linear | int) -> _Linear:
+        if isinstance(other, int):
+            return _Linear(self.rows / other)
+        value = other.rows[0]
+        rows = -other.rows / value**2
+        rows[0] = 1 / value
+        return self * _Linear(rows)
+
+    def sqrt(self) -> _Linear:
+        """The square root."""
+        root = self.rows[0] ** 0.5
+        rows = self.rows / (2 * root)
+        rows[0] = root
+        return _Linear(rows)
+
+
+@dataclass(frozen=True)
+class _Slice:
+    """The slices of one length of the fixed leg, in a unit that makes all lengths at most 1."""
+
+    fixed_leg: int
+    orientation: int
+    length: float
+    geometry: Doubles
+    weights: Doubles
+
+    def functions(self, aim: _Aim, pose: Doubles, geometry: Doubles) -> tuple[Doubles, Doubles, Flags]:
+        """T, its derivatives by α, θ and the lengths, scaled, and where the leg is nearly stationary."""
+        lengths = [_variable(x, 2 + k) for k, x in enumerate(geometry)]
+        legs = moving_legs(lengths, self.orientation, self.fixed_leg)
+        alpha, theta = pose
+        turns = _turn(alpha, (1, 0)), _turn(theta, (0, 1)), _turn(alpha - theta, (1, -1))
+        fixed = _variable(np.full(alpha.shape, self.length))
+        systems = Systems(*turns, (fixed, 1), legs, 2 if aim.kind == _SWALLOWTAIL else 1)
+        k = systems.singularity
+        e = systems.along(aim.leg, k)
+        if aim.kind == _FOLD:
+            found = [k.value, k.alpha.value, k.theta.value]
+        elif aim.kind == _SWALLOWTAIL:
+            found = [k.value, e.value, systems.along(aim.leg, e).value]
+        else:
+            square = _variable(np.full(alpha.shape, aim.bound**2))
+            found = [k.value, e.value, systems.excess(aim.limited, square)]
+        own, other = (sum(x.rows[0] ** 2 for x in systems.tangent(leg)) for leg in (aim.leg, 1 - aim.leg))
+        rows = np.array([function.rows for function in found])
+        values, slopes = rows[:, 0], rows[:, 1:]
+        scale = 1 / (abs(slopes).sum(axis=1) + _TINY)
+        return values * scale, slopes * scale[:, None], own < _STATIONARY * other
+
+    def chase(self, aim: _Aim) -> tuple[Doubles, Doubles]:
+        """The radii and the signs that are found from a grid of poses."""
+        places = (np.arange(_STARTS) + 0.5) * (2 * np.pi / _STARTS)
+        pose = np.array([np.repeat(places, _STARTS), np.tile(places, _STARTS)])
+        start, w = self.geometry[:, None], self.weights[:, None]
+        change, radius = np.zeros((len(LENGTHS), _STARTS**2)), np.zeros(_STARTS**2)
+        signs, size = np.zeros_like(change), radius
+        for step in range(_FREE + _FIXED):
+            values, slopes, is_stationary = self.functions(aim, pose, start + change)
+            by_pose, by_length = slopes[:, :2], slopes[:, 2:]
+            null = np.cross(by_pose[:, 0], by_pose[:, 1], axis=0)
+            null /= np.sqrt((null * null).sum(axis=0)) + _TINY
+            pull = (null[:, None] * by_length).sum(axis=0)
+            height = (null * values).sum(axis=0) - (pull * change).sum(axis=0)
+            if step < _FREE:
+                signs = -np.sign(height) * np.sign(pull)
+            farther = -height / (signs * pull * w).sum(axis=0)
+            if step < _FREE:
+                farther = np.minimum(farther, np.maximum(2 * radius, _FIRST_RADIUS))
+            moved = signs * w * farther
+            turn = _solved(by_pose, -values - (by_length * (moved - change)).sum(axis=1))
+            size = np.maximum(abs(turn).max(axis=0), abs(moved - change).max(axis=0))
+            size[is_stationary & (aim.kind != _FOLD)] = np.inf
+            pose = pose + turn * np.minimum(1, _FARTHEST_TURN / abs(turn).max(axis=0))
+            change, radius = moved, farther
+            kept = np.isfinite(radius) & np.isfinite(pose).all(axis=0)
+            pose, change, signs = pose[:, kept], change[:, kept], signs[:, kept]
+            radius, size = radius[kept], size[kept]
+        good = (size < _PRECISE) & (radius > 0)
+        return radius[good], signs[:, good] * (w > 0)
+
+
+def nearest(
+    manipulator: Manipulator,
+    fixed_leg: int,
+    lengths: Iterable[Fraction],
+    weights: Sequence[Fraction],
+    limits: Iterable[tuple[int, Fraction]] = (),
+) -> list[Estimate]:
+    """Geometries near the given one with a degenerate cusp, or one at a joint limit, by their radii.
+
+    Args:
+        manipulator: the given geometry.
+        fixed_leg: 1, 2 or 3.
+        lengths: of the fixed leg; the slices in which the cusp is sought.
+        weights: w, for each of LENGTHS.
+        limits: legs f (0) or g (1) with a bound of their lengths.
+    """
+    geometry = np.array([float(getattr(manipulator, g)) for g in LENGTHS])
+    w, most = np.array([float(x) for x in weights]), float(max(weights))
+    aims = [_Aim(_SWALLOWTAIL, 0), _Aim(_SWALLOWTAIL, 1), _Aim(_FOLD, 0)]
+    limited = list(limits)
+    found = []
+    for length in map(float, lengths):
+        unit = max(length, *abs(geometry))
+        slices = _Slice(fixed_leg, orientation_of(manipulator), length / unit, geometry / unit, w / most)
+        bounded = [_Aim(_LIMIT, leg, of, float(bound) / unit) for of, bound in limited for leg in (0, 1)]
+        with np.errstate(all="ignore"):
+            for aim in (*aims, *bounded):
+                radii, signs = slices.chase(aim)
+                found += [
+                    (radius * unit / most, tuple(sign)) for radius, sign in zip(radii, signs.T, strict=True)
+                ]
+    return _distinct(sorted(found))
+
+
+def _distinct(found: Sequence[tuple[float, tuple[float, ...]]]) -> list[Estimate]:
+    estimates: list[Estimate] = []
+    for radius, signs in found:
+        if not estimates or radius > estimates[-1].radius * (1 + _SAME):
+            estimates.append(Estimate(float(radius), tuple(map(float, signs)), ()))
+    return estimates
+
+
+def _solved(matrix: Doubles, values: Doubles) -> Doubles:
+    """Least squares of three equations in two unknowns."""
+    x, y = matrix[:, 0], matrix[:, 1]
+    a, b, c = (x * x).sum(axis=0), (x * y).sum(axis=0), (y * y).sum(axis=0)
+    u, v = (x * values).sum(axis=0), (y * values).sum(axis=0)
+    solution: Doubles = np.array([c * u - b * v, a * v - b * u]) / (a * c - b * b)
+    return solution
+
+
+def _variable(values: Doubles, place: int | None = None) -> _Linear:
+    rows = np.zeros((3 + len(LENGTHS), len(values)))
+    rows[0] = values
+    if place is not None:
+        rows[1 + place] = 1
+    return _Linear(rows)
+
+
+def _turn(angle: Doubles, signs: tuple[int, int]) -> tuple[_Linear, _Linear]:
+    cos, sin = np.cos(angle), np.sin(angle)
+    first, second = _variable(cos), _variable(sin)
+    for k, sign in enumerate(signs):
+        first.rows[1 + k], second.rows[1 + k] = -sign * sin, sign * cos
+    return first, second

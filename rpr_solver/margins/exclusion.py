@@ -6,29 +6,36 @@ no common zero of (K, E), or none of (K, E, S) and (K, K_α, K_θ).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rpr_solver.margins.boxes import ANGLES, TURN, BoxRing, Problem
-from rpr_solver.margins.slopes import UP, Slopes
+from rpr_solver.margins.boxes import ANGLES, ExpansionRing, MayGoOn, Problem
+from rpr_solver.margins.expansions import Expansion, combined, lowest
+from rpr_solver.margins.questions import LENGTHS
+from rpr_solver.margins.slope_search import SlopeSearch, Zones
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from rpr_solver.margins.expansions import Places
     from rpr_solver.margins.slopes import Doubles
     from rpr_solver.margins.systems import Systems
 
     Flags = NDArray[np.bool_]
-    Places = NDArray[np.int64]
 
 _PARTS = 32
-_BATCH = 2048
+_BATCH = 1024
 _FINEST_ANGLE = 4
-
-MayGoOn = Callable[[], bool]
+_ROUNDS = 6
+_SMALL = 1e-6
+"""Terms below it, relative to their sum, get no more weight."""
+_PLATFORM = 1 + LENGTHS.index("d1")
+"""The place of the first side of the platform among a problem's spans."""
+_WEIGHTS = 0.5, 1.0, 2.0, 3.0
+"""What cutting removes of terms of the first and second order, of the symbols and of the rest; measured."""
 
 
 @dataclass(frozen=True)
@@ -46,38 +53,6 @@ class Exclusion:
     left: tuple[Doubles, Doubles]
 
 
-@dataclass(frozen=True)
-class Zones:
-    """Boxes of poses in which degenerate cusps are known, and how far others are to be cut.
-
-    Attributes:
-        low, high: the ends of α, θ and the length, a column for each zone.
-        tests: whose zeros are known there: 0 for (K, E, S), 1 for (K, K_α, K_θ).
-        least: boxes with such sides of α, θ and the length are not cut; the search goes on without them.
-    """
-
-    low: Doubles
-    high: Doubles
-    tests: Places
-    least: tuple[float, float, float]
-
-    def known(self, low: Doubles, high: Doubles) -> Flags:
-        """For each test whether boxes are within a zone of it."""
-        pose, (lows, highs) = slice(ANGLES + 1), (self.low[:, :, None], self.high[:, :, None])
-        turns = np.zeros_like(lows + low[pose, None])
-        turns[:ANGLES] = np.floor((low[:ANGLES, None] - lows[:ANGLES]) / TURN) * TURN
-        inside: Flags = np.all(
-            [lows + turns <= low[pose, None], high[pose, None] <= highs + turns], axis=(0, 1)
-        )
-        return np.array([inside[self.tests == test].any(axis=0) for test in (0, 1)])
-
-    def small(self, low: Doubles, high: Doubles) -> Flags:
-        """The boxes that are not to be cut."""
-        sides = high[: ANGLES + 1] - low[: ANGLES + 1]
-        flags: Flags = np.all(sides <= np.array(self.least)[:, None], axis=0)
-        return flags
-
-
 def exclude(
     problem: Problem, most_boxes: int, may_go_on: MayGoOn = lambda: True, zones: Zones | None = None
 ) -> Exclusion:
@@ -90,7 +65,7 @@ def exclude(
         zones: where degenerate cusps are known; then a search does not end at a box that is too small.
     """
     low, high = problem.grid(_PARTS)
-    search, boxes = _Search(problem, zones), 0
+    search, boxes = (_Search(problem) if zones is None else SlopeSearch(problem, zones)), 0
     waiting, left = [(low, high)], [(low[:, :0], high[:, :0])]
     with np.errstate(all="ignore"):
         while waiting:
@@ -142,84 +117,77 @@ def _halves(low: Doubles, high: Doubles, variables: Places, middle: Doubles) -> 
 class _Search:
     """The tests of boxes of one problem."""
 
-    def __init__(self, problem: Problem, zones: Zones | None = None) -> None:
-        self._problem, self._zones = problem, zones
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
         self._moving = [0, 1, *(row for place, row in problem.rows.items() if place == 0)]
+        self._sides = [row for place, row in problem.rows.items() if place >= _PLATFORM]
 
     def undecided(self, low: Doubles, high: Doubles) -> tuple[Places, Places]:
         """The boxes on which nothing is proved, and for each the variable along which to cut it."""
-        ring = BoxRing(self._problem, low, high)
+        ring = ExpansionRing(self._problem, low, high)
         systems = self._problem.systems(ring, 0)
-        k = systems.singularity.value
-        left = np.flatnonzero(~(abs(k.middle[0]) > _change(k, ring.half)))
-        f, g = (sum(x.middle[0, left] ** 2 for x in systems.tangent(leg)) for leg in (0, 1))
-        found = [self._of_leg(low, high, left[places], leg) for leg, places in ((0, ~(f < g)), (1, f < g))]
+        left = np.flatnonzero(~(lowest(systems.singularity.value) > 0))
+        f, g = (sum(x.terms[0, left] ** 2 for x in systems.tangent(leg)) for leg in (0, 1))
+        of_legs = (0, ~(f < g)), (1, f < g)
+        found = [self._of_leg(systems, ring, left[places], leg) for leg, places in of_legs]
         kept, variables = zip(*found, strict=True)
         return np.concatenate(kept), np.concatenate(variables)
 
-    def _of_leg(self, low: Doubles, high: Doubles, places: Places, leg: int) -> tuple[Places, Places]:
+    def _of_leg(self, whole: Systems, ring: ExpansionRing, places: Places, leg: int) -> tuple[Places, Places]:
         """As :meth:`undecided`, of some boxes, with v that of one leg."""
         if not places.size:
             return places, places
-        ring = BoxRing(self._problem, low[:, places], high[:, places])
-        systems = self._problem.systems(ring, 1)
+        systems = whole.mapped(lambda x: x.of(places), 1)
         k = systems.singularity
-        first = [k.value, systems.along(leg, k).value]
-        easy = multipliers(first, ring.half, self._moving)
+        easy = self._trial([k.value, systems.along(leg, k).value])
         left = ~easy.proved
         places, easy = places[left], easy[left]
         if not places.size:
             return places, places
-        ring = BoxRing(self._problem, low[:, places], high[:, places])
-        systems = self._problem.systems(ring, 2)
+        systems = whole.mapped(lambda x: x.of(places), 2)
+        outside, tests = self._tests(systems, ring, leg)
+        trials = [self._trial(test) for test in tests]
+        values = np.array([trial.values for trial in trials])
+        proved = (values > 0).all(axis=0)
+        proved &= np.any([abs(x.terms[0]) > x.change for x in systems.tangent(leg)], axis=0)
+        shares = np.choose(values.argmin(axis=0), [trial.shares for trial in trials])
+        shares = np.where(easy.values > values.min(axis=0), easy.shares, shares)
+        left = ~(proved | outside)
+        variables = np.where(np.isnan(shares).any(axis=0), self._widest(ring, places), shares.argmax(axis=0))
+        return places[left], variables[left]
+
+    def _tests(self, systems: Systems, ring: ExpansionRing, leg: int) -> tuple[Flags, list[list[Expansion]]]:
+        """Boxes of which a leg is outside its limits throughout, and systems that should have no zero."""
         k = systems.singularity
         e = systems.along(leg, k)
         tests = [[k.value, e.value, systems.along(leg, e).value], [k.value, k.alpha.value, k.theta.value]]
-        outside = np.zeros(places.shape, dtype=bool)
+        outside = np.zeros(k.value.rest.shape, dtype=bool)
         for limit in self._problem.limits:
-            excess = systems.excess(limit.leg, ring.constant(limit.square.low))
+            square = ring.constant(limit.square.low).of(np.arange(outside.size))
+            excess = systems.excess(limit.leg, square)
             tests.append([k.value, e.value, excess])
-            outside |= limit.side * excess.middle[0] > _change(excess, ring.half)
-        results = [multipliers(test, ring.half, self._moving) for test in tests]
-        values = np.array([result.values for result in results])
-        if self._zones is not None:
-            known = self._zones.known(low[:, places], high[:, places])
-            values[: len(known)][known] = 0
-        proved = (values < 1).all(axis=0)
-        proved &= moves(systems, leg)
-        shares = np.choose(values.argmax(axis=0), [result.shares for result in results])
-        shares = np.where(easy.values < values.max(axis=0), easy.shares, shares)
-        left = ~(proved | outside)
-        return places[left], shares.argmax(axis=0)[left]
+            outside |= limit.side * excess.terms[0] > excess.change
+        return outside, tests
 
+    def _trial(self, functions: list[Expansion]) -> Trial:
+        return trial(functions, self._moving, self._sides)
 
-def moves(systems: Systems, leg: int) -> Flags:
-    """The boxes on which v is not 0, for leg f (0) or g (1)."""
-    moving: Flags = np.any(
-        [abs(x.middle[0]) > x.radius[0] * UP + x.error.value for x in systems.tangent(leg)], axis=0
-    )
-    return moving
-
-
-def _change(function: Slopes, half: Doubles) -> Doubles:
-    """Bounds of the changes of a function on boxes, errors included."""
-    first, second, error = function.expanded(half)
-    change: Doubles = (abs(first) + 0.5 * second).sum(axis=0) * UP + error
-    return change
-
-
-_ROUNDS = 6
-_SMALL = 1e-6
-"""Terms below it, relative to their sum, get no more weight."""
+    def _widest(self, ring: ExpansionRing, places: Places) -> Places:
+        """The variable to be cut where the platform may be flat, so that nothing is known."""
+        if not self._sides:
+            return np.zeros(places.shape, dtype=np.int64)
+        sides = np.array(self._sides)
+        widest: Places = sides[(ring.half[sides] / ring.middle[sides])[:, places].argmax(axis=0)]
+        return widest
 
 
 @dataclass(frozen=True)
-class Multipliers:
-    """Numbers l for each box, such that Σ lᵢ Tᵢ is far from 0.
+class Trial:
+    """An attempt to prove that functions have no common zero.
 
     Attributes:
-        values: the greatest change of Σ lᵢ Tᵢ over a box, divided by its absolute value at the middle.
-        shares: how much each variable contributes to the change, and would less if its side were halved.
+        values: lower bounds of a combination of the functions that is 1 at the middle.
+        shares: how much each variable contributes to what a combination loses.
     """
 
     values: Doubles
@@ -228,79 +196,76 @@ class Multipliers:
     @property
     def proved(self) -> Flags:
         """The boxes without a common zero."""
-        return self.values < 1
+        return self.values > 0
 
-    def __getitem__(self, boxes: Any) -> Multipliers:
-        return Multipliers(self.values[boxes], self.shares[:, boxes])
+    def __getitem__(self, boxes: Flags) -> Trial:
+        return Trial(self.values[boxes], self.shares[:, boxes])
 
 
-def multipliers(functions: Sequence[Slopes], half: Doubles, moving: Sequence[int]) -> Multipliers:
-    """Good multipliers for two or three functions, by reweighted least squares.
+def trial(functions: list[Expansion], moving: Sequence[int], sides: Sequence[int]) -> Trial:
+    """Tries to combine two or three functions to one that is not zero, on each of many boxes.
 
     Args:
         functions: the functions T.
-        half: the half widths of the boxes.
         moving: the variables that change the zeros' places, whose first order counts in ``shares``.
+        sides: those on which the points of the platform depend.
     """
+    factors = multipliers(functions)
+    whole = combined(functions, factors)
+    least = lowest(whole)
+    first, second, third, fourth = _WEIGHTS
+    at = whole.layout
+    shares = second * at.per_variable(abs(whole.terms[at.bends]))
+    for factor, function in zip(factors, functions, strict=True):
+        parts = abs(function.terms[at.slopes]) + at.per_variable(abs(function.terms[at.bends]))
+        shares += fourth * abs(factor) * function.rest / parts.sum(axis=0) * parts
+    if sides:
+        shares[sides] += third * whole.parts[2] / len(sides)
+    shares[moving] += first * abs(whole.terms[at.slopes][moving])
+    return Trial(np.where(np.isnan(least), -np.inf, least), shares)
 
-    terms = [_Terms.of(function, half) for function in functions]
-    best = np.full(half.shape[1], np.inf)
-    chosen = np.zeros((len(terms), half.shape[1]))
-    weights, own = np.ones_like(half), [np.ones_like(best)] * len(terms)
+
+def multipliers(functions: Sequence[Expansion]) -> Doubles:
+    """Good factors for two or three functions, by reweighted least squares; the combination's value is 1.
+
+    They minimise the sum of the absolute values of the other coefficients and the rests, nearly.
+    """
+    scales = [1 / function.size for function in functions]
+    values = [function.terms[0] * scale for function, scale in zip(functions, scales, strict=True)]
+    others = [function.terms[1:] * scale for function, scale in zip(functions, scales, strict=True)]
+    rests = [function.rest * scale for function, scale in zip(functions, scales, strict=True)]
+    best = np.full(values[0].shape, np.inf)
+    chosen = np.full((len(functions), best.size), np.nan)
+    weights, own = np.ones_like(others[0]), [np.ones_like(best)] * len(functions)
     for _ in range(_ROUNDS):
-        factors = _least_squares(terms, weights, own)
-        height = abs(_combined(factors, [term.value for term in terms]))
-        slopes = abs(_combined(factors, [term.change for term in terms]))
-        parts = [abs(factor) * term.rest for factor, term in zip(factors, terms, strict=True)]
-        total = slopes.sum(axis=0) + sum(parts)
-        value = total / height * UP
-        better = value < best
-        best[better] = value[better]
-        for row, factor in zip(chosen, factors, strict=True):
-            row[better] = (factor / height)[better]
+        factors = np.array(_least_squares(values, others, rests, weights, own))
+        factors /= (factors * values).sum(axis=0)
+        terms = abs(sum(factor * other for factor, other in zip(factors, others, strict=True)))
+        parts = abs(factors) * rests
+        total = terms.sum(axis=0) + parts.sum(axis=0)
+        better = total < best
+        best[better], chosen[:, better] = total[better], factors[:, better]
         small = _SMALL * total
-        weights, own = 1 / (slopes + small), [1 / (part + small) for part in parts]
-    shares = _combined([abs(factor) for factor in chosen], [term.second for term in terms])
-    shares[moving] += abs(_combined(list(chosen), [term.change[moving] for term in terms]))
-    return Multipliers(best, np.where(np.isnan(shares), np.inf, shares))
+        weights, own = 1 / (terms + small), list(1 / (parts + small))
+    return chosen * scales
 
 
-@dataclass(frozen=True)
-class _Terms:
-    """A function on boxes, divided by its size: value, first and second order of each variable, the rest."""
-
-    value: Doubles
-    change: Doubles
-    second: Doubles
-    rest: Doubles
-
-    @classmethod
-    def of(cls, function: Slopes, half: Doubles) -> _Terms:
-        value, (change, second, error) = function.middle[0], function.expanded(half)
-        rest = (0.5 * UP) * second.sum(axis=0) + error
-        size = abs(value) + abs(change).sum(axis=0)
-        scale = 1 / (size + rest)
-        return cls(value * scale, change * scale, second * scale, rest * scale)
-
-
-def _combined(factors: Sequence[Doubles], parts: Sequence[Doubles]) -> Doubles:
-    total = factors[0] * parts[0]
-    for factor, part in zip(factors[1:], parts[1:], strict=True):
-        total += factor * part
-    return total
-
-
-def _least_squares(terms: Sequence[_Terms], weights: Doubles, own: Sequence[Doubles]) -> list[Doubles]:
-    """The multipliers of least weighted squares, up to a common factor."""
-    matrix = [
-        [(weights * x.change * y.change).sum(axis=0) for y in terms[: k + 1]] for k, x in enumerate(terms)
-    ]
-    for k, (term, weight) in enumerate(zip(terms, own, strict=True)):
-        matrix[k][k] = matrix[k][k] + weight * term.rest**2
-    if len(terms) == 2:
-        ((a,), (b, c)), (x, y) = matrix, (term.value for term in terms)
+def _least_squares(
+    values: Sequence[Doubles],
+    others: Sequence[Doubles],
+    rests: Sequence[Doubles],
+    weights: Doubles,
+    own: Sequence[Doubles],
+) -> list[Doubles]:
+    """The factors of least weighted squares, up to a common one."""
+    weighted = [weights * x for x in others]
+    matrix = [[(x * y).sum(axis=0) for y in others[: k + 1]] for k, x in enumerate(weighted)]
+    for k, (rest, weight) in enumerate(zip(rests, own, strict=True)):
+        matrix[k][k] = matrix[k][k] + weight * rest**2
+    if len(values) == 2:
+        ((a,), (b, c)), (x, y) = matrix, values
         return [c * x - b * y, a * y - b * x]
-    ((a,), (b, d), (c, e, f)), (x, y, z) = matrix, (term.value for term in terms)
+    ((a,), (b, d), (c, e, f)), (x, y, z) = matrix, values
     xy, xz, yz = c * e - b * f, b * e - c * d, b * c - a * e
     return [
         (d * f - e * e) * x + xy * y + xz * z,

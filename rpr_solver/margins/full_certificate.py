@@ -7,6 +7,8 @@ with the lower half, then with the upper: a digit cuts a variable in two (0: α,
 length, 3 to 8: a2x, a3x, a3y, d1, d2, d3; angles are from 0 to a turn), a dot stands for a part on which one
 of the conditions of mathematics.md#margins holds. ``turn`` is the length from which on the second problem has
 inverse lengths; ``length`` and ``rates`` say how the slice of a window moves with the lengths.
+
+The parts are decided by slopes, as the checker decides them, which needs more parts than exclusion.py does.
 """
 
 from __future__ import annotations
@@ -15,8 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rpr_solver.margins.boxes import ANGLES, Problem
-from rpr_solver.margins.exclusion import MayGoOn, _Search
+from rpr_solver.margins.boxes import ANGLES, MayGoOn, Problem
+from rpr_solver.margins.slope_search import SlopeSearch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,7 +36,7 @@ _BATCH = 2048
 def cuts(problem: Problem, most_boxes: int, may_go_on: MayGoOn = lambda: True) -> str | None:
     """How a proof that no cusp degenerates cuts a problem; None if none is found with so many boxes."""
     low, high = problem.grid(1)
-    search = _Search(problem)
+    search = SlopeSearch(problem)
     names = [*range(ANGLES), *(ANGLES + place for place in problem.rows)]
     levels: list[Places] = []
     boxes = 0
@@ -58,7 +60,7 @@ def cuts(problem: Problem, most_boxes: int, may_go_on: MayGoOn = lambda: True) -
     return texts[0]
 
 
-def _undecided(search: _Search, low: Doubles, high: Doubles) -> Places:
+def _undecided(search: SlopeSearch, low: Doubles, high: Doubles) -> Places:
     """For each box the variable along which to cut it."""
     variables = np.full(low.shape[1], _PART)
     with np.errstate(all="ignore"):

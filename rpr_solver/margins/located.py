@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rpr_solver.margins.boxes import ANGLES, TURN, BoxRing
-from rpr_solver.margins.exclusion import moves
-from rpr_solver.margins.slopes import UP, Slopes
+from rpr_solver.margins.slopes import UP, Slopes, moves
 from rpr_solver.model.classify import PoseKind
 
 if TYPE_CHECKING:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from itertools import chain
 from typing import Any, TypedDict, Unpack
 
 from rpr_solver.contract import (
@@ -25,10 +26,10 @@ from rpr_solver.exact.rationals import (
     exact_or_none,
     exact_str,
 )
-from rpr_solver.margins.boxes import Problem
+from rpr_solver.margins.boxes import MayGoOn, Problem
 from rpr_solver.margins.counterexamples import Counterexample, Ray, rounded_down
 from rpr_solver.margins.estimates import Estimate, Mover
-from rpr_solver.margins.exclusion import MayGoOn, exclude
+from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.full_certificate import cuts
 from rpr_solver.margins.questions import LENGTHS, OPEN, PROVED, REFUTED, changes
 from rpr_solver.margins.subjects import RequirementHolds, SliceCount, Subject, WindowExists
@@ -36,15 +37,16 @@ from rpr_solver.model.lengths import slice_length
 from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.transitions.requirement import Requirement
 
-MOST_BOXES = 100_000
-"""The number of boxes that a search examines, some five seconds."""
-_RECORDED = 2
-"""A proof may have so many times more boxes when it is done again for a certificate."""
-_FIRST_SHARE = Fraction(99, 100)
+MOST_BOXES = 20_000
+"""The number of boxes that a search examines, some three seconds."""
+_RECORDED = 5
+"""A proof that a checker can follow may have so many times more boxes."""
+_PARTS = Fraction(99, 100), Fraction(4, 5)
+"""The first radii that are tried, each as part of the one that failed."""
 _DIGITS = 3
 _CLOSE = Fraction(51, 50)
-_STEP = Fraction(5, 4)
-_LEAST_BOXES = 4_000
+_LEAST_BOXES = 2_000
+_CANDIDATES = 4
 _DOUBTFUL = 1.1
 """Below such a radius to first order, a counter-example is sought before a proof."""
 
@@ -229,6 +231,7 @@ class _Budget:
     may_go_on: MayGoOn = lambda: True
     progress: Progress = silent
     boxes: int = 0
+    cuts: dict[Problem, str] = field(default_factory=dict)
 
     @property
     def left(self) -> int:
@@ -237,10 +240,16 @@ class _Budget:
 
     def exclude(self, problem: Problem, most_boxes: int) -> bool:
         """Whether a problem is proved with so many boxes."""
-        result = exclude(problem, most_boxes, self.may_go_on)
-        self.boxes += result.boxes
+        if self.certificate == FULL:
+            text = cuts(problem, _RECORDED * most_boxes, self.may_go_on)
+            is_proved, boxes = text is not None, len(text or "") // _RECORDED or most_boxes
+            self.cuts[problem] = text or ""
+        else:
+            result = exclude(problem, most_boxes, self.may_go_on)
+            is_proved, boxes = result.proved, result.boxes
+        self.boxes += boxes
         self.progress(min(self.boxes, self.most_boxes), self.most_boxes)
-        return result.proved
+        return is_proved
 
 
 @dataclass(frozen=True)
@@ -259,54 +268,50 @@ class _Search:
         if self._validity is not None and self._validity <= 1:
             reason = "within the tolerance there are geometries that are flat, or no manipulators"
             return self._answer(reason=reason, verdict=OPEN)
-        example = None
-        if self._estimate is not None and self._estimate.radius < _DOUBTFUL:
-            example = self._refuted(Fraction(1))
+        example = self._refuted_within_one()
         if example is None and self._prove(Fraction(1), self.budget.left):
             return self._answer(proved=Fraction(1), verdict=PROVED)
-        if example is None and self._estimate is not None and self._estimate.radius >= _DOUBTFUL:
-            example = self._refuted(Fraction(1))
         return self._answer(example=example, verdict=OPEN if example is None else REFUTED)
 
     def radius(self) -> dict[str, Any]:
         """The greatest radius that is proved, and a counter-example beyond it."""
         if reason := self._reason():
             return self._answer(proved=Fraction(0), reason=reason)
-        proved, failed = self._first_bounds()
-        example = self._refuted(None)
-        if example is not None:
-            failed = min(failed, example.radius) if not proved else example.radius
-        elif proved:
-            return self._answer(proved=proved)
+        example = self._refuted()
+        top = self._top(example)
+        proved, failed, tries = Fraction(0), top, iter(_PARTS)
         while self.budget.left > _LEAST_BOXES and failed > proved * _CLOSE:
-            middle = (proved + failed) / 2
-            radius = rounded_down(min(middle, proved * _STEP) if proved else middle, _DIGITS)
+            radius = rounded_down(
+                (proved + failed) / 2 if proved else failed * next(tries, Fraction(1, 2)), _DIGITS
+            )
             if not proved < radius < failed:
                 break
-            if self._prove(radius, self.budget.left // (2 if proved else 6)):
+            if self._prove(radius, max(self.budget.left // (2 if proved else 4), _LEAST_BOXES)):
                 proved = radius
             else:
                 failed = radius
         return self._answer(proved=proved or None, example=example)
 
-    def _first_bounds(self) -> tuple[Fraction, Fraction]:
-        """A radius that is proved, and one at which the proof is not expected to succeed or failed."""
-        bounds = [Fraction(self._estimate.radius)] if self._estimate else []
+    def _top(self, example: Counterexample | None) -> Fraction:
+        """A radius within which the property probably holds."""
+        bounds = [Fraction(near.radius) for near in self._near[:1]]
         bounds += [] if self._validity is None else [self._validity]
-        top = min(bounds) if bounds else max(abs(getattr(self.manipulator, g)) for g in LENGTHS)
-        first = rounded_down(top * _FIRST_SHARE, _DIGITS)
-        is_proved = self._prove(first, max(self.budget.left // 8, _LEAST_BOXES))
-        return (first, top) if is_proved else (Fraction(0), first)
+        if example is not None:
+            bounds.append(example.radius)
+        elif self._estimate is not None:
+            bounds.append(Fraction(self._estimate.radius))
+        return min(bounds) if bounds else max(abs(getattr(self.manipulator, g)) for g in LENGTHS)
 
     def certificate(self, radius: Fraction | None) -> dict[str, Any] | None:
-        """The proof for a radius, for a checker; None if there is none, or it needs too many boxes."""
+        """The proof for a radius, for a checker; None if there is none."""
         if not radius:
             return None
-        problems = self.subject.problems(radius, self.weights)
-        found = [cuts(problem, _RECORDED * MOST_BOXES, self.budget.may_go_on) for problem in problems]
-        if None in found:
-            return None
+        found = [self.budget.cuts[problem] for problem in self.subject.problems(radius, self.weights)]
         return {"cuts": found, **self.subject.premises(radius, self.weights)}
+
+    @cached_property
+    def _near(self) -> list[Estimate]:
+        return self.subject.nearest(self.weights)
 
     @cached_property
     def _estimate(self) -> Estimate | None:
@@ -325,12 +330,29 @@ class _Search:
         problems = self.subject.problems(radius, self.weights)
         return all(self.budget.exclude(problem, most_boxes // len(problems)) for problem in problems)
 
-    def _refuted(self, most: Fraction | None) -> Counterexample | None:
-        """A counter-example, within a radius if one is given."""
-        if self._estimate is None or not self.budget.left:
-            return None
-        ray = Ray(self.subject, self.manipulator, self.weights, self._estimate, self._validity)
-        return ray.nearest() if most is None else ray.shows(most)
+    def _ray(self, estimate: Estimate) -> Ray:
+        return Ray(self.subject, self.manipulator, self.weights, estimate, self._validity)
+
+    def _refuted(self) -> Counterexample | None:
+        """A counter-example, the nearest that is found."""
+        tries = self._near[:_CANDIDATES] if self.budget.left else []
+        best = next((example for near in tries if (example := self._ray(near).beyond())), None)
+        estimate = self._estimate
+        if estimate is None or not self.budget.left:
+            return best
+        if best is not None and Fraction(estimate.radius) * _CLOSE > best.radius:
+            return best
+        other = self._ray(estimate).nearest()
+        return min((x for x in (best, other) if x is not None), key=lambda x: x.radius, default=None)
+
+    def _refuted_within_one(self) -> Counterexample | None:
+        """A counter-example at most at the radius 1."""
+        nearer = [near for near in self._near[:_CANDIDATES] if near.radius < 1]
+        if self._estimate is not None and self._estimate.radius < _DOUBTFUL:
+            nearer.append(self._estimate)
+        rays = list(map(self._ray, nearer))
+        tries = chain((ray.shows(Fraction(1)) for ray in rays), (ray.beyond() for ray in rays))
+        return next((example for example in tries if example and example.radius <= 1), None)
 
     def _answer(
         self,

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from rpr_solver.margins.systems import Systems
+
     Doubles = NDArray[np.float64]
 
 UNIT = 2.0**-53
@@ -191,3 +193,11 @@ def refined(jet: Jet[Slopes], half: Doubles) -> Jet[Slopes]:
         return value.with_angles(values.table[i + 1][j], values.table[i][j + 1])
 
     return Jet.build(jet.order, entry)
+
+
+def moves(systems: Systems, leg: int) -> NDArray[np.bool_]:
+    """The boxes on which v is not 0, for leg f (0) or g (1)."""
+    moving: NDArray[np.bool_] = np.any(
+        [abs(x.middle[0]) > x.radius[0] * UP + x.error.value for x in systems.tangent(leg)], axis=0
+    )
+    return moving

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 from rpr_solver.contract import MIN_DIGITS
 from rpr_solver.exact.rationals import exact_str
 from rpr_solver.margins.boxes import Limit, Problem, Span
-from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers
+from rpr_solver.margins.estimates import Estimate, Mover, breaking, closing, movers, nearest
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.systems import orientation_of
 from rpr_solver.model.joint_points import free_legs
@@ -24,6 +24,10 @@ from rpr_solver.transitions.check_report import CheckReport, check
 from rpr_solver.transitions.requirement import Requirement
 
 _DIGITS = 30
+_PARTS = 3
+"""Parts of a range, at whose ends degenerate poses are sought."""
+_CHECKS = 2
+"""Near geometries that are checked, which takes far longer than to count the cusps of a slice."""
 
 
 class Found(NamedTuple):
@@ -44,6 +48,9 @@ class Subject(Protocol):
 
     def estimate(self, weights: Sequence[Fraction]) -> Estimate | None:
         """The nearest geometry without the property, to first order; None if there is none."""
+
+    def nearest(self, weights: Sequence[Fraction], /) -> list[Estimate]:
+        """Near geometries with a degenerate pose that may matter, in floats."""
 
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
         """Boxes whose exclusion proves the property for all geometries within a radius."""
@@ -85,6 +92,10 @@ class SliceCount:
         place = float(self.length)
         found = movers(_all_lengths(self.manipulator, self.fixed_leg))
         return breaking([(place, place, self.count())], found, self.count().__eq__, _floats(weights))
+
+    def nearest(self, weights: Sequence[Fraction]) -> list[Estimate]:
+        """Those of the slice."""
+        return nearest(self.manipulator, self.fixed_leg, [self.length], weights)
 
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
         """One box, with one length."""
@@ -129,6 +140,17 @@ class RequirementHolds:
         intervals = [(float(x.start), float(x.stop or "inf"), x.count) for x in self._report.intervals]
         found = movers(_all_lengths(self.manipulator, self.requirement.fixed_leg), self.requirement.limits)
         return breaking(intervals, found, self.requirement.admits, _floats(weights))
+
+    def nearest(self, weights: Sequence[Fraction]) -> list[Estimate]:
+        """Those of some slices of the range, if all of it has one number of cusps."""
+        if self.count() is None:
+            return []
+        asked, free = self.requirement, free_legs(self.requirement.fixed_leg)
+        start, stop = asked.start, asked.stop
+        parts = [] if stop is None else [start + (stop - start) * Fraction(k, _PARTS) for k in range(_PARTS)]
+        limits = [(free.index(leg), x) for leg, both in asked.limits.items() for x in both if x is not None]
+        lengths = [*parts, start if stop is None else stop]
+        return nearest(self.manipulator, asked.fixed_leg, lengths, weights, limits)[:_CHECKS]
 
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
         """The range, in one or two boxes."""
@@ -205,6 +227,10 @@ class WindowExists:
             length = (Fraction(ends[0].length) + Fraction(ends[1].length)) / 2
         rates = [sum(slopes) / len(ends) for slopes in zip(*(end.slopes for end in ends), strict=True)]
         return Fraction(f"{float(length):.15g}"), tuple(Fraction(f"{rate:.6g}") for rate in rates)
+
+    def nearest(self, _weights: Sequence[Fraction], /) -> list[Estimate]:
+        """None: a degenerate pose in one slice does not end a window."""
+        return []
 
     def problems(self, radius: Fraction, weights: Sequence[Fraction]) -> list[Problem]:
         """One slice, whose length moves with the geometry as the middle of the window does."""

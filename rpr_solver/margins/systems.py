@@ -51,7 +51,11 @@ def orientation_of(manipulator: Manipulator) -> int:
 
 
 def moving_legs(
-    lengths: Sequence[Any], orientation: int, fixed_leg: int, refine: Callable[[Any], Any] = lambda x: x
+    lengths: Sequence[Any],
+    orientation: int,
+    fixed_leg: int,
+    refine: Callable[[Any], Any] = lambda x: x,
+    named: Callable[[Pair], Pair] = lambda point: point,
 ) -> tuple[MovingLeg, MovingLeg]:
     """The two moving legs.
 
@@ -60,6 +64,7 @@ def moving_legs(
         orientation: 1 for counter-clockwise, -1 for clockwise, 0 for a flat platform.
         fixed_leg: 1, 2 or 3.
         refine: may give a better form of an element.
+        named: may give another form of the third point of the platform.
     """
     a2x, a3x, a3y, d1, d2, d3 = lengths
     zero = d1 - d1
@@ -69,7 +74,7 @@ def moving_legs(
         area16 = (d1 + d2 + d3) * (d2 + d3 - d1) * (d1 + d3 - d2) * (d1 + d2 - d3)
         height = area16.sqrt() / d1 / 2
     base = [(zero, zero), (a2x, zero), (a3x, a3y)]
-    platform = [(zero, zero), (d1, zero), (along, -height if orientation < 0 else height)]
+    platform = [(zero, zero), (d1, zero), named((along, -height if orientation < 0 else height))]
     (ox, oy), (om, on) = base.pop(fixed_leg - 1), platform.pop(fixed_leg - 1)
     (m, n), (p, q) = platform
     (x, y), (z, t) = base
@@ -158,6 +163,17 @@ class Systems:
         """The components of v, the first without λ, for leg f (0) or g (1)."""
         slopes = self._slopes[leg]
         return slopes.psi.value, slopes.alpha.value
+
+    def mapped(self, function: Callable[[Any], Any], order: int) -> Systems:
+        """The same functions, with all that they are made of mapped to another ring."""
+
+        def pair(of: Pair) -> Pair:
+            x, y = (entry if isinstance(entry, int) else function(entry) for entry in of)
+            return x, y
+
+        turns = pair(self.alpha), pair(self.theta), pair(self.between)
+        f, g = (MovingLeg(*map(pair, (leg.platform, leg.base, leg.products))) for leg in self.legs)
+        return Systems(*turns, pair(self.scales), (f, g), order, self.refine)
 
     def excess(self, leg: int, square: Any) -> Any:
         """The squared length of leg f (0) or g (1), less ``square``; for μ = 1 alone."""

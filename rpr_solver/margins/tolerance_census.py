@@ -19,10 +19,11 @@ from rpr_solver.contract import DEFAULT_DIGITS, check_type, silent
 from rpr_solver.exact.rationals import Exact, exact_or_none, exact_str
 from rpr_solver.margins.bands import Bands, OpenRange, Piece, Span, Transition, merged
 from rpr_solver.margins.boxes import ANGLES, TURN, Problem
-from rpr_solver.margins.exclusion import Zones, exclude
+from rpr_solver.margins.exclusion import exclude
 from rpr_solver.margins.located import Located, Start, locate
 from rpr_solver.margins.margin import SearchOptions, validity
 from rpr_solver.margins.questions import LENGTHS, changes
+from rpr_solver.margins.slope_search import Zones
 from rpr_solver.margins.subjects import GeometryBox
 from rpr_solver.model.lengths import LengthRange
 from rpr_solver.model.manipulator import Manipulator

@@ -1,0 +1,246 @@
+"""Functions on boxes, in doubles: expansions to second order at the middles, with bounds of what is left out.
+
+On a box of middles x₀ and half widths w let x = x₀ + w t, |t| ≤ 1. A function is c₀ + Σ cₖ tₖ + Σ cⱼₖ tⱼ tₖ +
+Σ dᵢ ηᵢ, up to ``rest`` (mathematics.md#functions-on-boxes). The symbols ηᵢ, |ηᵢ| ≤ 1, are functions of x, the
+same ones in all expansions: they stand for what the points of the platform are beside their own expansions.
+Many boxes are done at once: arrays have a row for each coefficient and a column for each box.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+from math import nan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rpr_solver.margins.slopes import UNIT, UP
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from rpr_solver.margins.slopes import Doubles
+
+    Places = NDArray[np.int64]
+
+SYMBOLS = 2
+_ROUNDED = 16 * UNIT
+"""Bounds what the roundings of an operation make of the sum of the absolute values of its terms."""
+_UNDERFLOW = 2.0**-900
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the coefficients of an expansion are: of 1, of each tₖ, of the ηᵢ, of tⱼ tₖ for j ≤ k, by rows.
+
+    Attributes:
+        variables: the number of the tₖ.
+    """
+
+    variables: int
+
+    @cached_property
+    def slopes(self) -> slice:
+        """Rows of the tₖ."""
+        return slice(1, 1 + self.variables)
+
+    @cached_property
+    def symbols(self) -> slice:
+        """Rows of the ηᵢ."""
+        return slice(1 + self.variables, 1 + self.variables + SYMBOLS)
+
+    @cached_property
+    def bends(self) -> slice:
+        """Rows of the tⱼ tₖ."""
+        return slice(1 + self.variables + SYMBOLS, None)
+
+    @cached_property
+    def pairs(self) -> tuple[Places, Places]:
+        """j and k of each row of the tⱼ tₖ."""
+        j, k = np.triu_indices(self.variables)
+        return j, k
+
+    @cached_property
+    def blocks(self) -> list[slice]:
+        """For each j the rows of tⱼ tₖ, k ≥ j."""
+        ends = np.cumsum([self.bends.start, *range(self.variables, 0, -1)])
+        return [slice(a, b) for a, b in pairwise(ends)]
+
+    @cached_property
+    def rows(self) -> int:
+        """The number of coefficients."""
+        return int(self.bends.start + len(self.pairs[0]))
+
+    def per_variable(self, bends: Doubles) -> Doubles:
+        """For each k the sum of numbers for tⱼ tₖ, those of tₖ² twice."""
+        sums = np.zeros((self.variables, *bends.shape[1:]))
+        for row, (j, k) in zip(bends, zip(*self.pairs, strict=True), strict=True):
+            sums[j] += row
+            sums[k] += row
+        return sums
+
+
+layout_of = lru_cache(maxsize=None)(Layout)
+
+
+class Expansion:
+    """A function on boxes.
+
+    Attributes:
+        terms: the coefficients.
+        rest: bounds of the difference between the function and its expansion, all roundings included.
+        layout: where the coefficients are.
+    """
+
+    __slots__ = ("_bound", "_parts", "layout", "rest", "terms")
+
+    def __init__(self, terms: Doubles, rest: Doubles, layout: Layout, bound: Doubles | None = None) -> None:
+        self.terms, self.rest, self.layout = terms, rest, layout
+        self._parts: tuple[Doubles, ...] | None = None
+        self._bound = bound
+
+    @property
+    def parts(self) -> tuple[Doubles, ...]:
+        """Sums of the absolute values of the coefficients: of 1, of the t, of the η and of the products."""
+        if self._parts is None:
+            size, at = abs(self.terms), self.layout
+            self._parts = size[0], *(size[rows].sum(axis=0) for rows in (at.slopes, at.symbols, at.bends))
+        return self._parts
+
+    @property
+    def size(self) -> Doubles:
+        """Bounds of the absolute values of the function."""
+        value, slopes, symbols, bends = self.parts
+        size: Doubles = (value + slopes + symbols + bends + self.rest) * UP
+        return size
+
+    @property
+    def bound(self) -> Doubles:
+        """As ``size``, but perhaps greater, if that was cheaper."""
+        if self._bound is None:
+            self._bound = self.size
+        return self._bound
+
+    @property
+    def change(self) -> Doubles:
+        """Bounds of how far the values are from those of the expansions at the middles."""
+        _, slopes, symbols, bends = self.parts
+        change: Doubles = (slopes + symbols + bends + self.rest) * UP
+        return change
+
+    def of(self, boxes: Places) -> Expansion:
+        """The function on some of the boxes."""
+        return Expansion(self.terms[:, boxes], self.rest[boxes], self.layout, self.bound[boxes])
+
+    def __add__(self, other: Expansion) -> Expansion:
+        bound = (self.bound + other.bound) * UP
+        rest = (self.rest + other.rest + _ROUNDED * bound) * UP
+        return Expansion(self.terms + other.terms, rest, self.layout, bound)
+
+    def __sub__(self, other: Expansion) -> Expansion:
+        return self + -other
+
+    def __neg__(self) -> Expansion:
+        return Expansion(-self.terms, self.rest, self.layout, self.bound)
+
+    def __mul__(self, other: Expansion | int) -> Expansion:
+        if isinstance(other, int):  # 1 or 2
+            return self if other == 1 else Expansion(self.terms * other, self.rest * other, self.layout)
+        a, b, at = self.terms, other.terms, self.layout
+        terms = a[0] * b
+        terms += b[0] * a
+        terms[0] *= 0.5  # it holds the product twice
+        x, y = a[at.slopes], b[at.slopes]
+        for j, block in enumerate(at.blocks):
+            products = x[j] * y[j:]
+            products[1:] += y[j] * x[j + 1 :]
+            terms[block] += products
+        (_, a1, a_symbols, a2), (_, b1, b_symbols, b2) = self.parts, other.parts
+        rest = a_symbols * (b1 + b_symbols) + a1 * b_symbols
+        rest += (a1 + a_symbols) * b2 + a2 * (b1 + b_symbols + b2)
+        sizes = self.size, other.size
+        bound = sizes[0] * sizes[1] * UP
+        rest += self.rest * sizes[1] + other.rest * sizes[0] + _ROUNDED * bound
+        return Expansion(terms, rest * UP + _UNDERFLOW, at, bound)
+
+    def __truediv__(self, other: Expansion | int) -> Expansion:
+        if isinstance(other, int):  # 2
+            return Expansion(self.terms / other, self.rest / other, self.layout)
+        x, least = other._positive()
+        left_out = other.change**3 / (least * x * x * x)
+        return self * other._composed((1 / x, -1 / (x * x), 1 / (x * x * x)), left_out)
+
+    def sqrt(self) -> Expansion:
+        """The square root of a positive function; NaN on boxes that are too wide."""
+        x, least = self._positive()
+        root = x**0.5
+        ratio = (least / x) ** 0.5
+        left_out = root * (1 - ratio + _ROUNDED) ** 3 * (3 + ratio) / 8
+        return self._composed((root, 0.5 / root, -0.125 / (x * root)), left_out)
+
+    def _positive(self) -> tuple[Doubles, Doubles]:
+        """The values at the middles and lower bounds of all values, NaN where these are not positive."""
+        x = self.terms[0]
+        least = (x - self.change) * (2 - UP)
+        least[~(least > 0)] = nan
+        return x, least
+
+    def _composed(self, factors: tuple[Doubles, Doubles, Doubles], left_out: Doubles) -> Expansion:
+        """A function of this one: its Taylor polynomial of degree 2, and a bound of the remainder."""
+        value, slope, bend = factors
+        terms = self.terms.copy()
+        terms[0] = 0
+        change = Expansion(terms, self.rest, self.layout)
+        square = change * change
+        terms = slope * terms + bend * square.terms
+        terms[0] = value
+        rest = abs(slope) * self.rest + abs(bend) * square.rest + left_out
+        rest += _ROUNDED * (abs(value) + abs(slope) * change.size + abs(bend) * square.size)
+        return Expansion(terms, rest * UP + _UNDERFLOW, self.layout)
+
+    def named(self, symbol: int) -> Expansion:
+        """The same with a symbol for what the expansion leaves out."""
+        terms = self.terms.copy()
+        terms[self.layout.symbols.start + symbol] += self.rest * UP
+        return Expansion(terms, np.zeros_like(self.rest), self.layout)
+
+
+def combined(functions: list[Expansion], factors: Doubles) -> Expansion:
+    """Σ factorᵢ functionᵢ, with a factor for each box."""
+    terms: Any = sum(factor * function.terms for factor, function in zip(factors, functions, strict=True))
+    rest: Any = sum(
+        abs(factor) * (function.rest + _ROUNDED * function.size)
+        for factor, function in zip(factors, functions, strict=True)
+    )
+    return Expansion(terms, rest * UP + _UNDERFLOW, functions[0].layout)
+
+
+def lowest(function: Expansion) -> Doubles:
+    """Lower bounds of the absolute values, negative or NaN if it may vanish.
+
+    In a variable in which the polynomial is monotonic its minimum is at an end.
+    """
+    sign = np.where(function.terms[0] < 0, -1.0, 1.0)
+    terms, at = function.terms * sign, function.layout
+    slopes, bends = terms[at.slopes], terms[at.bends]
+    influence = at.per_variable(abs(bends))
+    is_monotonic = abs(slopes) >= influence * UP
+    ends = np.where(is_monotonic, -np.sign(slopes), 0.0)
+    j, k = at.pairs
+    mixed = j != k
+    least: Doubles = terms[0] + (slopes * ends).sum(axis=0) + (bends * ends[j] * ends[k]).sum(axis=0)
+    own = bends[~mixed]
+    left = slopes.copy()
+    for row, first, second in zip(bends[mixed], j[mixed], k[mixed], strict=True):
+        left[first] += row * ends[second]
+        left[second] += row * ends[first]
+    left = np.where(is_monotonic, 0, abs(left))
+    inside = (own > 0) & (left < 2 * own)
+    own_least = np.where(inside, -left * left / (4 * np.where(inside, own, 1)), own - left)
+    least += np.where(is_monotonic, 0, own_least).sum(axis=0)
+    free = ~is_monotonic
+    least -= (abs(bends[mixed]) * (free[j[mixed]] & free[k[mixed]])).sum(axis=0)
+    least -= function.parts[2] + function.rest
+    return least - 2.0**-44 * function.size

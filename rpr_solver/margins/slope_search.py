@@ -1,0 +1,217 @@
+"""The search of exclusion.py by slopes: near known degenerate cusps, and where a checker is to follow it.
+
+Slopes bound how functions change to first order, so that boxes are cut more often than for expansions of the
+second order; in exchange a checker needs less arithmetic, and boxes round a zero are cut evenly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rpr_solver.margins.boxes import ANGLES, TURN, BoxRing, Problem
+from rpr_solver.margins.slopes import UP, Slopes, moves
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from rpr_solver.margins.slopes import Doubles
+
+    Flags = NDArray[np.bool_]
+    Places = NDArray[np.int64]
+
+_ROUNDS = 6
+_SMALL = 1e-6
+"""Terms below it, relative to their sum, get no more weight."""
+
+
+@dataclass(frozen=True)
+class Zones:
+    """Boxes of poses in which degenerate cusps are known, and how far others are to be cut.
+
+    Attributes:
+        low, high: the ends of α, θ and the length, a column for each zone.
+        tests: whose zeros are known there: 0 for (K, E, S), 1 for (K, K_α, K_θ).
+        least: boxes with such sides of α, θ and the length are not cut; the search goes on without them.
+    """
+
+    low: Doubles
+    high: Doubles
+    tests: Places
+    least: tuple[float, float, float]
+
+    def known(self, low: Doubles, high: Doubles) -> Flags:
+        """For each test whether boxes are within a zone of it."""
+        pose, (lows, highs) = slice(ANGLES + 1), (self.low[:, :, None], self.high[:, :, None])
+        turns = np.zeros_like(lows + low[pose, None])
+        turns[:ANGLES] = np.floor((low[:ANGLES, None] - lows[:ANGLES]) / TURN) * TURN
+        inside: Flags = np.all(
+            [lows + turns <= low[pose, None], high[pose, None] <= highs + turns], axis=(0, 1)
+        )
+        return np.array([inside[self.tests == test].any(axis=0) for test in (0, 1)])
+
+    def small(self, low: Doubles, high: Doubles) -> Flags:
+        """The boxes that are not to be cut."""
+        sides = high[: ANGLES + 1] - low[: ANGLES + 1]
+        flags: Flags = np.all(sides <= np.array(self.least)[:, None], axis=0)
+        return flags
+
+
+class SlopeSearch:
+    """The tests of boxes of one problem, by slopes."""
+
+    def __init__(self, problem: Problem, zones: Zones | None = None) -> None:
+        self._problem, self._zones = problem, zones
+        self._moving = [0, 1, *(row for place, row in problem.rows.items() if place == 0)]
+
+    def undecided(self, low: Doubles, high: Doubles) -> tuple[Places, Places]:
+        """The boxes on which nothing is proved, and for each the variable along which to cut it."""
+        ring = BoxRing(self._problem, low, high)
+        systems = self._problem.systems(ring, 0)
+        k = systems.singularity.value
+        left = np.flatnonzero(~(abs(k.middle[0]) > _change(k, ring.half)))
+        f, g = (sum(x.middle[0, left] ** 2 for x in systems.tangent(leg)) for leg in (0, 1))
+        found = [self._of_leg(low, high, left[places], leg) for leg, places in ((0, ~(f < g)), (1, f < g))]
+        kept, variables = zip(*found, strict=True)
+        return np.concatenate(kept), np.concatenate(variables)
+
+    def _of_leg(self, low: Doubles, high: Doubles, places: Places, leg: int) -> tuple[Places, Places]:
+        """As :meth:`undecided`, of some boxes, with v that of one leg."""
+        if not places.size:
+            return places, places
+        ring = BoxRing(self._problem, low[:, places], high[:, places])
+        systems = self._problem.systems(ring, 1)
+        k = systems.singularity
+        first = [k.value, systems.along(leg, k).value]
+        easy = multipliers(first, ring.half, self._moving)
+        left = ~easy.proved
+        places, easy = places[left], easy[left]
+        if not places.size:
+            return places, places
+        ring = BoxRing(self._problem, low[:, places], high[:, places])
+        systems = self._problem.systems(ring, 2)
+        k = systems.singularity
+        e = systems.along(leg, k)
+        tests = [[k.value, e.value, systems.along(leg, e).value], [k.value, k.alpha.value, k.theta.value]]
+        outside = np.zeros(places.shape, dtype=bool)
+        for limit in self._problem.limits:
+            excess = systems.excess(limit.leg, ring.constant(limit.square.low))
+            tests.append([k.value, e.value, excess])
+            outside |= limit.side * excess.middle[0] > _change(excess, ring.half)
+        results = [multipliers(test, ring.half, self._moving) for test in tests]
+        values = np.array([result.values for result in results])
+        if self._zones is not None:
+            known = self._zones.known(low[:, places], high[:, places])
+            values[: len(known)][known] = 0
+        proved = (values < 1).all(axis=0)
+        proved &= moves(systems, leg)
+        shares = np.choose(values.argmax(axis=0), [result.shares for result in results])
+        shares = np.where(easy.values < values.max(axis=0), easy.shares, shares)
+        left = ~(proved | outside)
+        return places[left], shares.argmax(axis=0)[left]
+
+
+def _change(function: Slopes, half: Doubles) -> Doubles:
+    """Bounds of the changes of a function on boxes, errors included."""
+    first, second, error = function.expanded(half)
+    change: Doubles = (abs(first) + 0.5 * second).sum(axis=0) * UP + error
+    return change
+
+
+@dataclass(frozen=True)
+class Multipliers:
+    """Numbers l for each box, such that Σ lᵢ Tᵢ is far from 0.
+
+    Attributes:
+        values: the greatest change of Σ lᵢ Tᵢ over a box, divided by its absolute value at the middle.
+        shares: how much each variable contributes to the change, and would less if its side were halved.
+    """
+
+    values: Doubles
+    shares: Doubles
+
+    @property
+    def proved(self) -> Flags:
+        """The boxes without a common zero."""
+        return self.values < 1
+
+    def __getitem__(self, boxes: Any) -> Multipliers:
+        return Multipliers(self.values[boxes], self.shares[:, boxes])
+
+
+def multipliers(functions: Sequence[Slopes], half: Doubles, moving: Sequence[int]) -> Multipliers:
+    """Good multipliers for two or three functions, by reweighted least squares.
+
+    Args:
+        functions: the functions T.
+        half: the half widths of the boxes.
+        moving: the variables that change the zeros' places, whose first order counts in ``shares``.
+    """
+
+    terms = [_Terms.of(function, half) for function in functions]
+    best = np.full(half.shape[1], np.inf)
+    chosen = np.zeros((len(terms), half.shape[1]))
+    weights, own = np.ones_like(half), [np.ones_like(best)] * len(terms)
+    for _ in range(_ROUNDS):
+        factors = _least_squares(terms, weights, own)
+        height = abs(_combined(factors, [term.value for term in terms]))
+        slopes = abs(_combined(factors, [term.change for term in terms]))
+        parts = [abs(factor) * term.rest for factor, term in zip(factors, terms, strict=True)]
+        total = slopes.sum(axis=0) + sum(parts)
+        value = total / height * UP
+        better = value < best
+        best[better] = value[better]
+        for row, factor in zip(chosen, factors, strict=True):
+            row[better] = (factor / height)[better]
+        small = _SMALL * total
+        weights, own = 1 / (slopes + small), [1 / (part + small) for part in parts]
+    shares = _combined([abs(factor) for factor in chosen], [term.second for term in terms])
+    shares[moving] += abs(_combined(list(chosen), [term.change[moving] for term in terms]))
+    return Multipliers(best, np.where(np.isnan(shares), np.inf, shares))
+
+
+@dataclass(frozen=True)
+class _Terms:
+    """A function on boxes, divided by its size: value, first and second order of each variable, the rest."""
+
+    value: Doubles
+    change: Doubles
+    second: Doubles
+    rest: Doubles
+
+    @classmethod
+    def of(cls, function: Slopes, half: Doubles) -> _Terms:
+        value, (change, second, error) = function.middle[0], function.expanded(half)
+        rest = (0.5 * UP) * second.sum(axis=0) + error
+        size = abs(value) + abs(change).sum(axis=0)
+        scale = 1 / (size + rest)
+        return cls(value * scale, change * scale, second * scale, rest * scale)
+
+
+def _combined(factors: Sequence[Doubles], parts: Sequence[Doubles]) -> Doubles:
+    total = factors[0] * parts[0]
+    for factor, part in zip(factors[1:], parts[1:], strict=True):
+        total += factor * part
+    return total
+
+
+def _least_squares(terms: Sequence[_Terms], weights: Doubles, own: Sequence[Doubles]) -> list[Doubles]:
+    """The multipliers of least weighted squares, up to a common factor."""
+    matrix = [
+        [(weights * x.change * y.change).sum(axis=0) for y in terms[: k + 1]] for k, x in enumerate(terms)
+    ]
+    for k, (term, weight) in enumerate(zip(terms, own, strict=True)):
+        matrix[k][k] = matrix[k][k] + weight * term.rest**2
+    if len(terms) == 2:
+        ((a,), (b, c)), (x, y) = matrix, (term.value for term in terms)
+        return [c * x - b * y, a * y - b * x]
+    ((a,), (b, d), (c, e, f)), (x, y, z) = matrix, (term.value for term in terms)
+    xy, xz, yz = c * e - b * f, b * e - c * d, b * c - a * e
+    return [
+        (d * f - e * e) * x + xy * y + xz * z,
+        xy * x + (a * f - c * c) * y + yz * z,
+        xz * x + yz * y + (a * d - b * b) * z,
+    ]
