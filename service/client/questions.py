@@ -8,7 +8,6 @@ from typing import Any, TypedDict, Unpack
 from rpr_solver import CHECK_DIGITS, DEFAULT_DIGITS, Exact, Manipulator, Requirement, exact_str
 from rpr_solver.contract import DEFAULT_SAMPLES, DEFAULT_TOLERANCE, MIN_DIGITS, PATH_DIGITS
 from rpr_solver.designs.questions import Options
-from rpr_solver.designs.space import Vary
 from rpr_solver.model.lengths import ExactLimits, limits_json, read_limits
 from service.client.bodies import Asked, M
 from service.schemas.censuses import Census, CensusRequest, CheckReport, CheckRequest
@@ -254,19 +253,13 @@ def design(
     budget, vary = options.pop("budget", None), options.pop("vary", None)
     members: dict[str, Any] = {"objective": objective, **options}
     members |= _numbers(**{name: members.pop(name, None) for name in ("min_height", "ignore_windows")})
-    if vary is not None:
-        members["vary"] = vary if isinstance(vary, str) else _bounds_of(vary)
-    if requirement is not None:
-        members["requirement"] = requirement.to_json()
-    if budget is not None:
-        members["budget"] = {"censuses": budget}
+    more = {
+        "vary": {name: _range(*x) for name, x in vary.items()} if isinstance(vary, Mapping) else vary,
+        "requirement": None if requirement is None else requirement.to_json(),
+        "budget": None if budget is None else {"censuses": budget},
+    }
+    members |= {name: value for name, value in more.items() if value is not None}
     return _asked(DesignRequest, Design, manipulator, None, deadline, members)
-
-
-def _bounds_of(vary: Vary) -> dict[str, dict[str, str]]:
-    assert isinstance(vary, Mapping), "a share is a text"
-    ends = {name: [_text(end) for end in both if end is not None] for name, both in vary.items()}
-    return {name: dict(zip(("from", "to"), both, strict=True)) for name, both in ends.items()}
 
 
 def plot(manipulator: Manipulator, plot: str = "slice", **options: Unpack[PlotOptions]) -> Asked[Plot]:

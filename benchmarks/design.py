@@ -1,0 +1,122 @@
+"""Designs: what a search reaches from the same questions with several seeds, and in how many censuses.
+
+python benchmarks/design.py                          all questions, an hour or more
+python benchmarks/design.py range change --seeds 3   some of them
+python benchmarks/design.py --keep build/censuses    candidates are kept there, for the next run
+
+The values are those that the search sees, and times those of the process without kept candidates.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rpr_solver import EXAMPLES, Manipulator, Requirement
+from rpr_solver.designs.design import examined, goal_of, searched
+from rpr_solver.designs.questions import Plan
+from rpr_solver.designs.search import Documents
+
+INNOCENTI = EXAMPLES["innocenti"]
+ANY = Manipulator(10, 5, 8, 12, 20, 15)
+"""Where searches begin that look everywhere; they use it as one candidate among others."""
+EVERYWHERE = {"a3x": (-20, 20), "a3y": ("0.5", 20), "d1": (1, 40), "d2": (1, 40), "d3": (1, 40)}
+ISOSCELES = {"t1": ("0.05", 3), "d1": (1, 40), "d2": (1, 70)}
+QUESTIONS: dict[str, tuple[str, Manipulator, str, Requirement, dict[str, Any]]] = {
+    "range": (
+        "first manipulator ±15 %: longest part of [5, 30] with at most 4 cusps",
+        INNOCENTI,
+        "longest-range",
+        Requirement(start=5, stop=30, max_cusps=4),
+        {"vary": "15%", "budget": 150},
+    ),
+    "change": (
+        "first manipulator ±15 %: least change for at most 6 cusps on [5, 30], windows of 1e-3 ignored",
+        INNOCENTI,
+        "least-change",
+        Requirement(start=5, stop=30, max_cusps=6),
+        {"vary": "15%", "budget": 300, "ignore_windows": "0.001"},
+    ),
+    "cusps": (
+        "most cusps, from random starts",
+        ANY,
+        "most-cusps",
+        Requirement(min_cusps=0),
+        {"vary": EVERYWHERE, "budget": 400},
+    ),
+    "isosceles": (
+        "most cusps, isosceles at leg 1, from random starts",
+        ANY,
+        "most-cusps",
+        Requirement(min_cusps=0),
+        {"vary": ISOSCELES, "budget": 400, "family": "isosceles-1"},
+    ),
+}
+
+
+@dataclass
+class Kept:
+    """Documents of candidates, and what they cost."""
+
+    plan: Plan
+    folder: Path | None
+    seconds: float = 0.0
+    new: int = field(default=0)
+
+    def examine(self, asked: Sequence[Manipulator]) -> Documents:
+        """The documents of a generation."""
+        return [self._one(manipulator) for manipulator in asked]
+
+    def _one(self, manipulator: Manipulator) -> Mapping[str, Any] | None:
+        path = None if self.folder is None else self.folder / manipulator.geometry_hash[7:]
+        if path is not None and path.exists():
+            found: Mapping[str, Any] | None = json.loads(path.read_text())
+            return found
+        start = time.process_time()
+        document = examined(manipulator, goal_of(self.plan))
+        self.seconds, self.new = self.seconds + time.process_time() - start, self.new + 1
+        if path is not None:
+            path.write_text(json.dumps(document))
+        return document
+
+
+def measure(name: str, seed: int, folder: Path | None) -> None:
+    """Ask a question with a seed, and print what was found."""
+    _, manipulator, objective, requirement, options = QUESTIONS[name]
+    plan = Plan.of(manipulator, objective, requirement, **options, seed=seed)
+    kept = Kept(plan, folder)
+    start = time.process_time()
+    outcome = searched(plan, kept.examine)
+    own = time.process_time() - start - kept.seconds
+    best = outcome.candidates[-1]
+    first = {float(one.value): one.number for one in reversed(outcome.candidates)}
+    reached = ", ".join(f"{value:.6g} at {first[value]}" for value in sorted(first)[-3:])
+    each = kept.seconds / kept.new if kept.new else 0.0
+    print(
+        f"{name:10} seed {seed}: {best.value:.6g} ({'met' if best.met else 'not met'}) in "
+        f"{outcome.censuses} censuses; {reached}; {each:.2f} s a census, {own:.0f} s beside",
+        flush=True,
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="QUESTION", help=", ".join(QUESTIONS))
+    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--keep", type=Path, help="a folder for candidates")
+    args = parser.parse_args()
+    if args.keep is not None:
+        args.keep.mkdir(parents=True, exist_ok=True)
+    for name in args.names or QUESTIONS:
+        print(QUESTIONS[name][0])
+        for seed in range(1, args.seeds + 1):
+            measure(name, seed, args.keep)
+
+
+if __name__ == "__main__":
+    main()
