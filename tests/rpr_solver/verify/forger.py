@@ -467,6 +467,34 @@ def curve_changed(draw: random.Random, document: Document) -> Forged:
     return done, "/curves"
 
 
+def end_changed(draw: random.Random, document: Document) -> Forged:
+    """Ends exchanged between two curves, or said to join nobody; the tubes past them are left out."""
+    curves, side = document["curves"], draw.choice(["from", "to"])
+    ends = [curve for curve in curves if curve["points"] and curve[side]["joins"]]
+    if not ends:
+        return None
+    curve = draw.choice(ends)
+    if draw.random() < 0.5:
+        for other in curves:
+            if other is curve or other["name"] == curve[side]["joins"]:
+                other[side]["joins"] = None
+        done = "ends that join nobody"
+    else:
+        others = [c for c in curves if c["points"] and c[side]["events"] != curve[side]["events"]]
+        if not others:
+            return None
+        other = draw.choice(others)
+        curve[side], other[side] = other[side], curve[side]
+        names = {curve["name"]: other["name"], other["name"]: curve["name"]}
+        for c in curves:
+            c[side]["joins"] = names.get(c[side]["joins"], c[side]["joins"])
+        done = "ends exchanged"
+    if full := document.get("certificate", {}).get("full"):
+        chains = full["chains"]
+        chains[:] = [chain for chain in chains if chain["from"]["curve"] == chain["to"]["curve"]]
+    return done, "/curves"
+
+
 def chain_changed(draw: random.Random, document: Document) -> Forged:
     """A chain dropped, its tubes exchanged or widened."""
     chains = document.get("certificate", {}).get("full", {}).get("chains", [])
@@ -575,7 +603,7 @@ KINDS: Mapping[str, tuple[Callable[[Drawn], Document], tuple[Forge, ...]]] = {
             another_geometry,
         ),
     ),
-    "curves": (_curves, (curve_changed, chain_changed, another_geometry)),
+    "curves": (_curves, (curve_changed, end_changed, chain_changed, another_geometry)),
     "reports": (a_report, (verdict_changed, cut_moved, example_changed, another_geometry)),
     "margins": (some_margin, tuple(map(_forge, OF_MARGINS))),
 }

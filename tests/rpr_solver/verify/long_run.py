@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import json
 import random
+import re
 import sys
 import time
 from collections import Counter
@@ -207,6 +208,8 @@ def run(kind: str, n: int, arguments: Any, counts: Counter[str]) -> None:
     counts["documents established"] += answer.established
     counts["proofs of margins"] += kind == "margins" and "full" in document["certificate"]
     counts.update(f"claims {claim.status.value}" for claim in answer.claims)
+    why = {re.sub(r"[0-9.]+", "*", claim.reason) for claim in answer.open}
+    counts.update(f"documents open as {reason}" for reason in why)
     for claim in answer.refused:
         print(f"{about}: REFUSED at {claim.at}: {claim.claim}: {claim.reason}", flush=True)
     chosen = mutations[n % len(mutations) :] + mutations[: n % len(mutations)]
