@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 
 import pytest
 import sympy as sp
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy.polys.matrices import DomainMatrix
 
+from rpr_solver.verify.core.reader import bounded
 from rpr_solver.verify.core.surds import (
     Indivisible,
     Poly,
@@ -123,3 +125,18 @@ def test_the_linear_remainder_has_the_common_root() -> None:
     assert whole == (0, 0)
     [linear] = [row for row in rows if len(row) == 2]
     assert primitive(linear) in (common, rational([3, -1]))
+
+
+def test_a_multiple_factor_is_found_at_a_price_that_its_length_explains() -> None:
+    draw, ring = random.Random(1), Ring(1237)
+    twice, once = (
+        tuple((draw.getrandbits(30), draw.getrandbits(30)) for _ in range(degree + 1)) for degree in (2, 12)
+    )
+    with bounded(10**9) as left:
+        parts = ring.squarefree_parts(ring.product(ring.product(twice, twice), once))
+    assert 10**9 - left[0] < 100_000
+    assert {multiplicity: len(part) - 1 for multiplicity, part in parts.items()} == {1: 12, 2: 2}
+    own = ring.leading_rational(twice)
+    assert own[-1][1] == 0
+    for found in (parts[2], ring.gcd(twice, ring.product(twice, once))):
+        assert found in (own, tuple((-a, -b) for a, b in own))
