@@ -377,4 +377,5 @@ def _points_to(printed: Printed, vector: Vector) -> bool:
         return off.contains(0)
     # |angle| ≤ |sin| + |sin|³ for small angles
     size = off.greatest
-    return (size + size**3) * (1 << bits) < radians(printed.half, bits).lower
+    room = printed.half if off.sign * printed.value > 0 else printed.inward
+    return (size + size**3) * (1 << bits) < radians(room, bits).lower

@@ -50,12 +50,18 @@ class Printed:
     @property
     def lower(self) -> Fraction:
         """The least number that may stand behind the text."""
-        return self.value - self.half
+        return self.value - (self.inward if self.value > 0 else self.half)
 
     @property
     def upper(self) -> Fraction:
         """The greatest number that may stand behind the text."""
-        return self.value + self.half
+        return self.value + (self.inward if self.value < 0 else self.half)
+
+    @property
+    def inward(self) -> Fraction:
+        """How far numbers that round to the text are from it on the side of 0: less at a power of ten."""
+        digits = self.text.partition("e")[0].strip("-0.").replace(".", "")
+        return self.half / 10 if digits == "1" else self.half
 
     def below(self, x: Fraction) -> bool | None:
         """Whether the number behind the text is less than another; None if its digits leave that open."""

@@ -45,6 +45,14 @@ def base(name: str) -> Document:
     return json.loads(_base(name))
 
 
+def _close_to_one() -> tuple[Manipulator | Fraction, ...]:
+    """A manipulator, and lengths of its legs with a pose whose B1 has the x 0.999999999999996."""
+    x = 1 - Fraction(4, 10**15)
+    y = x * 4 / 3
+    (bx, by), (cx, cy) = (x + Fraction(9, 5), y + Fraction(12, 5)), (x - Fraction(7, 5), y + Fraction(24, 5))
+    return Manipulator(bx + by * 3 / 4, cx - 3, cy - 4, 3, 4, 5), x * 5 / 3, by * 5 / 4, Fraction(5)
+
+
 _BASES: dict[str, Callable[[], Document]] = {
     "table": lambda: table_document(ZEIN, 10, digits=15),
     "full table": lambda: table_document(ZEIN, 10, digits=15, certificate="full"),
@@ -54,6 +62,7 @@ _BASES: dict[str, Callable[[], Document]] = {
     ),
     "nodes": lambda: table_document(Manipulator(10, 4, 0, 12, 15, 9), 8, digits=15),
     "poses": lambda: poses(ZEIN, 20, 21, 22, digits=15).to_json(),
+    "close to a power of ten": lambda: poses(*_close_to_one(), digits=15).to_json(),
     "two at an angle": lambda: poses(Manipulator(5, 2, -3, 5, 6, 5), 3, 3, 7, digits=15).to_json(),
     "census": lambda: census(ZEIN, digits=15, start=36, stop=38).to_json(),
     "two transitions": lambda: census(ZEIN, digits=15, start=31, stop=38).to_json(),
@@ -804,3 +813,9 @@ def _(document: Document) -> None:
 @forgery("a member that turns the line of the verdict", "table", "/\\u202eDEHSILBATSE")
 def _(document: Document) -> None:
     document["\u202eDEHSILBATSE"] = 1
+
+
+@forgery("a power of ten above the number", "close to a power of ten", "/poses")
+def _(document: Document) -> None:
+    [pose] = [pose for pose in document["poses"] if pose["b1_x"] == "0.999999999999996"]
+    pose["b1_x"] = "1.00000000000000"
