@@ -59,6 +59,8 @@ class Range:
                     self.at[k] = [event]
         self.others = [k for k in self._inside() if not any(k in group for group in self.at)]
         """The events within the range that are at no cut."""
+        self.merged = any(self._are_apart(group) for group in self.at)
+        """Whether events of different lengths are at one cut: an interval between them is hidden."""
         self.open = tuple(sorted({*events.open, *self._left_open()}))
         """What is open about the events; empty if these are all."""
 
@@ -67,7 +69,13 @@ class Range:
             if self.start < low and (self.stop is None or high < self.stop):
                 yield k
 
+    def _are_apart(self, group: Sequence[int]) -> bool:
+        spans = sorted(self.spans[k] for k in group)
+        return any(a[1] < b[0] for a, b in pairwise(spans))
+
     def _left_open(self) -> Iterator[str]:
+        if self.merged:
+            yield "events of different lengths are at one length as printed"
         ends = [self.start] if self.stop is None else [self.start, self.stop]
         if any(low <= end <= high for low, high in self.spans for end in ends):
             yield "an event is at an end of the range"
@@ -149,6 +157,9 @@ class Range:
         if self.others:
             length = float(self.spans[self.others[0]][0])
             reason = f"an event at {length:.12g} is missing"
+            return Claim(at, claim, ClaimStatus.REFUSED, reason)
+        if self.merged:
+            reason = "events of different lengths are at one transition"
             return Claim(at, claim, ClaimStatus.REFUSED, reason)
         return self.rests_on_all(at, claim)
 

@@ -66,6 +66,13 @@ _BASES: dict[str, Callable[[], Document]] = {
     "two at an angle": lambda: poses(Manipulator(5, 2, -3, 5, 6, 5), 3, 3, 7, digits=15).to_json(),
     "census": lambda: census(ZEIN, digits=15, start=36, stop=38).to_json(),
     "two transitions": lambda: census(ZEIN, digits=15, start=31, stop=38).to_json(),
+    "printed alike": lambda: census(
+        Manipulator(10, Fraction(5) + Fraction(1, 10**17), 8, 6, 5, 5),
+        digits=15,
+        fixed_leg=3,
+        start=Fraction(22, 5),
+        stop=Fraction(9, 2),
+    ).to_json(),
     "full census": lambda: census(SMALL, digits=15, start=24, certificate="full").to_json(),
     "curves": lambda: (
         cusp_curves(ZEIN, digits=15).part("0.5", "1.2", lengths=[Fraction(1), Fraction(21, 20)]).to_json()
@@ -819,3 +826,12 @@ def _(document: Document) -> None:
 def _(document: Document) -> None:
     [pose] = [pose for pose in document["poses"] if pose["b1_x"] == "0.999999999999996"]
     pose["b1_x"] = "1.00000000000000"
+
+
+@forgery("two transitions that are printed alike as one", "printed alike", "/transitions")
+def _(document: Document) -> None:
+    first, second = document["transitions"]
+    assert first["l3"] == second["l3"]
+    first["events"] += second["events"]
+    first["count_after"] = second["count_after"]
+    del document["transitions"][1], document["intervals"][1]
