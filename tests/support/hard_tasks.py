@@ -13,6 +13,7 @@ import flint
 
 import rpr_solver
 from worker.answers import store, tables
+from worker.answers.requests import JobRequest
 from worker.answers.store import ResultStore
 from worker.process import tasks
 
@@ -71,15 +72,14 @@ def slow(**chunk: Any) -> None:
 
 
 def counted(**chunk: Any) -> None:
-    """Counts how often an eliminant is computed."""
-    eliminate = rpr_solver.eliminate
+    """Counts how often the coefficients of an eliminant are computed and kept."""
+    keep = ResultStore.put_eliminant
 
-    def count(manipulator: rpr_solver.Manipulator, fixed_leg: int = 1) -> rpr_solver.Eliminant:
-        assert tasks._context is not None
-        tasks._context.redis.incr("eliminations")
-        return eliminate(manipulator, fixed_leg)
+    def count(store: ResultStore, request: JobRequest, eliminant: rpr_solver.Eliminant) -> None:
+        store.redis.incr("eliminations")
+        keep(store, request, eliminant)
 
-    rpr_solver.eliminate = count
+    ResultStore.put_eliminant = count  # type: ignore[method-assign]
     tasks.run_chunk(**chunk)
 
 
