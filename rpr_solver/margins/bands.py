@@ -61,7 +61,7 @@ class Transition(NamedTuple):
         length: as given.
         poses: those of its poses that are located.
         is_whole: whether these are all.
-        span: where every geometry has them.
+        span: where every geometry has them; if these are not all, lengths near by, which stay open.
     """
 
     length: Fraction
@@ -70,12 +70,20 @@ class Transition(NamedTuple):
     span: Span
 
     @classmethod
-    def of(cls, length: Fraction, poses: Sequence[Located | None]) -> Transition:
-        """The transition at a length with these poses, None for one that is not located."""
+    def of(cls, length: Fraction, poses: Sequence[Located | None], reach: Fraction) -> Transition:
+        """The transition at a length with these poses, None for one that is not located.
+
+        Args:
+            length: that of the given geometry.
+            poses: None for one that is not located.
+            reach: how far it moves, nearly; used if some are not located.
+        """
         known = tuple(pose for pose in poses if pose is not None)
         ends = [end for pose in known for end in pose.span]
-        span = Span(*_rounded(min(ends), max(ends))) if ends else Span(length, length)
-        return cls(length, known, 0 < len(known) == len(poses), span)
+        is_whole = 0 < len(known) == len(poses)
+        if not is_whole:
+            ends += [max(length - 2 * reach, Fraction(0)), length + 2 * reach]
+        return cls(length, known, is_whole, Span(*_rounded(min(ends), max(ends))))
 
     def is_below(self, other: Transition) -> bool:
         """Whether each has one pose, and every geometry has this at a lesser length than the other."""
@@ -84,7 +92,7 @@ class Transition(NamedTuple):
 
 def _rounded(low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
     """Bounds with few digits more than needed, rounded outward."""
-    digits = max(int(log10(high / (high - low))) + 4, 4)
+    digits = 4 if low == high else max(int(log10(high / (high - low))) + 4, 4)
     return rounded_down(low, digits), rounded_up(high, digits)
 
 
@@ -138,12 +146,11 @@ class Bands:
     def groups(self) -> list[_Group]:
         """The lengths at which not all geometries have the same number of cusps, or may not."""
         spans = [one.span for one in self.transitions if one.span.meets(self.span)]
-        open_spans = [*self.left, *(one.span for one in self.transitions if not one.is_whole)]
         return [
             _Group(
                 whole,
                 tuple(one for one in self.transitions if one.span.meets(whole)),
-                not any(span.meets(whole) for span in open_spans),
+                not any(span.meets(whole) for span in self.left),
             )
             for whole in merged([*spans, *self.left])
         ]

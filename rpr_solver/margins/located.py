@@ -33,7 +33,7 @@ POSE = 3
 SWALLOWTAILS, CRITICAL = 0, 1
 """The systems (K, E, S) and (K, K_α, K_θ)."""
 _RADIAN = TURN / (2 * np.pi)
-_LEAST = 1e-8
+_LEAST, _MOST = 1e-8, 0.0625
 _INSIDE = 0.99
 _ROUNDS = 12
 _WIDER = 1.1
@@ -98,6 +98,19 @@ def locate(problem: Problem, starts: Sequence[Start]) -> list[Located | None]:
         return _Search(problem, starts).located()
 
 
+def reaches(problem: Problem, starts: Sequence[Start]) -> list[float]:
+    """How far the lengths of degenerate poses move with the geometry, to first order: estimates, no bounds.
+
+    The arguments are those of :func:`locate`. A number is in the user's unit, and NaN or infinite for a pose
+    that is not simple.
+    """
+    with np.errstate(all="ignore"):
+        search = _Search(problem, starts)
+        terms = search.terms(np.full((POSE, len(starts)), _LEAST))
+        lengths: Doubles = abs(terms.linear[ANGLES]).sum(axis=0) * float(problem.unit)
+        return list(lengths)
+
+
 class _Search:
     """The search for the boxes of several poses at once: a column for each."""
 
@@ -112,13 +125,14 @@ class _Search:
         """What is proved of each pose."""
         half = np.full(self._centre.shape, _LEAST)
         for _ in range(_ROUNDS):
-            terms = self._terms(half)
+            terms = self.terms(half)
             image = terms.image
             found = (image <= _INSIDE * half).all(axis=0)
             if found.all():
                 break
-            wider = np.maximum(half, _WIDER * image).clip(max=1)
-            half = np.where(found | np.isnan(image), half, wider)
+            wider = np.where(found, half, np.maximum(half, _WIDER * image))
+            # errors are those of all boxes, so one that does not contract is not to grow
+            half = np.where((wider <= _MOST).all(axis=0), wider, _LEAST)
         zone, is_alone = self._zone(half)
         found &= is_alone & terms.is_sound
         return [self._answer(terms, zone[:, k], k) if found[k] else None for k in range(len(found))]
@@ -143,11 +157,11 @@ class _Search:
         best, low, high = (np.full(half.shape[1], factor) for factor in (0.0, 1.0, _WIDEST))
         for _ in range(_ZONE_ROUNDS):
             factor = np.sqrt(low * high)
-            zone = (half * factor).clip(max=1)
-            alone = (self._terms(zone).spread <= _INSIDE * zone).all(axis=0)
+            zone = (half * factor).clip(max=_MOST)
+            alone = (self.terms(zone).spread <= _INSIDE * zone).all(axis=0)
             best, low = np.where(alone, factor, best), np.where(alone, factor, low)
             high = np.where(alone, high, factor)
-        return (half * best).clip(max=1), best > 0
+        return (half * best).clip(max=_MOST), best > 0
 
     def _systems(self, half: Doubles | float) -> tuple[BoxRing, Systems]:
         """The functions on boxes with these half widths, angles in radians."""
@@ -160,7 +174,8 @@ class _Search:
         ring = BoxRing(self._problem, low, high)
         return ring, self._problem.systems(ring, 2)
 
-    def _terms(self, half: Doubles) -> _Terms:
+    def terms(self, half: Doubles) -> _Terms:
+        """The map on boxes with these half widths, angles in radians."""
         ring, systems = self._systems(half)
         k = systems.singularity
         tests = [(k.value, k.alpha.value, k.theta.value)]

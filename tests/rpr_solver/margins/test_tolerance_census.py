@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 
 from rpr_solver import EXAMPLES, InputError, Manipulator, ToleranceCensus, census, tolerance_census
-from rpr_solver.margins.bands import ORDER, OUTSIDE, Span, merged
+from rpr_solver.margins.bands import ORDER, OUTSIDE, SINGULAR, Span, merged
 from rpr_solver.margins.questions import LENGTHS
 
 INNOCENTI = EXAMPLES["innocenti"]
@@ -130,6 +130,18 @@ def test_special_families_are_open_throughout_and_it_is_said_why(
 def test_a_search_that_is_cut_short_leaves_the_range_open() -> None:
     answer = tolerance_census(INNOCENTI, "0.001", start=26, stop=32, digits=15, most_boxes=100)
     assert not answer.complete
+
+
+def test_a_transition_that_is_not_located_leaves_the_others_proved() -> None:
+    answer = tolerance_census(INNOCENTI, "0.003", start="10.5", stop=21, digits=15)
+    first, second, *_, before, last = answer.spans
+    assert first is second is None
+    assert before is not None
+    assert last is not None
+    assert {reason for _, reason in answer.open} <= {SINGULAR, ORDER}
+    assert answer.open[0].span.start > 10.8
+    assert (answer.pieces[0].least, answer.pieces[0].most) == (6, 6)
+    assert_holds(answer, near(INNOCENTI, answer.tolerance, random.Random(11)))
 
 
 def test_bad_input_is_named() -> None:
