@@ -18,6 +18,8 @@ from rpr_solver.margins.counterexamples import rounded_down, rounded_up
 from rpr_solver.margins.located import Located
 from rpr_solver.model.lengths import LengthRange
 
+_DIGITS = 4
+
 ORDER = "the order of the transitions is not the same, or not proved to be, for every geometry"
 SINGULAR = "a transition is not proved to be a simple one, or not for every geometry"
 OUTSIDE = "a transition beyond the end of the range may lie within it"
@@ -34,6 +36,15 @@ class Span(NamedTuple):
         """Whether they have a length in common."""
         pairs = ((self, other), (other, self))
         return all(b.stop is None or a.start <= b.stop for a, b in pairs)
+
+    def rounded(self) -> Span:
+        """One of few more digits than its width asks for, which holds this."""
+        if self.stop is None:
+            return Span(rounded_down(self.start, _DIGITS), None)
+        digits = _DIGITS
+        if self.start < self.stop:
+            digits = max(int(log10(self.stop / (self.stop - self.start))) + digits, digits)
+        return Span(rounded_down(self.start, digits), rounded_up(self.stop, digits))
 
 
 class OpenRange(NamedTuple):
@@ -83,17 +94,11 @@ class Transition(NamedTuple):
         is_whole = 0 < len(known) == len(poses)
         if not is_whole:
             ends += [max(length - 2 * reach, Fraction(0)), length + 2 * reach]
-        return cls(length, known, is_whole, Span(*_rounded(min(ends), max(ends))))
+        return cls(length, known, is_whole, Span(min(ends), max(ends)).rounded())
 
     def is_below(self, other: Transition) -> bool:
         """Whether each has one pose, and every geometry has this at a lesser length than the other."""
         return len(self.poses) == len(other.poses) == 1 and self.poses[0].is_below(other.poses[0])
-
-
-def _rounded(low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
-    """Bounds with few digits more than needed, rounded outward."""
-    digits = 4 if low == high else max(int(log10(high / (high - low))) + 4, 4)
-    return rounded_down(low, digits), rounded_up(high, digits)
 
 
 def merged(spans: Sequence[Span]) -> list[Span]:

@@ -67,11 +67,12 @@ def exclude(
     low, high = problem.grid(_PARTS)
     search, boxes = (_Search(problem) if zones is None else SlopeSearch(problem, zones)), 0
     waiting, left = [(low, high)], [(low[:, :0], high[:, :0])]
+    following = -1 if zones is None else 0  # breadth first leaves small boxes when the search is cut short
     with np.errstate(all="ignore"):
         while waiting:
-            low, high = waiting.pop()
-            while waiting and low.shape[1] + waiting[-1][0].shape[1] <= _BATCH:
-                low, high = _together([(low, high), waiting.pop()])
+            low, high = waiting.pop(following)
+            while waiting and low.shape[1] + waiting[following][0].shape[1] <= _BATCH:
+                low, high = _together([(low, high), waiting.pop(following)])
             if low.shape[1] > _BATCH:
                 waiting.append((low[:, _BATCH:], high[:, _BATCH:]))
                 low, high = low[:, :_BATCH], high[:, :_BATCH]

@@ -227,7 +227,7 @@ def _exclude_others(
         progress(min(boxes, most), most)
         low, high = (end[ANGLES] for end in result.left)
         left += [_of_user(problem, a, b) for a, b in set(zip(low, high, strict=True))]
-    return boxes, merged(left)
+    return boxes, [one.rounded() for one in merged(left)]
 
 
 def _zones(problem: Problem, box: GeometryBox, located: Sequence[Located], unknown: Sequence[Span]) -> Zones:
