@@ -126,8 +126,7 @@ def census(
     members = {
         "fixed_leg": fixed_leg,
         "range": _range(start, stop),
-        "certificate": given["certificate"],
-        "sensitivities": given["sensitivities"],
+        **{name: given[name] for name in ("certificate", "sensitivities")},
         **_numbers(tolerance=given["tolerance"]),
     }
     return _asked(CensusRequest, Census, manipulator, digits, given["deadline"], members)
@@ -354,11 +353,9 @@ def _path(manipulator: Manipulator, options: PathOptions, members: Mapping[str, 
     )
     own = {
         **members,
-        "fixed_leg": given["fixed_leg"],
+        **{name: given[name] for name in ("fixed_leg", "timing", "others")},
         "samples": str(given["samples"]),
-        "timing": given["timing"],
         "duration": _text(given["duration"]),
-        "others": given["others"],
         **_limits(given["limits"]),
     }
     return _asked(PathRequest, Path, manipulator, given["digits"], given["deadline"], own)
