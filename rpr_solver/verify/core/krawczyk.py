@@ -164,7 +164,7 @@ class Directions:
 
     def value(self, p: Trig) -> Interval:
         """All values of a trigonometric polynomial in the box."""
-        spend(2 * len(p), self.bits)
+        spend(5 * len(p), self.bits)
         rational = irrational = Interval(0, 0, self.bits)
         for key, (a, b) in p.items():
             monomial = self._monomial(key)
