@@ -36,7 +36,7 @@ from rpr_solver.verify.core.reports import check, margin
 
 LENGTH_KINDS = ("several", "unclassified", "undecided", "open")
 SYSTEMS = {"swallowtails": 32, "critical poses": 18}
-"""Name → the degree of its eliminant; for the third, any."""
+"""Name → the degree of its eliminant; beside shared angles it is another."""
 BESIDE = "beside shared angles"
 _NAME = text("C[1-9][0-9]{0,5}")
 _MOST_DEGREE = 200
@@ -226,9 +226,9 @@ def _system(fixed: int) -> Read:
     def read(value: object, at: str) -> Record:
         known = value if isinstance(value, Mapping) else {}
         form = known.get("polynomial")
-        name, degree = known.get("name"), form.get("degree") if isinstance(form, Mapping) else 0
-        own = SYSTEMS.get(name, degree) if isinstance(name, str) else 0
-        degree = count(0, _MOST_DEGREE)(own, f"{at}/polynomial/degree")
+        given = form.get("degree") if isinstance(form, Mapping) else 0
+        # beside shared angles it is another one than in general
+        degree = count(0, _MOST_DEGREE)(given, f"{at}/polynomial/degree")
         return record(  # type: ignore[no-any-return]
             {
                 "name": word(*SYSTEMS, BESIDE),
