@@ -168,7 +168,7 @@ def main() -> int:
     parser.add_argument("--random", type=int, default=0, metavar="N", help="so many random questions")
     parser.add_argument("--samples", type=int, default=0, metavar="N", help="so many exact counts")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--boxes", type=int, default=60_000, help="boxes of a margin (default: %(default)s)")
+    parser.add_argument("--boxes", type=int, default=20_000, help="boxes of a margin (default: %(default)s)")
     options = parser.parse_args()
     if options.random:
         shares(options.random, options.seed, options.boxes)

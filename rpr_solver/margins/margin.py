@@ -41,10 +41,12 @@ MOST_BOXES = 20_000
 """The number of boxes that a search examines, some three seconds."""
 _RECORDED = 5
 """A proof that a checker can follow may have so many times more boxes."""
-_PARTS = Fraction(99, 100), Fraction(4, 5)
+_PARTS = Fraction(99, 100), Fraction(17, 20), Fraction(13, 20)
 """The first radii that are tried, each as part of the one that failed."""
 _DIGITS = 3
 _CLOSE = Fraction(51, 50)
+_ENOUGH = Fraction(6, 5)
+"""The search ends when the radius that failed is at most so many times the one that is proved."""
 _LEAST_BOXES = 2_000
 _CANDIDATES = 4
 _DOUBTFUL = 1.1
@@ -280,7 +282,7 @@ class _Search:
         example = self._refuted()
         top = self._top(example)
         proved, failed, tries = Fraction(0), top, iter(_PARTS)
-        while self.budget.left > _LEAST_BOXES and failed > proved * _CLOSE:
+        while self.budget.left > _LEAST_BOXES and failed > proved * _ENOUGH:
             radius = rounded_down(
                 (proved + failed) / 2 if proved else failed * next(tries, Fraction(1, 2)), _DIGITS
             )
