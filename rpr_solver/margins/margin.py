@@ -47,7 +47,7 @@ _DIGITS = 3
 _CLOSE = Fraction(51, 50)
 _ENOUGH = Fraction(6, 5)
 """The search ends when the radius that failed is at most so many times the one that is proved."""
-_LEAST_BOXES = 2_000
+_LEAST_BOXES = 4_000
 _CANDIDATES = 4
 _DOUBTFUL = 1.1
 """Below such a radius to first order, a counter-example is sought before a proof."""
