@@ -12,31 +12,26 @@ INNOCENTI = EXAMPLES["innocenti"]
 STRETCH = {"a2x": "0.01"}
 """A tolerance of one length, the others being exact: proofs have few variables."""
 
-_BASES.update(
-    {
-        "margin": lambda: margin(ZEIN, 10, tolerance=STRETCH, certificate="full").to_json(),
-        "short margin": lambda: margin(ZEIN, 10, tolerance=STRETCH).to_json(),
-        "refuted margin": lambda: margin(
-            INNOCENTI, "28.1", tolerance={"d1": "0.004", "a3x": "0.0002"}
-        ).to_json(),
-        "margin of a requirement": lambda: margin(
-            ZEIN,
-            requirement=Requirement(1, Fraction(10), Fraction("10.1"), max_cusps=4, limits={2: (5, None)}),
-            tolerance=STRETCH,
-            certificate="full",
-        ).to_json(),
-        "margin of an open range": lambda: margin(
-            SMALL,
-            requirement=Requirement(1, Fraction(1000), None, max_cusps=4),
-            tolerance=STRETCH,
-            certificate="full",
-        ).to_json(),
-        "margin of a window": lambda: margin(
-            ZEIN, window=10, tolerance=STRETCH, certificate="full"
-        ).to_json(),
-        "refuted window": lambda: margin(INNOCENTI, window="28.1", tolerance={"d1": "0.25"}).to_json(),
-    }
-)
+MARGINS = {
+    "margin": lambda: margin(ZEIN, 10, tolerance=STRETCH, certificate="full").to_json(),
+    "short margin": lambda: margin(ZEIN, 10, tolerance=STRETCH).to_json(),
+    "refuted margin": lambda: margin(INNOCENTI, "28.1", tolerance={"d1": "0.004", "a3x": "0.0002"}).to_json(),
+    "margin of a requirement": lambda: margin(
+        ZEIN,
+        requirement=Requirement(1, Fraction(10), Fraction("10.1"), max_cusps=4, limits={2: (5, None)}),
+        tolerance=STRETCH,
+        certificate="full",
+    ).to_json(),
+    "margin of an open range": lambda: margin(
+        SMALL,
+        requirement=Requirement(1, Fraction(1000), None, max_cusps=4),
+        tolerance=STRETCH,
+        certificate="full",
+    ).to_json(),
+    "margin of a window": lambda: margin(ZEIN, window=10, tolerance=STRETCH, certificate="full").to_json(),
+    "refuted window": lambda: margin(INNOCENTI, window="28.1", tolerance={"d1": "0.25"}).to_json(),
+}
+_BASES.update(MARGINS)
 
 
 def wider(document: Document, factor: int) -> None:
