@@ -3,6 +3,7 @@
 python benchmarks/margins.py                     the examples
 python benchmarks/margins.py --random 200        random manipulators: the share of the possible that is proved
 python benchmarks/margins.py --samples 5000      exact counts in proved boxes; exit status 1 if one differs
+python benchmarks/margins.py --censuses 100      censuses of a tolerance against exact ones; likewise
 
 Times are those of the process, so that other processes do not count. The share is the proved radius over
 the least of the first-order radius, the counter-example's and the validity radius.
@@ -18,6 +19,7 @@ import time
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import partial
+from itertools import islice, pairwise
 from typing import Any, TypeVar
 
 from rpr_solver import (
@@ -27,6 +29,7 @@ from rpr_solver import (
     Margin,
     Requirement,
     SolverError,
+    census,
     cusp_table,
     margin,
     tolerance_census,
@@ -161,12 +164,39 @@ def soundness(samples: int, seed: int, most_boxes: int) -> int:
     return wrong
 
 
+def censuses(number: int, seed: int) -> int:
+    """Compare censuses of a tolerance with exact ones at corners; return how many differ."""
+    rng, wrong, known, every = random.Random(seed), 0, 0, 0
+    for manipulator, length, leg in islice(questions(seed), number):
+        tolerance = Fraction(rng.choice(("0.0001", "0.001", "0.003")))
+        span: dict[str, Any] = {"fixed_leg": leg, "start": length, "stop": length + 10, "digits": 15}
+        table = tolerance_census(manipulator, tolerance, **span)
+        known, every = known + sum(x is not None for x in table.spans), every + len(table.spans)
+        for _ in range(3):
+            moved = {g: getattr(manipulator, g) + tolerance * rng.choice((-1, 1)) for g in LENGTHS}
+            found = census(Manipulator(**{**manipulator.to_dict(), **moved}), **span)
+            ends = [length, *(Fraction(one.length) for one in found.transitions), length + 10]
+            for piece in table.pieces:
+                low, high = piece.span.start, piece.span.stop or length + 10
+                counts = {
+                    count
+                    for count, (a, b) in zip(found.counts, pairwise(ends), strict=True)
+                    if a < high and b > low
+                }
+                if piece.least is not None and not piece.least <= min(counts) <= max(counts) <= piece.most:
+                    wrong += 1
+                    print(f"WRONG: {table.to_json()} at {moved}: {counts} in {piece}")
+    print(f"{number} censuses of a tolerance: {known} of {every} transitions bounded, {wrong} wrong")
+    return wrong
+
+
 def main() -> int:
     """Print what is asked for."""
     form = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=form)
     parser.add_argument("--random", type=int, default=0, metavar="N", help="so many random questions")
     parser.add_argument("--samples", type=int, default=0, metavar="N", help="so many exact counts")
+    parser.add_argument("--censuses", type=int, default=0, metavar="N", help="so many of a tolerance")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--boxes", type=int, default=20_000, help="boxes of a margin (default: %(default)s)")
     options = parser.parse_args()
@@ -174,6 +204,8 @@ def main() -> int:
         shares(options.random, options.seed, options.boxes)
     if options.samples:
         return min(soundness(options.samples, options.seed, options.boxes), 1)
+    if options.censuses:
+        return min(censuses(options.censuses, options.seed), 1)
     if not options.random:
         examples()
     return 0

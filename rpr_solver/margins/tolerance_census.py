@@ -30,7 +30,7 @@ from rpr_solver.model.manipulator import Manipulator
 from rpr_solver.notebook import counted
 from rpr_solver.transitions.census import census
 
-MOST_BOXES = 200_000
+MOST_BOXES = 120_000
 """The number of boxes of a search, some ten seconds."""
 _LEAST_SIDE = Fraction(1, 2)
 """Boxes with sides of so many tolerances are not cut any more."""
