@@ -1,7 +1,7 @@
 """Functions on boxes, in doubles: expansions to second order at the middles, with bounds of what is left out.
 
 On a box of middles x₀ and half widths w let x = x₀ + w t, |t| ≤ 1. A function is c₀ + Σ cₖ tₖ + Σ cⱼₖ tⱼ tₖ +
-Σ dᵢ ηᵢ, up to ``rest`` (mathematics.md#functions-on-boxes). The symbols ηᵢ, |ηᵢ| ≤ 1, are functions of x, the
+Σ dᵢ ηᵢ, up to ``rest`` (mathematics.md#expansions). The symbols ηᵢ, |ηᵢ| ≤ 1, are functions of x, the
 same ones in all expansions: they stand for what the points of the platform are beside their own expansions.
 Many boxes are done at once: arrays have a row for each coefficient and a column for each box.
 """

@@ -1,4 +1,6 @@
-"""Where a degenerate cusp is, for all geometries of a box: existence and uniqueness (mathematics.md#located).
+"""Where a degenerate cusp is, for all geometries of a box: there is one, and no other.
+
+This is Theorem 37 (a) and (b), mathematics.md#census-of-a-tolerance.
 
 A transition's pose is a zero of three functions T of x = (α, θ, L), which depend on the lengths g. With a
 matrix Y near T_x⁻¹, the map x − Y T(x, g) takes a box of x into itself for every g of the box, so that each

@@ -386,7 +386,7 @@ def validity(manipulator: Manipulator, weights: Sequence[Fraction]) -> Fraction 
     # two base points coincide where both coordinates do
     height = _ratio(abs(m.a3y), w["a3y"])
     for distance, change in ((m.a3x, w["a3x"]), (m.a3x - m.a2x, w["a3x"] + w["a2x"])):
-        width = _ratio(abs(distance), change)
+        width = _ratio(abs(distance), change) if distance else Fraction(0)
         radii.append(None if width is None or height is None else max(width, height))
     return min((radius for radius in radii if radius is not None), default=None)
 

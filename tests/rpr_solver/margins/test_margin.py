@@ -241,6 +241,8 @@ def test_validity_is_the_radius_of_the_first_flat_platform() -> None:
     assert validity(INNOCENTI, (*ONES[:3], *(Fraction(0),) * 3)) == 10
     assert validity(INNOCENTI, (Fraction(1), *(Fraction(0),) * 5)) == Fraction("15.91")
     assert validity(INNOCENTI, (*(Fraction(0),) * 5, Fraction(1))) == Fraction("12.74")
+    # a3x = 0 is exact: A3 falls on A1 where a3y is 0
+    assert validity(INNOCENTI, (*(Fraction(0),) * 2, Fraction(1), *(Fraction(0),) * 3)) == 10
 
 
 def test_documents_have_the_shape_of_the_contract() -> None:
