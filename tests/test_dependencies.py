@@ -33,7 +33,7 @@ def names(requirements: list[str]) -> set[str]:
 
 
 RUNTIME = names(PROJECT["dependencies"])
-OPTIONAL = names(EXTRAS["otel"]) | names(EXTRAS["plot"])
+OPTIONAL = set[str]().union(*(names(EXTRAS[extra]) for extra in ("atlas", "design", "otel", "plot")))
 TESTS = RUNTIME | OPTIONAL | names(EXTRAS["test"])
 
 

@@ -38,9 +38,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         dest="plot",
         choices=PLOTS,
         default="slice",
-        help="the type of picture: a slice in the plane of the free legs (default) or on the torus of "
-        "poses, the census, the sensitivities of its transitions, the margin against the length of the leg, "
-        "the cusp curves in joint space, a loop in motion, or the mechanism",
+        metavar="KIND",
+        help="the type of picture: a slice in the plane of the free legs (slice, the default) or on the "
+        "torus of poses (torus), the census, the sensitivities of its transitions, the margin against the "
+        "length of the leg, the cusp curves in joint space (locus), a loop in motion, or the mechanism",
     )
     arguments.add_options(parser, "--l{}", "lengths", "X", "the length of a leg")
     arguments.add_ranges(parser, "the range of a census, sensitivities, margins or a locus (default: all)")

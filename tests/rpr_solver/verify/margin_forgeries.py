@@ -29,7 +29,7 @@ MARGINS = {
         certificate="full",
     ).to_json(),
     "margin of a window": lambda: margin(ZEIN, window=10, tolerance=STRETCH, certificate="full").to_json(),
-    "refuted window": lambda: margin(INNOCENTI, window="28.1", tolerance={"d1": "0.25"}).to_json(),
+    "refuted window": lambda: margin(INNOCENTI, window="28.1", tolerance={"d1": "1"}).to_json(),
 }
 _BASES.update(MARGINS)
 
@@ -126,7 +126,7 @@ def _(document: Document) -> None:
 
 @forgery("a geometry that has the window", "refuted window", "/counterexample")
 def _(document: Document) -> None:
-    document["counterexample"].update(radius="0.4", geometry={**document["geometry"], "d1": "17.14"})
+    document["counterexample"].update(radius="0.1", geometry={**document["geometry"], "d1": "17.14"})
 
 
 FAR = "/counterexample/geometry"

@@ -12,6 +12,7 @@ import rpr_solver
 from rpr_solver import EXAMPLES
 from worker.answers.censuses import CENSUS, CERTIFIED_CENSUS
 from worker.answers.curves import CERTIFIED_CURVES, CUSP_CURVES
+from worker.answers.designs import DESIGN
 from worker.answers.documents import ASPECTS, POSES, SINGULAR_CURVES, VERIFICATION
 from worker.answers.kinds import KINDS, kind_of_job, request_from_json
 from worker.answers.margins import CHECK, MARGIN
@@ -120,6 +121,30 @@ OF_VERSION_2 = {
             "digits": 15,
             "length": "28.1",
             "weights": dict.fromkeys(("a2x", "a3x", "a3y", "d1", "d2", "d3"), "1"),
+        },
+    ),
+    "de-920558698ed80fbb60dcd16df501b825b09200f5": JobRequest(
+        DESIGN,
+        {
+            "geometry": GEOMETRY,
+            "fixed_leg": 1,
+            "digits": 15,
+            "objective": "longest-range",
+            "requirement": {
+                "fixed_leg": 1,
+                "range": {"from": "5", "to": "30"},
+                "max_cusps": 4,
+                "min_cusps": None,
+                "limits": {},
+                "degenerate": "allowed",
+            },
+            "vary": {"d1": {"from": "14.484", "to": "19.596"}, "d2": {"from": "14.059", "to": "19.021"}},
+            "family": None,
+            "decimals": 2,
+            "min_height": None,
+            "ignore_windows": "0",
+            "budget": {"censuses": 4},
+            "seed": 1,
         },
     ),
     "ve-8f9ded9c446b06058ff1c37bc730ad24253c23d8": JobRequest(

@@ -387,8 +387,7 @@ function showLegend(entries) {
     const item = document.createElement("li");
     item.textContent = text;
     if (!name) return item;
-    const swatch = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-    const area = document.createElementNS("http://www.w3.org/2000/svg", "rect");
+    const [swatch, area] = ["svg", "rect"].map((x) => document.createElementNS("http://www.w3.org/2000/svg", x));
     for (const [key, value] of [["width", "100%"], ["height", "100%"], ["class", name]]) area.setAttribute(key, value);
     swatch.setAttribute("aria-hidden", "true");
     swatch.append(area);
