@@ -15,7 +15,7 @@ import numpy as np
 from rpr_solver.margins.boxes import ANGLES, ExpansionRing, MayGoOn, Problem
 from rpr_solver.margins.expansions import Expansion, combined, lowest
 from rpr_solver.margins.questions import LENGTHS
-from rpr_solver.margins.slope_search import SlopeSearch, Zones
+from rpr_solver.margins.slope_search import ROUNDS, SMALL, SlopeSearch, Zones, solved
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,9 +29,6 @@ if TYPE_CHECKING:
 _PARTS = 32
 _BATCH = 1024
 _FINEST_ANGLE = 4
-_ROUNDS = 6
-_SMALL = 1e-6
-"""Terms below it, relative to their sum, get no more weight."""
 _PLATFORM = 1 + LENGTHS.index("d1")
 """The place of the first side of the platform among a problem's spans."""
 _WEIGHTS = 0.5, 1.0, 2.0, 3.0
@@ -238,7 +235,7 @@ def multipliers(functions: Sequence[Expansion]) -> Doubles:
     best = np.full(values[0].shape, np.inf)
     chosen = np.full((len(functions), best.size), np.nan)
     weights, own = np.ones_like(others[0]), [np.ones_like(best)] * len(functions)
-    for _ in range(_ROUNDS):
+    for _ in range(ROUNDS):
         factors = np.array(_least_squares(values, others, rests, weights, own))
         factors /= (factors * values).sum(axis=0)
         terms = abs(sum(factor * other for factor, other in zip(factors, others, strict=True)))
@@ -246,7 +243,7 @@ def multipliers(functions: Sequence[Expansion]) -> Doubles:
         total = terms.sum(axis=0) + parts.sum(axis=0)
         better = total < best
         best[better], chosen[:, better] = total[better], factors[:, better]
-        small = _SMALL * total
+        small = SMALL * total
         weights, own = 1 / (terms + small), list(1 / (parts + small))
     return chosen * scales
 
@@ -263,13 +260,4 @@ def _least_squares(
     matrix = [[(x * y).sum(axis=0) for y in others[: k + 1]] for k, x in enumerate(weighted)]
     for k, (rest, weight) in enumerate(zip(rests, own, strict=True)):
         matrix[k][k] = matrix[k][k] + weight * rest**2
-    if len(values) == 2:
-        ((a,), (b, c)), (x, y) = matrix, values
-        return [c * x - b * y, a * y - b * x]
-    ((a,), (b, d), (c, e, f)), (x, y, z) = matrix, values
-    xy, xz, yz = c * e - b * f, b * e - c * d, b * c - a * e
-    return [
-        (d * f - e * e) * x + xy * y + xz * z,
-        xy * x + (a * f - c * c) * y + yz * z,
-        xz * x + yz * y + (a * d - b * b) * z,
-    ]
+    return solved(matrix, values)

@@ -23,8 +23,9 @@ if TYPE_CHECKING:
     Flags = NDArray[np.bool_]
     Places = NDArray[np.int64]
 
-_ROUNDS = 6
-_SMALL = 1e-6
+ROUNDS = 6
+"""Of reweighting."""
+SMALL = 1e-6
 """Terms below it, relative to their sum, get no more weight."""
 
 
@@ -155,7 +156,7 @@ def multipliers(functions: Sequence[Slopes], half: Doubles, moving: Sequence[int
     best = np.full(half.shape[1], np.inf)
     chosen = np.zeros((len(terms), half.shape[1]))
     weights, own = np.ones_like(half), [np.ones_like(best)] * len(terms)
-    for _ in range(_ROUNDS):
+    for _ in range(ROUNDS):
         factors = _least_squares(terms, weights, own)
         height = abs(_combined(factors, [term.value for term in terms]))
         slopes = abs(_combined(factors, [term.change for term in terms]))
@@ -166,7 +167,7 @@ def multipliers(functions: Sequence[Slopes], half: Doubles, moving: Sequence[int
         best[better] = value[better]
         for row, factor in zip(chosen, factors, strict=True):
             row[better] = (factor / height)[better]
-        small = _SMALL * total
+        small = SMALL * total
         weights, own = 1 / (slopes + small), [1 / (part + small) for part in parts]
     shares = _combined([abs(factor) for factor in chosen], [term.second for term in terms])
     shares[moving] += abs(_combined(list(chosen), [term.change[moving] for term in terms]))
@@ -205,10 +206,18 @@ def _least_squares(terms: Sequence[_Terms], weights: Doubles, own: Sequence[Doub
     ]
     for k, (term, weight) in enumerate(zip(terms, own, strict=True)):
         matrix[k][k] = matrix[k][k] + weight * term.rest**2
-    if len(terms) == 2:
-        ((a,), (b, c)), (x, y) = matrix, (term.value for term in terms)
+    return solved(matrix, [term.value for term in terms])
+
+
+def solved(matrix: Sequence[Sequence[Doubles]], values: Sequence[Doubles]) -> list[Doubles]:
+    """Solutions, up to a common factor, of symmetric systems in two or three unknowns for these values.
+
+    A matrix is given by its lower triangle; it and the values have an entry for each box.
+    """
+    if len(values) == 2:
+        ((a,), (b, c)), (x, y) = matrix, values
         return [c * x - b * y, a * y - b * x]
-    ((a,), (b, d), (c, e, f)), (x, y, z) = matrix, (term.value for term in terms)
+    ((a,), (b, d), (c, e, f)), (x, y, z) = matrix, values
     xy, xz, yz = c * e - b * f, b * e - c * d, b * c - a * e
     return [
         (d * f - e * e) * x + xy * y + xz * z,

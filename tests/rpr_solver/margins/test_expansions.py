@@ -1,41 +1,26 @@
 """Expansions of second order on boxes: what they bound holds at every point, against balls."""
 
 import random
-from fractions import Fraction
 
 import numpy as np
 import pytest
-from flint import ctx
 
 from rpr_solver.margins.boxes import ExpansionRing
 from rpr_solver.margins.expansions import Expansion, Layout, lowest
-from tests.rpr_solver.margins.test_slopes import exact, functions, problem
+from tests.rpr_solver.margins.test_slopes import boxes_of_examples, functions, random_point
 
 pytestmark = pytest.mark.quick
 
 
 def test_expansions_hold_at_random_points_of_random_boxes() -> None:
     rng = random.Random(1)
-    for name, leg, length, radius, drift in (
-        ("innocenti", 1, "17", "0.3", False),
-        ("sixteen-cusps", 2, "14", "0.01", True),
-        ("twelve-cusps", 3, "8.3", "0.2", True),
-    ):
-        box = problem(name, leg, length, radius, drift=drift)
-        low, high = (x[:, ::37].copy() for x in box.grid(32))
-        for row in range(box.size):  # some boxes are narrow
-            part = rng.choice((1, 2, 64))
-            high[row] = low[row] + (high[row] - low[row]) / part
+    for box, low, high in boxes_of_examples(rng):
         ring = ExpansionRing(box, low, high)
         with np.errstate(all="ignore"):
             computed = functions(box.systems(ring, 2))
             least = [lowest(function) for function in computed]
         for column in range(low.shape[1]):
-            shares = [rng.choice((0, 1, rng.random())) for _ in range(box.size)]
-            ends = [(Fraction(a), Fraction(b)) for a, b in zip(low[:, column], high[:, column], strict=True)]
-            point = [a + Fraction(t) * (b - a) for t, (a, b) in zip(shares, ends, strict=True)]
-            with ctx.workprec(160):
-                values = exact(box, point)
+            shares, values = random_point(rng, box, low[:, column], high[:, column])
             for function, least_value, value in zip(computed, least, values, strict=True):
                 if not np.isnan(function.rest[column]):
                     middle, polynomial, loss = at_point(function, column, [2 * t - 1 for t in shares])

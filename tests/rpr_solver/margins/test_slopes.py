@@ -1,7 +1,11 @@
 """The arithmetic of boxes: what it bounds holds at every point, against balls."""
 
+from __future__ import annotations
+
 import random
+from collections.abc import Iterator
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -12,6 +16,9 @@ from rpr_solver.margins.boxes import TURN, BoxRing, Problem, Span, cos_sin
 from rpr_solver.margins.questions import LENGTHS
 from rpr_solver.margins.slopes import UNIT
 from rpr_solver.margins.systems import Systems, moving_legs, orientation_of
+
+if TYPE_CHECKING:
+    from rpr_solver.margins.slopes import Doubles
 
 pytestmark = pytest.mark.quick
 
@@ -49,8 +56,8 @@ def exact(box: Problem, point: list[Fraction]) -> list[arb]:
     return functions(Systems(*pairs, (balls[0], 1), legs))
 
 
-def test_expansions_hold_at_random_points_of_random_boxes() -> None:
-    rng = random.Random(1)
+def boxes_of_examples(rng: random.Random) -> Iterator[tuple[Problem, Doubles, Doubles]]:
+    """Problems of three examples, each with the lower and upper ends of some boxes, wide and narrow ones."""
     for name, leg, length, radius, drift in (
         ("innocenti", 1, "17", "0.3", False),
         ("sixteen-cusps", 2, "14", "0.01", True),
@@ -61,16 +68,28 @@ def test_expansions_hold_at_random_points_of_random_boxes() -> None:
         for row in range(box.size):  # some boxes are narrow
             part = rng.choice((1, 2, 64))
             high[row] = low[row] + (high[row] - low[row]) / part
+        yield box, low, high
+
+
+def random_point(
+    rng: random.Random, box: Problem, low: Doubles, high: Doubles
+) -> tuple[list[float], list[arb]]:
+    """A place in a box, by its share of each side, often at an end, and the exact functions there."""
+    shares = [rng.choice((0, 1, rng.random())) for _ in range(box.size)]
+    ends = [(Fraction(a), Fraction(b)) for a, b in zip(low, high, strict=True)]
+    with ctx.workprec(160):
+        return shares, exact(box, [a + Fraction(t) * (b - a) for t, (a, b) in zip(shares, ends, strict=True)])
+
+
+def test_slopes_hold_at_random_points_of_random_boxes() -> None:
+    rng = random.Random(1)
+    for box, low, high in boxes_of_examples(rng):
         ring = BoxRing(box, low, high)
         with np.errstate(all="ignore"):
             computed = functions(box.systems(ring, 2))
             bounds = [function.expanded(ring.half) for function in computed]
         for column in range(low.shape[1]):
-            shares = [rng.choice((0, 1, rng.random())) for _ in range(box.size)]
-            ends = [(Fraction(a), Fraction(b)) for a, b in zip(low[:, column], high[:, column], strict=True)]
-            point = [a + Fraction(t) * (b - a) for t, (a, b) in zip(shares, ends, strict=True)]
-            with ctx.workprec(160):
-                values = exact(box, point)
+            _, values = random_point(rng, box, low[:, column], high[:, column])
             for function, (first, second, error), value in zip(computed, bounds, values, strict=True):
                 middle = function.middle[0, column]
                 if np.isnan(middle):
